@@ -1,7 +1,7 @@
 // Warns of a display that the schema allows and no projector has. Thread-safe (no shared state).
 #pragma once
 
-#include "daemon/config/json_document.hpp"
+#include "daemon/json/json_document.hpp"
 
 namespace contourd {
 

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "daemon/config/json_section.hpp"
+#include "daemon/json/json_section.hpp"
 #include "hw/real_machine_config.hpp"
 
 namespace contourd {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/config/json_schema.hpp"
+#include "daemon/json/json_schema.hpp"
 #include "hw/gpio/gpio_axis_config.hpp"
 
 namespace contourd {

@@ -2,7 +2,7 @@
 // thread-safe while the document is being checked.
 #pragma once
 
-#include "daemon/config/json_document.hpp"
+#include "daemon/json/json_document.hpp"
 #include "hw/serial/projector_table.hpp"
 
 namespace contourd {

@@ -1,7 +1,7 @@
 // Warns of switches, an emergency stop or a lid whose broken wire would go unnoticed.
 #pragma once
 
-#include "daemon/config/json_document.hpp"
+#include "daemon/json/json_document.hpp"
 
 namespace contourd {
 

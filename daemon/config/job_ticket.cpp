@@ -1,8 +1,8 @@
 #include "daemon/config/job_ticket.hpp"
 
-#include "daemon/config/json_document.hpp"
-#include "daemon/config/json_schema.hpp"
-#include "daemon/config/json_section.hpp"
+#include "daemon/json/json_document.hpp"
+#include "daemon/json/json_schema.hpp"
+#include "daemon/json/json_section.hpp"
 
 namespace contourd {
 namespace {

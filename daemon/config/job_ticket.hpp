@@ -11,9 +11,9 @@
 #include "core/geometry/units.hpp"
 #include "core/model/placement.hpp"
 #include "daemon/config/orientation_ticket.hpp"
-#include "daemon/config/regular_file.hpp"
 #include "daemon/config/support_figures.hpp"
 #include "daemon/config/ticket_limits.hpp"
+#include "daemon/system/regular_file.hpp"
 
 namespace contourd {
 

@@ -9,10 +9,10 @@
 #include "core/contract/expects.hpp"
 #include "daemon/config/hardware_config.hpp"
 #include "daemon/config/hardware_rules.hpp"
-#include "daemon/config/json_schema.hpp"
-#include "daemon/config/json_section.hpp"
-#include "daemon/config/profile_file.hpp"
 #include "daemon/config/projector_table.hpp"
+#include "daemon/json/json_schema.hpp"
+#include "daemon/json/json_section.hpp"
+#include "daemon/json/profile_file.hpp"
 
 namespace contourd {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "daemon/config/config_error.hpp"
-#include "daemon/config/json_document.hpp"
+#include "daemon/json/config_error.hpp"
+#include "daemon/json/json_document.hpp"
 #include "hw/real_machine_config.hpp"
 
 namespace contourd {

@@ -1,8 +1,8 @@
 // Warns where a projector's table leaves the light of a layer less certain than its resin tolerates.
 #pragma once
 
-#include "daemon/config/json_document.hpp"
 #include "daemon/config/resin_profile.hpp"
+#include "daemon/json/json_document.hpp"
 #include "hw/serial/projector_table.hpp"
 
 namespace contourd {

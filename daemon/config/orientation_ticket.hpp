@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/orientation/orientation_figures.hpp"
-#include "daemon/config/json_document.hpp"
-#include "daemon/config/json_section.hpp"
+#include "daemon/json/json_document.hpp"
+#include "daemon/json/json_section.hpp"
 
 namespace contourd {
 

@@ -11,16 +11,16 @@
 #include "daemon/config/hardware_config.hpp"
 #include "daemon/config/hardware_rules.hpp"
 #include "daemon/config/input_plausibility.hpp"
-#include "daemon/config/json_document.hpp"
-#include "daemon/config/json_schema.hpp"
-#include "daemon/config/json_section.hpp"
 #include "daemon/config/light_config.hpp"
 #include "daemon/config/light_plausibility.hpp"
 #include "daemon/config/printer_places.hpp"
-#include "daemon/config/profile_file.hpp"
 #include "daemon/config/projector_table.hpp"
 #include "daemon/config/resin_plausibility.hpp"
 #include "daemon/config/uniformity_mask.hpp"
+#include "daemon/json/json_document.hpp"
+#include "daemon/json/json_schema.hpp"
+#include "daemon/json/json_section.hpp"
+#include "daemon/json/profile_file.hpp"
 
 namespace contourd {
 namespace {

@@ -10,10 +10,10 @@
 
 #include "core/geometry/units.hpp"
 #include "core/mask/exposure_correction.hpp"
-#include "daemon/config/config_error.hpp"
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/config/resin_profile.hpp"
-#include "daemon/wear_part.hpp"
+#include "daemon/config/wear_part.hpp"
+#include "daemon/json/config_error.hpp"
 #include "hw/real_machine_config.hpp"
 #include "hw/simulated_printer_config.hpp"
 

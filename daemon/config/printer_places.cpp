@@ -6,7 +6,7 @@
 #include <string>
 #include <system_error>
 
-#include "daemon/config/profile_file.hpp"
+#include "daemon/json/profile_file.hpp"
 
 namespace contourd {
 namespace {

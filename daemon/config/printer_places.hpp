@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "daemon/config/json_document.hpp"
+#include "daemon/json/json_document.hpp"
 
 namespace contourd {
 

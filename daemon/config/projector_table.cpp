@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/config/json_document.hpp"
-#include "daemon/config/json_schema.hpp"
-#include "daemon/config/json_section.hpp"
+#include "daemon/json/json_document.hpp"
+#include "daemon/json/json_schema.hpp"
+#include "daemon/json/json_section.hpp"
 
 namespace contourd {
 namespace {

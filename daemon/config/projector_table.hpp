@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "daemon/config/json_document.hpp"
-#include "daemon/config/json_section.hpp"
+#include "daemon/json/json_document.hpp"
+#include "daemon/json/json_section.hpp"
 #include "hw/serial/projector_table.hpp"
 
 namespace contourd {

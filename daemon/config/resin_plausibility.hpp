@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "daemon/config/config_error.hpp"
 #include "daemon/config/resin_profile.hpp"
+#include "daemon/json/config_error.hpp"
 
 namespace contourd {
 

@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
-#include "daemon/config/config_error.hpp"
-#include "daemon/config/json_document.hpp"
-#include "daemon/config/json_schema.hpp"
-#include "daemon/config/json_section.hpp"
 #include "daemon/config/support_figures.hpp"
+#include "daemon/json/config_error.hpp"
+#include "daemon/json/json_document.hpp"
+#include "daemon/json/json_schema.hpp"
+#include "daemon/json/json_section.hpp"
 
 namespace contourd {
 namespace {

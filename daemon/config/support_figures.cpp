@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "daemon/config/config_error.hpp"
+#include "daemon/json/config_error.hpp"
 
 namespace contourd {
 namespace {

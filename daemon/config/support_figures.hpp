@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/support/support_settings.hpp"
-#include "daemon/config/json_section.hpp"
 #include "daemon/config/ticket_limits.hpp"
+#include "daemon/json/json_section.hpp"
 
 namespace contourd {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/contract/expects.hpp"
-#include "daemon/config/config_error.hpp"
 #include "daemon/config/support_figures.hpp"
+#include "daemon/json/config_error.hpp"
 
 namespace contourd {
 namespace {

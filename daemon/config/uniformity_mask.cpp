@@ -5,7 +5,7 @@
 #include <string>
 #include <system_error>
 
-#include "daemon/config/profile_file.hpp"
+#include "daemon/json/profile_file.hpp"
 #include "hw/png_file.hpp"
 
 namespace contourd {

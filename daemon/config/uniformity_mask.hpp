@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/mask/mask.hpp"
-#include "daemon/config/json_document.hpp"
+#include "daemon/json/json_document.hpp"
 
 namespace contourd {
 

@@ -16,7 +16,7 @@
 #include <string_view>
 #include <utility>
 
-#include "daemon/control_server.hpp"
+#include "daemon/control/control_server.hpp"
 #include "tests/fuzz/demand.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "daemon/config/light_config.hpp"
-#include "daemon/copied_originals.hpp"
-#include "daemon/left_in_printing.hpp"
-#include "daemon/print_archivist.hpp"
-#include "daemon/reading_record.hpp"
-#include "daemon/state_records.hpp"
-#include "tests/daemon/spool_fixture.hpp"
+#include "daemon/jobs/print_archivist.hpp"
+#include "daemon/spool/copied_originals.hpp"
+#include "daemon/spool/left_in_printing.hpp"
+#include "daemon/spool/reading_record.hpp"
+#include "daemon/spool/state_records.hpp"
+#include "tests/daemon/spool/spool_fixture.hpp"
 #include "tests/fuzz/told.hpp"
 
 namespace contourd::fuzz {

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <string>
 
-#include "daemon/config/config_error.hpp"
-#include "daemon/config/printable.hpp"
+#include "daemon/json/config_error.hpp"
+#include "daemon/system/printable.hpp"
 #include "tests/fuzz/demand.hpp"
 
 namespace contourd::fuzz {

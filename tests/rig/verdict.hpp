@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/print_process.hpp"
+#include "daemon/print/print_process.hpp"
 
 namespace contourd::rig {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/print_process.hpp"
+#include "daemon/print/print_process.hpp"
 #include "tests/rig/machine_model.hpp"
 #include "tests/rig/scenario.hpp"
 #include "tests/rig/verdict.hpp"

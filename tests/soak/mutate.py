@@ -14,9 +14,9 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "rig"))
 
 from mutate import copy_head  # noqa: E402
 
-CONTROL = "daemon/control_server.cpp"
-PROCESS = "daemon/print_process.cpp"
-COPIES = "daemon/printing_copies.cpp"
+CONTROL = "daemon/control/control_server.cpp"
+PROCESS = "daemon/print/print_process.cpp"
+COPIES = "daemon/spool/printing_copies.cpp"
 
 # Name, file, the text that occurs once in it, the replacement.
 MUTATIONS = [
@@ -34,11 +34,11 @@ MUTATIONS = [
      "void PrintingCopies::remove_leftovers() const {\n  std::error_code ignored;\n"
      "  fs::remove_all(under_way_.parent_path(), ignored);\n  fs::create_directories(under_way_.parent_path(), ignored);"),
     ("a copied plate is not remembered", COPIES, "    originals_.add(mark);\n", "    (void)mark;\n"),
-    ("links are followed", "daemon/config/regular_file.cpp", "kReading | O_NOFOLLOW", "kReading"),
-    ("a file's name goes into the log as it is", "daemon/print_queue.cpp",
+    ("links are followed", "daemon/system/regular_file.cpp", "kReading | O_NOFOLLOW", "kReading"),
+    ("a file's name goes into the log as it is", "daemon/jobs/print_queue.cpp",
      'fmt::format("{}: arrived, number {} in the queue", printable(file), place + 1)',
      'fmt::format("{}: arrived, number {} in the queue", file, place + 1)'),
-    ("a question takes 80 ms", "daemon/printer_status.cpp", "  const CurrentJob& job = parts_.job;\n",
+    ("a question takes 80 ms", "daemon/control/printer_status.cpp", "  const CurrentJob& job = parts_.job;\n",
      "  const timespec moment{0, 80'000'000};\n  ::nanosleep(&moment, nullptr);\n"
      "  const CurrentJob& job = parts_.job;\n"),
 ]

@@ -505,7 +505,7 @@ class Daemon:
 
     def kill(self, while_reading=False):
         """Kills the daemon. Waits for the end of a reading first, unless `while_reading`: the next daemon refuses a file during
-        whose reading it was killed (daemon/reading_record.hpp)."""
+        whose reading it was killed (daemon/spool/reading_record.hpp)."""
         if not while_reading:
             wait_until(lambda: not os.path.exists(os.path.join(self.state_folder, "reading")), "the end of a reading")
         self.process.kill()

@@ -244,7 +244,7 @@ class UnitsTest(unittest.TestCase):
         settings = unit("contourd-job-ended.socket")
         self.assertEqual(settings["ListenStream"], [source_json("contourd.schema.json")["properties"]["job_ended_socket"]["default"]])
         self.assertEqual((settings["SocketUser"], settings["SocketMode"]), (["contourd"], ["0600"]))
-        # Four connections at a time, and the waiting ones when contourd stops (daemon/ended_job_notices.hpp).
+        # Four connections at a time, and the waiting ones when contourd stops (daemon/history/ended_job_notices.hpp).
         self.assertGreater(int(settings["MaxConnections"][0]), 4 + 64)
         self.assertEqual(settings["TriggerLimitIntervalSec"], ["0"])
 

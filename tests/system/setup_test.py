@@ -37,7 +37,7 @@ class SetupTest(FolderTest):
     def setup_words(self, *words, **answers):
         return ["setup", "--config", self.config, *words, *(word for key, value in answers.items() for word in ("--set", f"{key}={value}"))]
 
-    def unasked(self, *words, code=OK, **answers):
+    def non_interactive(self, *words, code=OK, **answers):
         result = contourctl(*self.setup_words("--non-interactive", *words, **answers))
         self.assertEqual(result.returncode, code, result)
         if code != OK:
@@ -59,14 +59,14 @@ class SetupTest(FolderTest):
 class NonInteractive(SetupTest):
     @unittest.skipIf(glob.glob("/dev/gpiochip*"), "this computer has a GPIO chip")
     def test_without_devices_setup_lists_what_is_missing_and_writes_a_simulated_printer(self):
-        told = self.unasked().stdout.decode()
+        output = self.non_interactive().stdout.decode()
         self.assertIn("GPIO: none. The motor's driver", output)
         self.assertIn("hardware = simulated: there is no GPIO chip", output)
         self.assertEqual(self.written()["hardware"], "simulated")
         self.assert_good()
 
     def test_given_values_are_written_with_defaults_for_the_rest_and_notes_with_reasons(self):
-        self.unasked(**REAL, name="Mine")
+        self.non_interactive(**REAL, name="Mine")
         self.assert_good()
         profile = self.written()
         self.assertEqual((profile["hardware"], profile["name"]), ("real", "Mine"))
@@ -86,8 +86,8 @@ class NonInteractive(SetupTest):
         for lead, steps, table in cases:
             for chip in ("gpiochip0", "pinctrl-rp1"):
                 with self.subTest(lead=lead, steps=steps, table=table, chip=chip):
-                    self.unasked("--replace", "--anew", **{**REAL, "screw_lead_mm": lead, "microsteps": steps, "projector_table": table,
-                                                           "gpio_chip": chip, "light_line": 24})  # fmt: skip
+                    self.non_interactive("--replace", "--anew", **{**REAL, "screw_lead_mm": lead, "microsteps": steps, "projector_table": table,
+                                                                   "gpio_chip": chip, "light_line": 24})  # fmt: skip
                     self.assert_good()
 
     def test_a_missing_answer_is_an_error_and_nothing_is_written(self):
@@ -95,7 +95,7 @@ class NonInteractive(SetupTest):
             if key in ("serial_port", "display_mode"):  # this computer may have one
                 continue
             with self.subTest(key):
-                told = self.unasked(code=BAD_USAGE, **{name: value for name, value in REAL.items() if name != key})
+                result = self.non_interactive(code=BAD_USAGE, **{name: value for name, value in REAL.items() if name != key})
                 self.assertIn(f"no default is safe for {key}", result.stderr.decode())
                 self.assertEqual(self.files(), [])
 
@@ -105,15 +105,15 @@ class NonInteractive(SetupTest):
                                  ("name", "a\x1b[2J", "printable"), ("hardware", "both", "real, simulated"), ("colour", "red", "one of the keys hardware, name"),
                                  ("serial_port", "ttyUSB0", "below /dev"), ("switch_line", "-1", "from 0 to 65535")):  # fmt: skip
             with self.subTest(key=key, value=value):
-                told = self.unasked(code=BAD_USAGE, **{**REAL, key: value}).stderr
-                self.assertIn(word, told.decode())
-                self.assertNotIn(b"\x1b", told)
-        self.assertIn(b"expected KEY=VALUE", self.unasked("--set", "travel_mm", code=BAD_USAGE).stderr)
+                errors = self.non_interactive(code=BAD_USAGE, **{**REAL, key: value}).stderr
+                self.assertIn(word, errors.decode())
+                self.assertNotIn(b"\x1b", errors)
+        self.assertIn(b"expected KEY=VALUE", self.non_interactive("--set", "travel_mm", code=BAD_USAGE).stderr)
         self.assertEqual(self.files(), [])
 
     def test_answers_can_come_from_a_file_and_options_override_it(self):
         answers = self.write("answers.json", json.dumps({**REAL, "wait_for_plate_cleared": False, "checks": {"switch": "passed"}}).encode())
-        self.unasked("--answers", answers, travel_mm=77)
+        self.non_interactive("--answers", answers, travel_mm=77)
         profile = self.written()
         self.assertEqual((profile["z_axis"]["travel_mm"], profile["wait_for_plate_cleared"]), (77, False))
         # Checks of another printer do not count for this one.
@@ -122,22 +122,22 @@ class NonInteractive(SetupTest):
                            ('{"checks": 1}', "/checks"), ('{"name": "a", "name": "b"}', "name")):  # fmt: skip
             with self.subTest(text):
                 self.write("answers.json", text.encode())
-                self.assertIn(word, self.unasked("--answers", answers, code=BAD_CONFIG).stderr.decode())
-        self.unasked("--answers", self.path("none"), code=BAD_CONFIG)
+                self.assertIn(word, self.non_interactive("--answers", answers, code=BAD_CONFIG).stderr.decode())
+        self.non_interactive("--answers", self.path("none"), code=BAD_CONFIG)
 
     def test_an_edited_configuration_is_replaced_only_with_replace_and_a_copy_is_kept(self):
-        self.unasked(**REAL)
+        self.non_interactive(**REAL)
         edited = self.written()
         edited["z_axis"]["emergency_stop"] = {"line": 5, "active_low": True, "bias": "pull_up", "contact": "normally_closed"}
         edited["resin"] = "standard"
         self.write("printer.json", json.dumps(edited).encode())
         os.chmod(self.config, 0o640)
         before = self.written()
-        told = self.unasked(code=BAD_USAGE, travel_mm=99)
-        self.assertIn("--replace", told.stderr.decode())
+        result = self.non_interactive(code=BAD_USAGE, travel_mm=99)
+        self.assertIn("--replace", result.stderr.decode())
         self.assertEqual(self.written(), before)
         for kept in ("printer.json.before-setup", "printer.json.before-setup-2"):
-            self.unasked("--replace", travel_mm=99 + len(kept))
+            self.non_interactive("--replace", travel_mm=99 + len(kept))
             self.assertIn(kept, self.files())
         self.assertEqual(self.written(self.path("printer.json.before-setup")), before)
         # Keys without a question keep their values.
@@ -146,7 +146,7 @@ class NonInteractive(SetupTest):
         self.assertNotIn("printer.json.new", self.files())
 
     def test_an_invalid_configuration_is_not_written(self):
-        self.unasked(**REAL)
+        self.non_interactive(**REAL)
         before = self.written()
         result = contourctl(*self.setup_words("--non-interactive", "--replace", top_speed_mm_s=0.5))
         self.assertEqual(result.returncode, BAD_CONFIG, result)
@@ -156,16 +156,16 @@ class NonInteractive(SetupTest):
 
     def test_an_unreadable_file_is_an_error_and_a_damaged_record_can_be_discarded(self):
         os.mkfifo(self.config)
-        self.assertIn(f"{self.config}: it is not a regular file", self.unasked(code=NO_INPUT).stderr.decode())
+        self.assertIn(f"{self.config}: it is not a regular file", self.non_interactive(code=NO_INPUT).stderr.decode())
         os.unlink(self.config)
         self.write("printer.setup.json", b'{"name": ')
-        self.assertIn("printer.setup.json", self.unasked(code=BAD_CONFIG, hardware="simulated").stderr.decode())
-        self.unasked("--anew", hardware="simulated")
+        self.assertIn("printer.setup.json", self.non_interactive(code=BAD_CONFIG, hardware="simulated").stderr.decode())
+        self.non_interactive("--anew", hardware="simulated")
         self.assert_good()
 
     def test_a_folder_that_cannot_be_written_is_reported_at_once(self):
         self.config = self.path("none", "printer.json")
-        self.assertIn("cannot write into", self.unasked(code=CANNOT_CREATE).stderr.decode())
+        self.assertIn("cannot write into", self.non_interactive(code=CANNOT_CREATE).stderr.decode())
 
 
 class TerminalTest(SetupTest):
@@ -275,7 +275,7 @@ class OnTerminal(TerminalTest):
         self.assertEqual(self.files(), ["printer.setup.json"])
 
     def test_a_copy_of_an_existing_configuration_is_kept(self):
-        self.unasked(**REAL)
+        self.non_interactive(**REAL)
         before = self.written()
         self.begin(travel_mm=90)
         self.answer(("is replaced, and", ""))
@@ -320,7 +320,7 @@ class Checks(TerminalTest):
             shutil.copytree(os.path.join(SOURCE, "config", name), os.path.join(folder, name))
         self.config = os.path.join(folder, "printer.json")
         self.record = os.path.join(folder, "printer.setup.json")
-        self.unasked(**{**REAL, "name": "Mine", "travel_mm": 12})
+        self.non_interactive(**{**REAL, "name": "Mine", "travel_mm": 12})
         self.begin("--socket", daemon.socket_path)
         self.answer(("is so already, go on:", ""))
 

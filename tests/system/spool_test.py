@@ -1,4 +1,4 @@
-"""The spool: what becomes of files that are put into incoming/."""
+"""The spool: how files that are put into incoming/ arrive, wait, are printed or refused, and end in done/ or failed/."""
 
 import fcntl
 import json
@@ -24,14 +24,14 @@ class SpoolTest(FolderTest):
         return Daemon(self, config, resin, **options)
 
     def printing_daemon(self, config=None):
-        """A daemon in real time whose first job stays in its first exposure."""
+        """Starts a daemon in real time whose first job stays in its first exposure."""
         daemon = self.daemon(merge(json.loads(json.dumps(REALTIME)), config or {}), {**NIMBLE_RESIN, **ENDLESS}).start()
         daemon.drop("first.stl", SMALL)
         daemon.wait_state("exposing")
         return daemon
 
     def second_daemon(self, name, config):
-        """Another one in the same folder, with its own configuration, socket and log."""
+        """Returns another daemon in the same folder, with its own configuration, socket and log."""
         second = Daemon(self)
         second.config_path, second.log_path = self.path(name + ".json"), self.path(name + ".log")
         second.spool, second.socket_path = self.path(config["spool_folder"]), self.path(name + ".sock")
@@ -40,13 +40,13 @@ class SpoolTest(FolderTest):
         return second
 
     def looks_pass(self, daemon, name):
-        """Waits as long as the daemon gives an empty file: several looks at everything that is not known to be whole."""
+        """Waits until the daemon refuses an empty file; meanwhile it looks at all incomplete files several times."""
         daemon.drop(name + ".stl", b"")
         daemon.wait_refused(name)
 
 
 class Arrival(SpoolTest):
-    def test_missing_folders_are_made(self):
+    def test_missing_folders_are_created(self):
         daemon = self.daemon({"spool_folder": "deep/er/spool"})
         daemon.start()
         for name in ("incoming", "printing", "done", "failed"):
@@ -65,37 +65,37 @@ class Arrival(SpoolTest):
             self.assertEqual(file.read(), SMALL)
         daemon.stop()
 
-    def test_a_copy_that_still_grows_is_waited_for(self):
+    def test_a_copy_that_still_grows_is_not_read_yet(self):
         daemon = self.daemon().start()
         with open(daemon.file("incoming", "slow.stl"), "wb", buffering=0) as file:
             for start in range(0, len(SMALL), 200):
                 file.write(SMALL[start : start + 200])
-            # It is whole by its size now, but still open: no number of looks makes it whole.
+            # The file has its full size now, but is still open, so it is not complete however often the daemon looks.
             self.looks_pass(daemon, "empty")
             self.assertEqual(daemon.names_in("incoming"), ["slow.stl"])
             self.assertEqual(daemon.status()["queued"], 0)
         self.assertEqual(daemon.wait_done("slow")["layers"], 20)
         daemon.stop()
 
-    def test_a_file_that_is_made_empty_and_filled_later_is_waited_for(self):
+    def test_a_file_that_is_created_empty_and_filled_later_is_printed(self):
         daemon = self.daemon().start()
         path = daemon.file("incoming", "later.stl")
         made = time.monotonic()
         open(path, "wb").close()
-        # Two looks later, which is two seconds: a file's owner gets three.
+        # The file is filled after two seconds, two looks; an empty file is refused after three.
         self.looks_pass_seconds(made + 2)
         with open(path, "wb") as file:
             file.write(SMALL)
         self.assertEqual(daemon.wait_done("later")["layers"], 20)
         daemon.stop()
 
-    def test_opening_an_empty_file_again_and_again_does_not_make_it_whole(self):
-        # As a network share's server does between a file's creation and its first byte.
+    def test_opening_an_empty_file_repeatedly_does_not_make_it_complete(self):
+        # The server of a network share does so between a file's creation and its first byte.
         daemon = self.daemon().start()
         path = daemon.file("incoming", "touched.stl")
         for _ in range(10):
             open(path, "ab").close()
-            daemon.status()  # by its answer it has seen the events
+            daemon.status()  # once it answers, the daemon has seen the events
         self.assertEqual(daemon.names_in("incoming"), ["touched.stl"])
         with open(path, "wb") as file:
             file.write(SMALL)
@@ -103,10 +103,10 @@ class Arrival(SpoolTest):
         daemon.stop()
 
     def looks_pass_seconds(self, until):
-        """The passing of time is what is tested here: nothing else can be waited for."""
-        wait_until(lambda: time.monotonic() >= until, "the time")
+        """Waits until this time. The test is about time, so there is no event to wait for."""
+        wait_until(lambda: time.monotonic() >= until, "this time")
 
-    def test_an_empty_file_is_refused_in_the_end(self):
+    def test_a_file_that_stays_empty_is_refused(self):
         daemon = self.daemon().start()
         open(daemon.file("incoming", "empty.stl"), "wb").close()
         self.assertIn("empty", daemon.wait_refused("empty"))
@@ -128,7 +128,7 @@ class Arrival(SpoolTest):
         daemon.wait_done("copied")
         daemon.stop()
 
-    def test_files_that_were_there_before_the_start_are_printed_oldest_first(self):
+    def test_files_from_before_the_start_are_printed_oldest_first(self):
         daemon = self.daemon()
         names = ["m", "z", "a", "k"]
         for name in names:
@@ -136,7 +136,7 @@ class Arrival(SpoolTest):
         daemon.start()
         started = []
         for _ in names:
-            end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "an end")["params"]["last"]
+            end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "the next job to end")["params"]["last"]
             self.assertEqual(end["outcome"], "done")
             started.append(end["job"])
         self.assertEqual(started, names)
@@ -187,7 +187,7 @@ class Arrival(SpoolTest):
         self.assertEqual(daemon.status()["job"]["name"], "third")
         daemon.stop()
 
-    def test_a_queued_file_that_is_being_written_again_is_waited_for(self):
+    def test_a_queued_file_that_is_being_overwritten_waits_until_it_is_complete(self):
         daemon = self.printing_daemon()
         daemon.drop("second.stl", SMALL)
         wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
@@ -204,7 +204,7 @@ class Arrival(SpoolTest):
         self.assertEqual(daemon.status()["job"]["layers"], 40)
         daemon.stop()
 
-    def test_a_queued_file_that_was_written_again_is_printed_as_it_is_now(self):
+    def test_a_queued_file_that_was_replaced_is_printed_with_its_new_contents(self):
         daemon = self.printing_daemon()
         daemon.drop("second.stl", SMALL)
         daemon.drop("second.stl", binary_stl(box((0, 0, 0), (10, 5, 2))))
@@ -213,7 +213,7 @@ class Arrival(SpoolTest):
         self.assertEqual(daemon.status()["job"]["layers"], 40)
         daemon.stop()
 
-    def test_many_files_at_once_lose_none(self):
+    def test_none_of_many_files_at_once_is_lost(self):
         daemon = self.daemon().start()
         tiny = binary_stl(box((0, 0, 0), (2, 2, 0.1)))
         names = [f"part{number}" for number in range(60)]
@@ -221,7 +221,7 @@ class Arrival(SpoolTest):
             daemon.drop(name + ".stl", tiny if int(name[4:]) % 3 else b"no model, number " + name.encode())
         ends = {}
         while len(ends) < len(names):
-            end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "an end")["params"]["last"]
+            end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "the next job to end")["params"]["last"]
             ends[end["job"]] = end["outcome"]
         self.assertEqual(ends, {name: "done" if int(name[4:]) % 3 else "failed" for name in names})
         for name, outcome in ends.items():
@@ -243,21 +243,21 @@ class Ticket(SpoolTest):
         self.printer.stop()
         return report
 
-    def test_without_a_ticket_the_resins_layer_height_and_the_models_size_hold(self):
+    def test_an_empty_ticket_uses_the_resin_s_layer_height_and_the_model_s_size(self):
         report = self.printed({})
         self.assertEqual((report["layers"], report["layer_height_um"], report["resin"]), (40, 50, "standard"))
         self.assertEqual(report["model"]["size_mm"], [10, 20, 2])
 
-    def test_the_layer_height_is_honoured(self):
+    def test_the_layer_height_of_a_ticket_is_used(self):
         report = self.printed({"layer_height_um": 80})
         self.assertEqual((report["layers"], report["layer_height_um"]), (25, 80))
 
-    def test_the_resin_is_honoured(self):
+    def test_the_resin_of_a_ticket_is_used(self):
         report = self.printed({"resin": "thick"})
         self.assertEqual((report["resin"], report["layers"], report["layer_height_um"]), ("thick", 20, 100))
         self.assertEqual(report["layer_records"][1]["exposure_asked_ms"], 2000)
 
-    def test_the_scale_is_honoured(self):
+    def test_the_scale_of_a_ticket_is_used(self):
         report = self.printed({"scale": 1.5})
         self.assertEqual(report["model"]["size_mm"], [15, 30, 3])
         self.assertEqual(report["layers"], 60)
@@ -276,12 +276,12 @@ class Ticket(SpoolTest):
         for layer in report["layer_records"]:
             self.assertAlmostEqual(layer["area_mm2"], 6 * 200, delta=1e-6)
 
-    def test_the_rotation_is_honoured(self):
+    def test_the_rotation_of_a_ticket_is_used(self):
         report = self.printed({"rotation_deg": {"x": 90}})
         self.assertEqual(report["model"]["size_mm"], [10, 2, 20])  # quarter turns are exact
         self.assertEqual(report["layers"], 400)
 
-    def test_all_of_a_ticket_together(self):
+    def test_all_settings_of_a_ticket_together(self):
         report = self.printed({"resin": "thick", "layer_height_um": 50, "scale": 0.5, "copies": 2,
                                "rotation_deg": {"x": 0, "y": 90, "z": 90}, "position_mm": {"x": -3.5, "y": 4}})  # fmt: skip
         self.assertEqual(report["model"]["position_mm"], [-3.5, 4])
@@ -297,7 +297,7 @@ class Refusal(SpoolTest):
         self.printer = self.daemon().start()
 
     def refused(self, name, data, ticket=None, *words):
-        """Drops a file that must be refused, and shows that the next is printed. The reason must have the words."""
+        """Drops a file that must be refused, and returns the reason, which must contain the words."""
         self.printer.drop(name, data, ticket)
         stem = os.path.splitext(name)[0]
         reason = self.printer.wait_refused(stem)
@@ -314,7 +314,7 @@ class Refusal(SpoolTest):
         self.printer.wait_done("good")
         self.printer.stop()
 
-    def test_a_malformed_ticket_refuses_that_job_only(self):
+    def test_a_malformed_ticket_refuses_only_its_job(self):
         tickets = {
             "syntax": "{",
             "empty": "",
@@ -340,13 +340,13 @@ class Refusal(SpoolTest):
                 self.assertLess(len(reason), 2000)
         self.still_prints()
 
-    def test_every_mistake_of_a_ticket_is_told(self):
+    def test_the_reason_names_every_mistake_of_a_ticket(self):
         reason = self.refused("part.stl", SMALL, {"copies": 0, "scale": -1, "colour": "red", "rotation_deg": {"x": 999}})
         for word in ("/copies", "/scale", "colour", "/rotation_deg/x"):
             self.assertIn(word, reason)
         self.still_prints()
 
-    def test_an_unknown_resin_names_those_there_are(self):
+    def test_the_reason_about_an_unknown_resin_lists_the_known_ones(self):
         self.printer.write_resin("clear", {})
         self.refused("part.stl", SMALL, {"resin": "gold"}, "gold", "standard", "clear")
         self.still_prints()
@@ -384,7 +384,7 @@ class Refusal(SpoolTest):
         self.assertEqual(self.printer.status()["state"], "exposing")
         self.printer.stop()
 
-    def test_names_that_were_used_before_get_a_number(self):
+    def test_names_that_were_used_before_get_numbers(self):
         for number in range(3):
             self.printer.drop("part.stl", SMALL)
             self.printer.wait_done("part" if number == 0 else f"part-{number + 1}")
@@ -398,12 +398,12 @@ class Refusal(SpoolTest):
             self.assertTrue(self.printer.has("failed", name))
         self.still_prints()
 
-    def test_a_job_called_like_another_ones_report_overwrites_nothing(self):
+    def test_a_job_named_like_another_job_s_report_overwrites_nothing(self):
         self.printer.drop("part.stl", SMALL)
         self.printer.wait_done("part")
         before = self.printer.read("done", "part.report.json")
         self.printer.drop("part.report.stl", SMALL, {"copies": 2})
-        self.printer.watcher.wait_for(lambda m: m.get("method") == "ended", "the end")
+        self.printer.watcher.wait_for(lambda m: m.get("method") == "ended", "the job to end")
         self.assertEqual(self.printer.read("done", "part.report.json"), before)
         self.still_prints()
 
@@ -419,19 +419,19 @@ class Refusal(SpoolTest):
                 self.printer.wait_refused(name + "x")
         self.still_prints()
 
-    def test_a_name_that_is_no_utf_8_is_printed(self):
+    def test_a_file_whose_name_is_not_utf_8_is_printed(self):
         path = os.path.join(os.fsencode(self.printer.file("incoming")), b"\xff\xfe\x80.stl")
         os.rename(self.write("staging", SMALL), path)
-        end = self.printer.watcher.wait_for(lambda m: m.get("method") == "ended", "the end")["params"]["last"]
+        end = self.printer.watcher.wait_for(lambda m: m.get("method") == "ended", "the job to end")["params"]["last"]
         self.assertEqual(end["outcome"], "done")
         self.assertIn(b"\xff\xfe\x80.stl", os.listdir(os.fsencode(self.printer.file("done"))))
         self.still_prints()
 
     def long_name_ends(self, length):
-        # 255 bytes is a name's limit: nothing can be put beside it that has a longer one.
+        # A name has at most 255 bytes, so the files of a job with such a name need shorter names.
         for data, folder, suffix in ((SMALL, "done", "report.json"), (b"no model", "failed", "reason.txt")):
             self.printer.drop("n" * (length - 4) + ".stl", data)
-            end = self.printer.watcher.wait_for(lambda m: m.get("method") == "ended", "the end", 10)["params"]["last"]
+            end = self.printer.watcher.wait_for(lambda m: m.get("method") == "ended", "the job to end", 10)["params"]["last"]
             self.assertEqual(end["outcome"], folder)
             self.assertEqual(self.printer.names_in("incoming") + self.printer.names_in("printing"), [])
             names = self.printer.names_in(folder)
@@ -442,7 +442,7 @@ class Refusal(SpoolTest):
     def test_the_longest_name_is_handled_like_any_other(self):
         self.long_name_ends(255)
 
-    def test_a_name_too_long_for_a_report_beside_it_is_handled_like_any_other(self):
+    def test_a_name_too_long_for_its_report_is_handled_like_any_other(self):
         self.long_name_ends(250)
 
     def test_a_name_just_short_enough_is_handled_like_any_other(self):
@@ -450,7 +450,7 @@ class Refusal(SpoolTest):
 
 
 class NotAFile(SpoolTest):
-    """Things in incoming/ that are called like a model and are none."""
+    """Entries of incoming/ that have a model's name, but are no regular files."""
 
     def setUp(self):
         super().setUp()
@@ -461,7 +461,7 @@ class NotAFile(SpoolTest):
         self.printer.wait_done("good")
         self.printer.stop()
 
-    def test_a_folder_does_not_stop_the_next(self):
+    def test_a_folder_does_not_stop_the_next_job(self):
         os.mkdir(self.printer.file("incoming", "folder.stl"))
         self.next_is_printed()
 
@@ -476,7 +476,7 @@ class NotAFile(SpoolTest):
         self.assertTrue(os.path.islink(self.printer.file("failed", "dangling.stl")))
         self.next_is_printed()
 
-    def test_a_link_to_a_model_or_ticket_is_refused_and_what_it_leads_to_is_not_read(self):
+    def test_a_link_to_a_model_or_ticket_is_refused_and_its_target_is_not_read(self):
         original = self.write("original.stl", SMALL)
         ticket = self.write("original.json", b'{"secret": 1}')
         for name, target in (("absolute", os.fsdecode(original)), ("relative", "../../original.stl")):
@@ -530,10 +530,10 @@ class NotAFile(SpoolTest):
 
 @unittest.skipUnless(os.geteuid() == 0, "only root can run a daemon and a member of its group as users of their own")
 class Members(SpoolTest):
-    """The service as its own user, with the rights that its folders have on a printer; another user of its group, with the
-    usual umask, drops files."""
+    """The service runs as its own user, with the permissions that its folders have on a printer. Another user of its group, with
+    the usual umask, drops files."""
 
-    GROUP, SERVICE, MEMBER = 64000, 64001, 64002  # nobody else's
+    GROUP, SERVICE, MEMBER = 64000, 64001, 64002  # ids of no other user or group
 
     def setUp(self):
         super().setUp()
@@ -557,11 +557,11 @@ class Members(SpoolTest):
         self.printer.program = self.reachable(CONTOURD)
         self.contourctl = self.reachable(CONTOURCTL)
         self.printer.rights = {"user": self.SERVICE, "group": self.GROUP, "extra_groups": [], "umask": 0o002}
-        os.chmod(self.path(), 0o777)  # for the test's own notify socket
+        os.chmod(self.path(), 0o777)  # for the notify socket of the test
         self.printer.start()
 
     def member(self, command, umask="022"):
-        """Runs a shell command as the member, in the member's home; $incoming is the spool's."""
+        """Runs a shell command as the member, in the member's home; $incoming is the spool's folder incoming/."""
         subprocess.run(
             ["sh", "-ec", f"umask {umask}; {command}"], cwd=self.path("home"), check=True, user=self.MEMBER,
             group=self.MEMBER, extra_groups=[self.GROUP], env={**os.environ, "incoming": self.printer.file("incoming")})  # fmt: skip
@@ -573,13 +573,13 @@ class Members(SpoolTest):
             os.chown(path, self.MEMBER, self.MEMBER)
 
     def is_not_printed_again(self, *jobs):
-        """Nor refused again: not now, not after a restart."""
-        wait_until(lambda: self.printer.status()["deletable"] == list(jobs), "its word")
+        """Asserts that the jobs are neither printed nor refused again, now or after a restart."""
+        wait_until(lambda: self.printer.status()["deletable"] == list(jobs), "the jobs to be deletable")
         self.printer.stop()
         self.printer.start()
         self.printer.drop("another.stl", SMALL)
         self.printer.wait_done("another")
-        wait_until(lambda: self.printer.status()["deletable"] == list(jobs), "its word")
+        wait_until(lambda: self.printer.status()["deletable"] == list(jobs), "the jobs to be deletable")
         for job in jobs:
             self.assertFalse(any(name.startswith(job + "-2") for folder in ("done", "failed") for name in self.printer.names_in(folder)))
         self.printer.stop()
@@ -592,12 +592,12 @@ class Members(SpoolTest):
         self.assertTrue(self.printer.has("incoming", "plate", "part.stl"))
         self.assertIn("plate: a copy of it is printed", self.printer.log())
         self.assertIn(b"deletable plate", self.printer.ctl("status").stdout)
-        # Neither a change of its rights nor its name makes it another.
+        # With other permissions and another name, it is still the same plate.
         self.member("chmod -R a+r $incoming/plate; mv $incoming/plate $incoming/renamed")
-        wait_until(lambda: self.printer.status()["deletable"] == ["renamed"], "its new name")
+        wait_until(lambda: self.printer.status()["deletable"] == ["renamed"], "the plate's new name")
         self.is_not_printed_again("renamed")
 
-    def test_a_plate_made_in_place_and_one_moved_in_are_printed(self):
+    def test_a_plate_made_in_place_and_a_plate_moved_in_are_printed(self):
         self.plate_at_home("moved")
         self.member("mv moved $incoming/")
         self.printer.wait_done("moved")
@@ -606,18 +606,18 @@ class Members(SpoolTest):
         self.printer.wait_done("made")
         self.is_not_printed_again("made", "moved")
 
-    def test_a_plate_that_was_changed_is_printed_again_and_one_taken_away_is_forgotten(self):
+    def test_a_changed_plate_is_printed_again_and_a_removed_one_is_forgotten(self):
         self.plate_at_home("plate")
         self.member("cp -r plate $incoming/")
         self.printer.wait_done("plate")
         self.member("""echo '{"models": [{"file": "part.stl", "copies": 2}]}' > $incoming/plate/plate.json""")
         self.printer.wait_done("plate-2")
         self.member("rm -r $incoming/plate")
-        wait_until(lambda: self.printer.status()["deletable"] == [], "its word")
+        wait_until(lambda: self.printer.status()["deletable"] == [], "the plate to be forgotten")
         self.printer.stop()
 
     def cut_off_copy(self):
-        """A printed plate whose copy lies in printing/ again; its inode, and the mark of its original."""
+        """Puts the copy of a printed plate into printing/ again. Returns its inode, and the mark of its original."""
         self.plate_at_home("plate")
         self.member("cp -r plate $incoming/")
         self.printer.wait_done("plate")
@@ -628,7 +628,7 @@ class Members(SpoolTest):
         with open(self.path("state", "copied-originals"), encoding="utf-8") as file:
             return os.stat(self.printer.file("printing", "plate")).st_ino, file.read()
 
-    def test_a_power_cut_behind_a_copy_prints_it_no_second_time(self):
+    def test_a_plate_is_not_printed_again_after_a_power_cut_that_followed_its_copy(self):
         inode, mark = self.cut_off_copy()
         self.write("state/copied-originals", f"copying {inode} {mark}")
         self.printer.start()
@@ -636,7 +636,7 @@ class Members(SpoolTest):
         self.printer.rpc("resume")
         self.is_not_printed_again("plate")
 
-    def test_a_power_cut_before_the_copy_is_in_its_place_loses_no_plate(self):
+    def test_a_power_cut_before_the_copy_is_complete_loses_no_plate(self):
         inode, mark = self.cut_off_copy()
         self.write("state/copied-originals", f"copying {inode} {mark}")
         os.rename(self.printer.file("printing", "plate"), self.path("home", "gone"))
@@ -659,7 +659,7 @@ class Members(SpoolTest):
         self.assertIn("colour", self.printer.wait_refused("bad"))
         self.is_not_printed_again("bad")
 
-    def test_what_may_not_be_read_is_refused_once(self):
+    def test_unreadable_files_are_refused_once(self):
         self.plate_at_home("closed")
         self.member("cp -r closed $incoming/", umask="077")
         self.assertIn("Permission denied", self.printer.wait_refused("closed"))
@@ -670,7 +670,7 @@ class Members(SpoolTest):
         self.assertIn("folder", self.printer.wait_refused("folder"))
         self.is_not_printed_again("closed", "folder.stl")
 
-    def test_the_name_of_what_may_not_be_read_does_nothing_to_a_terminal(self):
+    def test_the_name_of_an_unreadable_plate_is_harmless(self):
         self.plate_at_home("closed")
         self.member('chmod 0 closed/part.stl; mv closed "$incoming/line\nbreak"')
         reason = self.printer.wait_refused("line\nbreak")
@@ -679,7 +679,7 @@ class Members(SpoolTest):
         self.printer.stop()
 
     def test_a_bad_plate_is_refused_while_another_job_waits(self):
-        # Checked in the queue, behind a plate that is not clear.
+        # The jobs are checked while they wait in the queue for the plate to be cleared.
         self.printer.stop()
         merge(self.printer.config, WAITS)
         self.printer.write_config()
@@ -695,7 +695,7 @@ class Members(SpoolTest):
         self.printer.stop()
 
     def flood(self, request=b""):
-        """The member's 200 connections, each with a request, idle from then on."""
+        """Opens 200 connections of the member, which each send a request and then stay idle."""
         script = (
             "import os, socket, sys, time\n"
             f"os.setgroups([{self.GROUP}])\n"
@@ -715,17 +715,17 @@ class Members(SpoolTest):
         self.addCleanup(flood.stdout.close)
         flood.stdout.readline()
 
-    def test_idle_connections_and_watchers_of_one_user_keep_nobody_from_the_printer(self):
+    def test_idle_connections_and_watchers_of_one_user_do_not_block_others(self):
         for request in (b"", b'{"jsonrpc":"2.0","method":"watch","id":1}\n'):
             self.flood(request)
             for _ in range(3):
                 self.assertEqual(self.printer.status()["state"], "idle")
-        # The daemon's first watcher was there before them, is root's, and is there still.
+        # The daemon's first watcher, which is root's, is still connected.
         self.printer.drop("part.stl", SMALL)
         self.printer.wait_done("part")
         self.printer.stop()
 
-    def test_a_command_is_logged_with_its_user_and_a_question_is_not(self):
+    def test_a_command_is_logged_with_its_user_and_a_query_is_not_logged(self):
         call = [self.contourctl, "cancel", "--socket", self.printer.socket_path]
         result = subprocess.run(call, user=self.MEMBER, group=self.MEMBER, extra_groups=[self.GROUP], capture_output=True, check=False)
         self.assertIn(b"no print to cancel", result.stderr)
@@ -746,7 +746,7 @@ class Members(SpoolTest):
 
 
 class OddNames(SpoolTest):
-    """Names that would do something to a terminal, or pass for other names."""
+    """Names that could control a terminal, or look like other names."""
 
     ODD = ("\x1b[31m", "line\nbreak", "\x9b2J", "\u202egnp", "\u2066isolate", "\u2028separator", "\x07bell\r")
 
@@ -756,7 +756,7 @@ class OddNames(SpoolTest):
             self.assertNotIn(char, text, what)
         self.assertNotIn("line\nbreak", text, what)
 
-    def test_odd_names_reach_neither_terminal_nor_log_nor_report_as_they_are(self):
+    def test_odd_names_reach_terminal_log_and_report_without_control_characters(self):
         daemon = self.daemon().start()
         for odd in self.ODD:
             daemon.drop(f"good{odd}.stl", SMALL)
@@ -779,8 +779,8 @@ class OddNames(SpoolTest):
         daemon.wait_ended("pause")
         daemon.stop()
 
-    @unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
-    def test_an_odd_name_in_what_the_kernel_said_no_to_is_harmless_too(self):
+    @unittest.skipIf(SANITIZED, "AddressSanitizer must be loaded first")
+    def test_an_odd_name_in_an_error_of_the_kernel_is_harmless(self):
         daemon = self.daemon()
         slow = daemon.put_on_slow_disk()
         daemon.start()
@@ -795,7 +795,7 @@ class OddNames(SpoolTest):
         self.assert_harmless(daemon.log(), "log")
         daemon.stop()
 
-    def test_an_odd_name_of_a_job_that_the_machine_cannot_begin_is_harmless_too(self):
+    def test_an_odd_name_of_a_job_that_the_machine_cannot_begin_is_harmless(self):
         daemon = self.daemon(masks=True)
         self.write("masks", b"no folder")
         daemon.start()
@@ -808,14 +808,14 @@ class OddNames(SpoolTest):
 
 
 class Profiles(SpoolTest):
-    """The resin's profile is read when a job is claimed, whoever names it."""
+    """The resin's profile is read when a job is claimed, whether a ticket or the configuration names it."""
 
     def break_resin(self, name="standard", text=None):
         broken = {**source_json("resins", "standard.json"), "lift_mm": "high", "settle_ms": True}
         self.write(f"resins/{name}.json", json.dumps(broken) if text is None else text)
 
     def waits_for(self, daemon, *words):
-        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "a job to wait")
         for word in words:
             self.assertIn(word, status["waiting_for"])
         self.assertNotIn("\n", status["waiting_for"])
@@ -836,9 +836,9 @@ class Profiles(SpoolTest):
             fields = file.read().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
-    def test_a_profile_that_is_edited_holds_for_every_job_that_is_claimed_then(self):
+    def test_an_edited_profile_applies_to_every_job_that_is_claimed_afterwards(self):
         daemon = self.daemon().start()
-        tall = binary_stl(box((0, 0, 0), (10, 5, 2)))  # 40 layers: beyond the fade
+        tall = binary_stl(box((0, 0, 0), (10, 5, 2)))  # 40 layers, more than bottom and fade have
         daemon.drop("before.stl", tall)
         self.assertEqual(self.exposure(daemon.wait_done("before")), (3000, 3000))
         daemon.write_resin("standard", {"exposure_ms": 3500})
@@ -857,14 +857,14 @@ class Profiles(SpoolTest):
         edited = self.analyzed_s(daemon, model)
         self.assertEqual(self.analyzed_s(daemon, model, ticket), edited)
         daemon.write_resin("standard", {"exposure_ms": 4500})
-        # 25 layers behind bottom and fade get all of the second, those of the fade half of it on the average.
+        # The 25 layers after bottom and fade get the whole additional second, the 10 of the fade half of it on average.
         self.assertAlmostEqual(self.analyzed_s(daemon, model) - edited, 25 + 10 / 2, delta=0.01)
         daemon.stop()
 
-    def test_what_is_edited_while_it_waits_or_prints_holds_from_the_next_claim_on(self):
+    def test_a_profile_edited_during_a_print_applies_from_the_next_job_on(self):
         daemon = self.printing_daemon()
         daemon.drop("next.stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == 1, "the queue")
+        wait_until(lambda: daemon.status()["queued"] == 1, "the job in the queue")
         daemon.write_resin("standard", {**NIMBLE_RESIN, "exposure_ms": 2, "bottom_exposure_ms": 2})
         daemon.rpc("cancel")
         self.assertEqual(daemon.wait_ended("first")["outcome"], "cancelled")
@@ -872,7 +872,7 @@ class Profiles(SpoolTest):
         self.assertEqual(self.exposure(daemon.wait_done("next")), (2, 2))
         daemon.stop()
 
-    def test_a_broken_profile_makes_the_queue_wait_until_it_is_mended(self):
+    def test_a_broken_profile_makes_the_queue_wait_until_it_is_corrected(self):
         daemon = self.daemon().start()
         for text, words in ((None, ("standard.json", "/lift_mm", "1 more")), ("{", ("standard.json",)), ("gone", ("standard",))):
             with self.subTest(text):
@@ -882,7 +882,7 @@ class Profiles(SpoolTest):
                 daemon.drop("one.stl", SMALL)
                 daemon.drop("two.stl", SMALL, {"resin": "standard"})
                 self.waits_for(daemon, "standard", *words, "mended")
-                wait_until(lambda: daemon.status()["queued"] == 2, "both jobs")
+                wait_until(lambda: daemon.status()["queued"] == 2, "both jobs in the queue")
                 self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), ([], []))
                 daemon.write_resin("standard", {})
                 daemon.wait_done("one")
@@ -896,20 +896,20 @@ class Profiles(SpoolTest):
                 daemon.start()
         daemon.stop()
 
-    def test_a_broken_profile_that_only_a_ticket_names_makes_the_queue_wait_too(self):
+    def test_a_broken_profile_that_only_a_ticket_names_also_makes_the_queue_wait(self):
         daemon = self.daemon()
         self.break_resin("tough")
         daemon.start()
         daemon.drop("part.stl", SMALL, {"resin": "tough"})
         self.waits_for(daemon, "tough", "tough.json", "/lift_mm")
-        # Whoever took it away lets the others go on.
+        # Once the file is removed, the other jobs continue.
         os.unlink(daemon.file("incoming", "part.stl"))
         daemon.drop("other.stl", SMALL)
         daemon.wait_done("other")
         self.assertEqual(daemon.names_in("failed"), [])
         daemon.stop()
 
-    def test_a_ticket_that_names_a_profile_there_is_none_of_is_refused(self):
+    def test_a_ticket_with_an_unknown_profile_is_refused(self):
         daemon = self.daemon().start()
         daemon.drop("part.stl", SMALL, {"resin": "gold"})
         reason = daemon.wait_refused("part")
@@ -919,12 +919,12 @@ class Profiles(SpoolTest):
         daemon.wait_done("good")
         daemon.stop()
 
-    def test_a_profile_that_breaks_or_goes_while_jobs_wait_is_told_and_files_none_of_them(self):
+    def test_a_profile_that_breaks_or_vanishes_while_jobs_wait_gives_a_warning_and_refuses_none(self):
         daemon = self.printing_daemon()
         daemon.write_resin("tough", NIMBLE_RESIN)
         daemon.drop("checked.stl", SMALL, {"resin": "tough"})
         daemon.drop("bad.stl", b"no model")
-        daemon.wait_refused("bad")  # by then the one before it has been checked
+        daemon.wait_refused("bad")  # by then the job before it has been checked
         os.unlink(self.path("resins", "tough.json"))
         self.break_resin("standard")
         daemon.drop("late.stl", SMALL)
@@ -941,19 +941,19 @@ class Profiles(SpoolTest):
         self.assertEqual([name for name in daemon.names_in("failed") if name.endswith(".stl")], ["bad.stl", "first.stl"])
         daemon.stop()
 
-    def test_the_wait_is_not_busy(self):
+    def test_waiting_for_a_profile_takes_almost_no_processor_time(self):
         daemon = self.daemon().start()
         self.break_resin()
         daemon.drop("part.stl", SMALL)
         self.waits_for(daemon, "standard")
         used = self.cpu_s(daemon)
         end = time.monotonic() + 3
-        wait_until(lambda: time.monotonic() >= end, "the time")
-        # Reading a small file once: a hundredth of what a loop that spins would take.
+        wait_until(lambda: time.monotonic() >= end, "three seconds to pass")
+        # A busy loop would take 3 s; reading a small file once takes far less.
         self.assertLess(self.cpu_s(daemon) - used, 0.3 * SLOWNESS)
         daemon.stop()
 
-    def test_the_printers_file_is_read_at_the_start_only(self):
+    def test_the_configuration_is_read_only_at_the_start(self):
         daemon = self.daemon().start()
         daemon.config["display"]["pixel_pitch_um"] = 100
         daemon.config["resin"] = "tough"
@@ -970,12 +970,12 @@ class Profiles(SpoolTest):
 
 
 class PassedOver(SpoolTest):
-    """What lies in incoming/ and will never be printed."""
+    """Files in incoming/ that will never be printed."""
 
     def listed(self, daemon, *names):
         return wait_until(lambda: (lambda s: s if set(s["passed_over"]) == set(names) else None)(daemon.status()), names)
 
-    def test_what_will_never_print_is_told_once_and_listed_until_it_goes(self):
+    def test_unprintable_files_are_logged_once_and_listed_until_they_are_removed(self):
         daemon = self.daemon()
         os.makedirs(daemon.file("incoming"))
         self.write("spool/incoming/before.obj", b"there before the start")
@@ -987,10 +987,10 @@ class PassedOver(SpoolTest):
         os.mkdir(daemon.file("incoming", "folder"))
         self.write("spool/incoming/folder/part.stl", SMALL)
         os.symlink("part.3mf", daemon.file("incoming", "link"))
-        # Of these, nothing is known to be wrong.
+        # These files may be part of a job, so they are not listed.
         for name in ("ticket.json", ".hidden.3mf", "part.stl.part", "other.3mf.crdownload"):
             daemon.drop(name, b"{}")
-        # Nor of what gets its right name soon.
+        # A file that soon gets its right name is not listed either.
         daemon.drop("upload", SMALL)
         os.rename(daemon.file("incoming", "upload"), daemon.file("incoming", "renamed.stl"))
         daemon.wait_done("renamed")
@@ -1004,7 +1004,7 @@ class PassedOver(SpoolTest):
             self.assertIn(f"unprinted {name} in incoming: ", shown)
             self.assertEqual(daemon.log().count(f"{name}: is passed over"), 1)
         self.assertEqual(len(daemon.names_in("incoming")), 12)
-        # Told once: not when something changes beside it.
+        # Each file is logged once, even if others change.
         daemon.drop("good.stl", SMALL)
         daemon.wait_done("good")
         for name in (*files, "link"):
@@ -1017,13 +1017,13 @@ class PassedOver(SpoolTest):
         self.assertNotIn("upload", daemon.log())
         daemon.stop()
 
-    def test_of_very_many_a_few_are_told_and_the_rest_is_counted(self):
+    def test_a_few_of_very_many_unprintable_files_are_listed_and_the_rest_is_counted(self):
         daemon = self.daemon().start()
         for number in range(1000):
             self.write(f"spool/incoming/{number}\x1b\n.3mf", b"something")
-        status = wait_until(lambda: (lambda s: s if s["passed_over_more"] == 990 else None)(daemon.status()), "all of them")
+        status = wait_until(lambda: (lambda s: s if s["passed_over_more"] == 990 else None)(daemon.status()), "all files to be counted")
         self.assertEqual(len(status["passed_over"]), 10)
-        wait_until(lambda: "more in incoming are passed over" in daemon.log(), "the rest")
+        wait_until(lambda: "more in incoming are passed over" in daemon.log(), "the summary in the log")
         self.assertLess(daemon.log().count("passed over"), 40)
         self.assertNotIn(b"\x1b", daemon.ctl("status").stdout)
         daemon.drop("good.stl", SMALL)
@@ -1032,20 +1032,20 @@ class PassedOver(SpoolTest):
 
 
 class ManyAndLong(SpoolTest):
-    def test_a_ticket_of_a_hundred_thousand_mistakes_has_a_short_reason(self):
+    def test_a_ticket_with_tens_of_thousands_of_mistakes_has_a_short_reason(self):
         daemon = self.daemon().start()
         daemon.drop("long.stl", SMALL, "{" + ",".join(f'"{number}":1' for number in range(80000)) + "}")
         reason = daemon.wait_refused("long")
         self.assertLess(len(reason), 10000)
         self.assertIn("and at least 980 more", reason)
-        # A key of a thousand bytes in another, and so on.
+        # Sixty nested objects with keys of a thousand bytes.
         nested = "".join('{"' + "k" * 1000 + '":' for _ in range(60)) + "1" + "}" * 60
         daemon.drop("deep.stl", SMALL, nested)
         self.assertLess(len(daemon.wait_refused("deep")), 10000)
         self.assertLess(len(daemon.log()), 50000)
         daemon.stop()
 
-    def test_answers_have_the_first_of_many_names_and_say_how_many_more(self):
+    def test_answers_list_the_first_of_many_names_and_count_the_rest(self):
         daemon = self.daemon(WAITS).start()
         daemon.drop("first.stl", SMALL)
         daemon.wait_done("first")
@@ -1053,7 +1053,7 @@ class ManyAndLong(SpoolTest):
             os.mkdir(daemon.file("incoming", f"folder{number}"))
         for number in range(1060):
             daemon.drop(f"part{number}.stl", SMALL)
-        status = wait_until(lambda: (lambda s: s if s["queued"] == 1060 and s["incomplete_more"] == 50 else None)(daemon.status()), "all of them")
+        status = wait_until(lambda: (lambda s: s if s["queued"] == 1060 and s["incomplete_more"] == 50 else None)(daemon.status()), "all files to be counted")
         self.assertEqual(len(status["incomplete"]), 10)
         queue = daemon.rpc("queue")["result"]
         self.assertEqual((len(queue["queue"]), queue["more"]), (1000, 60))
@@ -1070,7 +1070,7 @@ class Outcome(SpoolTest):
         self.assertTrue(daemon.has("done", "part.stl"))
         daemon.stop()
 
-    def test_a_print_that_cannot_be_filed_is_filed_by_the_next_start_as_what_it_is(self):
+    def test_a_print_that_cannot_be_filed_is_filed_at_the_next_start_with_its_outcome(self):
         daemon = self.daemon().start()
         os.rmdir(daemon.file("done"))
         open(daemon.file("done"), "wb").close()
@@ -1078,9 +1078,9 @@ class Outcome(SpoolTest):
         self.assertEqual(daemon.wait_ended("part")["outcome"], "done")
         self.assertEqual(daemon.names_in("printing"), ["part.stl"])
         daemon.drop("next.stl", SMALL)
-        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "a job to wait")
         self.assertIn("part is not filed yet", status["waiting_for"])
-        # Read one after the other. What is being read when the daemon is killed is not read again.
+        # Files are read one after the other. A file that is being read when the daemon is killed would not be read again.
         daemon.drop("last.stl", b"no model")
         daemon.wait_refused("last")
         daemon.kill()
@@ -1092,7 +1092,7 @@ class Outcome(SpoolTest):
         self.assertEqual(daemon.names_in("failed"), ["last.reason.txt", "last.stl"])
         daemon.stop()
 
-    def test_what_a_killed_daemon_left_half_written_is_removed_at_the_start(self):
+    def test_partly_written_files_of_a_killed_daemon_are_removed_at_the_start(self):
         daemon = self.daemon().start()
         daemon.kill()
         left = [daemon.file(folder, ".contourd-0123456789abcdef.new") for folder in ("printing", "done", "failed")]
@@ -1108,9 +1108,9 @@ class Outcome(SpoolTest):
 
 
 class PlantedFiles(SpoolTest):
-    """What a member of the group may put into the spool beside models."""
+    """Files other than models that a member of the group may put into the spool."""
 
-    def test_fifos_under_any_name_keep_neither_print_nor_refusal_nor_restart_waiting(self):
+    def test_fifos_of_any_name_block_neither_a_print_nor_a_refusal_nor_a_restart(self):
         daemon = self.daemon({"wait_for_plate_cleared": True}).start()
         for suffix in ("report.json", "report.html", "preview.png", "reason.txt"):
             for folder in ("done", "failed"):
@@ -1119,18 +1119,18 @@ class PlantedFiles(SpoolTest):
         for name in ("plate-occupied", ".plate-occupied.new", "queue-held", ".queue-held.new"):
             os.mkfifo(daemon.file(name))
         daemon.drop("bad.stl", b"no model")
-        # A name that is taken gets a number: jobs that end look for another, files beside it for none.
-        end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "an end")["params"]["last"]
+        # If a name is taken, a job that ends gets a number.
+        end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "the next job to end")["params"]["last"]
         self.assertEqual(end["outcome"], "failed")
         daemon.drop("part.stl", SMALL)
-        end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "an end")["params"]["last"]
+        end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "the next job to end")["params"]["last"]
         self.assertEqual(end["outcome"], "done")
         daemon.stop()
         daemon.start()
         self.assertEqual(daemon.status()["plate_job"], end["job"])
         daemon.stop()
 
-    def test_files_called_like_the_daemons_own_hold_nothing_and_clear_nothing(self):
+    def test_files_named_like_the_daemon_s_own_change_neither_queue_nor_plate(self):
         daemon = self.daemon({"wait_for_plate_cleared": True})
         os.makedirs(daemon.spool)
         for name in ("plate-occupied", "queue-held"):
@@ -1148,16 +1148,16 @@ class PlantedFiles(SpoolTest):
         self.assertEqual(daemon.status()["plate_job"], "part")
         daemon.stop()
 
-    def test_the_daemons_own_files_are_nobody_elses(self):
+    def test_only_the_daemon_can_access_its_own_files(self):
         daemon = self.daemon({"wait_for_plate_cleared": True}).start()
         daemon.drop("part.stl", SMALL)
         daemon.wait_done("part")
         self.assertEqual(os.stat(daemon.spool + ".state").st_mode & 0o777, 0o700)
-        # Whoever can read it can hold the lock.
+        # A user who can read the lock file could hold the lock.
         self.assertEqual(os.stat(daemon.file(".lock")).st_mode & 0o777, 0o600)
         daemon.stop()
 
-    def test_the_service_managers_folder_is_used_where_there_is_one(self):
+    def test_the_state_folder_of_the_service_manager_is_used_if_there_is_one(self):
         daemon = self.daemon({"wait_for_plate_cleared": True})
         os.mkdir(self.path("own"))
         os.chmod(self.path("own"), 0o2775)
@@ -1170,7 +1170,7 @@ class PlantedFiles(SpoolTest):
         self.assertEqual(os.stat(self.path("own")).st_mode & 0o777, 0o700)
         self.assertFalse(os.path.exists(daemon.spool + ".state"))
 
-    def test_a_spool_with_a_link_for_a_folder_is_refused(self):
+    def test_a_spool_with_a_link_in_place_of_a_folder_is_refused(self):
         daemon = self.daemon()
         os.makedirs(daemon.spool)
         os.mkdir(self.path("elsewhere"))
@@ -1180,9 +1180,9 @@ class PlantedFiles(SpoolTest):
         self.assertIn("done is a symbolic link", daemon.log())
 
 
-@unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
+@unittest.skipIf(SANITIZED, "AddressSanitizer must be loaded first")
 class SlowDisk(SpoolTest):
-    """A card that takes seconds for what others do at once. While it does not answer, a print goes on."""
+    """A print goes on while the disk does not answer, as slow cards do for seconds."""
 
     def printing_on_slow_disk(self):
         daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, "exposure_ms": 150, "bottom_exposure_ms": 150})
@@ -1193,15 +1193,15 @@ class SlowDisk(SpoolTest):
         return daemon, slow
 
     def goes_on(self, daemon, slow, gate):
-        """That layers are printed while something waits for the disk. Then the disk answers again."""
-        wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "something that waits for the disk")
+        """Asserts that layers are printed while the daemon waits for the disk; then lets the disk answer again."""
+        wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "a thread to wait for the disk")
         done = daemon.status()["job"]["layers_done"]
         daemon.watcher.wait_for(
             lambda m: m.get("method") == "layer" and m["params"]["job"]["layers_done"] >= done + 3, "three layers")
         self.assertTrue(os.path.exists(os.path.join(slow, gate)))
         os.unlink(os.path.join(slow, gate))
 
-    def test_a_refusal_that_waits_for_the_disk_keeps_no_light_on(self):
+    def test_a_refusal_that_waits_for_the_disk_does_not_delay_a_print(self):
         daemon, slow = self.printing_on_slow_disk()
         open(os.path.join(slow, "writes"), "wb").close()
         daemon.drop("bad.stl", b"no model")
@@ -1213,22 +1213,22 @@ class SlowDisk(SpoolTest):
         self.assertNotIn("taken away", daemon.log())
         daemon.stop()
 
-    def test_what_is_taken_away_while_it_is_refused_leaves_the_queue(self):
+    def test_a_file_that_is_removed_while_it_is_refused_leaves_the_queue(self):
         daemon = self.daemon(WAITS)
         slow = daemon.put_on_slow_disk()
-        daemon.environment["STATE_DIRECTORY"] = self.path("state")  # where another disk answers
+        daemon.environment["STATE_DIRECTORY"] = self.path("state")  # on another disk, which answers
         daemon.start()
         daemon.drop("first.stl", SMALL)
         daemon.wait_done("first")
         open(os.path.join(slow, "writes"), "wb").close()
         daemon.drop("bad.stl", b"no model")
-        wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "the reason that waits for the disk")
+        wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "the reason file to wait for the disk")
         os.rename(daemon.file("incoming", "bad.stl"), self.path("bad.stl"))
         for _ in range(2):
-            daemon.status()  # by its answer it has seen the events
+            daemon.status()  # once it answers, the daemon has seen the events
         self.assertEqual(daemon.status()["queued"], 1)
         os.unlink(os.path.join(slow, "writes"))
-        wait_until(lambda: daemon.status()["queued"] == 0, "an empty queue", 10)
+        wait_until(lambda: daemon.status()["queued"] == 0, "the queue to be empty", 10)
         self.assertIn("bad.stl: taken away by the owner", daemon.log())
         self.assertFalse(daemon.has("failed", "bad.reason.txt"))
         daemon.stop()
@@ -1242,20 +1242,20 @@ class SlowDisk(SpoolTest):
         daemon.wait_done("next")
         daemon.stop()
 
-    def test_a_look_at_a_model_that_waits_for_the_disk_keeps_no_light_on(self):
+    def test_a_look_at_a_model_that_waits_for_the_disk_does_not_delay_a_print(self):
         self.write("next.stl", SMALL)
         self.arrives("next.stl")
 
-    def test_a_look_at_a_plate_that_waits_for_the_disk_keeps_no_light_on(self):
+    def test_a_look_at_a_plate_that_waits_for_the_disk_does_not_delay_a_print(self):
         os.mkdir(self.path("next"))
         self.write("next/next.stl", SMALL)
         self.write("next/plate.json", json.dumps({"models": [{"file": "next.stl"}]}))
         self.arrives("next")
 
 
-@unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
+@unittest.skipIf(SANITIZED, "AddressSanitizer must be loaded first")
 class SlowFiling(SpoolTest):
-    """A print is over, and the disk keeps its report or its picture waiting."""
+    """A print is over, but its report or picture waits for the disk."""
 
     def finishing_daemon(self, gate="pictures", end="cancel", resin=None):
         daemon = self.daemon(REALTIME, resin or {**NIMBLE_RESIN, **ENDLESS})
@@ -1267,15 +1267,15 @@ class SlowFiling(SpoolTest):
         open(self.gate, "wb").close()
         if end:
             daemon.rpc(end)
-        wait_until(lambda: daemon.status()["state"] == "finishing", "the end of the print")
-        wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "the archivist that waits for the disk")
+        wait_until(lambda: daemon.status()["state"] == "finishing", "the print to end")
+        wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "the archivist to wait for the disk")
         return daemon
 
-    def test_the_daemon_answers_and_the_next_job_waits_until_the_one_before_is_filed(self):
+    def test_while_a_print_is_filed_the_daemon_answers_and_the_next_job_waits(self):
         daemon = self.finishing_daemon()
         daemon.drop("next.stl", SMALL)
         self.assertIn("no print", daemon.rpc("cancel")["error"]["message"])
-        status = wait_until(lambda: (lambda s: s if s["queued"] else None)(daemon.status()), "the next job")
+        status = wait_until(lambda: (lambda s: s if s["queued"] else None)(daemon.status()), "the next job in the queue")
         self.assertEqual((status["state"], status["job"]["name"], status["last"]), ("finishing", "first", None))
         self.assertEqual((daemon.names_in("printing"), daemon.names_in("incoming")), (["first.stl"], ["next.stl"]))
         self.assertEqual(daemon.rpc("plate_cleared")["result"]["plate"], "clear")
@@ -1286,7 +1286,7 @@ class SlowFiling(SpoolTest):
         self.assertEqual(daemon.status()["job"]["name"], "next")
         daemon.stop()
 
-    def test_a_stop_waits_until_it_is_filed(self):
+    def test_a_stop_waits_until_the_print_is_filed(self):
         daemon = self.finishing_daemon()
         daemon.process.send_signal(signal.SIGTERM)
         wait_until(lambda: daemon.status()["state"] == "finishing", "an answer")
@@ -1295,12 +1295,12 @@ class SlowFiling(SpoolTest):
         self.assertEqual(daemon.names_in("printing"), [])
         self.assertTrue(daemon.has("failed", "first.preview.png"))
 
-    def test_a_stop_waits_for_a_disk_that_does_not_answer_for_some_seconds_only(self):
+    def test_a_stop_waits_only_some_seconds_for_a_disk_that_does_not_answer(self):
         daemon = self.finishing_daemon()
         daemon.process.send_signal(signal.SIGTERM)
-        # Nothing else can be waited for than these 15 seconds, in which the loop turns.
-        wait_until(lambda: "not filed after 15 s" in daemon.log(), "the end of its patience")
-        wait_until(lambda: "contourd has stopped" in daemon.log(), "the end of the loop")
+        # The daemon waits 15 s for the disk, and there is no other event to wait for.
+        wait_until(lambda: "not filed after 15 s" in daemon.log(), "the daemon to give up")
+        wait_until(lambda: "contourd has stopped" in daemon.log(), "the daemon to stop")
         os.unlink(self.gate)
         self.assertEqual(daemon.process.wait(30), 0)
         self.assertEqual((daemon.names_in("printing"), daemon.has("failed", "first.stl")), ([], True))
@@ -1324,34 +1324,34 @@ class SlowFiling(SpoolTest):
         self.assertEqual((status["plate_job"], status["held"]), ("first", None))
         daemon.stop()
 
-    def test_a_cancelled_print_that_was_killed_before_it_was_filed_is_cancelled_and_holds_nothing(self):
+    def test_a_cancelled_print_that_was_killed_before_it_was_filed_does_not_hold_the_queue(self):
         daemon = self.restarted_after_kill(self.finishing_daemon())
         self.assertIn("Cancelled", daemon.read("failed", "first.reason.txt"))
         self.assertIsNone(daemon.status()["held"])
         daemon.stop()
 
-    def test_a_failed_print_that_was_killed_before_it_was_filed_keeps_its_reason_and_holds_the_queue(self):
-        # The plate is to be homed onto a switch that never closes.
+    def test_a_failed_print_that_was_killed_before_it_was_filed_holds_the_queue_with_its_reason(self):
+        # Homing fails, since the limit switch never closes.
         daemon = self.daemon(merge(json.loads(json.dumps(REALTIME)), {"simulation": {"limit_switch": "stuck_open"}}), NIMBLE_RESIN)
         slow = daemon.put_on_slow_disk()
         self.gate = os.path.join(slow, "pictures")
         open(self.gate, "wb").close()
         daemon.start()
         daemon.drop("first.stl", SMALL)
-        wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "the archivist that waits for the disk")
+        wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "the archivist to wait for the disk")
         self.restarted_after_kill(daemon)
         self.assertIn("homing failed", daemon.read("failed", "first.reason.txt"))
         self.assertIn("homing failed", daemon.status()["held"])
         daemon.stop()
 
-    def test_a_print_that_was_killed_before_its_outcome_was_on_the_disk_was_interrupted(self):
+    def test_a_print_that_was_killed_before_its_outcome_was_stored_counts_as_interrupted(self):
         daemon = self.restarted_after_kill(self.finishing_daemon("writes"))
         self.assertIn("interrupted", daemon.read("failed", "first.reason.txt"))
         self.assertIn("first", daemon.status()["held"])
         daemon.stop()
 
 
-@unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
+@unittest.skipIf(SANITIZED, "AddressSanitizer must be loaded first")
 class DiskThatTakesNothing(SpoolTest):
     def printing_daemon(self, config=None):
         daemon = self.daemon(merge(json.loads(json.dumps(REALTIME)), config or {}), {**NIMBLE_RESIN, **ENDLESS})
@@ -1364,7 +1364,7 @@ class DiskThatTakesNothing(SpoolTest):
     def becomes(self, state):
         open(os.path.join(self.slow, state), "wb").close()
 
-    def is_well_again(self, state):
+    def is_repaired(self, state):
         os.unlink(os.path.join(self.slow, state))
 
     def test_a_print_cancelled_on_a_full_disk_is_filed_without_its_reason(self):
@@ -1378,10 +1378,11 @@ class DiskThatTakesNothing(SpoolTest):
         daemon.stop()
 
     def restarts_on_a_disk_that_is(self, state):
-        """After a kill in mid-print, twice. Nothing begins, and nothing is forgotten; once the disk is well, all is as ever."""
+        """Kills a daemon during a print and restarts it on this disk, twice. No job begins and nothing is lost; once the disk is
+        repaired, the interrupted print is filed. Returns the log up to the repair."""
         daemon = self.printing_daemon()
         daemon.drop("next.stl", SMALL)
-        # Whatever is being read when a daemon is killed is not read again by itself.
+        # A file that is being read when the daemon is killed would not be read again.
         daemon.drop("bad.stl", b"no model")
         daemon.wait_refused("bad")
         for name in ("bad.stl", "bad.reason.txt"):
@@ -1390,7 +1391,7 @@ class DiskThatTakesNothing(SpoolTest):
         for _ in range(2):
             daemon.kill()
             daemon.start()
-            status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+            status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "a job to wait")
             self.assertEqual((status["plate_job"], status["queued"]), ("first", 1))
             self.assertIn("first", status["held"])
             self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), (["first.stl"], []))
@@ -1399,7 +1400,7 @@ class DiskThatTakesNothing(SpoolTest):
         self.assertEqual(state == "read-only", "ReadWritePaths" in log)
         self.assertEqual(log.count("the state for the next start is not on the disk"), 2, log)
         self.assertEqual(log.count("first: stays in printing"), 2, log)
-        self.is_well_again(state)
+        self.is_repaired(state)
         daemon.drop("more.stl", SMALL)
         wait_until(lambda: daemon.has("failed", "first.stl"), "first in failed")
         self.assertIn("interrupted", daemon.read("failed", "first.reason.txt"))
@@ -1410,7 +1411,7 @@ class DiskThatTakesNothing(SpoolTest):
         daemon.stop()
         return log
 
-    def test_a_spool_that_cannot_be_made_is_said_with_what_the_unit_needs(self):
+    def test_the_error_about_a_spool_that_cannot_be_made_names_the_unit_s_setting(self):
         daemon = self.daemon(REALTIME)
         self.slow = daemon.put_on_slow_disk()
         self.becomes("read-only")
@@ -1418,10 +1419,10 @@ class DiskThatTakesNothing(SpoolTest):
         self.assertGreater(daemon.process.wait(30), 0)
         self.assertIn("ReadWritePaths", daemon.log())
 
-    def test_it_starts_on_a_full_disk_after_a_kill(self):
+    def test_the_daemon_starts_on_a_full_disk_after_a_kill(self):
         self.assertIn("No space left", self.restarts_on_a_disk_that_is("full"))
 
-    def test_it_starts_on_a_read_only_disk_after_a_kill(self):
+    def test_the_daemon_starts_on_a_read_only_disk_after_a_kill(self):
         self.assertIn("Read-only file system", self.restarts_on_a_disk_that_is("read-only"))
 
     def test_a_job_that_cannot_be_claimed_stays_in_the_queue_and_is_tried_again(self):
@@ -1432,14 +1433,14 @@ class DiskThatTakesNothing(SpoolTest):
         wait_until(lambda: daemon.status()["queued"] == 2, "two jobs in the queue")
         daemon.rpc("cancel")
         daemon.wait_ended("first")
-        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "a job to wait")
         self.assertEqual(status["queued"], 2)
         self.assertIn("one.stl cannot be claimed", status["waiting_for"])
-        for name in ("three", "four"):  # each has the first in the queue tried again
+        for name in ("three", "four"):  # each arrival makes the daemon try the first job again
             daemon.drop(name + ".stl", SMALL)
         wait_until(lambda: daemon.status()["queued"] == 4, "four jobs in the queue")
         self.assertEqual(daemon.log().count("cannot be claimed"), 1, daemon.log())
-        self.is_well_again("printing-read-only")
+        self.is_repaired("printing-read-only")
         daemon.drop("five.stl", SMALL)
         daemon.wait_state("exposing")
         self.assertEqual(daemon.status()["job"]["name"], "one")
@@ -1447,14 +1448,14 @@ class DiskThatTakesNothing(SpoolTest):
         self.assertEqual(daemon.rpc("queue")["result"]["queue"], ["two.stl", "three.stl", "four.stl", "five.stl"])
         daemon.stop()
 
-    def test_incoming_removed_where_it_cannot_be_made_again_ends_no_print(self):
+    def test_a_print_goes_on_if_incoming_is_removed_and_cannot_be_made_again(self):
         daemon = self.printing_daemon()
         self.becomes("read-only")
         os.rmdir(daemon.file("incoming"))
-        wait_until(lambda: "incoming folder" in daemon.log(), "its word")
+        wait_until(lambda: "incoming folder" in daemon.log(), "the warning")
         self.assertEqual(daemon.status()["state"], "exposing")
-        self.is_well_again("read-only")
-        wait_until(lambda: daemon.has("incoming"), "the folder")
+        self.is_repaired("read-only")
+        wait_until(lambda: daemon.has("incoming"), "the new incoming folder")
         daemon.drop("next.stl", SMALL)
         wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
         self.assertEqual(daemon.log().count("incoming folder"), 1)
@@ -1462,11 +1463,11 @@ class DiskThatTakesNothing(SpoolTest):
 
 
 class TicketOfTwoModels(SpoolTest):
-    """NAME.json beside NAME.stl and NAME.STL."""
+    """NAME.json together with NAME.stl and NAME.STL."""
 
     TICKET = b'{"layer_height_um": 100}'  # 10 layers
 
-    def test_each_prints_with_it(self):
+    def test_both_models_are_printed_with_the_ticket(self):
         daemon = self.daemon()
         for name in ("part.json", "part.stl", "part.STL"):
             daemon.drop(name, self.TICKET if name.endswith("json") else SMALL)
@@ -1477,7 +1478,7 @@ class TicketOfTwoModels(SpoolTest):
         self.assertEqual(daemon.names_in("incoming"), [])
         daemon.stop()
 
-    def test_it_stays_for_the_other_when_one_is_refused(self):
+    def test_the_ticket_is_kept_for_the_second_model_if_the_first_is_refused(self):
         daemon = self.printing_daemon()
         for name, data in (("part.json", self.TICKET), ("part.STL", b"no model"), ("part.stl", SMALL)):
             daemon.drop(name, data)
@@ -1490,7 +1491,7 @@ class TicketOfTwoModels(SpoolTest):
         daemon.wait_ended("part-2")
         daemon.stop()
 
-    def test_one_that_is_no_ticket_refuses_both(self):
+    def test_a_ticket_that_is_a_fifo_refuses_a_model_and_the_next_job_is_printed(self):
         daemon = self.daemon()
         for name in ("part.stl", "part.STL"):
             daemon.drop(name, SMALL)
@@ -1520,7 +1521,7 @@ class ReplacedFolders(SpoolTest):
         self.addCleanup(subprocess.run, ["umount", "-q", daemon.file("incoming")], check=False)
 
     def stopped_while_it_reads(self, daemon, meanwhile=lambda: None):
-        """Stops it in the preparation of big.stl, which has a ticket."""
+        """Stops the daemon while it prepares big.stl, which has a ticket."""
         large = self.path("large.stl")
         self.assertEqual(run(MAKE_MODEL, "gyroid-sphere", large, "120").returncode, 0)
         daemon.start()
@@ -1533,55 +1534,55 @@ class ReplacedFolders(SpoolTest):
         self.assertEqual(daemon.status()["state"], "preparing", "the model is read too fast for this test")
         daemon.stop()
 
-    def test_an_incoming_that_was_replaced_by_rename_is_watched(self):
+    def test_an_incoming_folder_that_was_replaced_by_a_rename_is_watched(self):
         daemon = self.daemon().start()
         os.mkdir(daemon.file("other"))
         os.rename(daemon.file("incoming"), daemon.file("old"))
         os.rename(daemon.file("other"), daemon.file("incoming"))
-        wait_until(lambda: self.WATCHED in daemon.log(), "its word")
+        wait_until(lambda: self.WATCHED in daemon.log(), "the new folder to be watched")
         self.printed(daemon, "part")
         self.put(daemon, "late.stl", folder="old")
         self.printed(daemon, "next")
         self.assertTrue(daemon.has("old", "late.stl"))
         daemon.stop()
 
-    def test_what_waited_in_the_old_one_is_withdrawn_and_what_lies_in_the_new_one_arrives(self):
+    def test_jobs_of_the_old_folder_leave_the_queue_and_jobs_of_the_new_one_arrive(self):
         daemon = self.printing_daemon()
         daemon.drop("old.stl", SMALL)
-        wait_until(lambda: daemon.rpc("queue")["result"]["queue"] == ["old.stl"], "the job")
+        wait_until(lambda: daemon.rpc("queue")["result"]["queue"] == ["old.stl"], "the job in the queue")
         os.mkdir(daemon.file("other"))
         self.put(daemon, "new.stl", folder="other")
         os.rename(daemon.file("incoming"), daemon.file("before"))
         os.rename(daemon.file("other"), daemon.file("incoming"))
-        wait_until(lambda: daemon.rpc("queue")["result"]["queue"] == ["new.stl"], "the new folder's job alone")
+        wait_until(lambda: daemon.rpc("queue")["result"]["queue"] == ["new.stl"], "only the new folder's job in the queue")
         self.assertEqual(daemon.status()["state"], "exposing")
         daemon.stop()
 
-    def test_what_was_taken_away_when_events_were_lost_waits_no_longer(self):
+    def test_jobs_that_were_removed_while_events_were_lost_leave_the_queue(self):
         daemon = self.printing_daemon()
         daemon.drop("waits.stl", SMALL)
         os.mkdir(daemon.file("incoming", "plate"))
         self.put(daemon, "plate.json", json.dumps({"models": [{"file": "part.stl"}]}).encode(), "incoming/plate")
-        wait_until(lambda: "plate" in daemon.status()["incomplete"] and daemon.status()["queued"] == 1, "both")
+        wait_until(lambda: "plate" in daemon.status()["incomplete"] and daemon.status()["queued"] == 1, "the job and the plate to wait")
         with open("/proc/sys/fs/inotify/max_queued_events", encoding="ascii") as file:
             most = int(file.read())
         os.kill(daemon.process.pid, signal.SIGSTOP)
-        for _ in range(most // 3 + 1):  # made, closed, removed
+        for _ in range(most // 3 + 1):  # one event each for creation, closing and removal
             self.put(daemon, "noise", b"")
             os.unlink(daemon.file("incoming", "noise"))
         os.unlink(daemon.file("incoming", "waits.stl"))
         os.rename(daemon.file("incoming", "plate"), daemon.file("plate"))
         self.put(daemon, "new.stl")
         os.kill(daemon.process.pid, signal.SIGCONT)
-        wait_until(lambda: daemon.rpc("queue")["result"]["queue"] == ["new.stl"], "the new job alone")
-        wait_until(lambda: not daemon.status()["incomplete"], "the plate's end")
+        wait_until(lambda: daemon.rpc("queue")["result"]["queue"] == ["new.stl"], "only the new job in the queue")
+        wait_until(lambda: not daemon.status()["incomplete"], "the plate to be removed")
         daemon.stop()
 
-    def test_a_spool_that_was_replaced_is_taken_and_watched(self):
+    def test_a_spool_that_was_replaced_is_locked_and_watched(self):
         daemon = self.daemon().start()
         os.rename(daemon.spool, daemon.spool + ".old")
         os.mkdir(daemon.spool)
-        wait_until(lambda: self.WATCHED in daemon.log(), "its word")
+        wait_until(lambda: self.WATCHED in daemon.log(), "the new folder to be watched")
         self.printed(daemon, "part")
         second = self.second_daemon("second", {"spool_folder": "spool"})
         second.launch()
@@ -1593,7 +1594,7 @@ class ReplacedFolders(SpoolTest):
         daemon = self.printing_daemon()
         os.rename(daemon.spool, daemon.spool + ".old")
         os.mkdir(daemon.spool)
-        wait_until(lambda: self.WATCHED in daemon.log(), "its word")
+        wait_until(lambda: self.WATCHED in daemon.log(), "the new folder to be watched")
         self.assertEqual(daemon.status()["state"], "exposing")
         daemon.rpc("cancel")
         daemon.wait_ended("first")
@@ -1610,34 +1611,34 @@ class ReplacedFolders(SpoolTest):
             fcntl.flock(lock, fcntl.LOCK_EX)
             os.rename(daemon.spool, daemon.spool + ".old")
             os.rename(self.path("others"), daemon.spool)
-            wait_until(lambda: "another contourd uses the spool" in daemon.log(), "its word")
+            wait_until(lambda: "another contourd uses the spool" in daemon.log(), "the warning")
             self.assertEqual(daemon.log().count("nothing arrives"), 1)
             self.assertNotIn(self.WATCHED, daemon.log())
-        wait_until(lambda: self.WATCHED in daemon.log(), "its word")
+        wait_until(lambda: self.WATCHED in daemon.log(), "the new folder to be watched")
         self.printed(daemon, "part")
         daemon.stop()
 
-    def test_what_is_mounted_over_incoming_is_watched_and_what_is_under_it_again_after_that(self):
+    def test_a_mount_over_incoming_is_watched_and_after_unmounting_the_folder_below_it(self):
         daemon = self.daemon().start()
         self.mount_over_incoming(daemon)
-        wait_until(lambda: self.WATCHED in daemon.log(), "its word")
+        wait_until(lambda: self.WATCHED in daemon.log(), "the new folder to be watched")
         self.assertEqual(self.printed(daemon, "part")["layers"], 20)
-        self.assertEqual(daemon.names_in("incoming"), [])  # though nothing can be moved out of it
+        self.assertEqual(daemon.names_in("incoming"), [])  # even though nothing can be moved to another file system
         self.put(daemon, "bad.stl", b"no model")
         daemon.wait_refused("bad")
         subprocess.run(["umount", daemon.file("incoming")], check=True)
-        wait_until(lambda: daemon.log().count(self.WATCHED) == 2, "its word")
+        wait_until(lambda: daemon.log().count(self.WATCHED) == 2, "the old folder to be watched again")
         self.printed(daemon, "under")
         daemon.stop()
 
-    def test_a_job_that_has_not_begun_goes_back_to_an_incoming_that_is_mounted(self):
+    def test_a_job_that_has_not_begun_returns_to_a_mounted_incoming_folder(self):
         daemon = self.daemon()
         self.mount_over_incoming(daemon)
         self.stopped_while_it_reads(daemon)
         self.assertEqual(daemon.names_in("incoming"), ["big.json", "big.stl"])
         self.assertEqual(daemon.names_in("printing"), [])
 
-    def test_a_job_that_has_not_begun_takes_no_others_name(self):
+    def test_a_job_that_returns_to_incoming_does_not_overwrite_another_job(self):
         daemon = self.daemon()
         self.stopped_while_it_reads(daemon, lambda: self.put(daemon, "big.stl"))
         self.assertEqual(daemon.names_in("incoming"), ["big-2.json", "big-2.stl", "big.stl"])
@@ -1649,7 +1650,7 @@ class Plate(SpoolTest):
         daemon.drop("one.stl", SMALL)
         daemon.drop("two.stl", SMALL)
         daemon.wait_done("one")
-        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "a job to wait")
         self.assertEqual((status["plate"], status["plate_job"], status["queued"]), ("occupied", "one", 1))
         self.assertIn("plate-cleared", status["waiting_for"])
         self.assertEqual(daemon.names_in("incoming"), ["two.stl"])
@@ -1666,7 +1667,7 @@ class Plate(SpoolTest):
             end()
             daemon.drop("two.stl", SMALL)
             daemon.start()
-            status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+            status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "a job to wait")
             self.assertEqual((status["plate_job"], status["queued"]), ("one", 1))
             self.assertEqual(daemon.names_in("incoming"), ["two.stl"])
         daemon.rpc("plate_cleared")
@@ -1676,7 +1677,7 @@ class Plate(SpoolTest):
         self.assertEqual(daemon.status()["plate_job"], "two")
         daemon.stop()
 
-    def test_a_cleared_plate_stays_clear_over_a_restart(self):
+    def test_a_cleared_plate_stays_clear_after_a_restart(self):
         daemon = self.daemon(WAITS).start()
         daemon.drop("one.stl", SMALL)
         daemon.wait_done("one")
@@ -1697,14 +1698,14 @@ class Plate(SpoolTest):
         daemon.wait_done("good")
         daemon.stop()
 
-    def test_nothing_is_waited_for_once_the_queue_is_empty(self):
+    def test_with_an_empty_queue_the_status_shows_no_wait(self):
         daemon = self.daemon(WAITS).start()
         daemon.drop("one.stl", SMALL)
         daemon.wait_done("one")
         daemon.drop("two.stl", SMALL)
-        wait_until(lambda: daemon.status()["waiting_for"], "the wait")
+        wait_until(lambda: daemon.status()["waiting_for"], "a job to wait")
         os.unlink(daemon.file("incoming", "two.stl"))
-        wait_until(lambda: daemon.status()["queued"] == 0, "an empty queue")
+        wait_until(lambda: daemon.status()["queued"] == 0, "the queue to be empty")
         self.assertIsNone(daemon.status()["waiting_for"])
         daemon.rpc("plate_cleared")
         self.assertIsNone(daemon.status()["waiting_for"])
@@ -1724,16 +1725,16 @@ class Interruption(SpoolTest):
         status = daemon.status()
         self.assertEqual((status["state"], status["plate"], status["plate_job"]), ("idle", "occupied", "first"))
         daemon.drop("next.stl", SMALL)
-        wait_until(lambda: daemon.status()["waiting_for"], "the wait")
+        wait_until(lambda: daemon.status()["waiting_for"], "a job to wait")
         daemon.rpc("plate_cleared")
         daemon.wait_state("exposing")
         daemon.stop()
 
     def next_waits_after(self, end):
-        """That the next job does not begin after a restart though no plate is waited for, until the owner has spoken."""
+        """Asserts that the next job does not begin after a restart until the user resumes, even if no plate must be cleared."""
         daemon = self.printing_daemon()
         daemon.drop("next.stl", SMALL)
-        # Read, too: a kill in the reading would have it refused.
+        # Waits until the job has been read, since a kill during the reading would have it refused.
         wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["ready"], "a job in the queue")
         end(daemon)
         for _ in range(2):
@@ -1753,10 +1754,10 @@ class Interruption(SpoolTest):
         self.assertEqual(daemon.status()["job"]["name"], "next")
         daemon.stop()
 
-    def test_after_a_killed_print_the_next_waits_for_the_owner_whatever_the_plate_may_hold(self):
+    def test_after_a_killed_print_the_next_job_waits_until_the_user_resumes(self):
         self.next_waits_after(lambda daemon: daemon.kill())
 
-    def test_after_a_print_that_was_stopped_with_the_daemon_the_next_waits_for_the_owner(self):
+    def test_after_a_print_that_ended_with_the_daemon_s_stop_the_next_job_waits_until_the_user_resumes(self):
         self.next_waits_after(lambda daemon: daemon.stop())
 
     def test_a_killed_print_keeps_its_ticket(self):
@@ -1792,11 +1793,11 @@ class Interruption(SpoolTest):
         self.assertEqual(daemon.status()["job"]["name"], "next")
         daemon.stop()
 
-    def test_the_interrupt_key_does_the_same(self):
+    def test_sigint_ends_a_print_with_the_light_off(self):
         self.end_by_signal(signal.SIGINT).stop()
 
     def test_a_print_stopped_in_its_first_exposure_leaves_the_plate_occupied(self):
-        # It was exposed, if only in part: something may hang on the plate.
+        # The layer was exposed in part, so something may stick to the plate.
         daemon = self.end_by_signal(signal.SIGTERM)
         self.assertEqual(daemon.status()["plate"], "occupied")
         daemon.stop()
@@ -1808,7 +1809,7 @@ class Interruption(SpoolTest):
         self.assertEqual(daemon.status()["plate"], "occupied")
         daemon.stop()
 
-    def test_a_job_that_fails_before_its_first_exposure_does_not_clear_an_earlier_ones_part(self):
+    def test_a_job_that_fails_before_its_first_exposure_does_not_clear_the_plate(self):
         daemon = self.daemon().start()
         daemon.drop("one.stl", SMALL)
         daemon.wait_done("one")
@@ -1822,12 +1823,12 @@ class Interruption(SpoolTest):
         self.assertEqual((status["plate"], status["plate_job"]), ("occupied", "one"))
         daemon.stop()
 
-    def test_sigterm_while_a_job_is_read_leaves_it_for_the_next_start(self):
+    def test_a_job_that_is_being_read_at_sigterm_is_printed_at_the_next_start(self):
         large = self.path("large.stl")
         self.assertEqual(run(MAKE_MODEL, "gyroid-sphere", large, "120").returncode, 0)
         daemon = self.daemon(WAITS).start()
         os.rename(large, daemon.file("incoming", "large.stl"))
-        wait_until(lambda: daemon.has("printing", "large.stl"), "the claim")
+        wait_until(lambda: daemon.has("printing", "large.stl"), "the job to be claimed")
         self.assertEqual(daemon.status()["state"], "preparing", "the model is read too fast for this test")
         daemon.stop()
         os.replace(self.write("small", SMALL), os.fsencode(daemon.file(
@@ -1837,20 +1838,20 @@ class Interruption(SpoolTest):
         daemon.wait_done("large")
         daemon.stop()
 
-    def test_a_job_whose_ticket_was_claimed_before_a_power_cut_keeps_its_ticket(self):
-        # A claim renames two files: this is what is found when the power is cut in between.
+    def test_a_job_whose_ticket_alone_was_claimed_before_a_power_cut_keeps_its_ticket(self):
+        # A claim renames two files. The power was cut in between.
         daemon = self.daemon()
         daemon.drop("part.stl", SMALL, {"copies": 3})
         os.makedirs(daemon.file("printing"))
         os.rename(daemon.file("incoming", "part.json"), daemon.file("printing", "part.json"))
         daemon.start()
-        end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "the end")["params"]["last"]
+        end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "the job to end")["params"]["last"]
         if end["outcome"] == "done":
             self.assertEqual(daemon.report(end["job"])["model"]["copies"], 3)
         daemon.stop()
 
-    def test_a_job_whose_ticket_was_not_claimed_yet_keeps_it(self):
-        # The other way round. A ticket that is younger than the claim is another job's.
+    def test_a_job_whose_ticket_was_not_claimed_yet_keeps_its_ticket(self):
+        # The model was claimed before its ticket. A ticket that is younger than the claim belongs to another job.
         daemon = self.daemon()
         for name in ("part", "other"):
             daemon.drop(name + ".stl", SMALL, {"copies": 3} if name == "part" else None)
@@ -1863,7 +1864,7 @@ class Interruption(SpoolTest):
         self.assertEqual(daemon.names_in("incoming"), ["other.json"])
         daemon.stop()
 
-    def test_a_job_whose_ticket_was_not_filed_yet_gets_it(self):
+    def test_a_filed_job_gets_its_ticket_that_was_not_filed_yet(self):
         daemon = self.daemon()
         for folder in ("done", "failed"):
             daemon.drop(folder + ".stl", SMALL, {"copies": 3})
@@ -1876,7 +1877,7 @@ class Interruption(SpoolTest):
             self.assertEqual(daemon.names_in(folder), [folder + ".json", folder + ".stl"])
         daemon.stop()
 
-    def test_a_refused_job_whose_reason_alone_was_written_is_filed_with_it(self):
+    def test_a_refused_job_is_filed_with_a_reason_that_was_written_earlier(self):
         daemon = self.daemon().start()
         self.write(os.path.relpath(daemon.file("failed", "bad.reason.txt"), self.path()), b"not a usable model")
         daemon.drop("bad.stl", b"no model")
@@ -1884,7 +1885,7 @@ class Interruption(SpoolTest):
         self.assertEqual(daemon.names_in("failed"), ["bad.reason.txt", "bad.stl"])
         daemon.stop()
 
-    def test_a_second_daemon_leaves_the_first_ones_print_alone(self):
+    def test_a_second_daemon_does_not_touch_the_print_of_the_first(self):
         daemon = self.printing_daemon()
         second = run(CONTOURD, "--config", daemon.config_path)
         self.assertNotEqual(second.returncode, 0)
@@ -1894,7 +1895,7 @@ class Interruption(SpoolTest):
         self.assertEqual(daemon.status()["state"], "exposing")
         daemon.stop()
 
-    def test_a_second_daemon_with_another_socket_leaves_the_first_ones_spool_alone(self):
+    def test_a_second_daemon_with_another_socket_does_not_touch_the_spool_of_the_first(self):
         daemon = self.printing_daemon()
         other = self.path("other.json")
         with open(other, "w", encoding="utf-8") as file:
@@ -1904,8 +1905,8 @@ class Interruption(SpoolTest):
         second.socket_path = self.path("other.sock")
         second.log_path = self.path("other.log")
         second.launch()
-        # Either it says at once that the spool is in use, or it answers; then it must not have touched the print.
-        wait_until(lambda: second.process.poll() is not None or os.path.exists(second.socket_path), "the second daemon")
+        # The second daemon must end because the spool is in use, without touching the print.
+        wait_until(lambda: second.process.poll() is not None or os.path.exists(second.socket_path), "the second daemon to end or answer")
         self.assertEqual(daemon.names_in("printing"), ["first.stl"])
         self.assertNotEqual(second.process.poll() or 0, 0)
         daemon.stop()

@@ -49,14 +49,14 @@ class Supports(FolderTest):
 
     def sliced(self, data, *words):
         model, folder = self.write("model.stl", data), self.path("sliced" + "".join(words))
-        told = contourctl("slice", model, "--layer-height-um", "50", "--masks", folder, *DISPLAY, *words)
-        self.assertEqual(told.returncode, OK, told.stderr)
+        result = contourctl("slice", model, "--layer-height-um", "50", "--masks", folder, *DISPLAY, *words)
+        self.assertEqual(result.returncode, OK, result.stderr)
         return self.masks(folder)
 
     def json_of(self, *words):
-        told = contourctl(*words, "--json")
-        self.assertEqual(told.returncode, OK, told.stderr)
-        return json.loads(told.stdout)
+        result = contourctl(*words, "--json")
+        self.assertEqual(result.returncode, OK, result.stderr)
+        return json.loads(result.stdout)
 
     # --- what is printed
 
@@ -131,8 +131,8 @@ class Supports(FolderTest):
         self.assertRegex(shown, r"(?m)^supports  .*[1-9]\d* places? not held")
         self.assertRegex(shown, r"(?m)^warning   .*places? cannot be held: at ")
         self.printed(daemon, "box", BOX)
-        told = daemon.ctl("accept", "caged")
-        self.assertEqual(told.returncode, OK, told.stderr)
+        result = daemon.ctl("accept", "caged")
+        self.assertEqual(result.returncode, OK, result.stderr)
         report = daemon.wait_done("caged")
         self.assertGreaterEqual(report["supports"]["unheld"], 1)
         self.assertTrue(any("cannot be held" in warning for warning in report["model"]["warnings"]))
@@ -165,13 +165,13 @@ class Supports(FolderTest):
 
     def test_support_lists_contacts_and_writes_supports_as_a_model(self):
         model = self.write("ball.stl", BALL)
-        told = contourctl("support", model, "--scale", "1000")
-        self.assertEqual(told.returncode, BAD_DATA)
-        self.assert_one_line(told.stderr, "the model is 8005 mm high: supports are looked for up to 3000 mm")
-        told = contourctl("support", model)
-        self.assertEqual(told.returncode, OK, told.stderr)
-        self.assertRegex(told.stdout.decode(), r"(?m)^supports   \d+ contacts?.*\nlift       5 mm$")
-        self.assertRegex(told.stdout.decode(), r"(?m)^island     at -?\d+\.\d\d, -?\d+\.\d\d mm, \d+\.\d\d mm above the plate, holds ")
+        result = contourctl("support", model, "--scale", "1000")
+        self.assertEqual(result.returncode, BAD_DATA)
+        self.assert_one_line(result.stderr, "the model is 8005 mm high: supports are looked for up to 3000 mm")
+        result = contourctl("support", model)
+        self.assertEqual(result.returncode, OK, result.stderr)
+        self.assertRegex(result.stdout.decode(), r"(?m)^supports   \d+ contacts?.*\nlift       5 mm$")
+        self.assertRegex(result.stdout.decode(), r"(?m)^island     at -?\d+\.\d\d, -?\d+\.\d\d mm, \d+\.\d\d mm above the plate, holds ")
         supports = self.json_of("support", model)
         self.assertEqual(supports["lift_mm"], 5)
         self.assertEqual({each["cause"] for each in supports["contact_list"]} - {"island", "overhang", "peel"}, set())
@@ -205,10 +205,10 @@ class Supports(FolderTest):
     def test_submit_writes_supports_into_the_ticket_and_prints_the_outlook(self):
         daemon = self.daemon("off")
         model = self.write("ball.stl", BALL)
-        told = daemon.ctl("submit", "--yes", "--supports", "auto", "--printer", daemon.config_path, model)
-        self.assertEqual(told.returncode, OK, told.stderr)
-        self.assertIn("260 layers", told.stdout.decode())
-        self.assertRegex(told.stdout.decode(), r"(?m)^  supports: \d+ contact")
+        result = daemon.ctl("submit", "--yes", "--supports", "auto", "--printer", daemon.config_path, model)
+        self.assertEqual(result.returncode, OK, result.stderr)
+        self.assertIn("260 layers", result.stdout.decode())
+        self.assertRegex(result.stdout.decode(), r"(?m)^  supports: \d+ contact")
         self.assertEqual(daemon.wait_done("ball")["layers"], 260)
         daemon.stop()
 
@@ -232,9 +232,9 @@ class Supports(FolderTest):
             (["slice", model, "--z", "1", "--mask", model], BAD_USAGE, f"--mask {name}: that is the model"),
             (["slice", model, "--layer-height-um", "50", "--csv", model], BAD_USAGE, f"--csv {name}: that is the model"),
         ):
-            told = contourctl(*words)
-            self.assertEqual(told.returncode, code, words)
-            self.assertIn(part, told.stderr.decode())
+            result = contourctl(*words)
+            self.assertEqual(result.returncode, code, words)
+            self.assertIn(part, result.stderr.decode())
         with open(model, "rb") as file:
             self.assertEqual(file.read(), BALL)
 

@@ -479,7 +479,7 @@ TEST_CASE("The uniformity mask, threshold and gamma are applied to the mask and 
   settings.uniformity.emplace(kFineDisplay.width, kFineDisplay.height);
   for (std::int32_t y = 0; y < kFineDisplay.height.count(); ++y)
     std::ranges::fill(settings.uniformity->row(y), static_cast<std::uint8_t>(155 + y % 100));
-  ContourEngine engine = square_engine_with(settings, ball()), plain = square_engine(ball());
+  ContourEngine engine = square_engine(ball(), settings), plain = square_engine(ball());
   for (const std::int64_t nm : {8'000'000, 1'000'000}) {
     const Mask& mask = engine.mask_at(Nanometers{nm});
     const Mask& coverage = plain.mask_at(Nanometers{nm});
@@ -495,5 +495,5 @@ TEST_CASE("The uniformity mask, threshold and gamma are applied to the mask and 
 TEST_CASE("A uniformity mask of another size than the display is refused") {
   EngineSettings settings = with_compensation({});
   settings.uniformity.emplace(kFineDisplay.height, kFineDisplay.width);
-  CHECK_THROWS_AS(square_engine_with(settings, ball()), std::invalid_argument);
+  CHECK_THROWS_AS(square_engine(ball(), settings), std::invalid_argument);
 }

@@ -131,6 +131,16 @@ int worst_difference(const Mask& mask, const Mask& larger, int x, int y) {
   return worst;
 }
 
+// Requires that a pixel is lit where its centre's winding number is not zero. For use within rc::check.
+void expect_lit_centers(const Mask& mask, const std::vector<Polygon>& polygons) {
+  for (int row = 0; row < mask.height().count(); ++row) {
+    for (int column = 0; column < mask.width().count(); ++column) {
+      const int expected = winding_at_center(polygons, column, row) != 0 ? 255 : 0;
+      RC_ASSERT(static_cast<int>(mask.row(row)[static_cast<std::size_t>(column)]) == expected);
+    }
+  }
+}
+
 constexpr AntiAliasing kBoth[] = {AntiAliasing::On, AntiAliasing::Off};
 
 }  // namespace

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "daemon/config/config_error.hpp"
 #include "daemon/config/printer_config.hpp"
+#include "daemon/json/config_error.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "daemon/config/config_error.hpp"
+#include "daemon/json/config_error.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace contourd::testing {

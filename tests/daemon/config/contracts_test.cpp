@@ -1,10 +1,10 @@
 // That each header of daemon/config checks what it requires.
-#include "daemon/config/config_error.hpp"
-#include "daemon/config/json_syntax.hpp"
 #include "daemon/config/light_config.hpp"
 #include "daemon/config/resin_plausibility.hpp"
 #include "daemon/config/resin_profile.hpp"
-#include "daemon/config/utf_8.hpp"
+#include "daemon/json/config_error.hpp"
+#include "daemon/json/json_syntax.hpp"
+#include "daemon/system/utf_8.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 

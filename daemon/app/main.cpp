@@ -1,0 +1,324 @@
+// contourd: wires the machine, the printer service and the event loop, and nothing else.
+#include <fmt/format.h>
+#include <malloc.h>
+#include <signal.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "daemon/app/broken_contract.hpp"
+#include "daemon/app/light_record.hpp"
+#include "daemon/app/login_bus.hpp"
+#include "daemon/app/printer_service.hpp"
+#include "daemon/app/sleep_inhibitor.hpp"
+#include "daemon/check/config_check.hpp"
+#include "daemon/client/control_defaults.hpp"
+#include "daemon/config/light_config.hpp"
+#include "daemon/config/printer_config.hpp"
+#include "daemon/system/command_line.hpp"
+#include "daemon/system/durable_file.hpp"
+#include "daemon/system/event_loop.hpp"
+#include "daemon/system/log.hpp"
+#include "daemon/system/readable.hpp"
+#include "daemon/system/standard_output.hpp"
+#include "daemon/system/supervisor.hpp"
+#include "hw/hardware_check.hpp"
+#include "hw/light_off.hpp"
+#include "hw/real_machine.hpp"
+#include "hw/simulated_printer.hpp"
+#include "hw/virtual_clock.hpp"
+#include "hw/watchdog/light_watchdog_process.hpp"
+
+namespace contourd {
+namespace {
+
+// Exit codes of BSD's sysexits.h, with kBadUsage and kCannotCreate; systemd does not restart after 78 (see
+// contourd.service).
+constexpr int kMissingDevice = 69, kFailed = 70, kRestart = 75, kBadConfig = 78;
+
+// The clock of the machine: the monotonic one, or for the simulated printer one that skips all waiting.
+class MachineClock {
+ public:
+  MachineClock(EventLoop& loop, Pace pace) {
+    if (pace == Pace::Realtime) {
+      clock_ = std::make_unique<EventLoopClock>(loop);
+      return;
+    }
+    auto fast = std::make_unique<VirtualClock>();
+    VirtualClock* const clock = fast.get();
+    idle_ = loop.when_idle("the simulated clock", [clock] { return clock->run_next(); });
+    clock->on_work([this] { idle_->wake(); });
+    clock_ = std::move(fast);
+  }
+
+  [[nodiscard]] Clock& get() { return *clock_; }
+
+ private:
+  std::unique_ptr<EventLoop::IdleSource> idle_;
+  std::unique_ptr<Clock> clock_;
+};
+
+// The machine, with what only a real one has: somebody who turns its light off when this process does not.
+class PrinterMachine {
+ public:
+  PrinterMachine(const PrinterConfig& config, Clock& clock, DescriptorWatcher& watcher, const Log& log) {
+    if (!config.real) {
+      machine_ = std::make_unique<SimulatedPrinter>(clock, config.simulated);
+      return;
+    }
+    watchdog_.emplace(clock, watcher, start_light_watchdog);
+    auto machine = std::make_unique<RealMachine>(clock, watcher, *watchdog_, *config.real);
+    for (const std::string& device : machine->description())
+      log.info("machine", printable(device));
+    for (const std::string& warning : machine->warnings())
+      log.warning("machine", printable(warning));
+    machine_ = std::move(machine);
+  }
+
+  [[nodiscard]] Machine& get() { return *machine_; }
+
+ private:
+  std::optional<LightWatchdog> watchdog_;
+  std::unique_ptr<Machine> machine_;
+};
+
+// Keeps the computer awake while a real machine prints.
+class PrintWake {
+ public:
+  PrintWake(EventLoop& loop, Clock& clock, Machine& machine, PrinterService& service, const Log& log)
+      : login_(loop),
+        inhibitor_(login_, clock,
+                   {.interrupt =
+                        [&service] {
+                          service.handle_event({.kind = MachineEvent::Kind::Interlock,
+                                                .what = "the computer is about to be suspended"});
+                        },
+                    .dark = [&machine] { return machine.projector().light_off_unconfirmed().empty(); },
+                    .unguarded =
+                        [&log](const std::string& why) {
+                          log.info("machine", fmt::format("the computer may be suspended during a print: {}",
+                                                          printable(why)));
+                        }}) {
+    service.on_printing([this](bool prints) { inhibitor_.hold(prints); });
+  }
+
+ private:
+  LoginBus login_;
+  SleepInhibitor inhibitor_;
+};
+
+// Prints a line a device. Every device is looked at, whatever is wrong with the others.
+int check_hardware(const PrinterConfig& config) {
+  if (!config.real) {
+    fmt::print("{}: the hardware is simulated, there is nothing to look at\n", printable(config.name));
+    return EXIT_SUCCESS;
+  }
+  EventLoop loop;
+  EventLoopClock clock(loop);
+  EventLoopWatcher watcher(loop);
+  HardwareCheck check(clock, watcher, *config.real);
+  int problems = 0;
+  check.run(
+      [&](const HardwareFinding& finding) {
+        if (!finding.good) ++problems;
+        const char* verdict = !finding.good ? "BAD" : finding.warning ? "warn" : "ok";
+        fmt::print("{:4} {:15} {}\n", verdict, printable(finding.device), printable(finding.what));
+      },
+      [&] { loop.stop(); });
+  loop.run();
+  if (problems == 0) return EXIT_SUCCESS;
+  fmt::print("{} of these keep{} it from printing\n", problems, problems == 1 ? "s" : "");
+  return kMissingDevice;
+}
+
+void say_light_may_be_on(const std::string& why) {
+  fmt::print(stderr, "the light may be on: {}\n", printable(why));
+}
+
+// What there is of the record; nothing when there is none, or none that can be read, which is said.
+std::optional<LightConfig> recorded_light(const std::filesystem::path& record) {
+  std::error_code error;
+  if (!std::filesystem::exists(record, error)) return std::nullopt;
+  try {
+    return read_light_record(record);
+  } catch (const ConfigError& unreadable) {
+    fmt::print(stderr, "{}\n", unreadable.what());
+    return std::nullopt;
+  }
+}
+
+// By the record of the daemon that ran last, else by the configuration, as far as that can be read.
+int light_off(const std::string& config_file) {
+  FoundLight found = find_light(config_file);
+  const std::filesystem::path record = light_record_path(found.control_socket.value_or(kDefaultSocket));
+  const std::optional<LightConfig> recorded = recorded_light(record);
+  if (recorded) found = {.light = *recorded, .control_socket = {}, .problems = {}, .elsewhere = {}};
+  for (const Violation& violation : found.elsewhere)
+    fmt::print(stderr, "{}\n", ConfigError({violation}).what());
+  for (const Violation& violation : found.problems)
+    say_light_may_be_on(ConfigError({violation}).what());
+
+  EventLoop loop;
+  EventLoopClock clock(loop);
+  EventLoopWatcher watcher(loop);
+  LightOff light(clock, watcher, found.light);
+  std::vector<std::string> problems;
+  light.run([&](const std::vector<std::string>& what) {
+    problems = what;
+    loop.stop();
+  });
+  loop.run();
+  for (const std::string& problem : problems)
+    say_light_may_be_on(problem);
+  if (!found.problems.empty()) return kBadConfig;
+  std::error_code ignored;
+  if (problems.empty()) {
+    std::filesystem::remove(record, ignored);
+    return EXIT_SUCCESS;
+  }
+  if (recorded)
+    fmt::print(stderr, "that is by {}, which the last contourd left\n", printable(record.string()));
+  return kMissingDevice;
+}
+
+void leave_light_record(const PrinterConfig& config, const std::string& record, const Log& log) {
+  if (!config.real) return;
+  try {
+    write_durably(light_record_path(config.control_socket), record);
+  } catch (const std::system_error& error) {
+    log.warning("machine",
+                fmt::format("{}: if contourd dies, --light-off uses the configuration as it is then",
+                            printable(error.what())));
+  }
+}
+
+int run(const PrinterConfig& config) {
+  // What is larger goes back to the system as soon as it is free: a model's facets leave room for the next.
+  constexpr int kKeptBytes = 1 << 20;
+  ::mallopt(M_MMAP_THRESHOLD, kKeptBytes);
+  EventLoop loop;
+  // Before any thread is made: signals come through the loop alone. SIGIO would come from a lease (see
+  // upload_state.cpp).
+  ::signal(SIGPIPE, SIG_IGN);
+  ::signal(SIGIO, SIG_IGN);
+  Supervisor supervisor(loop);
+  PrinterService* running = nullptr;
+  int ended = EXIT_SUCCESS;
+  const auto stop = [&](const char* signal) {
+    ended = EXIT_SUCCESS;
+    supervisor.stopping();
+    if (running != nullptr)
+      std::exchange(running, nullptr)->shut_down(fmt::format("contourd was stopped ({})", signal));
+  };
+  const auto terminated = loop.on_signal(SIGTERM, [&] { stop("SIGTERM"); });
+  const auto interrupted = loop.on_signal(SIGINT, [&] { stop("SIGINT"); });
+  const auto hung_up = loop.on_signal(SIGHUP, [&] { stop("SIGHUP"); });
+  const auto reloaded = loop.on_signal(SIGUSR1, [&] {
+    if (running == nullptr) return;  // it stops already
+    ended = kRestart;
+    running->hand_over_when_idle();
+  });
+
+  const Log log(loop);
+  MachineClock clock(loop, config.pace);
+  EventLoopWatcher watcher(loop);
+  PrinterMachine printer(config, clock.get(), watcher, log);
+  Machine& machine = printer.get();
+  PrinterService service(config, loop, clock.get(), machine, log, supervisor);
+  running = &service;
+  std::optional<PrintWake> wake;
+  if (config.real) wake.emplace(loop, clock.get(), machine, service, log);
+  service.start();
+  leave_light_record(config, config.light_record, log);  // nothing is lit before the loop runs
+  log.info("ready", fmt::format("contourd {} is ready: {}, spool {}, socket {}", CONTOURD_VERSION,
+                                printable(config.name), printable(config.spool_folder.string()),
+                                printable(config.control_socket.string())));
+  supervisor.ready();
+  loop.run();
+  const std::string unconfirmed = machine.projector().light_off_unconfirmed();
+  if (!unconfirmed.empty()) {
+    log.warning("stopped", fmt::format("contourd has stopped; motor still, light off sent, but {}",
+                                       printable(unconfirmed)));
+    return ended;
+  }
+  log.info("stopped", "contourd has stopped; light off, motor still");
+  if (config.real) leave_light_record(config, left_dark(config.light_record), log);
+  return ended;
+}
+
+int start(int argc, char** argv) {
+  make_safe_on_broken_contract();
+  CLI::App app{"Makes a resin printer of a computer, a projector and a Z stage."};
+  app.set_version_flag("--version", CONTOURD_VERSION);
+  std::string config_file = kDefaultConfig, checked_file, pace;
+  bool print_states = false, look_at_hardware = false, only_light_off = false;
+  app.add_option("--config", config_file, "Printer configuration")->capture_default_str();
+  CLI::Option* const check =
+      app.add_option("--check-config", checked_file, "Say what is wrong with a configuration, and exit");
+  CLI::Option* const look = app.add_flag(
+      "--check-hardware", look_at_hardware,
+      "Open the configuration's devices, say what is there, and exit; moves nothing, lights nothing");
+  CLI::Option* const dark =
+      app.add_flag("--light-off", only_light_off,
+                   "Turn off the light that a process which has died may have left on, and exit");
+  app.add_option("--pace", pace, "Overrides the configuration's simulation.pace")
+      ->check(CLI::IsMember({"realtime", "fast"}));
+  CLI::Option* const draw =
+      app.add_flag("--print-states", print_states,
+                   "Print the states of a print, of homing and of a projector as a Graphviz graph, and exit");
+  check->excludes(look, dark, draw);
+  look->excludes(dark, draw);
+  dark->excludes(draw);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return end_of_command_line(app, error);
+  }
+  if (print_states) {
+    fmt::print("{}", draw_print_states());
+    return EXIT_SUCCESS;
+  }
+  if (check->count() > 0) {
+    check_config(checked_file);
+    return EXIT_SUCCESS;
+  }
+  if (only_light_off) return light_off(config_file);
+  PrinterConfig config = load_printer_config(config_file);
+  if (look_at_hardware) return check_hardware(config);
+  if (!pace.empty() && config.real) {
+    fmt::print(stderr, "--pace is for the simulated printer; the hardware of {} is real\n",
+               printable(config_file));
+    return kBadUsage;
+  }
+  if (!pace.empty()) config.pace = pace == "fast" ? Pace::Fast : Pace::Realtime;
+  return run(config);
+}
+
+}  // namespace
+}  // namespace contourd
+
+int main(int argc, char** argv) {
+  // Nothing before it takes memory or time; an owner has no use for the option.
+  if (argc == 3 && std::strcmp(argv[1], contourd::kLightWatchdogOption) == 0)
+    return contourd::serve_light_watchdog(std::atoi(argv[2]));
+  const auto complain = [](int code, const std::string& why) {
+    fmt::print(stderr, "{}\n", why);
+    return code;
+  };
+  try {
+    return contourd::print_whole([&] { return contourd::start(argc, argv); });
+  } catch (const contourd::ConfigError& error) {
+    return complain(contourd::kBadConfig, error.what());
+  } catch (const contourd::OutputError& error) {
+    return complain(contourd::kCannotCreate, std::string("contourd: ") + error.what());
+  } catch (const std::exception& error) {
+    return complain(contourd::kFailed, "contourd: " + contourd::printable(error.what()));
+  }
+}

@@ -1,0 +1,129 @@
+// The printer: wires the parts that take jobs from the spool, one after the other, have them prepared, print
+// them and file what came of it; and the control socket. Event loop's thread only.
+//
+// It has more members than other classes: each is one of the parts that it wires.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "daemon/control/control_server.hpp"
+#include "daemon/control/history_control.hpp"
+#include "daemon/control/manual_control.hpp"
+#include "daemon/control/metrics_file.hpp"
+#include "daemon/control/printer_control.hpp"
+#include "daemon/control/printer_status.hpp"
+#include "daemon/control/queue_control.hpp"
+#include "daemon/control/screen_control.hpp"
+#include "daemon/history/ended_job_notices.hpp"
+#include "daemon/history/job_history.hpp"
+#include "daemon/history/kept_history.hpp"
+#include "daemon/history/reminders.hpp"
+#include "daemon/jobs/current_job.hpp"
+#include "daemon/jobs/incoming_log.hpp"
+#include "daemon/jobs/job_reader.hpp"
+#include "daemon/jobs/job_scheduler.hpp"
+#include "daemon/jobs/print_queue.hpp"
+#include "daemon/jobs/printer_context.hpp"
+#include "daemon/jobs/queue_hold.hpp"
+#include "daemon/print/manual_process.hpp"
+#include "daemon/spool/spool.hpp"
+#include "daemon/system/worker.hpp"
+
+namespace contourd {
+
+class PrinterService final : private JobObserver {
+ public:
+  // All must outlive the service.
+  PrinterService(const PrinterConfig& config, EventLoop& loop, Clock& clock, Machine& machine, const Log& log,
+                 Supervisor& supervisor);
+  ~PrinterService() override;
+
+  // Files interrupted prints, opens the spool and the socket: after this, jobs are taken. Throws
+  // std::runtime_error.
+  void start();
+
+  // Ends a print under way (light off, its files to failed/), takes no more jobs, and stops the loop when the
+  // light is off and the print filed, or after some seconds.
+  void shut_down(const std::string& reason);
+
+  // Takes no more jobs, and stops the loop once no print is under way and the last one is filed: a new
+  // program or configuration is to take over.
+  void hand_over_when_idle();
+
+  // Something happened to the machine, or is about to.
+  void handle_event(const MachineEvent& event);
+
+  // `call` gets true when a print or something by hand begins, and false when neither is under way any more;
+  // also again.
+  void on_printing(std::function<void(bool)> call) { printing_ = std::move(call); }
+
+ private:
+  enum class Ending { No, HandOver, ShutDown };
+
+  void print_state_changed(PrintState state) override;
+  void job_changed(const std::string& what) override;
+  void light_gone() override;
+  void memory_freed() override { queue_.check_postponed(); }
+  std::shared_future<void> print_over(EndedJob& job) override;
+  void job_ended(EndedJob job) override;
+  void may_stop() override;
+
+  [[nodiscard]] QueueHold::Calls calls_of_hold();
+  [[nodiscard]] PrintQueue::Calls calls_of_queue();
+  [[nodiscard]] JobScheduler::Calls calls_of_scheduler();
+  // Something is done by hand, or a picture is shown.
+  [[nodiscard]] bool controlled_by_hand() const {
+    return manual_.state() != ManualState::Idle || !manual_.picture().empty();
+  }
+  void manual_changed();
+  void end_manual_control();
+  // For the service manager's status line.
+  [[nodiscard]] std::string readiness() const;
+  [[nodiscard]] std::string metrics() const;
+  // Has the history know what the last process left.
+  void adopt_left_jobs();
+  // Asks the history what is due, and tells it.
+  void remind();
+  void part_replaced(WearPart part);
+  // Of a job whose turn never came.
+  void note_refusal(EndedJob job);
+  // Into what is remembered, and to all who watch.
+  void note_end(EndedJob job);
+  void notify(const std::string& what, ControlServer::Delivery delivery);
+  void stop_waiting_for_filing();
+
+  PrinterContext context_;
+  IncomingLog incoming_log_;
+  Spool spool_;
+  JobReader reader_;
+  QueueHold hold_;
+  PrintQueue queue_;
+  CurrentJob job_;
+  JobScheduler scheduler_;
+  JobHistory history_;
+  KeptHistory kept_history_;
+  EndedJobNotices notices_;
+  ManualProcess manual_;
+  Reminders reminders_;
+  PrinterStatus status_;
+  PrinterControl control_;
+  QueueControl queue_control_;
+  Worker picture_worker_;
+  ManualControl manual_control_;
+  HistoryControl history_control_;
+  ScreenControl screen_control_;
+  std::unique_ptr<ControlServer> server_;
+  std::optional<MetricsFile> metrics_file_;
+  std::uint64_t manual_operations_logged_ = 0;
+  Duration lit_{};  // light that prints have given, at most
+  Ending ending_ = Ending::No;
+  std::function<void(bool)> printing_;
+  EventLoop::SourcePtr stop_timer_;
+};
+
+}  // namespace contourd

@@ -1,0 +1,504 @@
+#include "daemon/control/control_server.hpp"
+
+#include <fmt/format.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace contourd {
+namespace {
+
+using Json = ControlServer::Json;
+
+// JSON-RPC 2.0's error codes, and ours for "not now".
+constexpr int kParseError = -32700, kInvalidRequest = -32600, kMethodNotFound = -32601,
+              kInvalidParams = -32602, kInternalError = -32603;
+constexpr int kRefused = -32000, kNotAllowed = -32001;
+
+// Room for the largest batch. Reading one that is all brackets takes 1 ms, some on a Raspberry Pi.
+constexpr std::size_t kLongestMessage = 8192;
+constexpr std::size_t kMaxUnsent = 262144;       // beyond it, lossy notifications are left out
+constexpr std::size_t kMaxUnsentEver = 4194304;  // beyond it, the client is not reading: it is dropped
+constexpr std::size_t kMaxClients = 64;
+constexpr Duration kRest = std::chrono::milliseconds(200);
+// A user's turns in the long run, one in this time, and how many come at once after a while without any.
+constexpr Duration kTurnInterval = std::chrono::milliseconds(2);
+constexpr int kTurnsAtOnce = 200;
+constexpr std::size_t kLargestBatch = 64;
+constexpr uid_t kRoot = 0;
+
+Json error_answer(const Json& id, int code, const std::string& message) {
+  return {{"jsonrpc", "2.0"}, {"error", {{"code", code}, {"message", message}}}, {"id", id}};
+}
+
+std::string text_of(const Json& message) {
+  // ASCII alone: whoever looks at it on a terminal sees names, and nothing that they do.
+  return message.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
+sockaddr_un address_of(const std::filesystem::path& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  const std::string text = path.string();
+  if (text.size() >= sizeof address.sun_path) {
+    throw std::runtime_error(
+        fmt::format("the control socket's path is too long: {} has {} bytes, the limit is {}", text,
+                    text.size(), sizeof address.sun_path - 1));
+  }
+  std::memcpy(address.sun_path, text.c_str(), text.size() + 1);
+  return address;
+}
+
+FileDescriptor new_socket() {
+  FileDescriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!socket.valid()) throw std::system_error(errno, std::generic_category(), "socket");
+  return socket;
+}
+
+// The peer's own group and its others, as they were when it connected (unix(7), SO_PEERGROUPS).
+std::vector<gid_t> groups_of(int socket, gid_t own) {
+  constexpr std::size_t kMaxGroups = 65536;  // NGROUPS_MAX
+  std::vector<gid_t> groups(64);
+  auto size = static_cast<socklen_t>(groups.size() * sizeof(gid_t));
+  int failed = ::getsockopt(socket, SOL_SOCKET, SO_PEERGROUPS, groups.data(), &size);
+  if (failed != 0 && errno == ERANGE && size <= kMaxGroups * sizeof(gid_t)) {
+    groups.resize(size / sizeof(gid_t));
+    failed = ::getsockopt(socket, SOL_SOCKET, SO_PEERGROUPS, groups.data(), &size);
+  }
+  groups.resize(failed == 0 ? size / sizeof(gid_t) : 0);
+  groups.push_back(own);
+  return groups;
+}
+
+std::optional<ControlServer::Peer> peer_of(int socket) {
+  ucred credentials{};
+  socklen_t size = sizeof credentials;
+  if (::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &credentials, &size) != 0) return std::nullopt;
+  return ControlServer::Peer{credentials.uid, credentials.pid, groups_of(socket, credentials.gid)};
+}
+
+// Throws InvalidParameters when they are others than those.
+Json parameters_of(const Json& message, const std::vector<std::string>& known) {
+  if (!message.contains("params") || message["params"].empty()) return Json::object();
+  const std::string method = message["method"].get<std::string>();
+  if (known.empty()) throw InvalidParameters(fmt::format("the method \"{}\" takes no parameters", method));
+  const std::string names = fmt::format("{}", fmt::join(known, ", "));
+  const Json& parameters = message["params"];
+  if (!parameters.is_object())
+    throw InvalidParameters(fmt::format("the method \"{}\" takes its parameters by name: {}", method, names));
+  for (const auto& [name, value] : parameters.items()) {
+    if (std::ranges::find(known, name) == known.end())
+      throw InvalidParameters(
+          fmt::format("the method \"{}\" has no parameter \"{}\"; there are {}", method, name, names));
+  }
+  return parameters;
+}
+
+}  // namespace
+
+// Answers one request a turn of the event loop, and no more than its user has turns: nobody can ask so much
+// that a light waits, or that the computer has time for nothing else.
+class ControlServer::Client {
+ public:
+  Client(ControlServer& server, FileDescriptor socket, Peer other_end, std::uint64_t connection)
+      : peer(std::move(other_end)), number(connection), server_(server), socket_(std::move(socket)) {
+    source_ = server_.loop_.on_ready(socket_.get(), EPOLLIN, kName,
+                                     [this](std::uint32_t events) { ready(events); });
+  }
+
+  void send(const Json& message) { send_line(text_of(message) + "\n"); }
+  void send_line(const std::string& line) {
+    unsent_ += line;
+    flush();
+  }
+
+  [[nodiscard]] bool closed() const { return source_ == nullptr; }
+  [[nodiscard]] bool reads_slowly() const { return unsent_.size() > kMaxUnsent; }
+  // The message under way is answered later, by answer_later(): nothing else is done before.
+  void wait_for_answer() { waiting_ = true; }
+  // Discarded where none is wanted.
+  void answer_later(const Json& answer) {
+    waiting_ = false;
+    if (batch_) {
+      add_to_batch(answer);
+    } else if (!answer.is_discarded()) {
+      send(answer);
+    }
+    if (!closed()) end_turn();
+  }
+  // No more is read or sent; the server removes the client when nobody is inside it.
+  void close() {
+    source_.reset();
+    next_turn_.reset();
+    server_.drop_closed_clients();
+  }
+
+  // Once, and never from inside a method.
+  void tell_disconnected() {
+    if (!std::exchange(disconnect_told_, true) && server_.disconnected_) server_.disconnected_(number);
+  }
+
+  const Peer peer;
+  const std::uint64_t number;  // of its connection
+  bool watching = false;
+  std::chrono::steady_clock::time_point last_heard = std::chrono::steady_clock::now();
+
+ private:
+  static constexpr std::string_view kName = "a client of the control socket";
+
+  // A batch under way.
+  struct Batch {
+    Json messages;
+    std::size_t next = 0;
+    std::string answers;  // joined by commas
+  };
+
+  void ready(std::uint32_t events) {
+    // Whatever is still to be answered.
+    if ((events & (EPOLLHUP | EPOLLERR)) != 0) {
+      hung_up_ = true;
+      tell_disconnected();
+    }
+    if ((events & EPOLLOUT) != 0) flush();
+    if (closed()) return;
+    if (waiting_) {
+      watch_socket();
+    } else if ((events & EPOLLIN) != 0) {
+      receive();
+    } else if ((events & (EPOLLHUP | EPOLLERR)) != 0 && !busy_) {
+      close();
+    }
+  }
+
+  // Nothing of what came before is still to be answered.
+  void receive() {
+    std::array<char, 4096> buffer;
+    const ssize_t bytes = ::read(socket_.get(), buffer.data(), buffer.size());
+    if (bytes < 0 && (errno == EAGAIN || errno == EINTR)) return;
+    if (bytes < 0) return close();
+    if (bytes == 0) return end_input();
+    received_.append(buffer.data(), static_cast<std::size_t>(bytes));
+    last_heard = std::chrono::steady_clock::now();
+    take_turn();
+  }
+
+  // Handles one line, or one message of a batch, and comes back for the next.
+  void take_turn() {
+    if (batch_) {
+      answer_next_of_batch();
+    } else if (const std::size_t end = received_.find('\n'); end != std::string::npos) {
+      const std::string line = received_.substr(0, end);
+      received_.erase(0, end + 1);
+      if (!std::exchange(skipping_, false)) handle(line);
+    }
+    if (closed()) return;
+    if (!waiting_) return end_turn();
+    busy_ = true;
+    watch_socket();
+  }
+
+  void end_turn() {
+    const bool more = batch_ || received_.find('\n') != std::string::npos;
+    if (!more && received_.size() > kLongestMessage) skip_line();
+    if (closed()) return;
+    const TimePoint now = std::chrono::steady_clock::now();
+    const TimePoint next = server_.take_turn_of(peer.user, now);
+    busy_ = more || next > now;
+    if (busy_) next_turn_ = server_.loop_.at(next, kName, [this] { go_on(); });
+    watch_socket();
+  }
+
+  void go_on() {
+    busy_ = false;
+    if (batch_ || received_.find('\n') != std::string::npos) return take_turn();
+    watch_socket();
+  }
+
+  void skip_line() {
+    received_.clear();
+    if (std::exchange(skipping_, true)) return;
+    send(error_answer(nullptr, kInvalidRequest,
+                      fmt::format("a message has at most {} bytes", kLongestMessage)));
+  }
+
+  // The client has said all; it still gets what it has not read yet.
+  void end_input() {
+    watching = false;
+    input_ended_ = true;
+    flush();
+  }
+
+  void handle(const std::string& line) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos) return;
+    Json message = Json::parse(line, nullptr, false);
+    if (message.is_discarded()) {
+      return send(error_answer(nullptr, kParseError, "not a JSON message; one message a line is expected"));
+    }
+    if (!message.is_array()) {
+      const Json answer = server_.answer(message, *this);
+      if (!answer.is_discarded() && !closed()) send(answer);
+      return;
+    }
+    if (message.empty() || message.size() > kLargestBatch) {
+      return send(
+          error_answer(nullptr, kInvalidRequest, fmt::format("a batch has 1 to {} messages", kLargestBatch)));
+    }
+    batch_ = Batch{.messages = std::move(message), .answers = {}};
+  }
+
+  void answer_next_of_batch() {
+    const Json answer = server_.answer(batch_->messages[batch_->next++], *this);
+    if (!waiting_) add_to_batch(answer);
+  }
+
+  void add_to_batch(const Json& answer) {
+    if (!answer.is_discarded()) batch_->answers += (batch_->answers.empty() ? "" : ",") + text_of(answer);
+    if (batch_->next < batch_->messages.size()) return;
+    const std::string answers = std::move(batch_->answers);
+    batch_.reset();
+    if (!answers.empty()) send_line("[" + answers + "]\n");
+  }
+
+  // As much as the kernel takes at once.
+  void flush() {
+    if (!unsent_.empty()) {
+      const ssize_t bytes = ::send(socket_.get(), unsent_.data(), unsent_.size(), MSG_NOSIGNAL);
+      if (bytes < 0 && errno != EAGAIN && errno != EINTR) return close();
+      if (bytes > 0) unsent_.erase(0, static_cast<std::size_t>(bytes));
+    }
+    if (unsent_.size() > kMaxUnsentEver || (unsent_.empty() && input_ended_)) return close();
+    watch_socket();
+  }
+
+  // What it asks for next waits in the kernel for as long as it has not got its answers.
+  void watch_socket() {
+    if (closed()) return;
+    std::uint32_t events = (input_ended_ || busy_ ? 0U : EPOLLIN) | (unsent_.empty() ? 0U : EPOLLOUT);
+    // An answer may be long in coming, and a client that is no more is known at once: a hang-up is told
+    // beside any event, of which this one does not come.
+    if (waiting_) events = hung_up_ ? 0U : events | EPOLLPRI;
+    if (events != std::exchange(events_, events)) source_->set_events(events);
+  }
+
+  ControlServer& server_;
+  FileDescriptor socket_;
+  std::unique_ptr<EventLoop::IoSource> source_;  // nothing once it is closed
+  EventLoop::SourcePtr next_turn_;
+  std::uint32_t events_ = EPOLLIN;
+  std::string received_, unsent_;
+  std::optional<Batch> batch_;
+  bool skipping_ = false;
+  bool busy_ = false;     // next_turn_ is to come
+  bool waiting_ = false;  // for an answer that comes later
+  bool hung_up_ = false;
+  bool input_ended_ = false;
+  bool disconnect_told_ = false;
+};
+
+ControlServer::ControlServer(EventLoop& loop, std::filesystem::path socket, ControlMethods methods)
+    : loop_(loop), path_(std::move(socket)), methods_(std::move(methods)) {
+  listen();
+  listener_source_ = loop_.on_ready(listener_.get(), EPOLLIN, "the control socket",
+                                    [this](std::uint32_t) { accept_client(); });
+}
+
+ControlServer::~ControlServer() {
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
+}
+
+void ControlServer::listen() {
+  const sockaddr_un address = address_of(path_);
+  const auto* generic = reinterpret_cast<const sockaddr*>(&address);
+  const std::filesystem::file_status status = std::filesystem::symlink_status(path_);
+  if (std::filesystem::exists(status)) {
+    if (!std::filesystem::is_socket(status)) {
+      throw std::runtime_error(
+          fmt::format("the control socket's path {} is taken by a file", path_.string()));
+    }
+    if (::connect(new_socket().get(), generic, sizeof address) == 0) {
+      throw std::runtime_error(fmt::format("another contourd answers on {}", path_.string()));
+    }
+    std::filesystem::remove(path_);
+  }
+  listener_ = new_socket();
+  if (::bind(listener_.get(), generic, sizeof address) != 0 || ::chmod(address.sun_path, 0660) != 0 ||
+      ::listen(listener_.get(), SOMAXCONN) != 0) {
+    throw std::runtime_error(fmt::format("cannot listen on {}: {}", path_.string(), std::strerror(errno)));
+  }
+}
+
+void ControlServer::accept_client() {
+  FileDescriptor socket(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  if (!socket.valid()) {
+    if (errno != EAGAIN && errno != ECONNABORTED && errno != EINTR) rest();
+    return;
+  }
+  const std::optional<Peer> peer = peer_of(socket.get());
+  if (!peer || !make_room(*peer)) return;
+  const int key = socket.get();
+  clients_[key] = std::make_unique<Client>(*this, std::move(socket), *peer, ++connections_);
+}
+
+// The process has no descriptor left, or the kernel no memory: whoever waits would be announced again and
+// again.
+void ControlServer::rest() {
+  listener_source_->set_events(0);
+  rest_timer_ = loop_.at(std::chrono::steady_clock::now() + kRest, "the control socket",
+                         [this] { listener_source_->set_events(EPOLLIN); });
+}
+
+bool ControlServer::make_room(const Peer& newcomer) {
+  std::map<uid_t, std::vector<Client*>> by_user;
+  std::size_t open = 0;
+  for (const auto& [key, client] : clients_) {
+    if (client->closed()) continue;
+    ++open;
+    if (client->peer.user != kRoot || newcomer.user == kRoot)
+      by_user[client->peer.user].push_back(client.get());
+  }
+  if (open < kMaxClients) return true;
+  if (by_user.empty()) return false;
+  const auto fewer = [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); };
+  const std::vector<Client*>& most = std::ranges::max_element(by_user, fewer)->second;
+  // Who watches waits for what happens, and is not idle.
+  const auto idler = [](const Client* a, const Client* b) {
+    return std::pair(a->watching, a->last_heard) < std::pair(b->watching, b->last_heard);
+  };
+  (*std::ranges::min_element(most, idler))->close();
+  return true;
+}
+
+Json ControlServer::answer(const Json& message, Client& client) {
+  const Json no_answer(Json::value_t::discarded);
+  const bool is_object = message.is_object();
+  const bool has_id = is_object && message.contains("id");
+  const auto is_id = [](const Json& id) { return id.is_string() || id.is_number() || id.is_null(); };
+  if (!is_object || !message.contains("jsonrpc") || message["jsonrpc"] != "2.0" ||
+      !message.contains("method") || !message["method"].is_string() || (has_id && !is_id(message["id"]))) {
+    return error_answer(is_object && has_id && is_id(message["id"]) ? message["id"] : Json(), kInvalidRequest,
+                        R"(not a JSON-RPC 2.0 request; expected {"jsonrpc":"2.0","method":...,"id":...})");
+  }
+  const Json result = call(message, client);
+  if (!has_id || result.is_discarded()) return no_answer;
+  if (result.contains("error")) {
+    return {{"jsonrpc", "2.0"}, {"error", result["error"]}, {"id", message["id"]}};
+  }
+  return {{"jsonrpc", "2.0"}, {"result", result["result"]}, {"id", message["id"]}};
+}
+
+Json ControlServer::call(const Json& message, Client& client) {
+  const auto failure = [](int code, const std::string& why) {
+    return Json{{"error", {{"code", code}, {"message", why}}}};
+  };
+  const std::string name = message["method"].get<std::string>();
+  const auto method = methods_.find(name);
+  if (method == methods_.end() && name != "watch") {
+    std::string known = "watch";
+    for (const auto& [each, unused] : methods_)
+      known += ", " + each;
+    return failure(kMethodNotFound, fmt::format("no method \"{}\"; there are {}", name, known));
+  }
+  try {
+    const Json parameters = parameters_of(
+        message, method != methods_.end() ? method->second.parameters : std::vector<std::string>{});
+    if (name == "watch") {
+      client.watching = true;
+      return Json{{"result", true}};
+    }
+    if (method->second.needs_service_rights && !has_service_rights(client.peer)) {
+      return failure(kNotAllowed,
+                     fmt::format("{} is for root and the group contourd-service: sudo adduser NAME "
+                                 "contourd-service, then log in anew",
+                                 name));
+    }
+    if (called_ && method->second.changes) called_(name, client.peer);
+    if (method->second.call_later) return call_later(method->second, parameters, message, client);
+    return Json{{"result", method->second.call(parameters, {client.number, client.peer.user})}};
+  } catch (const InvalidParameters& invalid) {
+    return failure(kInvalidParams, invalid.what());
+  } catch (const ControlRefusal& refusal) {
+    return failure(kRefused, refusal.what());
+  } catch (const std::exception& error) {
+    return failure(kInternalError, error.what());
+  }
+}
+
+// Discarded when the answer is still to come.
+Json ControlServer::call_later(const ControlMethod& method, const Json& parameters, const Json& message,
+                               Client& client) {
+  const Json id = message.contains("id") ? message["id"] : Json(Json::value_t::discarded);
+  const auto later = [this, alive = std::weak_ptr(alive_), number = client.number,
+                      id](std::variant<Json, ControlRefusal> result) {
+    if (alive.expired()) return;
+    const auto is_asker = [number](const auto& entry) {
+      return entry.second->number == number && !entry.second->closed();
+    };
+    const auto asker = std::ranges::find_if(clients_, is_asker);
+    if (asker == clients_.end()) return;
+    if (id.is_discarded()) return asker->second->answer_later(id);
+    if (const auto* const refusal = std::get_if<ControlRefusal>(&result))
+      return asker->second->answer_later(error_answer(id, kRefused, refusal->what()));
+    asker->second->answer_later(
+        {{"jsonrpc", "2.0"}, {"result", std::move(std::get<Json>(result))}, {"id", id}});
+  };
+  const ControlCaller caller{client.number, client.peer.user};
+  if (const std::optional<Json> result = method.call_later(parameters, caller, later))
+    return Json{{"result", *result}};
+  client.wait_for_answer();
+  return Json(Json::value_t::discarded);
+}
+
+bool ControlServer::has_service_rights(const Peer& peer) const {
+  const bool member = service_group_ && std::ranges::find(peer.groups, *service_group_) != peer.groups.end();
+  return peer.user == kRoot || peer.user == ::geteuid() || member;
+}
+
+bool ControlServer::is_watched() const {
+  return std::ranges::any_of(
+      clients_, [](const auto& entry) { return entry.second->watching && !entry.second->closed(); });
+}
+
+void ControlServer::notify(const std::string& method, const Json& params, Delivery delivery) {
+  const std::string line = text_of({{"jsonrpc", "2.0"}, {"method", method}, {"params", params}}) + "\n";
+  for (const auto& [key, client] : clients_) {
+    if (!client->watching || client->closed()) continue;
+    if (delivery == Delivery::Lossy && client->reads_slowly()) continue;
+    client->send_line(line);
+  }
+}
+
+ControlServer::TimePoint ControlServer::take_turn_of(uid_t user, TimePoint now) {
+  // Users whose turns are all paid for are like new ones.
+  std::erase_if(paid_until_, [now](const auto& entry) { return entry.second <= now; });
+  TimePoint& paid = paid_until_.try_emplace(user, now).first->second;
+  paid += kTurnInterval;
+  return std::max(now, paid - kTurnsAtOnce * kTurnInterval);
+}
+
+void ControlServer::drop_closed_clients() {
+  if (drop_timer_) return;
+  // Later: the call comes from inside a client.
+  drop_timer_ = loop_.at(std::chrono::steady_clock::now(), "the control socket", [this] {
+    drop_timer_.reset();
+    for (const auto& [key, client] : clients_) {
+      if (client->closed()) client->tell_disconnected();
+    }
+    std::erase_if(clients_, [](const auto& entry) { return entry.second->closed(); });
+  });
+}
+
+}  // namespace contourd

@@ -1,0 +1,381 @@
+#include "daemon/control/manual_control.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/image/test_pattern.hpp"
+#include "daemon/system/base64.hpp"
+#include "daemon/system/readable.hpp"
+#include "hw/homing_distances.hpp"
+#include "hw/png_file.hpp"
+
+namespace contourd {
+
+using Json = ManualControl::Json;
+
+namespace {
+
+constexpr double kLongestPictureS = 600;
+
+bool is_set(const Json& given, const char* name) {
+  const auto found = given.find(name);
+  if (found == given.end()) return false;
+  if (!found->is_boolean()) throw InvalidParameters(fmt::format("{} is true or false", name));
+  return found->get<bool>();
+}
+
+// Nothing when it is not given.
+std::optional<double> number_in(const Json& given, const char* name, double least, double most,
+                                const char* unit) {
+  const auto found = given.find(name);
+  if (found == given.end()) return std::nullopt;
+  const double number = found->is_number() ? found->get<double>() : NAN;
+  if (!(number >= least && number <= most))
+    throw InvalidParameters(fmt::format("{} is a number from {:g} to {:g} {}", name, least, most, unit));
+  return number;
+}
+
+Duration seconds(double number) {
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(number));
+}
+
+std::string text_in(const Json& given, const char* name, const std::string& wanted) {
+  const auto found = given.find(name);
+  if (found == given.end() || !found->is_string())
+    throw InvalidParameters(fmt::format("{} is one of {}", name, wanted));
+  return found->get<std::string>();
+}
+
+std::string pattern_names() {
+  std::vector<std::string_view> names;
+  for (const TestPattern pattern : kTestPatterns)
+    names.push_back(name_of(pattern));
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+// Bytes of its PNG file at most: as good as not compressed, with room for what programs add.
+std::size_t largest_picture(const MaskDisplay& display) {
+  constexpr std::size_t kOthers = 65'536;
+  const std::size_t pixels =
+      static_cast<std::size_t>(display.width().count()) * static_cast<std::size_t>(display.height().count());
+  return pixels + pixels / 8 + kOthers;
+}
+
+double millimetres(Nanometers height) {
+  return to_millimeters(height).count();
+}
+
+}  // namespace
+
+ManualControl::ManualControl(const PrinterContext& context, const Parts& parts, ManualProcess& process,
+                             Worker& worker)
+    : context_(context),
+      parts_(parts),
+      process_(process),
+      worker_(worker),
+      upload_(largest_picture(context.machine.display())) {}
+
+ControlMethods ManualControl::methods() {
+  using Begin = Json (ManualControl::*)(const Json&, const ControlCaller&);
+  const auto begins = [this](Begin method, std::vector<std::string> parameters) {
+    return ControlMethod{
+        .call = [this, method](const Json& given,
+                               const ControlCaller& caller) { return (this->*method)(given, caller); },
+        .parameters = std::move(parameters),
+        .changes = true,
+        .needs_service_rights = true};
+  };
+  const auto ends = [this](Json (ManualControl::*method)()) {
+    return ControlMethod{
+        .call = [this, method](const Json&, const ControlCaller&) { return (this->*method)(); },
+        .changes = true};
+  };
+  ControlMethod motor_off = ends(&ManualControl::motor_off);
+  motor_off.needs_service_rights = true;
+  ControlMethod show;
+  show.parameters = {"pattern", "uploaded", "seconds"};
+  show.changes = true;
+  show.needs_service_rights = true;
+  show.call_later = [this](const Json& given, const ControlCaller& caller, ControlMethod::Later later) {
+    return this->show(given, caller, std::move(later));
+  };
+  // What it changes nobody sees.
+  ControlMethod upload = begins(&ManualControl::upload, {"from", "data"});
+  upload.changes = false;
+  return {
+      {"home", begins(&ManualControl::home, {"plate_is_clear"})},
+      {"move", begins(&ManualControl::move, {"to_mm", "by_mm", "speed_mm_s", "unhomed", "plate_is_clear"})},
+      {"motor_off", motor_off},
+      {"light_on", begins(&ManualControl::light_on, {"seconds", "in_resin"})},
+      {"show", std::move(show)},
+      {"upload", std::move(upload)},
+      {"projector", begins(&ManualControl::projector, {"power"})},
+      {"light_off", ends(&ManualControl::light_off)},
+      {"stop", ends(&ManualControl::stop)},
+      {"inputs", {.call = [this](const Json&, const ControlCaller&) { return inputs(); }}}};
+}
+
+void ManualControl::disconnected(std::uint64_t connection) {
+  if (std::exchange(operation_owner_, operation_owner_ == connection ? 0 : operation_owner_) == connection)
+    process_.stop();
+  if (std::exchange(picture_owner_, picture_owner_ == connection ? 0 : picture_owner_) == connection)
+    process_.hide();
+  if (reading_for_ == connection) reading_for_ = 0;
+  upload_.drop(connection);
+}
+
+// --- what each wants
+
+void ManualControl::require_no_print(const std::string& instead) const {
+  if (parts_.job.job() != nullptr)
+    throw ControlRefusal(fmt::format("{} is being printed: {}", printable(parts_.job.name()), instead));
+}
+
+void ManualControl::require_free() const {
+  require_no_print("the printer is controlled by hand while nothing prints");
+  if (parts_.scheduler.copying()) throw ControlRefusal("the next job is about to begin");
+  if (process_.state() != ManualState::Idle) {
+    throw ControlRefusal(fmt::format("the printer is controlled by hand already ({}): stop ends that",
+                                     name_of(process_.state())));
+  }
+}
+
+// Light and motion never come together.
+void ManualControl::require_motion_allowed() const {
+  require_free();
+  const std::vector<std::string> troubles = context_.machine.z_axis().why_not_ready();
+  if (!troubles.empty())
+    throw ControlRefusal(fmt::format("the plate cannot be moved: {}", fmt::join(troubles, "; ")));
+  const std::string lit = context_.machine.projector().light_off_unconfirmed();
+  if (!lit.empty()) throw ControlRefusal("the plate is not moved, as the light may be on: " + lit);
+}
+
+void ManualControl::require_way_down(const Json& given) const {
+  if (is_set(given, "plate_is_clear")) return;
+  const std::string why = parts_.hold.plate_occupant()
+                              ? fmt::format("{} is on the plate", printable(*parts_.hold.plate_occupant()))
+                              : parts_.hold.sentence();
+  if (why.empty()) return;
+  throw ControlRefusal(
+      fmt::format("the plate is not lowered: {}; plate_is_clear says that nothing is in its way", why));
+}
+
+MillimetersPerSecond ManualControl::speed_of(const Json& given) const {
+  const MillimetersPerSecond travel_speed = context_.config.travel_speed;
+  constexpr double kSlowest = 0.01;
+  const double top = context_.config.top_speed.value_or(travel_speed).count();
+  return MillimetersPerSecond{
+      number_in(given, "speed_mm_s", kSlowest, top, "mm/s").value_or(travel_speed.count())};
+}
+
+Nanometers ManualControl::target_of(const Json& given) const {
+  if (given.contains("to_mm") == given.contains("by_mm"))
+    throw InvalidParameters("move takes either to_mm or by_mm");
+  const ZAxis& axis = context_.machine.z_axis();
+  const std::optional<Nanometers> height = axis.height();
+  if (!height) throw ControlRefusal("the plate's position is unknown: home comes first");
+  const double top = millimetres(axis.travel()), now = millimetres(*height);
+  const double target = given.contains("to_mm") ? number_in(given, "to_mm", 0, top, "mm").value()
+                                                : now + number_in(given, "by_mm", -top, top, "mm").value();
+  // What rounding adds is no step.
+  constexpr double kRounding = 1e-6;
+  if (target < -kRounding || target > top + kRounding)
+    throw ControlRefusal(
+        fmt::format("the plate cannot go to {:.3f} mm: it is at {:.3f} mm and goes from 0 to "
+                    "{:g} mm",
+                    target, now, top));
+  return std::clamp(to_nanometers(Millimeters{target}).value_or(*height), Nanometers{0}, axis.travel());
+}
+
+// --- the methods
+
+Json ManualControl::begun_by(const ControlCaller& caller) {
+  operation_owner_ = process_.state() == ManualState::Idle ? 0 : caller.connection;
+  return parts_.status.status();
+}
+
+Json ManualControl::home(const Json& given, const ControlCaller& caller) {
+  require_motion_allowed();
+  require_way_down(given);
+  process_.home(context_.config.homing_speed);
+  return begun_by(caller);
+}
+
+Json ManualControl::move(const Json& given, const ControlCaller& caller) {
+  if (is_set(given, "unhomed")) return move_unhomed(given, caller);
+  require_motion_allowed();
+  const Nanometers target = target_of(given);
+  const MillimetersPerSecond speed = speed_of(given);
+  if (target < context_.machine.z_axis().height()) require_way_down(given);
+  process_.move_to(target, speed);
+  return begun_by(caller);
+}
+
+// Which way is down nobody knows until the axis has homed, so whatever is on the plate is in its way.
+Json ManualControl::move_unhomed(const Json& given, const ControlCaller& caller) {
+  require_motion_allowed();
+  if (given.contains("to_mm") || given.contains("speed_mm_s") || !given.contains("by_mm"))
+    throw InvalidParameters("unhomed goes with by_mm, and neither to_mm nor speed_mm_s");
+  const double most = millimetres(kLongestNudge);
+  const double way = number_in(given, "by_mm", -most, most, "mm without a known position").value();
+  require_way_down(given);
+  const MillimetersPerSecond slow{context_.config.homing_speed.count() / 2};
+  process_.nudge(to_nanometers(Millimeters{way}).value_or(Nanometers{}), std::min(slow, kNudgeSpeed));
+  return begun_by(caller);
+}
+
+Json ManualControl::motor_off() {
+  require_free();
+  if (!context_.machine.z_axis().release())
+    throw ControlRefusal("the motor stays on: its configuration has no enable line, or that cannot be set");
+  return parts_.status.status();
+}
+
+Json ManualControl::light_on(const Json& given, const ControlCaller& caller) {
+  require_free();
+  const std::optional<double> time =
+      number_in(given, "seconds", 0.001,
+                std::chrono::duration<double>(context_.config.manual.light_limit).count(), "s");
+  if (!time) throw InvalidParameters("light_on takes seconds");
+  if (const std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty())
+    throw ControlRefusal("the light stays off: " + printable(not_ready));
+  const std::optional<Nanometers> height = context_.machine.z_axis().height();
+  const Nanometers depth = context_.config.manual.vat_depth;
+  if (!is_set(given, "in_resin") && (!height || *height < depth)) {
+    throw ControlRefusal(
+        fmt::format("the light stays off: the plate is {}, and below {:g} mm it may be in the resin; "
+                    "in_resin allows that",
+                    height ? fmt::format("at {:.3f} mm", millimetres(*height)) : "nobody knows where",
+                    millimetres(depth)));
+  }
+  process_.light_on(seconds(*time));
+  return begun_by(caller);
+}
+
+Json ManualControl::light_off() {
+  require_no_print("cancel or pause ends its light");
+  if (process_.light_may_be_on()) process_.stop();
+  context_.machine.projector().light_off();
+  return parts_.status.status();
+}
+
+Json ManualControl::stop() {
+  require_no_print("cancel ends that");
+  process_.stop();
+  process_.hide();
+  return parts_.status.status();
+}
+
+std::optional<Json> ManualControl::show(const Json& given, const ControlCaller& caller,
+                                        ControlMethod::Later later) {
+  require_display();
+  const Duration time =
+      seconds(number_in(given, "seconds", 0.001, kLongestPictureS, "s").value_or(kLongestPictureS));
+  if (is_set(given, "uploaded")) {
+    if (given.contains("pattern")) throw InvalidParameters("show takes either pattern or uploaded");
+    read_uploaded(caller, time, std::move(later));
+    return std::nullopt;
+  }
+  const std::string name = text_in(given, "pattern", pattern_names());
+  const std::optional<TestPattern> pattern = find_test_pattern(name);
+  if (!pattern) throw InvalidParameters("pattern is one of " + pattern_names());
+  const MaskDisplay& display = context_.machine.display();
+  return present(draw_test_pattern(*pattern, display.width(), display.height(), context_.config.pixel_pitch),
+                 name, time, caller);
+}
+
+void ManualControl::require_display() const {
+  require_no_print("the printer is controlled by hand while nothing prints");
+  if (process_.light_may_be_on()) throw ControlRefusal("the light is on: the picture stays as it is");
+  const std::vector<std::string> troubles = context_.machine.display().why_not_ready();
+  if (!troubles.empty())
+    throw ControlRefusal(fmt::format("nothing can be shown: {}", fmt::join(troubles, "; ")));
+}
+
+// Another picture that is being read gives way to it.
+void ManualControl::read_uploaded(const ControlCaller& caller, Duration time, ControlMethod::Later later) {
+  struct Read {
+    std::optional<Mask> picture;
+    std::string trouble;
+  };
+  const MaskDisplay& display = context_.machine.display();
+  const auto read = [bytes = upload_.take(caller.connection), width = display.width(),
+                     height = display.height()] {
+    try {
+      return Read{decode_png(bytes, width, height), ""};
+    } catch (const std::exception& error) {
+      return Read{std::nullopt, error.what()};
+    }
+  };
+  reading_for_ = caller.connection;
+  worker_.run(read, [this, caller, time, later = std::move(later)](Read done) {
+    try {
+      if (!done.picture) throw ControlRefusal("nothing is shown: " + done.trouble);
+      if (std::exchange(reading_for_, 0) != caller.connection)
+        throw ControlRefusal("nothing is shown: another picture came");
+      require_display();
+      later(present(std::move(*done.picture), "picture", time, caller));
+    } catch (const ControlRefusal& refusal) {
+      later(refusal);
+    }
+  });
+}
+
+Json ManualControl::upload(const Json& given, const ControlCaller& caller) {
+  require_no_print("the printer is controlled by hand while nothing prints");
+  const auto from = given.find("from"), data = given.find("data");
+  const auto piece = data != given.end() && data->is_string()
+                         ? from_base64(data->get_ref<const std::string&>())
+                         : std::nullopt;
+  if (from == given.end() || !from->is_number_unsigned() || !piece || piece->empty())
+    throw InvalidParameters("upload takes from, a whole number, and data, bytes in Base64");
+  return {{"bytes", upload_.add(caller.connection, from->get<std::size_t>(), *piece)}};
+}
+
+Json ManualControl::present(Mask picture, const std::string& name, Duration time,
+                            const ControlCaller& caller) {
+  try {
+    process_.show(std::move(picture), name, time);
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw ControlRefusal(fmt::format("nothing is shown: {}", printable(error.what())));
+  }
+  picture_owner_ = caller.connection;
+  return parts_.status.status();
+}
+
+Json ManualControl::projector(const Json& given, const ControlCaller& caller) {
+  require_free();
+  const std::string power = given.contains("power") ? text_in(given, "power", "on, off") : "";
+  if (power == "on")
+    process_.power_on();
+  else if (power == "off")
+    process_.power_off();
+  else if (power.empty())
+    process_.ask_status();
+  else
+    throw InvalidParameters("power is one of on, off");
+  return begun_by(caller);
+}
+
+Json ManualControl::inputs() const {
+  require_no_print("the inputs are read while nothing prints");
+  Json inputs = Json::array();
+  for (const AxisInputState& input : context_.machine.z_axis().inputs()) {
+    inputs.push_back({{"name", input.name},
+                      {"line", input.line},
+                      {"active", input.active ? Json(*input.active) : Json(nullptr)},
+                      {"edges", input.edges}});
+  }
+  return {{"inputs", inputs}};
+}
+
+}  // namespace contourd

@@ -1,0 +1,75 @@
+// The methods by which an owner moves and lights the printer by hand, while nothing prints. What somebody has
+// begun ends with the connection that it came by. They know no transport. Event loop's thread only.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "daemon/control/control_method.hpp"
+#include "daemon/control/picture_upload.hpp"
+#include "daemon/control/printer_status.hpp"
+#include "daemon/jobs/current_job.hpp"
+#include "daemon/jobs/job_scheduler.hpp"
+#include "daemon/jobs/printer_context.hpp"
+#include "daemon/jobs/queue_hold.hpp"
+#include "daemon/print/manual_process.hpp"
+#include "daemon/system/worker.hpp"
+
+namespace contourd {
+
+class ManualControl {
+ public:
+  using Json = ControlMethod::Json;
+
+  struct Parts {
+    const QueueHold& hold;
+    const CurrentJob& job;
+    const JobScheduler& scheduler;
+    const PrinterStatus& status;
+  };
+  // All must outlive the control.
+  // Pictures are read on the worker's thread.
+  ManualControl(const PrinterContext& context, const Parts& parts, ManualProcess& process, Worker& worker);
+
+  // All of them, by name; each but inputs and upload returns the status. The control must outlive them.
+  [[nodiscard]] ControlMethods methods();
+
+  // A connection is no more: what it began ends.
+  void disconnected(std::uint64_t connection);
+
+ private:
+  Json home(const Json& given, const ControlCaller& caller);
+  Json move(const Json& given, const ControlCaller& caller);
+  Json move_unhomed(const Json& given, const ControlCaller& caller);
+  Json stop();
+  Json motor_off();
+  Json light_on(const Json& given, const ControlCaller& caller);
+  Json light_off();
+  std::optional<Json> show(const Json& given, const ControlCaller& caller, ControlMethod::Later later);
+  void read_uploaded(const ControlCaller& caller, Duration time, ControlMethod::Later later);
+  Json present(Mask picture, const std::string& name, Duration time, const ControlCaller& caller);
+  Json upload(const Json& given, const ControlCaller& caller);
+  Json projector(const Json& given, const ControlCaller& caller);
+  [[nodiscard]] Json inputs() const;
+
+  void require_no_print(const std::string& instead) const;
+  void require_free() const;
+  void require_display() const;
+  void require_motion_allowed() const;
+  void require_way_down(const Json& given) const;
+  [[nodiscard]] Nanometers target_of(const Json& given) const;
+  [[nodiscard]] MillimetersPerSecond speed_of(const Json& given) const;
+  Json begun_by(const ControlCaller& caller);
+
+  const PrinterContext& context_;
+  Parts parts_;
+  ManualProcess& process_;
+  Worker& worker_;
+  PictureUpload upload_;
+  // Connections; 0: none.
+  std::uint64_t operation_owner_ = 0, picture_owner_ = 0;
+  std::uint64_t reading_for_ = 0;  // whose picture is being read
+};
+
+}  // namespace contourd

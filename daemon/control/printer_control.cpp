@@ -1,0 +1,95 @@
+#include "daemon/control/printer_control.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "core/contract/expects.hpp"
+
+namespace contourd {
+
+using Json = PrinterControl::Json;
+
+ControlMethods PrinterControl::methods() {
+  const auto changes = [this](Json (PrinterControl::*method)()) {
+    return ControlMethod{
+        .call = [this, method](const Json&, const ControlCaller&) { return (this->*method)(); },
+        .changes = true};
+  };
+  return {{"status", {[this](const Json&, const ControlCaller&) { return status_.status(); }}},
+          {"pause", changes(&PrinterControl::pause)},
+          {"resume", changes(&PrinterControl::resume)},
+          {"cancel", changes(&PrinterControl::cancel)},
+          {"plate_cleared", changes(&PrinterControl::plate_cleared)}};
+}
+
+Json PrinterControl::pause() {
+  require_print("pause");
+  if (job_.print().next_pause().empty()) throw ControlRefusal(why_it_ends());
+  job_.print().pause();
+  return status_.status();
+}
+
+Json PrinterControl::resume() {
+  if (hold_.reason() && !has_unfinished_job()) return resume_queue();
+  require_print("resume");
+  PrintProcess& print = job_.print();
+  const PrintState state = print.state();
+  const bool pausing = state == PrintState::Raising || print.pause_pending();
+  if (state != PrintState::Paused && state != PrintState::Held && !pausing) {
+    throw ControlRefusal("the print is not paused");
+  }
+  if (const std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty()) {
+    throw ControlRefusal("the print cannot go on: " + not_ready);
+  }
+  hold_.release();
+  print.resume();
+  return status_.status();
+}
+
+Json PrinterControl::resume_queue() {
+  if (const std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty()) {
+    throw ControlRefusal("the queue cannot go on: " + not_ready);
+  }
+  hold_.release();
+  scheduler_.run();
+  return status_.status();
+}
+
+Json PrinterControl::cancel() {
+  if (!has_unfinished_job()) throw ControlRefusal("there is no print to cancel");
+  const PrintState state = job_.print().state();
+  const bool over = state == PrintState::Parking || state == PrintState::Ending;
+  if (over && !job_.print().canceled()) throw ControlRefusal(why_it_ends());
+  job_.cancel();
+  return status_.status();
+}
+
+Json PrinterControl::plate_cleared() {
+  if (has_unfinished_job()) throw ControlRefusal(fmt::format("{} is being printed", job_.name()));
+  if (hold_.plate_occupant()) context_.log.info("plate", "the plate is clear");
+  hold_.set_plate_occupant(std::nullopt);
+  hold_.release();
+  scheduler_.run();
+  return status_.status();
+}
+
+bool PrinterControl::has_unfinished_job() const {
+  return job_.job() != nullptr && !job_.finishing();
+}
+
+void PrinterControl::require_print(std::string_view what) const {
+  if (job_.print().state() == PrintState::Idle)
+    throw ControlRefusal(fmt::format("there is no print to {}", what));
+}
+
+std::string PrinterControl::why_it_ends() const {
+  expects(job_.print().state() != PrintState::Idle, "a print is under way");
+  if (job_.print().canceled()) return "the print is being cancelled";
+  const PrintState state = job_.print().state();
+  if (state == PrintState::Parking) return "all layers are printed, the plate goes up";
+  if (state == PrintState::Ending) return "the print is over";
+  return "the last layer is under way, the print ends by itself";
+}
+
+}  // namespace contourd

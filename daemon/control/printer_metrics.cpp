@@ -1,0 +1,113 @@
+#include "daemon/control/printer_metrics.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+#include "daemon/print/print_states.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+// A label's value, between its quotes.
+std::string escaped(std::string_view text) {
+  std::string value;
+  for (const char c : printable(text)) {
+    if (c == '\\' || c == '"') value += '\\';
+    value += c;
+  }
+  return value;
+}
+
+// Of all that there are, since a state that is not named looks like one that never was.
+std::vector<std::string_view> all_states() {
+  std::vector<std::string_view> states;
+  for (int state = 0; state <= static_cast<int>(PrintState::Ending); ++state)
+    states.push_back(name_of(static_cast<PrintState>(state)));
+  states.insert(states.end(), {"preparing", "finishing"});
+  return states;
+}
+
+class Exposition {
+ public:
+  // What follows belongs to it. `name` is without "contourd_"; a counter's samples end with "_total".
+  void begin(std::string_view name, std::string_view type, std::string_view help,
+             std::string_view unit = {}) {
+    name_ = fmt::format("contourd_{}", name);
+    suffix_ = type == "counter" ? "_total" : "";
+    add("# TYPE {} {}\n", name_, type);
+    if (!unit.empty()) add("# UNIT {} {}\n", name_, unit);
+    add("# HELP {} {}\n", name_, help);
+  }
+  void sample(double value) { add("{}{} {}\n", name_, suffix_, value); }
+  void sample(const std::string& labels, double value) {
+    add("{}{}{{{}}} {}\n", name_, suffix_, labels, value);
+  }
+  std::string end() && {
+    add("# EOF\n");
+    return std::move(text_);
+  }
+
+ private:
+  template <typename... Values>
+  void add(fmt::format_string<Values...> format, Values&&... values) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Values>(values)...);
+  }
+
+  std::string text_, name_, suffix_;
+};
+
+void add_print(Exposition& text, const PrinterMetrics::Print& print) {
+  text.begin("layer", "gauge", "The layer of the print under way, from 1.");
+  text.sample(print.layer);
+  text.begin("layers", "gauge", "The layers of the print under way.");
+  text.sample(print.layers);
+  text.begin("time_left_seconds", "gauge", "The time until the print under way ends.", "seconds");
+  text.sample(in_seconds(std::chrono::floor<std::chrono::seconds>(print.time_left)));
+}
+
+void add_state(Exposition& text, const PrinterMetrics& metrics) {
+  text.begin("state", "gauge", "1 for the state that the printer is in, 0 for the others.");
+  for (const std::string_view state : all_states())
+    text.sample(fmt::format("state=\"{}\"", escaped(state)), state == metrics.state ? 1 : 0);
+  if (metrics.print) add_print(text, *metrics.print);
+  text.begin("light_may_be_on", "gauge", "1 from the light's command until it is confirmed off.");
+  text.sample(metrics.light_may_be_on ? 1 : 0);
+  text.begin("ready", "gauge", "0 while the machine cannot print.");
+  text.sample(metrics.ready ? 1 : 0);
+  text.begin("queued_jobs", "gauge", "Jobs that wait for their turn.");
+  text.sample(static_cast<double>(metrics.queued));
+  text.begin("queue_held", "gauge", "1 while the queue waits for its owner.");
+  text.sample(metrics.held ? 1 : 0);
+  text.begin("plate_occupied", "gauge", "1 while the build plate holds a part.");
+  text.sample(metrics.plate_occupied ? 1 : 0);
+}
+
+void add_counters(Exposition& text, const PrinterMetrics& metrics) {
+  text.begin("jobs", "counter", "Jobs that have ended since contourd started.");
+  for (const auto& [outcome, count] : metrics.ended)
+    text.sample(fmt::format("outcome=\"{}\"", escaped(outcome)), static_cast<double>(count));
+  text.begin("light_seconds", "counter", "Light that prints have given since contourd started, at most.",
+             "seconds");
+  text.sample(in_seconds(metrics.lit));
+  text.begin("late_steps", "counter", "Steps of the motor that came late since contourd started.");
+  text.sample(static_cast<double>(metrics.late_steps));
+}
+
+}  // namespace
+
+std::string as_open_metrics(const PrinterMetrics& metrics) {
+  Exposition text;
+  text.begin("build_info", "gauge", "What runs: its version, and what the printer is called.");
+  text.sample(
+      fmt::format("version=\"{}\",printer=\"{}\"", escaped(CONTOURD_VERSION), escaped(metrics.printer)), 1);
+  add_state(text, metrics);
+  add_counters(text, metrics);
+  return std::move(text).end();
+}
+
+}  // namespace contourd

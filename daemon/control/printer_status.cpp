@@ -1,0 +1,261 @@
+#include "daemon/control/printer_status.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "core/contract/expects.hpp"
+#include "daemon/prepare/overrides_text.hpp"
+#include "daemon/prepare/supports_text.hpp"
+#include "daemon/spool/spool_folders.hpp"
+
+namespace contourd {
+namespace {
+
+using Json = PrinterStatus::Json;
+
+constexpr std::size_t kMaxQueued = 1'000, kMaxDetailed = 100, kMaxIncomplete = 10;
+
+template <typename All, typename Take>
+void for_first(const All& all, std::size_t most, const Take& take) {
+  for (auto each = all.begin(); each != all.end() && most > 0; ++each, --most)
+    take(*each);
+}
+
+std::size_t beyond(std::size_t all, std::size_t most) {
+  return all > most ? all - most : 0;
+}
+
+Json text_or_null(const std::string& text) {
+  return text.empty() ? Json() : Json(text);
+}
+
+std::string_view name_of(WaitingJob::Check check) {
+  switch (check) {
+    case WaitingJob::Check::Wanted:
+      return "unchecked";
+    case WaitingJob::Check::Running:
+      return "checking";
+    case WaitingJob::Check::Passed:
+      return "ready";
+    case WaitingJob::Check::Postponed:
+      return "postponed";
+    case WaitingJob::Check::Refused:
+      return "leaving";
+  }
+  return "?";
+}
+
+Json ended_json(const EndedJob& job) {
+  return {{"job", job.name}, {"outcome", job.outcome}, {"reason", job.reason}};
+}
+
+}  // namespace
+
+Json PrinterStatus::queue(std::optional<std::size_t> number) const {
+  const auto& waiting = parts_.queue.jobs();
+  expects(!number || *number < waiting.size(), "there is a job of that number");
+  Json jobs = Json::array();
+  if (number) {
+    jobs.push_back(waiting_job(*number));
+  } else {
+    for (std::size_t i = 0; i < std::min(waiting.size(), kMaxDetailed); ++i)
+      jobs.push_back(waiting_job(i));
+  }
+  Json files = Json::array();
+  for_first(waiting, kMaxQueued, [&](const WaitingJob& job) { files.push_back(job.file); });
+  return Json{{"queue", files},
+              {"more", beyond(waiting.size(), kMaxQueued)},
+              {"jobs", jobs},
+              {"arriving", parts_.spool.incoming().arriving(kMaxQueued)}};
+}
+
+std::string_view PrinterStatus::state_of(const WaitingJob& job) const {
+  if (!job.asks.empty() && job.check == WaitingJob::Check::Passed) return "unaccepted";
+  if (job.check != WaitingJob::Check::Passed || !parts_.queue.questions().wanted()) return name_of(job.check);
+  return job.screened ? "ready" : "screening";
+}
+
+Json PrinterStatus::waiting_job(std::size_t number) const {
+  const WaitingJob& waiting = parts_.queue.jobs()[number];
+  Json job{{"number", number + 1},
+           {"file", waiting.file},
+           {"job", job_name_of(waiting.file)},
+           {"state", state_of(waiting)},
+           {"waiting_for", text_or_null(reason_to_wait(number))}};
+  for (const char* key : {"bytes", "parts", "resin", "overrides", "layers", "thinnest_layer_um",
+                          "thickest_layer_um", "height_mm", "print_time_s", "supports"})
+    job[key] = nullptr;
+  const bool has_resin = waiting.screened && waiting.screened->screening.resin_ml;
+  job["resin_ml"] = has_resin ? Json(*waiting.screened->screening.resin_ml) : Json();
+  job["asks"] = waiting.asks;
+  job["warnings"] = waiting.screened ? Json(waiting.screened->screening.warnings) : Json::array();
+  if (!waiting.outlook) return job;
+  const JobOutlook& outlook = *waiting.outlook;
+  job["bytes"] = outlook.bytes;
+  job["parts"] = outlook.parts;
+  job["resin"] = outlook.resin;
+  job["overrides"] = overrides_json(outlook.overridden);
+  job["layers"] = outlook.layers;
+  job["thinnest_layer_um"] = to_millimeters(outlook.thinnest_layer).count() * 1000;
+  job["thickest_layer_um"] = to_millimeters(outlook.thickest_layer).count() * 1000;
+  job["height_mm"] = outlook.height_mm;
+  job["print_time_s"] = in_seconds(outlook.print_time);
+  if (outlook.supports) job["supports"] = supports_summary_json(*outlook.supports);
+  return job;
+}
+
+// Its own before the queue's, which is the next one's.
+std::string PrinterStatus::reason_to_wait(std::size_t number) const {
+  const WaitingJob& job = parts_.queue.jobs()[number];
+  if (!job.trouble.empty()) return job.trouble;
+  if (!job.postponed.empty()) return job.postponed;
+  if (!job.asks.empty()) return question_about(job.file, job.asks);
+  return number == parts_.queue.first() ? parts_.scheduler.waiting_for() : "";
+}
+
+PrinterMetrics PrinterStatus::metrics() const {
+  const PrintProcess& print = parts_.job.print();
+  PrinterMetrics metrics{.printer = context_.config.name,
+                         .state = state(),
+                         .print = {},
+                         .light_may_be_on = !dark(),
+                         .ready = context_.machine.why_not_ready().empty(),
+                         .held = parts_.hold.reason().has_value(),
+                         .plate_occupied = parts_.hold.plate_occupant().has_value(),
+                         .queued = parts_.queue.jobs().size(),
+                         .ended = parts_.history.counts(),
+                         .lit = {},
+                         .late_steps = context_.machine.z_axis().late_steps().count};
+  if (parts_.job.job() != nullptr && print.state() != PrintState::Idle) {
+    const JobSummary& summary = parts_.job.job()->prepared->summary;
+    metrics.print = {print.layer() + 1, static_cast<std::int32_t>(summary.layers.count), print.time_left()};
+  }
+  return metrics;
+}
+
+Json PrinterStatus::status() const {
+  Json status{{"printer", context_.config.name},
+              {"spool", context_.config.spool_folder.string()},
+              {"state", state()}};
+  status["job"] = parts_.job.job() != nullptr ? job() : Json();
+  status["queued"] = parts_.queue.jobs().size();
+  add_incoming(status);
+  add_reasons_to_wait(status);
+  const auto& ended = parts_.history.jobs();
+  status["reminders"] = parts_.reminders.due();
+  status["last"] = ended.empty() ? Json() : ended_json(ended.back());
+  status["dark"] = dark();
+  status["manual"] = manual();
+  return status;
+}
+
+std::string_view PrinterStatus::state() const {
+  const CurrentJob& job = parts_.job;
+  if (job.job() != nullptr && job.print().state() == PrintState::Idle)
+    return job.finishing() ? "finishing" : "preparing";
+  return name_of(job.print().state());
+}
+
+Json PrinterStatus::job() const {
+  Json job{{"name", parts_.job.name()}};
+  job["analysis"] = parts_.job.job()->analysis;
+  if (parts_.job.print().state() != PrintState::Idle) add_print(job);
+  return job;
+}
+
+void PrinterStatus::add_print(Json& job) const {
+  const PrintProcess& print = parts_.job.print();
+  const JobSummary& summary = parts_.job.job()->prepared->summary;
+  const PrintRecord& record = *parts_.job.job()->record;
+  job["layer"] = print.layer() + 1;
+  job["layers"] = summary.layers.count;
+  job["layers_done"] = layers_exposed(record.layers());
+  job["height_mm"] = to_millimeters(print.layer_top()).count();
+  job["total_height_mm"] = summary.height_mm;
+  job["layer_height_um"] = to_millimeters(print.layer_thickness()).count() * 1000;
+  job["elapsed_s"] = in_seconds(record.elapsed());
+  job["time_left_s"] = in_seconds(print.time_left());
+  const std::optional<Duration> state_left = print.state_left();
+  job["state_left_s"] = state_left ? Json(in_seconds(*state_left)) : Json();
+  job["pause_pending"] = print.pause_pending();
+  job["pause"] = print.pause_pending() ? Json(print.next_pause()) : Json();
+  job["interruption"] = text_or_null(print.interruption());
+}
+
+bool PrinterStatus::dark() const {
+  return !parts_.job.print().light_may_be_on() && !parts_.manual.light_may_be_on() &&
+         context_.machine.projector().light_off_unconfirmed().empty();
+}
+
+Json PrinterStatus::manual() const {
+  const ManualProcess& process = parts_.manual;
+  const std::optional<Nanometers> height = context_.machine.z_axis().height();
+  const std::optional<Nanometers> shift = process.homing_shift();
+  Json manual{
+      {"state", name_of(process.state())},
+      {"operations", process.operations()},
+      {"problem", text_or_null(process.problem())},
+      {"dark", !process.light_may_be_on() && context_.machine.projector().light_off_unconfirmed().empty()},
+      {"height_mm", height ? Json(to_millimeters(*height).count()) : Json()},
+      {"homing_shift_um", shift ? Json(to_millimeters(*shift).count() * 1000) : Json()},
+      {"picture", text_or_null(process.picture())},
+      {"projector", Json()}};
+  if (const std::optional<ProjectorStatus>& projector = process.projector()) {
+    manual["projector"] = {{"powered", projector->powered ? Json(*projector->powered) : Json()},
+                           {"lamp_hours", projector->lamp_hours ? Json(*projector->lamp_hours) : Json()}};
+  }
+  return manual;
+}
+
+void PrinterStatus::add_incoming(Json& status) const {
+  const auto& incomplete = parts_.spool.incoming().incomplete();
+  status["incomplete"] = Json::object();
+  for_first(incomplete, kMaxIncomplete,
+            [&](const auto& plate) { status["incomplete"][plate.first] = plate.second; });
+  status["incomplete_more"] = beyond(incomplete.size(), kMaxIncomplete);
+  add_postponed(status);
+  add_unaccepted(status);
+  const auto& passed_over = parts_.spool.incoming().passed_over();
+  status["passed_over"] = Json::object();
+  for_first(passed_over, kMaxIncomplete,
+            [&](const auto& each) { status["passed_over"][each.first] = sentence_for(each.second); });
+  status["passed_over_more"] = beyond(passed_over.size(), kMaxIncomplete);
+  const auto& originals = parts_.spool.incoming().originals();
+  status["deletable"] = Json::array();
+  for_first(originals, kMaxIncomplete, [&](const std::string& file) { status["deletable"].push_back(file); });
+  status["deletable_more"] = beyond(originals.size(), kMaxIncomplete);
+}
+
+void PrinterStatus::add_postponed(Json& status) const {
+  status["postponed"] = Json::object();
+  std::size_t postponed = 0;
+  for (const WaitingJob& job : parts_.queue.jobs()) {
+    if (!job.postponed.empty() && ++postponed <= kMaxIncomplete)
+      status["postponed"][job.file] = job.postponed;
+  }
+  status["postponed_more"] = beyond(postponed, kMaxIncomplete);
+}
+
+void PrinterStatus::add_unaccepted(Json& status) const {
+  status["unaccepted"] = Json::object();
+  std::size_t unaccepted = 0;
+  for (const WaitingJob& job : parts_.queue.jobs()) {
+    if (!job.asks.empty() && ++unaccepted <= kMaxIncomplete)
+      status["unaccepted"][job.file] = question_about(job.file, job.asks);
+  }
+  status["unaccepted_more"] = beyond(unaccepted, kMaxIncomplete);
+}
+
+void PrinterStatus::add_reasons_to_wait(Json& status) const {
+  const QueueHold& hold = parts_.hold;
+  status["plate"] = hold.plate_occupant() ? "occupied" : "clear";
+  status["plate_job"] = hold.plate_occupant() ? Json(*hold.plate_occupant()) : Json();
+  status["hindrance"] = text_or_null(context_.machine.why_not_ready());
+  status["held"] = text_or_null(hold.sentence());
+  status["waiting_for"] = text_or_null(parts_.scheduler.waiting_for());
+}
+
+}  // namespace contourd

@@ -1,0 +1,145 @@
+#include "daemon/control/queue_control.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <vector>
+
+#include "daemon/json/config_error.hpp"
+#include "daemon/spool/spool_folders.hpp"
+#include "daemon/system/readable.hpp"
+#include "daemon/system/system_users.hpp"
+
+namespace contourd {
+
+using Json = QueueControl::Json;
+
+namespace {
+
+// How many jobs are named of those that are called alike.
+constexpr std::size_t kMostNamed = 5;
+
+std::string job_of(const Json& given) {
+  const auto job = given.find("job");
+  if (job == given.end() || !job->is_string() || job->get_ref<const std::string&>().empty())
+    throw InvalidParameters("job is the name of a job that waits");
+  return job->get<std::string>();
+}
+
+// From 0.
+std::size_t place_in(const Json& given) {
+  const auto to = given.find("to");
+  if (to != given.end() && *to == "last") return PrintQueue::kMostInOrder;
+  if (to == given.end() || !to->is_number_integer() || *to < 1 || *to > PrintQueue::kMostInOrder)
+    throw InvalidParameters(fmt::format("to is a place from 1 to {}, or \"last\"", PrintQueue::kMostInOrder));
+  return to->get<std::size_t>() - 1;
+}
+
+}  // namespace
+
+ControlMethods QueueControl::methods() {
+  return {{"queue", {[this](const Json& given, const ControlCaller&) { return look(given); }, {"job"}}},
+          {"queue_remove",
+           {[this](const Json& given, const ControlCaller& caller) { return remove(given, caller); },
+            {"job"},
+            true}},
+          {"queue_move",
+           {[this](const Json& given, const ControlCaller&) { return move(given); }, {"job", "to"}, true}},
+          {"accept",
+           {[this](const Json& given, const ControlCaller& caller) { return accept(given, caller); },
+            {"job"},
+            true}}};
+}
+
+Json QueueControl::look(const Json& given) const {
+  if (!given.contains("job")) return status_.queue();
+  return status_.queue(number_of(job_of(given)));
+}
+
+Json QueueControl::remove(const Json& given, const ControlCaller& caller) {
+  const std::size_t number = number_of(job_of(given));
+  const WaitingJob& job = queue_.jobs()[number];
+  if (job.check == WaitingJob::Check::Refused)
+    throw ControlRefusal(fmt::format("{} is on its way to failed already", in_quotes(job.file)));
+  queue_.remove(std::string(job.file),
+                fmt::format("removed from the queue by user {}", user_name(caller.user)));
+  return status_.queue();
+}
+
+Json QueueControl::move(const Json& given) {
+  const std::size_t from = number_of(job_of(given));
+  const std::size_t to = std::min(place_in(given), queue_.jobs().size() - 1);
+  if (std::max(from, to) >= PrintQueue::kMostInOrder)
+    throw ControlRefusal(fmt::format("only the first {} jobs can be moved, and to these places only",
+                                     PrintQueue::kMostInOrder));
+  queue_.move(std::string(queue_.jobs()[from].file), to);
+  return status_.queue();
+}
+
+Json QueueControl::accept(const Json& given, const ControlCaller& caller) {
+  const std::string name = job_of(given);
+  const std::optional<std::size_t> number = find(name);
+  if (!number) refuse_to_accept(name);
+  const WaitingJob& job = queue_.jobs()[*number];
+  if (job.check == WaitingJob::Check::Refused)
+    throw ControlRefusal(fmt::format("{} is on its way to failed already", in_quotes(job.file)));
+  if (job.asks.empty() && !queue_.questions().wanted())
+    throw ControlRefusal(
+        fmt::format("{} needs no word: this printer's ask_before names nothing", in_quotes(job.file)));
+  if (!job.screened)
+    throw ControlRefusal(fmt::format("{} is not looked through yet: nobody knows what there is to accept",
+                                     in_quotes(job.file)));
+  if (job.asks.empty()) throw ControlRefusal(fmt::format("{} waits for nobody's word", in_quotes(job.file)));
+  queue_.accept(std::string(job.file), fmt::format("user {}", user_name(caller.user)));
+  return status_.queue();
+}
+
+void QueueControl::refuse_to_accept(const std::string& job) const {
+  if (job_.job() != nullptr && job_.name() == job_name_of(job))
+    throw ControlRefusal(
+        fmt::format("{} does not wait, its turn has come: there is nothing to accept", in_quotes(job)));
+  std::string asking;
+  std::size_t named = 0;
+  for (const WaitingJob& each : queue_.jobs()) {
+    if (each.asks.empty()) continue;
+    if (named++ == kMostNamed) {
+      asking += " and others";
+      break;
+    }
+    asking += (asking.empty() ? "" : ", ") + in_quotes(job_name_of(each.file));
+  }
+  throw ControlRefusal(fmt::format("no job {} waits{}", in_quotes(job),
+                                   asking.empty() ? "" : "; to be accepted there is " + asking));
+}
+
+// By its file's name, by its own, or by either as people read it: what is not fit for a terminal they cannot
+// say.
+std::optional<std::size_t> QueueControl::find(const std::string& job) const {
+  const auto& jobs = queue_.jobs();
+  const std::vector<std::function<bool(const std::string&)>> ways{
+      [&](const std::string& file) { return file == job; },
+      [&](const std::string& file) { return job_name_of(file) == job; },
+      [&](const std::string& file) { return printable(file) == job || printable(job_name_of(file)) == job; }};
+  for (const auto& is_meant : ways) {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < jobs.size() && found.size() < kMostNamed; ++i)
+      if (is_meant(jobs[i].file)) found.push_back(i);
+    if (found.size() == 1) return found.front();
+    if (found.empty()) continue;
+    std::string files;
+    for (const std::size_t each : found)
+      files += (files.empty() ? "" : ", ") + in_quotes(jobs[each].file);
+    throw ControlRefusal(fmt::format("more than one job is called {}: {}", in_quotes(job), files));
+  }
+  return std::nullopt;
+}
+
+std::size_t QueueControl::number_of(const std::string& job) const {
+  if (const std::optional<std::size_t> number = find(job)) return *number;
+  if (job_.job() != nullptr && job_.name() == job_name_of(job))
+    throw ControlRefusal(fmt::format("{} does not wait, its turn has come: cancel ends it", in_quotes(job)));
+  throw ControlRefusal(fmt::format("no job {} waits", in_quotes(job)));
+}
+
+}  // namespace contourd

@@ -1,0 +1,96 @@
+#include "daemon/control/screen_control.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "daemon/system/base64.hpp"
+
+namespace contourd {
+
+using Json = ScreenControl::Json;
+
+namespace {
+
+// 0 where it is not given.
+std::uint64_t number_in(const Json& given, const char* name) {
+  const auto found = given.find(name);
+  if (found == given.end()) return 0;
+  if (!found->is_number_unsigned())
+    throw InvalidParameters(fmt::format("{} is a whole number, as the reply before has it", name));
+  return found->get<std::uint64_t>();
+}
+
+}  // namespace
+
+ScreenControl::ScreenControl(EventLoop& loop, Worker& worker, const CurrentJob& job,
+                             const ManualProcess& manual)
+    : job_(job), manual_(manual), copy_(loop, worker, [this] { return subject().shown; }) {}
+
+ControlMethods ScreenControl::methods() {
+  ControlMethod mask;
+  mask.parameters = {"picture", "from"};
+  mask.call_later = [this](const Json& given, const ControlCaller&, ControlMethod::Later later) {
+    return this->mask(given, std::move(later));
+  };
+  return {{"mask", std::move(mask)}};
+}
+
+// A print's masks and the pictures that are shown by hand are counted apart: even numbers and odd ones.
+ScreenControl::Subject ScreenControl::subject() const {
+  ShownMask shown = job_.print().shown();
+  if (shown.mask != nullptr) {
+    shown.number *= 2;
+    return {shown, job_.print().shows_mask()};
+  }
+  shown = manual_.shown();
+  shown.number = shown.number * 2 + 1;
+  return {shown, shown.mask != nullptr};
+}
+
+Json ScreenControl::reply(const ScreenCopy::Picture& picture, std::size_t from) const {
+  const Subject now = subject();
+  const bool is_current = now.shown.mask != nullptr && now.shown.number == picture.number;
+  const std::span<const std::uint8_t> piece =
+      std::span(picture.png).subspan(from, std::min(kPieceBytes, picture.png.size() - from));
+  return {{"picture", picture.number},
+          {"name", picture.name},
+          {"layer", picture.layer ? Json(*picture.layer + 1) : Json()},
+          {"cut_at_mm", picture.layer ? Json(to_millimeters(picture.cut_at).count()) : Json()},
+          {"on_screen", is_current && now.on_screen},
+          {"width", picture.width.count()},
+          {"height", picture.height.count()},
+          {"bytes", picture.png.size()},
+          {"from", from},
+          {"data", base64(piece)}};
+}
+
+std::optional<Json> ScreenControl::mask(const Json& given, ControlMethod::Later later) {
+  const std::uint64_t wanted = number_in(given, "picture"), from = number_in(given, "from");
+  if (wanted != 0) {
+    const std::shared_ptr<const ScreenCopy::Picture> picture = copy_.picture(wanted);
+    if (!picture) throw ControlRefusal(fmt::format("picture {} is not kept any more", wanted));
+    if (from >= picture->png.size())
+      throw InvalidParameters(
+          fmt::format("from is below {}, the bytes of picture {}", picture->png.size(), wanted));
+    return reply(*picture, from);
+  }
+  if (from != 0) throw InvalidParameters("from goes with picture");
+  const Subject now = subject();
+  if (now.shown.mask == nullptr) throw ControlRefusal("nothing is shown: the screen is black");
+  if (const auto picture = copy_.picture(now.shown.number)) return reply(*picture, 0);
+  copy_.take([this, later = std::move(later)](const std::shared_ptr<const ScreenCopy::Picture>& picture,
+                                              const std::string& trouble) {
+    if (picture)
+      later(reply(*picture, 0));
+    else
+      later(ControlRefusal(trouble));
+  });
+  return std::nullopt;
+}
+
+}  // namespace contourd

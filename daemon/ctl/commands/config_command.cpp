@@ -1,0 +1,126 @@
+#include "daemon/ctl/commands/config_command.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string_view>
+
+#include "core/contract/expects.hpp"
+#include "daemon/check/config_check.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/json/config_error.hpp"
+#include "daemon/json/json_document.hpp"
+#include "daemon/json/json_schema.hpp"
+#include "daemon/json/schema_text.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Pointer = nlohmann::json::json_pointer;
+
+const std::map<std::string, std::string_view>& schemas() {
+  static const std::map<std::string, std::string_view> all{{"plate", plate_schema_text},
+                                                           {"printer", contourd_schema_text},
+                                                           {"projector", projector_schema_text},
+                                                           {"resin", resin_schema_text},
+                                                           {"ticket", ticket_schema_text}};
+  return all;
+}
+
+// A printer's file that fits its schema.
+struct Documents {
+  explicit Documents(const std::filesystem::path& file)
+      : effective(JsonDocument::from_file(file)), written(effective.value()) {
+    printer_schema().check(effective);
+    effective.throw_if_violated();
+  }
+
+  JsonDocument effective;
+  nlohmann::json written;
+};
+
+// A line for each mistake, as contourd has it. Returns the exit code.
+int told(const std::function<void()>& call) {
+  try {
+    call();
+    return kOk;
+  } catch (const ConfigError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return kBadConfig;
+  }
+}
+
+// The schema's own word on what is not given; nothing where it has none.
+const nlohmann::json* default_at(const Pointer& place) {
+  try {
+    return printer_schema().at(place).default_here();
+  } catch (const std::out_of_range&) {
+    return nullptr;
+  }
+}
+
+// As the manual has it: z_axis.travel_mm.
+std::string name_of(const Pointer& place) {
+  std::string name;
+  for (Pointer rest = place; !rest.empty(); rest.pop_back())
+    name = fmt::format("{}{}{}", rest.back(), name.empty() ? "" : ".", name);
+  return printable(name);
+}
+
+std::string text_of(const nlohmann::json& value) {
+  return printable(value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+void print_differences(const nlohmann::json& value, const Pointer& place) {
+  if (value.is_object()) {
+    for (const auto& [key, member] : value.items())
+      print_differences(member, place / key);
+    return;
+  }
+  const nlohmann::json* const by_default = default_at(place);
+  if (by_default != nullptr && *by_default == value) return;
+  fmt::print("{} = {}{}\n", name_of(place), text_of(value),
+             by_default != nullptr ? " (default " + text_of(*by_default) + ")" : "");
+}
+
+}  // namespace
+
+int config_check(const ConfigOptions& options) {
+  return told([&] { check_config(options.file); });
+}
+
+int config_show(const ConfigOptions& options) {
+  return told([&] {
+    // ASCII: nothing in it that a terminal obeys.
+    fmt::print("{}\n", Documents(options.file).effective.value().dump(2, ' ', true));
+  });
+}
+
+int config_diff(const ConfigOptions& options) {
+  return told([&] {
+    nlohmann::json written = Documents(options.file).written;
+    written.erase("$schema");
+    print_differences(written, Pointer());
+  });
+}
+
+int config_schema(const ConfigOptions& options) {
+  const auto schema = schemas().find(options.format);
+  expects(schema != schemas().end(), "the format is one of config_formats()");
+  fmt::print("{}", schema->second);
+  return kOk;
+}
+
+std::vector<std::string> config_formats() {
+  std::vector<std::string> names;
+  for (const auto& [name, text] : schemas())
+    names.push_back(name);
+  return names;
+}
+
+}  // namespace contourd::ctl

@@ -1,0 +1,244 @@
+#include "daemon/ctl/commands/diagnose_command.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <map>
+#include <system_error>
+
+#include "daemon/client/daemon_connection.hpp"
+#include "daemon/config/printer_config.hpp"
+#include "daemon/ctl/commands/machine_facts.hpp"
+#include "daemon/ctl/commands/private_text.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/ctl/terminal/program.hpp"
+#include "daemon/json/config_error.hpp"
+#include "daemon/json/profile_file.hpp"
+#include "daemon/system/new_file.hpp"
+#include "daemon/system/readable.hpp"
+#include "daemon/system/regular_file.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = DaemonConnection::Json;
+using namespace std::chrono_literals;
+
+constexpr const char* kFolder = "contourd-diagnosis";
+// Of one file; the journal has about 2000 lines then.
+constexpr std::size_t kMostBytes = 1'000'000;
+constexpr std::size_t kMostArchived = 20'000'000;
+constexpr std::size_t kMostProfiles = 50;
+constexpr auto kLongestAnswer = 5s;
+
+// What is to be in the archive, by its name there; without private words.
+class Diagnosis {
+ public:
+  void add(const std::string& name, std::string_view text) {
+    std::string clean = without_private_words(text.substr(0, kMostBytes));
+    if (text.size() >= kMostBytes) clean += "(the rest is left out)\n";
+    files_[name] = std::move(clean);
+  }
+  // Why it cannot be read in its place.
+  void add_file(const std::string& name, const fs::path& file, Links links) {
+    try {
+      add(name, beginning_of(file, kMostBytes, links));
+    } catch (const UnreadableFile& error) {
+      add(name, fmt::format("({}: {})\n", file.string(), error.what()));
+    }
+  }
+  [[nodiscard]] const std::map<std::string, std::string>& files() const { return files_; }
+
+ private:
+  std::map<std::string, std::string> files_;
+};
+
+// A folder for this user alone, that goes with this object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "contourctl-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr)
+      throw std::system_error(errno, std::generic_category(), "cannot make " + name);
+    path_ = name;
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+// What contourd says; the status is null where it says nothing.
+Json ask_daemon(const ClientOptions& client, Diagnosis& diagnosis) {
+  Json status;
+  try {
+    DaemonConnection connection(client.socket);
+    const auto end = std::chrono::steady_clock::now() + kLongestAnswer;
+    for (const char* method : {"status", "queue", "history"}) {
+      connection.send(method, 1);
+      const std::optional<Json> answer = connection.receive_until(end);
+      if (!answer) throw DaemonError(fmt::format("contourd on {} does not answer", client.socket.string()));
+      const Json result = answer->value("result", Json());
+      diagnosis.add(fmt::format("{}.json", method), result.dump(1, ' ', true) + "\n");
+      if (status.is_null()) status = result;
+    }
+  } catch (const std::exception& error) {
+    diagnosis.add("status.json", fmt::format("({})\n", error.what()));
+  }
+  return status;
+}
+
+void add_profiles(const fs::path& folder, const char* name, Diagnosis& diagnosis) {
+  std::size_t profiles = 0;
+  try {
+    for (const std::string& profile : profiles_in(folder))
+      if (++profiles <= kMostProfiles)
+        diagnosis.add_file(fmt::format("configuration/{}/{}.json", name, printable(profile)),
+                           folder / (profile + ".json"), Links::Follow);
+  } catch (const std::system_error& error) {
+    diagnosis.add(fmt::format("configuration/{}.txt", name), fmt::format("({})\n", error.what()));
+  }
+}
+
+// The files as they are, and what contourd has to say of them. Returns the spool's folder where it is known.
+fs::path add_configuration(const fs::path& file, Diagnosis& diagnosis) {
+  diagnosis.add_file("configuration/contourd.json", file, Links::Follow);
+  fs::path spool, resins = folder_of(file) / "resins";
+  std::string said;
+  try {
+    const PrinterConfig config = load_printer_config(file);
+    for (const Violation& warning : config.warnings)
+      said += warning_line(warning) + "\n";
+    said += "good\n";
+    spool = config.spool_folder;
+    resins = config.resins_folder;
+  } catch (const std::exception& error) {
+    said += fmt::format("{}\n", error.what());
+  }
+  diagnosis.add("configuration/check.txt", said);
+  add_profiles(resins, "resins", diagnosis);
+  add_profiles(folder_of(file) / "projectors", "projectors", diagnosis);
+  return spool;
+}
+
+void add_journal(const std::string& name, const std::vector<std::string>& matches, Diagnosis& diagnosis) {
+  std::vector<std::string> words{"journalctl", "--unit=contourd.service", "--lines=2000",
+                                 "--no-pager", "--no-hostname",           "--quiet",
+                                 "--utc",      "--output=short-iso"};
+  words.insert(words.end(), matches.begin(), matches.end());
+  try {
+    const std::string text = run_program(words, kMostBytes).text;
+    diagnosis.add(name, text.empty() ? "(the journal has no such lines that you may read)\n" : text);
+  } catch (const std::system_error& error) {
+    diagnosis.add(name, fmt::format("({})\n", error.what()));
+  }
+}
+
+// Its journal, and what was filed of it.
+void add_job(const std::string& job, const fs::path& spool, Diagnosis& diagnosis) {
+  add_journal("job/journal.txt", {"JOB_ID=" + printable(job)}, diagnosis);
+  if (spool.empty() || job.find('/') != std::string::npos) return;
+  for (const char* folder : {"done", "failed"}) {
+    for (const char* suffix : {"report.json", "reason.txt"}) {
+      const fs::path file = spool / folder / fmt::format("{}.{}", job, suffix);
+      std::error_code none;
+      if (fs::exists(fs::symlink_status(file, none)))
+        // Others write there, too.
+        diagnosis.add_file(fmt::format("job/{}.{}", folder, suffix), file, Links::Refuse);
+    }
+  }
+}
+
+std::string archive(const Diagnosis& diagnosis) {
+  const TemporaryFolder folder;
+  for (const auto& [name, text] : diagnosis.files()) {
+    const fs::path path = folder.path() / kFolder / name;
+    fs::create_directories(path.parent_path());
+    std::ofstream file(path, std::ios::binary);
+    file << text;
+    file.close();
+    if (!file) throw OutputError(fmt::format("cannot write {}", path.string()));
+  }
+  const ProgramOutput packed =
+      run_program({"tar", "--create", "--gzip", "--directory", folder.path().string(), "--owner=root:0",
+                   "--group=root:0", "--sort=name", kFolder},
+                  kMostArchived);
+  if (packed.code != 0) throw OutputError(fmt::format("tar failed with {}", packed.code));
+  return packed.text;
+}
+
+std::string list_of(const Diagnosis& diagnosis) {
+  std::string list;
+  for (const auto& [name, text] : diagnosis.files())
+    list += fmt::format("{:>8}  {}\n", text.size(), name);
+  return list;
+}
+
+[[noreturn]] void refuse(const fs::path& output) {
+  throw OutputError(fmt::format("{} is there already, and stays as it is", output.string()));
+}
+
+void write_new(const fs::path& output, std::string_view bytes) {
+  // What is in it is its owner's to show.
+  (void)::umask(S_IRWXG | S_IRWXO);
+  try {
+    NewFile file(folder_of(output));
+    file.write(bytes);
+    if (!file.appear(output.filename().string())) refuse(output);
+  } catch (const std::system_error& error) {
+    throw OutputError(fmt::format("cannot write {}: {}", output.string(), error.code().message()));
+  }
+}
+
+fs::path output_of(const DiagnoseOptions& options) {
+  if (options.output) return *options.output;
+  return fmt::format("{}-{:%Y%m%d-%H%M%S}.tar.gz", kFolder, fmt::localtime(std::time(nullptr)));
+}
+
+}  // namespace
+
+int diagnose(const ClientOptions& client, const DiagnoseOptions& options) {
+  const fs::path output = output_of(options);
+  // Before anything takes time; write_new() looks again.
+  if (std::error_code none; fs::exists(fs::symlink_status(output, none))) refuse(output);
+  Diagnosis diagnosis;
+  const Json status = ask_daemon(client, diagnosis);
+  fs::path spool = add_configuration(options.config, diagnosis);
+  if (status.is_object() && !status.value("spool", "").empty()) spool = status.value("spool", "");
+  std::optional<std::string> job = options.job;
+  if (!job && status.is_object() && status["last"].is_object()) job = status["last"].value("job", "");
+  add_journal("journal.txt", {}, diagnosis);
+  if (job) add_job(*job, spool, diagnosis);
+  diagnosis.add("versions.txt", versions());
+  diagnosis.add("kernel.txt", kernel_facts());
+  diagnosis.add("displays.txt", display_facts());
+  diagnosis.add("gpio.txt", gpio_facts());
+  diagnosis.add("serial.txt", serial_facts());
+  const std::string list = list_of(diagnosis);
+  diagnosis.add(
+      "README.txt",
+      fmt::format("By contourctl diagnose. Passwords, keys and the like, and users' names, are struck "
+                  "out (***). Names of jobs are not.\n\n{}",
+                  list));
+  write_new(output, archive(diagnosis));
+  fmt::print(
+      "{}{} has these, for you alone to read: look into it before you show it to others, the names of jobs "
+      "are "
+      "in it\n",
+      list, printable(output.string()));
+  return kOk;
+}
+
+}  // namespace contourd::ctl

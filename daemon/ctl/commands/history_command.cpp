@@ -1,0 +1,230 @@
+#include "daemon/ctl/commands/history_command.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "daemon/client/daemon_connection.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/ctl/terminal/terminal.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = DaemonConnection::Json;
+using std::chrono::system_clock;
+
+// The daemon's.
+constexpr int kLongestPage = 100;
+// The year 2200: what the clock's type still holds.
+constexpr std::time_t kLatest = 7'258'118'400;
+
+// "30d", "12h", or a date of this computer's calendar.
+system_clock::time_point parse_since(const std::string& word) {
+  int number = 0, used = 0;
+  char unit = ' ';
+  const auto whole = [&](int parts, int wanted) {
+    return parts == wanted && static_cast<std::size_t>(used) == word.size();
+  };
+  if (whole(std::sscanf(word.c_str(), "%6d%c%n", &number, &unit, &used), 2) && (unit == 'd' || unit == 'h') &&
+      number >= 0 && number <= 9999)
+    return system_clock::now() - std::chrono::hours((unit == 'd' ? 24 : 1) * number);
+  std::tm date{};
+  const char* const end = ::strptime(word.c_str(), "%Y-%m-%d", &date);
+  // mktime() takes the 31st of February for a day of March.
+  const bool is_day = std::chrono::year_month_day(std::chrono::year(date.tm_year + 1900),
+                                                  std::chrono::month(static_cast<unsigned>(date.tm_mon + 1)),
+                                                  std::chrono::day(static_cast<unsigned>(date.tm_mday)))
+                          .ok();
+  date.tm_isdst = -1;
+  const std::time_t time = std::mktime(&date);
+  if (end == nullptr || end != word.c_str() + word.size() || !is_day || time < 0 || time > kLatest)
+    throw UsageError(fmt::format("--since {}: expected a date such as 2026-11-20, or 7d, or 12h", word));
+  return system_clock::from_time_t(time);
+}
+
+Json parameters_of(const HistoryOptions& options) {
+  Json parameters = Json::object();
+  const auto set = [&parameters](const char* name, const std::string& word) {
+    if (!word.empty()) parameters[name] = word;
+  };
+  set("outcome", options.outcome);
+  set("resin", options.resin);
+  set("job", options.job);
+  if (!options.since.empty()) parameters["since"] = iso_time(parse_since(options.since));
+  return parameters;
+}
+
+// All pages' jobs in one answer, as the daemon gives one.
+Json ask(DaemonConnection& connection, const HistoryOptions& options) {
+  Json parameters = parameters_of(options);
+  std::vector<Json> jobs;  // the latest first
+  Json answer;
+  for (int left = options.last; left > 0; left = options.last - static_cast<int>(jobs.size())) {
+    parameters["last"] = std::min(left, kLongestPage);
+    connection.send("history", 1, parameters);
+    answer = connection.receive();
+    if (answer.contains("error")) return answer;
+    Json& page = answer["result"]["ended"];
+    jobs.insert(jobs.end(), page.rbegin(), page.rend());
+    const Json& before = answer["result"]["before"];
+    if (before.is_null() || page.empty()) break;
+    parameters["before"] = before;
+  }
+  Json all = Json::array();
+  std::ranges::move(jobs.rbegin(), jobs.rend(), std::back_inserter(all.get_ref<Json::array_t&>()));
+  answer["result"]["ended"] = std::move(all);
+  return answer;
+}
+
+// A time of the answer, as this computer's clock has it; as it came where it is none.
+std::string local_time(const std::string& text) {
+  std::tm utc{};
+  if (::strptime(text.c_str(), "%Y-%m-%dT%H:%M:%SZ", &utc) == nullptr) return printable(text);
+  const std::time_t time = ::timegm(&utc);
+  std::tm local{};
+  ::localtime_r(&time, &local);
+  std::array<char, 32> buffer{};
+  return {buffer.data(), std::strftime(buffer.data(), buffer.size(), "%Y-%m-%d %H:%M", &local)};
+}
+
+Duration seconds(double number) {
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(number));
+}
+
+// "800 layers of 800, 3 h 05 min, 12.34 ml of standard"; empty for what was not printed.
+std::string figures_of(const Json& job) {
+  if (job.value("resin", "").empty()) return "";
+  return fmt::format("{} of {} layers, {}, {:.2f} ml of {}", job.value("layers_exposed", 0),
+                     job.value("layers", 0), readable(seconds(job.value("print_time_s", 0.0))),
+                     job.value("resin_ml", 0.0), printable(job.value("resin", "")));
+}
+
+void print_lines(const Json& jobs) {
+  if (jobs.empty()) fmt::print("no job has ended\n");
+  for (const Json& job : jobs) {
+    const std::string reason = job.value("reason", ""), figures = figures_of(job);
+    print_wrapped(
+        local_time(job.value("ended", "")) + "  ",
+        fmt::format("{}: {}{}{}", printable(job.value("job", "")), printable(job.value("outcome", "")),
+                    reason.empty() ? "" : ": " + printable(reason),
+                    figures.empty() ? "" : fmt::format(" ({})", figures)));
+  }
+}
+
+// As RFC 4180 has it. What a spreadsheet would take for a formula is a text by the mark before it.
+std::string csv_text(const std::string& text) {
+  std::string cell = printable(text);
+  if (!cell.empty() && std::string_view("=+-@").find(cell.front()) != std::string_view::npos)
+    cell.insert(0, 1, '\'');
+  for (std::size_t at = cell.find('"'); at != std::string::npos; at = cell.find('"', at + 2))
+    cell.insert(at, 1, '"');
+  return '"' + cell + '"';
+}
+
+std::string csv_cell(const Json& value) {
+  if (value.is_number()) return value.dump();
+  if (value.is_string()) return csv_text(value.get<std::string>());
+  std::string list;
+  for (const Json& each : value)
+    if (each.is_string()) list += (list.empty() ? "" : "; ") + each.get<std::string>();
+  return csv_text(list);
+}
+
+void print_csv(const Json& jobs) {
+  constexpr std::array<const char*, 19> kColumns{"job",      "outcome",        "reason",
+                                                 "began",    "ended",          "resin",
+                                                 "settings", "height_mm",      "layer_height_um",
+                                                 "layers",   "layers_exposed", "print_time_s",
+                                                 "lit_s",    "light_asked_s",  "most_light_over_ms",
+                                                 "resin_ml", "interruptions",  "late_steps",
+                                                 "warnings"};
+  fmt::print("{}\n", fmt::join(kColumns, ","));
+  for (const Json& job : jobs) {
+    std::string line;
+    for (const char* column : kColumns)
+      line += (line.empty() ? "" : ",") + csv_cell(job.contains(column) ? job[column] : Json(""));
+    fmt::print("{}\n", line);
+  }
+}
+
+std::string counted(int number, std::string_view what) {
+  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
+}
+
+// Of a limit, " of 300"; empty where there is none.
+std::string limit_of(const Json& part, const char* key) {
+  return part[key].is_number() ? fmt::format(" of {:.10g}", part[key].get<double>()) : "";
+}
+
+// What it has been used since it was new.
+void print_part(const Json& part) {
+  const std::string since = part["replaced"].is_string()
+                                ? "since " + local_time(part["replaced"].get<std::string>())
+                                : "since the history began";
+  const auto used = [&part](const char* key, const char* limit, std::string_view what) {
+    const int number = part.value(key, 0);
+    return part[limit].is_number() ? fmt::format("{}{} {}s", number, limit_of(part, limit), what)
+                                   : counted(number, what);
+  };
+  print_wrapped(
+      fmt::format("{:<10}", printable(part.value("part", "")) + " use"),
+      fmt::format("{:.2f}{} h lit, {}, {} {}", part.value("lamp_h", 0.0), limit_of(part, "lamp_h_limit"),
+                  used("layers", "layers_limit", "layer"), used("prints", "prints_limit", "print"), since));
+}
+
+}  // namespace
+
+int history(const ClientOptions& client, const HistoryOptions& options) {
+  if (client.json && options.csv) throw UsageError("--json and --csv exclude each other");
+  DaemonConnection connection(client.socket);
+  const Json answer = ask(connection, options);
+  const bool failed = answer.contains("error");
+  if (client.json) {
+    fmt::print("{}\n", answer.dump(-1, ' ', true));
+  } else if (failed) {
+    fmt::print(stderr, "contourctl: {}\n", printable_lines(answer["error"].value("message", "")));
+  } else {
+    const Json& result = answer["result"];
+    if (options.csv)
+      print_csv(result["ended"]);
+    else
+      print_lines(result["ended"]);
+    if (result["trouble"].is_string())
+      fmt::print(stderr, "contourctl: these are the jobs since contourd started: {}\n",
+                 printable(result["trouble"].get<std::string>()));
+  }
+  return failed ? kFailed : kOk;
+}
+
+void print_usage(const Json& usage) {
+  if (usage["trouble"].is_string()) {
+    fmt::print("nothing is known: {}\n", printable(usage["trouble"].get<std::string>()));
+    return;
+  }
+  fmt::print("jobs      {}\nlayers    {}\nlamp      {:.2f} h lit\nresin     {:.2f} ml\n",
+             usage.value("jobs", 0), usage.value("layers", 0), usage.value("lamp_h", 0.0),
+             usage.value("resin_ml", 0.0));
+  for (const Json& each : usage["resins"])
+    print_wrapped("          ",
+                  fmt::format("{:.2f} ml of {}: {}, {}, {:.2f} h lit", each.value("resin_ml", 0.0),
+                              printable(each.value("resin", "")), counted(each.value("jobs", 0), "job"),
+                              counted(each.value("layers", 0), "layer"), each.value("lamp_h", 0.0)));
+  for (const Json& part : usage["parts"])
+    print_part(part);
+  for (const Json& part : usage["parts"])
+    if (part["reminder"].is_string())
+      print_wrapped("reminder  ", printable(part["reminder"].get<std::string>()));
+}
+
+}  // namespace contourd::ctl

@@ -1,0 +1,172 @@
+#include "daemon/ctl/commands/level_command.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <system_error>
+
+#include "daemon/client/daemon_connection.hpp"
+#include "daemon/config/config_edit.hpp"
+#include "daemon/config/printer_config.hpp"
+#include "daemon/ctl/commands/manual_command.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = DaemonConnection::Json;
+
+constexpr double kClearance_mm = 20;  // for hands, above the film
+constexpr double kMostPaper_mm = 5, kMostGap_mm = 20;
+// A height that the configuration and the daemon say; a step is less.
+constexpr double kSame_mm = 0.02;
+
+// Of whoever stands at the printer. Nothing when they do not want to go on.
+std::optional<std::string> ask(const std::string& question) {
+  fmt::print("{} ", question);
+  std::fflush(stdout);
+  std::string answer;
+  if (!std::getline(std::cin, answer) || answer == "q") return std::nullopt;
+  if (::isatty(STDIN_FILENO) == 0) fmt::print("\n");
+  return answer;
+}
+
+// A number, asked for until there is one; `usual` for an empty line.
+std::optional<double> ask_number(const std::string& question, double usual, double least, double most) {
+  while (const std::optional<std::string> answer = ask(question)) {
+    if (answer->empty()) return usual;
+    double number = NAN;
+    const char* const end = answer->data() + answer->size();
+    const auto read = std::from_chars(answer->data() + (answer->front() == '+' ? 1 : 0), end, number);
+    if (read.ec == std::errc() && read.ptr == end && number >= least && number <= most) return number;
+    fmt::print("That is a number from {:g} to {:g} mm.\n", least, most);
+  }
+  return std::nullopt;
+}
+
+class Level {
+ public:
+  Level(const ClientOptions& client, const LevelOptions& options)
+      : client_(client), file_(options.config), config_(load_printer_config(file_)) {}
+
+  int run() {
+    if (::access(std::filesystem::canonical(file_).parent_path().c_str(), W_OK) != 0)
+      throw std::system_error(errno, std::generic_category(),
+                              "cannot write into the folder of " + file_.string());
+    if (const int code = prepare(); code != kOk) return code;
+    if (const int code = press_flat(); code != kOk) return code;
+    const std::optional<double> off = measure();
+    if (!off) return give_up();
+    return store(*off);
+  }
+
+ private:
+  static int give_up() {
+    fmt::print("\nNothing is changed.\n");
+    return kFailed;
+  }
+  int send(const char* method, const Json& parameters) {
+    return control_by_hand(client_, {method, parameters}, WaitFor::Operation);
+  }
+  int move_to(double height_mm) { return send("move", {{"to_mm", height_mm}, {"plate_is_clear", true}}); }
+  [[nodiscard]] double height() const {
+    DaemonConnection connection(client_.socket);
+    connection.send("status", 1);
+    const Json reply = connection.receive();
+    const Json& height = reply["result"]["manual"]["height_mm"];
+    return height.is_number() ? height.get<double>() : NAN;
+  }
+
+  int prepare() {
+    fmt::print(
+        "q ends this at any question; Ctrl-C stops the plate, too.\n"
+        "1. The vat is in its place, empty and clean; nothing is on the plate or in its way.\n");
+    if (!ask("Enter: the plate finds its switch.")) return give_up();
+    if (const int code = send("home", {{"plate_is_clear", true}}); code != kOk) return code;
+    switch_height_ = height();
+    if (!(std::abs(switch_height_ - configured()) <= kSame_mm)) {
+      fmt::print(stderr,
+                 "contourctl: contourd has the switch at {:.3f} mm, {} at {:.3f} mm: it runs with another "
+                 "configuration, or with one from before; sudo systemctl reload contourd comes first\n",
+                 switch_height_, printable(file_.string()), configured());
+      return kFailed;
+    }
+    return move_to(std::min(kClearance_mm, travel()));
+  }
+  [[nodiscard]] double travel() const { return to_millimeters(config_.travel).count(); }
+  [[nodiscard]] double configured() const {
+    return config_.real ? to_millimeters(config_.real->axis.switch_height).count() : 0;
+  }
+
+  int press_flat() {
+    fmt::print(
+        "2. Loosen the plate's clamp, so that the plate swings freely, and lay a sheet of paper on the "
+        "film.\n");
+    if (!ask("Enter: the plate goes down to 0 mm.")) return give_up();
+    if (const int code = move_to(0); code != kOk) return code;
+    fmt::print("3. Press the plate flat onto the paper, and tighten the clamp.\n");
+    return ask("Enter: it is tight.") ? kOk : give_up();
+  }
+
+  // How much higher than it says the plate is.
+  std::optional<double> measure() {
+    fmt::print(
+        "4. Find the height at which the paper just drags when it is pulled: the plate goes by what you say, "
+        "mm, "
+        "downwards below 0.\n");
+    const double most = travel();
+    while (true) {
+      const auto way =
+          ask_number(fmt::format("Now at {:.3f} mm. By how much (Enter: the paper just drags)?", height()), 0,
+                     -most, most);
+      if (!way) return std::nullopt;
+      if (*way == 0) break;
+      (void)send("move", {{"by_mm", *way}, {"plate_is_clear", true}});  // what is wrong with it is told
+    }
+    const double drags_at = height();
+    double gap = 0;
+    if (drags_at < kSame_mm) {
+      const auto asked = ask_number(
+          "How far above the paper does the plate hang at 0 mm, mm (Enter: it touches)?", 0, 0, kMostGap_mm);
+      if (!asked) return std::nullopt;
+      gap = *asked;
+    }
+    const auto paper = ask_number("How thick is the paper, mm (Enter: 0.1)?", 0.1, 0, kMostPaper_mm);
+    if (!paper) return std::nullopt;
+    return *paper + gap - drags_at;
+  }
+
+  int store(double off) {
+    const double height = std::round((configured() + off) * 1000) / 1000;
+    fmt::print(
+        "5. z_axis.switch_height_mm was {:g} and becomes {:g}: the plate is {:g} mm {} than it said.\n",
+        configured(), height, std::abs(off), off < 0 ? "lower" : "higher");
+    if (!ask(fmt::format("Enter: it is written into {}.", printable(file_.string())))) return give_up();
+    set_config_number(file_, "z_axis", "switch_height_mm", height);
+    if (const int code = move_to(std::min(kClearance_mm, travel())); code != kOk) return code;
+    fmt::print("Written. contourd takes it by: sudo systemctl reload contourd; then the plate homes anew.\n");
+    return kOk;
+  }
+
+  const ClientOptions& client_;
+  std::filesystem::path file_;
+  PrinterConfig config_;
+  double switch_height_ = 0;
+};
+
+}  // namespace
+
+int level(const ClientOptions& client, const LevelOptions& options) {
+  return Level(client, options).run();
+}
+
+}  // namespace contourd::ctl

@@ -1,0 +1,65 @@
+#include "daemon/ctl/commands/logs_command.hpp"
+
+#include <fmt/format.h>
+
+#include <system_error>
+#include <vector>
+
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/ctl/terminal/program.hpp"
+#include "daemon/json/config_error.hpp"
+#include "daemon/spool/spool_folders.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Words = std::vector<std::string>;
+
+// Without a job, whose lines end.
+constexpr int kLines = 100;
+
+// What journalctl is asked for, but for how it is to be printed.
+Words question(const LogsOptions& options) {
+  Words words{"journalctl", "--unit=contourd.service"};
+  if (!options.job) return words;
+  // As the log has it; a file's name stands for its job, too. Of one field any value counts.
+  words.push_back("JOB_ID=" + printable(*options.job));
+  if (is_model_name(*options.job)) words.push_back("JOB_ID=" + printable(job_name_of(*options.job)));
+  return words;
+}
+
+Words with(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+bool has_lines(const LogsOptions& options) {
+  const ProgramOutput one =
+      run_program(with(question(options), {"--lines=1", "--quiet", "--no-pager", "--output=cat"}), 1);
+  return !one.text.empty();
+}
+
+}  // namespace
+
+int logs(const LogsOptions& options) {
+  try {
+    if (!options.follow && !has_lines(options)) {
+      const std::string whose = options.job ? "of a job " + in_quotes(*options.job) : "of contourd";
+      fmt::print(stderr,
+                 "contourctl: the journal has no lines {} that you may read; all are for root and the group "
+                 "systemd-journal, and a contourd that systemd did not start writes to its standard error\n",
+                 whose);
+      return kFailed;
+    }
+    Words words = with(question(options), {"--output=short", "--no-hostname"});
+    if (options.lines || !options.job)
+      words.push_back(fmt::format("--lines={}", options.lines.value_or(kLines)));
+    if (options.follow) words.emplace_back("--follow");
+    become_program(words);
+  } catch (const std::system_error& error) {
+    throw DaemonError(fmt::format("there is no journal to look into: {}", error.what()));
+  }
+}
+
+}  // namespace contourd::ctl

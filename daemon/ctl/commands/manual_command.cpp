@@ -1,0 +1,245 @@
+#include "daemon/ctl/commands/manual_command.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "core/formats/model_reader.hpp"
+#include "daemon/client/daemon_connection.hpp"
+#include "daemon/config/printer_config.hpp"
+#include "daemon/ctl/models/read_model.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/system/base64.hpp"
+#include "daemon/system/readable.hpp"
+#include "hw/png_file.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = DaemonConnection::Json;
+
+// contourd names the parameters that would allow it; here they are options.
+std::string with_options(std::string sentence) {
+  for (const auto& [parameter, option] :
+       {std::pair("plate_is_clear", "--plate-is-clear"), std::pair("in_resin", "--in-resin")}) {
+    if (const std::size_t at = sentence.find(parameter); at != std::string::npos)
+      sentence.replace(at, std::string_view(parameter).size(), option);
+  }
+  return sentence;
+}
+
+enum Question { kWatch = 1, kRequest, kUpload };
+
+// What has come of the request, message by message.
+class Operation {
+ public:
+  Operation(WaitFor what, bool json) : what_(what), json_(json) {}
+
+  // The exit code, once it is over.
+  std::optional<int> take(const Json& message) {
+    if (json_) fmt::print("{}\n", message.dump(-1, ' ', true));
+    const bool reply = message.value("id", 0) == kRequest;
+    if (reply && message.contains("error")) {
+      if (!json_)
+        fmt::print(stderr, "contourctl: {}\n",
+                   printable_lines(with_options(message["error"].value("message", ""))));
+      return kFailed;
+    }
+    if (message.contains("params")) last_ = message["params"];
+    if (reply) {
+      begun_ = true;
+      // What came before the reply may be newer.
+      const Json& result = message["result"];
+      if (!last_.is_object() || operations(last_) <= operations(result)) last_ = result;
+    }
+    if (!last_.is_object() || !last_.contains("manual")) return std::nullopt;
+    tell();
+    return begun_ && is_over() ? std::optional(end()) : std::nullopt;
+  }
+
+ private:
+  static std::uint64_t operations(const Json& status) {
+    return status["manual"].value("operations", std::uint64_t{0});
+  }
+  [[nodiscard]] bool is_over() const {
+    const Json& manual = last_["manual"];
+    return what_ == WaitFor::Picture ? manual["picture"].is_null() : manual.value("state", "") == "idle";
+  }
+  void tell() {
+    const std::string now = phase();
+    if (json_ || now.empty() || std::exchange(told_, now) == now) return;
+    fmt::print("{}\n", now);
+    std::fflush(stdout);
+  }
+  // Empty where there is nothing to say.
+  [[nodiscard]] std::string phase() const {
+    const Json& manual = last_["manual"];
+    if (what_ != WaitFor::Picture) {
+      const std::string state = manual.value("state", "");
+      return state == "idle" ? "" : printable(state);
+    }
+    const Json& picture = manual["picture"];
+    return picture.is_string() ? printable(picture.get<std::string>()) + " is shown; Ctrl-C ends that" : "";
+  }
+  [[nodiscard]] int end() const {
+    const Json& manual = last_["manual"];
+    // That an operation was stopped is what was wanted.
+    const bool well = what_ == WaitFor::Rest        ? manual.value("dark", false)
+                      : what_ == WaitFor::Operation ? manual["problem"].is_null()
+                                                    : true;
+    if (json_ || what_ == WaitFor::Picture) return well ? kOk : kFailed;
+    if (well) {
+      print_manual(last_);
+      return kOk;
+    }
+    const std::string problem =
+        manual["problem"].is_string() ? manual["problem"].get<std::string>() : "the light may be on";
+    fmt::print(stderr, "contourctl: {}\n", printable_lines(problem));
+    return kFailed;
+  }
+
+  WaitFor what_;
+  bool json_, begun_ = false;
+  Json last_;
+  std::string told_;
+};
+
+int carry_out(DaemonConnection& connection, const ClientOptions& options, const Request& request,
+              WaitFor what) {
+  connection.send("watch", kWatch);
+  connection.send(request.method, kRequest, request.parameters);
+  Operation operation(what, options.json);
+  while (true) {
+    if (const std::optional<int> code = operation.take(connection.receive())) return *code;
+  }
+}
+
+Mask read_picture(const std::string& path) {
+  try {
+    return read_png_as_grey(path);
+  } catch (const std::system_error&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw ModelError(fmt::format("{}: {}", path, error.what()));
+  }
+}
+
+// As contourd with that configuration would expose the model at that height.
+Mask mask_at_z(const ShowOptions& show) {
+  const std::filesystem::path model = show.what;
+  const PrinterConfig printer = load_printer_config(show.printer, Places::Elsewhere);
+  const PreparedJob job = prepare_model({model.stem().string(), model, show.ticket}, printer);
+  const std::optional<Nanometers> height = to_nanometers(Millimeters{*show.at_z_mm});
+  if (!height || *height < Nanometers{} || to_millimeters(*height).count() > job.summary.height_mm)
+    throw UsageError(fmt::format("--at-z {:g}: {} is from 0 to {:.6g} mm high", *show.at_z_mm, show.what,
+                                 job.summary.height_mm));
+  MaskBudget budget(MaskBudget::Clock::now() + printer.mask_budget);
+  const Mask* const mask = job.plan.engine->mask_within(*height, budget);
+  if (mask == nullptr)
+    throw ModelError(
+        fmt::format("{}: the mask at {:g} mm takes longer than mask_budget_ms", show.what, *show.at_z_mm));
+  return *mask;
+}
+
+// Nothing when all of it is there; else what the daemon had to say.
+std::optional<Json> upload(DaemonConnection& connection, std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t kPieceBytes = 5'700;  // as much as a message has room for
+  for (std::size_t from = 0; from < bytes.size(); from += kPieceBytes) {
+    const auto piece = bytes.subspan(from, std::min(kPieceBytes, bytes.size() - from));
+    connection.send("upload", kUpload, {{"from", from}, {"data", base64(piece)}});
+    Json reply = connection.receive();
+    if (reply.contains("error")) return reply;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+int control_by_hand(const ClientOptions& options, const Request& request, WaitFor what) {
+  DaemonConnection connection(options.socket);
+  return carry_out(connection, options, request, what);
+}
+
+int power_projector(const ClientOptions& options, bool on) {
+  const int code =
+      control_by_hand(options, {"projector", {{"power", on ? "on" : "off"}}}, WaitFor::Operation);
+  if (code == kOk && !options.json) fmt::print("projector {}\n", on ? "on" : "told to power off");
+  return code;
+}
+
+int show_by_hand(const ClientOptions& options, const ShowOptions& show) {
+  Request request{"show"};
+  if (show.seconds) request.parameters["seconds"] = *show.seconds;
+  // Patterns' names have none of these.
+  if (!show.at_z_mm && show.what.find_first_of("./") == std::string::npos) {
+    request.parameters["pattern"] = show.what;
+    return control_by_hand(options, request, WaitFor::Picture);
+  }
+  const Mask picture = show.at_z_mm ? mask_at_z(show) : read_picture(show.what);
+  DaemonConnection connection(options.socket);
+  if (const std::optional<Json> refusal = upload(connection, encode_png(picture))) {
+    if (options.json)
+      fmt::print("{}\n", refusal->dump(-1, ' ', true));
+    else
+      fmt::print(stderr, "contourctl: {}\n", printable_lines((*refusal)["error"].value("message", "")));
+    return kFailed;
+  }
+  request.parameters["uploaded"] = true;
+  return carry_out(connection, options, request, WaitFor::Picture);
+}
+
+int light_by_hand(const ClientOptions& options, const Request& request, bool confirmed) {
+  if (!confirmed) {
+    if (::isatty(STDIN_FILENO) == 0) throw UsageError("light on: nobody can be asked here, so say --confirm");
+    fmt::print("UV light for {} s. Eyes protected, nobody near the vat? yes/no: ",
+               request.parameters.value("seconds", 0.0));
+    std::fflush(stdout);
+    std::array<char, 16> answer{};
+    const char* const line = std::fgets(answer.data(), answer.size(), stdin);
+    if (line == nullptr || std::string_view(line) != "yes\n") {
+      fmt::print(stderr, "contourctl: the light stays off: only \"yes\" turns it on\n");
+      return kFailed;
+    }
+  }
+  return control_by_hand(options, request, WaitFor::Operation);
+}
+
+std::string describe_homing_shift(double shift_um) {
+  return fmt::format("found {:.1f} um {} than by the homing before", std::abs(shift_um),
+                     shift_um < 0 ? "lower" : "higher");
+}
+
+void print_manual(const Json& status) {
+  const Json& manual = status["manual"];
+  if (manual["height_mm"].is_number())
+    fmt::print("height    {:.3f} mm\n", manual["height_mm"].get<double>());
+  else
+    fmt::print("height    unknown\n");
+  if (manual.value("homing_shift_um", Json()).is_number())
+    fmt::print("switch    {}\n", describe_homing_shift(manual["homing_shift_um"].get<double>()));
+  if (manual["picture"].is_string())
+    fmt::print("picture   {}\n", printable(manual["picture"].get<std::string>()));
+  if (!manual["projector"].is_object()) return;
+  const Json& projector = manual["projector"];
+  const auto& powered = projector["powered"];
+  fmt::print("projector {}\n", !powered.is_boolean() ? "cannot be asked"
+                               : powered.get<bool>() ? "on"
+                                                     : "off");
+  if (projector["lamp_hours"].is_number())
+    fmt::print("lamp      {} h\n", projector["lamp_hours"].get<std::int64_t>());
+}
+
+}  // namespace contourd::ctl

@@ -1,0 +1,129 @@
+#include "daemon/ctl/commands/queue_command.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+#include "daemon/client/daemon_connection.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/ctl/terminal/terminal.hpp"
+#include "daemon/prepare/supports_text.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = DaemonConnection::Json;
+
+std::string text_of(const Json& job, const char* key) {
+  return job[key].is_string() ? printable(job[key].get<std::string>()) : "";
+}
+
+std::string size_of(const Json& job) {
+  const auto bytes = job["bytes"].get<std::uint64_t>();
+  return bytes < 1'000'000 ? fmt::format("{:.1f} kB", static_cast<double>(bytes) / 1e3)
+                           : fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
+}
+
+std::string layers_of(const Json& job) {
+  const auto thinnest = job["thinnest_layer_um"].get<double>(),
+             thickest = job["thickest_layer_um"].get<double>();
+  const std::string thickness =
+      thinnest == thickest ? fmt::format("{:g}", thinnest) : fmt::format("{:g} to {:g}", thinnest, thickest);
+  return fmt::format("{} of {} um", job["layers"].get<std::int64_t>(), thickness);
+}
+
+std::string time_of(const Json& job) {
+  return readable(
+      std::chrono::duration_cast<Duration>(std::chrono::duration<double>(job["print_time_s"].get<double>())));
+}
+
+// "exposure_ms 4000 instead of 3000, ..."; empty where its ticket sets none in the place of the profile.
+std::string overrides_of(const Json& job) {
+  std::string text;
+  for (const Json& each : job.value("overrides", Json::array()))
+    text += fmt::format("{}{} {} instead of {}", text.empty() ? "" : ", ", text_of(each, "setting"),
+                        each["asked"].get<double>(), each["profile"].get<double>());
+  return text;
+}
+
+// Of one that is not ready.
+std::string_view state_of(const Json& job) {
+  const std::string state = job.value("state", "");
+  if (state == "unchecked") return "not checked yet";
+  if (state == "checking") return "is being checked";
+  if (state == "postponed") return "is checked later";
+  if (state == "leaving") return "on its way to failed";
+  if (state == "screening") return "is being looked through";
+  if (state == "unaccepted") return "waits to be accepted";
+  return "ready";
+}
+
+void print_job(const Json& job) {
+  print_wrapped(fmt::format("{:>3}  ", job.value("number", 0)), text_of(job, "file"));
+  std::string state(state_of(job));
+  if (job["layers"].is_number()) {
+    const auto parts = job["parts"].get<std::int64_t>();
+    state += fmt::format(", {}, {}layers {}, {}, {}", time_of(job),
+                         parts > 1 ? fmt::format("{} parts, ", parts) : "", layers_of(job),
+                         text_of(job, "resin"), size_of(job));
+  }
+  print_wrapped("     ", state);
+  if (const std::string set = overrides_of(job); !set.empty()) print_wrapped("     by its ticket: ", set);
+  if (const std::string why = text_of(job, "waiting_for"); !why.empty()) print_wrapped("     waits: ", why);
+}
+
+}  // namespace
+
+void print_queue(const Json& waiting) {
+  const Json& queue = waiting["queue"];
+  const Json& jobs = waiting["jobs"];
+  if (queue.empty()) fmt::print("the queue is empty\n");
+  for (const Json& job : jobs)
+    print_job(job);
+  for (std::size_t i = jobs.size(); i < queue.size(); ++i)
+    fmt::print("{:>3}  {}\n", i + 1, printable(queue[i].get<std::string>()));
+  if (const auto more = waiting.value("more", std::size_t{0}); more > 0) fmt::print("and {} more\n", more);
+  for (const Json& file : waiting["arriving"])
+    fmt::print("  -  {}\n     still arriving\n", printable(file.get<std::string>()));
+}
+
+void print_waiting_job(const Json& waiting) {
+  const Json& job = waiting["jobs"][0];
+  const auto number = job["number"].get<std::size_t>();
+  fmt::print("job       {}\nfile      {}\n", text_of(job, "job"), text_of(job, "file"));
+  fmt::print("number    {} of {}\nstate     {}\n", number,
+             waiting["queue"].size() + waiting.value("more", std::size_t{0}), state_of(job));
+  if (const std::string why = text_of(job, "waiting_for"); !why.empty()) fmt::print("waits     {}\n", why);
+  if (!job["layers"].is_number()) return;
+  fmt::print("size      {}\nresin     {}\nparts     {}\nlayers    {}, {:.2f} mm high\ntime      {}\n",
+             size_of(job), text_of(job, "resin"), job["parts"].get<std::int64_t>(), layers_of(job),
+             job["height_mm"].get<double>(), time_of(job));
+  if (const std::string set = overrides_of(job); !set.empty()) fmt::print("ticket    {}\n", set);
+  if (const Json& supports = job["supports"]; supports.is_object())
+    fmt::print("supports  {}\n", supports_line(supports_in_summary(supports)));
+  if (job["resin_ml"].is_number())
+    fmt::print("needs     {:.2f} ml of resin\n", job["resin_ml"].get<double>());
+  for (const Json& warning : job["warnings"])
+    fmt::print("warning   {}\n", printable(warning.get<std::string>()));
+}
+
+int remove_from_queue(const ClientOptions& options, const std::string& job) {
+  const int result = request(options, {"queue_remove", {{"job", job}}}, [](const Json&) {});
+  if (result == kOk && !options.json)
+    fmt::print("{}: removed; its files go to failed, with the reason beside them\n", printable(job));
+  return result;
+}
+
+int accept_job(const ClientOptions& options, const std::string& job) {
+  const int result = request(options, {"accept", {{"job", job}}}, [](const Json&) {});
+  if (result == kOk && !options.json)
+    fmt::print("{}: accepted; it is printed when its turn comes\n", printable(job));
+  return result;
+}
+
+}  // namespace contourd::ctl

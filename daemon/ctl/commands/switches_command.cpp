@@ -1,0 +1,100 @@
+#include "daemon/ctl/commands/switches_command.hpp"
+
+#include <fmt/format.h>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <utility>
+
+#include "daemon/client/daemon_connection.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/ctl/terminal/terminal.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = DaemonConnection::Json;
+
+// Edges are counted by the daemon: none is missed in between.
+constexpr auto kAskInterval = std::chrono::milliseconds(100);
+
+std::string state_of(const Json& input) {
+  const Json& active = input["active"];
+  if (!active.is_boolean()) return "cannot be read";
+  const std::string name = input.value("name", "");
+  if (name == "emergency stop") return active.get<bool>() ? "pressed" : "released";
+  if (name == "lid") return active.get<bool>() ? "open" : "closed";
+  if (name.starts_with("encoder")) return active.get<bool>() ? "high" : "low";
+  return active.get<bool>() ? "reached" : "not reached";
+}
+
+std::string line_of(const Json& input) {
+  return fmt::format("{:<15} {:<14} {:>6} edges  {}", printable(input.value("name", "")), state_of(input),
+                     input.value("edges", std::uint64_t{0}), printable(input.value("line", "")));
+}
+
+class SwitchView {
+ public:
+  explicit SwitchView(bool json) : json_(json), in_place_(!json && knows_sequences()) {}
+
+  void show(const Json& inputs) {
+    if (inputs == shown_) return;
+    if (json_)
+      fmt::print("{}\n", inputs.dump(-1, ' ', true));
+    else if (in_place_)
+      redraw(inputs);
+    else
+      print_changed(inputs);
+    shown_ = inputs;
+    std::fflush(stdout);
+  }
+
+ private:
+  // Where the terminal has become narrower or wider, nobody knows where the lines from before are now: they
+  // are left.
+  void redraw(const Json& inputs) {
+    const int columns = std::exchange(columns_, terminal_columns());
+    if (columns == columns_ && shown_.is_array() && !shown_.empty()) fmt::print("\x1b[{}A", shown_.size());
+    for (const Json& input : inputs)
+      fmt::print("\r\x1b[K{:.{}}\n", line_of(input), columns_);
+  }
+  void print_changed(const Json& inputs) const {
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      if (!shown_.is_array() || i >= shown_.size() || shown_[i] != inputs[i])
+        fmt::print("{}\n", line_of(inputs[i]));
+    }
+  }
+
+  bool json_, in_place_;
+  int columns_ = 0;  // of the terminal, when the lines were drawn
+  Json shown_;
+};
+
+}  // namespace
+
+int show_switches(const ClientOptions& options, bool once) {
+  DaemonConnection connection(options.socket);
+  SwitchView view(options.json);
+  for (auto next = std::chrono::steady_clock::now();; next += kAskInterval) {
+    connection.send("inputs", 1);
+    const Json reply = connection.receive();
+    if (reply.contains("error")) {
+      fmt::print(stderr, "contourctl: {}\n", printable_lines(reply["error"].value("message", "")));
+      return kFailed;
+    }
+    const Json& inputs = reply["result"]["inputs"];
+    if (inputs.empty() && !options.json) {
+      fmt::print(stderr, "contourctl: no input line is open; contourctl status says why\n");
+      return kFailed;
+    }
+    view.show(inputs);
+    if (once) return kOk;
+    // Nothing comes unasked: this waits, and tells when the daemon is gone.
+    (void)connection.receive_until(next + kAskInterval);
+  }
+}
+
+}  // namespace contourd::ctl

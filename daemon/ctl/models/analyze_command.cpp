@@ -1,0 +1,228 @@
+#include "daemon/ctl/models/analyze_command.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/analysis/print_analysis.hpp"
+#include "core/engine/contour_engine.hpp"
+#include "core/layers/print_layers.hpp"
+#include "daemon/config/printer_config.hpp"
+#include "daemon/ctl/models/analyze_page.hpp"
+#include "daemon/ctl/models/held_model.hpp"
+#include "daemon/ctl/models/read_model.hpp"
+#include "daemon/ctl/models/slice_files.hpp"
+#include "daemon/ctl/models/statistics_text.hpp"
+#include "daemon/ctl/models/turned_facets.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/prepare/job_outlook.hpp"
+#include "daemon/prepare/mesh_repair_text.hpp"
+#include "daemon/prepare/print_findings.hpp"
+#include "daemon/prepare/print_job.hpp"
+#include "daemon/prepare/supports_text.hpp"
+#include "daemon/print/layer_durations.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using SteadyClock = std::chrono::steady_clock;
+
+// A layer's times are the best of so many: what else the machine did meanwhile is not the model's.
+constexpr int kRuns = 3;
+// What a page holds: some four megabytes of contours.
+constexpr std::int32_t kMaxPictureLayers = 500;
+constexpr std::size_t kMaxPicturePoints = 700'000;
+
+struct AnalysisSubject {
+  std::unique_ptr<ContourEngine> engine;
+  std::vector<Duration> layer_durations;  // by layer
+  AnalysisOptions analysis;
+  AnalyzedModel model;
+};
+
+// In the middle of a display, without a printer.
+AnalysisSubject subject_alone(const AnalyzeOptions& options) {
+  AnalysisSubject subject;
+  Model model = read_model(options.model);
+  subject.model.warnings = std::move(model.warnings);
+  turn_facets(model.facets, options.up, options.scale.value_or(1));
+  scale_facets(model.facets, options.scale);
+  const auto made = std::make_shared<const HeightIndex>(std::move(model.facets));
+  const HeightIndex& index = *made;
+  if (index.turned_outwards()) subject.model.warnings.emplace_back(kTurnedOutwardsWarning);
+  if (index.repairs() != MeshRepairs{}) subject.model.warnings.push_back(repair_warning(index.repairs()));
+  const Bounds bounds = index.bounds();
+  HeldModel held = options.supports == SupportPolicy::Auto
+                       ? hold_model(made, {.display = options.display, .layer = options.layer_height})
+                       : lay_on_plate(made, PixelMap::true_scale(options.display, bounds.center()));
+  subject.model.layers = PrintLayers(layers_for(held.model.top(), options.layer_height)).all();
+  subject.model.top_mm = held.model.top().count();
+  subject.layer_durations.assign(subject.model.layers.size(), options.layer_time);
+  subject.model.assumed_layer_time = options.layer_time;
+  subject.model.display = options.display;
+  subject.model.size_x_mm = bounds.size_x();
+  subject.model.size_y_mm = bounds.size_y();
+  subject.model.size_z_mm = bounds.size_z();
+  if (bounds.size_x() > options.display.width_mm() || bounds.size_y() > options.display.height_mm()) {
+    subject.model.warnings.emplace_back(
+        "the model is larger than the display: what lies outside is not counted");
+  }
+  subject.engine =
+      std::make_unique<ContourEngine>(held.engine(EngineSettings{options.display, options.anti_aliasing}));
+  subject.model.supports = std::move(held.supports);
+  if (subject.model.supports) {
+    if (std::string unheld = unheld_sentence(subject.model.supports->unheld); !unheld.empty())
+      subject.model.warnings.push_back(std::move(unheld));
+  }
+  return subject;
+}
+
+// As contourd prints it.
+AnalysisSubject subject_of_printer(const AnalyzeOptions& options) {
+  const PrinterConfig printer = load_printer_config(*options.printer, Places::Elsewhere);
+  // Bad files are told as by the other commands, before anything about the printer.
+  (void)read_model(options.model);
+  PreparedJob job = prepare_model({options.model.stem().string(), options.model, options.ticket}, printer,
+                                  {options.supports, options.scale});
+  AnalysisSubject subject;
+  const PrintPlan& plan = job.plan;
+  subject.layer_durations = layer_durations(plan, printer);
+  subject.engine = std::move(job.analysis_engine);
+  subject.model.warnings = std::move(job.summary.warnings);
+  subject.model.layers = plan.expected_layers;
+  subject.model.display = job.display;
+  subject.model.top_mm = job.summary.height_mm;
+  subject.model.supports = std::move(job.summary.supports);
+  subject.analysis = job.analysis;
+  subject.model.size_x_mm = job.summary.models.front().size_x_mm;
+  subject.model.size_y_mm = job.summary.models.front().size_y_mm;
+  subject.model.size_z_mm = job.summary.models.front().size_z_mm;
+  return subject;
+}
+
+// The thesis's loop of section 3.5: slice, then join, each timed.
+class Stopwatch {
+ public:
+  explicit Stopwatch(const ContourEngine& engine) : engine_(engine) {}
+
+  LayerMeasurement measure(Nanometers height) {
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    LayerMeasurement best{to_millimeters(height), kNever, kNever, 0, 0};
+    for (int run = 0; run < kRuns; ++run) {
+      const LayerMeasurement once = measure_once(height);
+      best.slicing_ms = std::min(best.slicing_ms, once.slicing_ms);
+      best.contour_ms = std::min(best.contour_ms, once.contour_ms);
+      best.intersecting_facets = once.intersecting_facets;
+      best.loop_count = once.loop_count;
+    }
+    return best;
+  }
+
+ private:
+  LayerMeasurement measure_once(Nanometers height) {
+    const auto ms = [](SteadyClock::duration time) {
+      return std::chrono::duration<double, std::milli>(time).count();
+    };
+    LayerMeasurement sum;
+    for (const PlateModel& each : engine_.models()) {
+      const auto start = SteadyClock::now();
+      slice_at(*each.model, each.z_at(height), section_);
+      const auto sliced = SteadyClock::now();
+      linker_.link(section_.segments, engine_.join_tolerance(), contours_);
+      const auto joined = SteadyClock::now();
+      sum.slicing_ms += ms(sliced - start);
+      sum.contour_ms += ms(joined - sliced);
+      sum.intersecting_facets += section_.intersecting_facets;
+      sum.loop_count += static_cast<std::uint32_t>(contours_.loops.size());
+    }
+    return sum;
+  }
+
+  const ContourEngine& engine_;
+  Section section_;
+  ContourLinker linker_;
+  Contours contours_;
+};
+
+AnalyzedModel analyze(AnalysisSubject subject, bool with_contours) {
+  AnalyzedModel model = std::move(subject.model);
+  for (const PlateModel& each : subject.engine->models())
+    model.facets += each.model->facets().size();
+  model.layer_middles = middles_of(model.layers);
+  const auto duration_of = [&](std::int32_t layer) {
+    return subject.layer_durations[static_cast<std::size_t>(layer)];
+  };
+  model.findings =
+      analyze_print(*subject.engine, model.display, model.layers, duration_of, {}, subject.analysis).value();
+  Stopwatch stopwatch(*subject.engine);
+  for (const Nanometers middle : model.layer_middles)
+    model.measurements.push_back(stopwatch.measure(middle));
+  model.statistics = statistics_of(model.measurements);
+  if (with_contours) {
+    model.contours =
+        stack_contours({*subject.engine, model.supports ? model.supports->structure.get() : nullptr},
+                       model.display, model.layer_middles, {kMaxPictureLayers, kMaxPicturePoints});
+  }
+  return model;
+}
+
+void print_findings(const AnalyzedModel& m) {
+  const PrintFindings& found = m.findings;
+  fmt::print("facets        {}\nsize          {:.6g} x {:.6g} x {:.6g} mm\n", m.facets, m.size_x_mm,
+             m.size_y_mm, m.size_z_mm);
+  fmt::print("layers        {}\n", layers_text(m.layers));
+  fmt::print("layer time    {}\n", layer_time_text(m));
+  fmt::print("resin         {:.3f} ml\n", found.resin_ml());
+  if (m.supports) fmt::print("supports      {}\n", supports_line(counts_of(*m.supports)));
+  fmt::print("largest area  {:.2f} mm2, layer {}\n", found.largest_area_mm2, found.largest_area_layer + 1);
+  fmt::print("islands       {}\nsuction cups  {}\nresin traps   {}\nempty layers  {}\n", found.island_count,
+             found.suction_cup_count, found.resin_trap_count, found.empty_layers.size());
+  fmt::print("cracks        {} gaps closed, the widest {:.3f} mm, {} open chains, {} turned, on {} layers\n",
+             found.cracks.gaps_closed, found.cracks.widest_gap.count(), found.cracks.open_chains,
+             found.cracks.turned_chains, found.cracked_layers.size());
+  for (const std::string& warning : m.warnings)
+    fmt::print("warning       {}\n", printable(warning));
+  for (const std::string& warning : warnings_about(found))
+    fmt::print("warning       {}\n", warning);
+  fmt::print("\n");
+  print_statistics(m.statistics);
+}
+
+void print_json(const AnalyzedModel& m) {
+  Json json{{"facets", m.facets}, {"size_mm", {m.size_x_mm, m.size_y_mm, m.size_z_mm}}};
+  const auto [thinnest, thickest] = std::minmax_element(m.layers.begin(), m.layers.end());
+  json["layer_height_um"] = m.layers.empty() ? 0.0 : to_millimeters(*thinnest).count() * 1000;
+  json["layer_height_max_um"] = m.layers.empty() ? 0.0 : to_millimeters(*thickest).count() * 1000;
+  json.update(findings_json(m.findings));
+  json["assumed_layer_time_s"] =
+      m.assumed_layer_time ? Json(std::chrono::duration<double>(*m.assumed_layer_time).count()) : Json();
+  json["supports"] = m.supports ? supports_json(*m.supports) : Json();
+  json["model_warnings"] = m.warnings;
+  json["statistics"] = statistics_json(m.statistics);
+  json["area_mm2"] = m.findings.area_mm2;
+  fmt::print("{}\n", json.dump(2, ' ', true, Json::error_handler_t::replace));
+}
+
+}  // namespace
+
+int analyze(const AnalyzeOptions& options) {
+  AnalysisSubject subject = options.printer ? subject_of_printer(options) : subject_alone(options);
+  subject.model.name = options.model.filename().string();
+  const AnalyzedModel model = analyze(std::move(subject), options.html.has_value());
+  if (options.html) write_text(*options.html, analysis_page(model));
+  if (options.json) {
+    print_json(model);
+  } else {
+    print_findings(model);
+  }
+  return kOk;
+}
+
+}  // namespace contourd::ctl

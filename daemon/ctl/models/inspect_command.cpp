@@ -1,0 +1,83 @@
+#include "daemon/ctl/models/inspect_command.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+
+#include "core/formats/model_reader.hpp"
+#include "core/model/height_index.hpp"
+#include "core/model/mesh_report.hpp"
+#include "daemon/ctl/models/read_model.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/prepare/mesh_repair_text.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Model& model, std::string_view format, const MeshReport& report,
+             const MeshRepairs& repairs) {
+  const Bounds& b = report.bounds;
+  Json json;
+  json["format"] = format;
+  json["facets"] = report.facets;
+  json["bounds_mm"] = nullptr;
+  if (!b.empty()) {
+    json["bounds_mm"] = {{"min", {b.min_x, b.min_y, b.min_z}}, {"max", {b.max_x, b.max_y, b.max_z}}};
+  }
+  json["size_mm"] = {b.size_x(), b.size_y(), b.size_z()};
+  json["volume_mm3"] = report.volume_mm3;
+  json["watertight"] = report.watertight;
+  json["open_edges"] = report.open_edges;
+  json["non_manifold_edges"] = report.non_manifold_edges;
+  json["flipped_edges"] = report.flipped_edges;
+  json["degenerate_facets"] = report.degenerate_facets;
+  json["zero_area_facets"] = report.zero_area_facets;
+  json["duplicate_facets"] = report.duplicate_facets;
+  json["repairs"] = repairs_json(repairs);
+  json["warnings"] = model.warnings;
+  return json;
+}
+
+void print(const Model& model, std::string_view format, const MeshReport& report) {
+  const Bounds& b = report.bounds;
+  fmt::print("format       {}\nfacets       {}\n", format, report.facets);
+  if (!b.empty()) {
+    fmt::print("size         {:.6g} x {:.6g} x {:.6g} mm\n", b.size_x(), b.size_y(), b.size_z());
+    fmt::print("bounds       x {:.6g} to {:.6g}, y {:.6g} to {:.6g}, z {:.6g} to {:.6g} mm\n", b.min_x,
+               b.max_x, b.min_y, b.max_y, b.min_z, b.max_z);
+  }
+  fmt::print("volume       {:.6g} mm3\n", report.volume_mm3);
+  fmt::print("watertight   {}\n", report.watertight ? "yes" : "no");
+  fmt::print("edges        {} open, {} of more than two facets, {} turned against each other\n",
+             report.open_edges, report.non_manifold_edges, report.flipped_edges);
+  fmt::print("bad facets   {} degenerate, {} without area, {} duplicate\n", report.degenerate_facets,
+             report.zero_area_facets, report.duplicate_facets);
+  for (const std::string& warning : model.warnings)
+    fmt::print("warning      {}\n", printable(warning));
+}
+
+}  // namespace
+
+int inspect(const InspectOptions& options) {
+  Model model = read_model(options.model);
+  const std::string_view format = outline_of_model(options.model).format;
+  const MeshReport report = inspect_mesh(model.facets);
+  if (report.inside_out) model.warnings.emplace_back(kTurnedOutwardsWarning);
+  const MeshRepairs repairs = HeightIndex(std::move(model.facets)).repairs();
+  if (repairs != MeshRepairs{}) model.warnings.push_back(repair_warning(repairs));
+  if (options.json) {
+    fmt::print("{}\n",
+               to_json(model, format, report, repairs).dump(2, ' ', true, Json::error_handler_t::replace));
+  } else {
+    print(model, format, report);
+  }
+  return kOk;
+}
+
+}  // namespace contourd::ctl

@@ -1,0 +1,211 @@
+#include "daemon/ctl/models/preview_command.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "core/geometry/facet.hpp"
+#include "core/image/preview.hpp"
+#include "daemon/client/control_defaults.hpp"
+#include "daemon/config/printer_config.hpp"
+#include "daemon/ctl/models/job_picture.hpp"
+#include "daemon/ctl/models/read_model.hpp"
+#include "daemon/ctl/models/spooled_job.hpp"
+#include "daemon/ctl/models/statistics_text.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/ctl/terminal/picture_output.hpp"
+#include "daemon/json/config_error.hpp"
+#include "daemon/json/profile_file.hpp"
+#include "daemon/prepare/job_content.hpp"
+#include "daemon/system/memory_room.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PreviewSubject {
+  JobFiles files;
+  std::string title;  // printable
+  bool spooled = false;
+};
+
+// --- what is to be shown
+
+bool is_there(const fs::path& path) {
+  std::error_code code;
+  return fs::exists(fs::symlink_status(path, code));
+}
+
+PreviewSubject file_subject(const PreviewOptions& options) {
+  const fs::path path = options.subject;
+  look_at_model(path);  // what cannot be read is told as by the other commands
+  return {{path.stem().string(), path, options.ticket}, printable(path.filename().string())};
+}
+
+std::string elsewhere(const SpooledJob& job) {
+  std::string folders;
+  for (const SpoolFolder folder : job.others)
+    folders += fmt::format("{}{}", folders.empty() ? "" : " and in ", name_of(folder));
+  return folders.empty() ? "" : fmt::format(" (there is another in {})", folders);
+}
+
+PreviewSubject job_subject(const ClientOptions& client, const PreviewOptions& options) {
+  const SpoolFolders spool = [&] {
+    try {
+      return SpoolFolders(find_spool(client, options.spool));
+    } catch (const DaemonError& error) {
+      throw DaemonError(
+          fmt::format("there is no file {}, and whether a job is called so is not known: {}; --spool names "
+                      "the folder of the jobs",
+                      in_quotes(options.subject), error.what()));
+    }
+  }();
+  const std::optional<SpooledJob> job = find_job(spool, options.subject);
+  if (!job) {
+    throw std::system_error(std::make_error_code(std::errc::no_such_file_or_directory),
+                            fmt::format("neither a file nor a job in {} is called {}", spool.root().string(),
+                                        in_quotes(options.subject)));
+  }
+  if (options.ticket) throw UsageError("--ticket goes with a file: a job has its own");
+  return {job->files,
+          fmt::format("{}, in {}{}", printable(job->files.name), name_of(job->folder), elsewhere(*job)),
+          true};
+}
+
+// A word with a slash, or that a file of this folder is called, is that file.
+bool is_file(const std::string& subject) {
+  std::error_code code;
+  return subject.find('/') != std::string::npos || (is_there(subject) && !fs::is_directory(subject, code));
+}
+
+PreviewSubject subject_of(const ClientOptions& client, const PreviewOptions& options) {
+  return is_file(options.subject) ? file_subject(options) : job_subject(client, options);
+}
+
+// --- its picture
+
+PrinterConfig printer_for(const PreviewOptions& options, std::string_view what) {
+  const fs::path file = options.printer.value_or(kDefaultConfig);
+  if (!options.printer && !is_there(file)) {
+    throw UsageError(fmt::format(
+        "{} needs a printer's configuration: there is no {}, --printer names another", what, file.string()));
+  }
+  return load_printer_config(file, Places::Elsewhere);
+}
+
+NotedPicture mask_of_layer(const PreviewSubject& subject, PreparedJob job, int number) {
+  const std::vector<Nanometers>& layers = job.plan.expected_layers;
+  if (static_cast<std::size_t>(number) > layers.size())
+    throw UsageError(
+        fmt::format("there is no layer {} of {}: it has {}", number, subject.title, layers.size()));
+  const auto index = static_cast<std::size_t>(number) - 1;
+  const Nanometers middle = middles_of(layers)[index], bottom = middle - layers[index] / 2;
+  ContourEngine& engine = *job.analysis_engine;
+  MaskBudget budget(MaskBudget::Clock::now() + job.analysis.mask_budget.value_or(job.plan.mask_budget));
+  const Mask* const mask = engine.mask_within(middle, budget);
+  if (mask == nullptr) {
+    throw ModelError(fmt::format("{}: the mask of layer {} takes far longer than mask_budget_ms",
+                                 subject.files.model.string(), number));
+  }
+  const double mm2 = engine.coverage().lit_area() * job.plan.pixel_area_mm2;
+  return {
+      *mask,
+      fmt::format("{}: layer {} of {}, {:.3f} to {:.3f} mm, {:.2f} mm2", subject.title, number, layers.size(),
+                  to_millimeters(bottom).count(), to_millimeters(bottom + layers[index]).count(), mm2),
+      true};
+}
+
+std::string size_text(double x, double y, double z) {
+  return fmt::format("{:.6g} x {:.6g} x {:.6g} mm", x, y, z);
+}
+
+NotedPicture shaded_job(const PreviewSubject& subject, const PreparedJob& job) {
+  const JobSummary& summary = job.summary;
+  std::size_t parts = 0;
+  for (const ModelSummary& model : summary.models)
+    parts += model.centers.size();
+  const ModelSummary& first = summary.models.front();
+  const std::string what = summary.plate
+                               ? fmt::format("{} models, {:.6g} mm high", parts, summary.height_mm)
+                               : fmt::format("{}{}", parts > 1 ? fmt::format("{} of ", parts) : "",
+                                             size_text(first.size_x_mm, first.size_y_mm, first.size_z_mm));
+  return {draw_job_picture(summary, *job.plan.engine),
+          fmt::format("{}: {}, layers {}", subject.title, what, layers_text(job.plan.expected_layers))};
+}
+
+std::vector<Facet> facets_of(const PreviewSubject& subject) {
+  const JobFiles& files = subject.files;
+  if (!subject.spooled) return read_model(files.model).facets;
+  try {
+    JobContent content(files.model, files.plate, files.links, JobTicket{});
+    content.read(DisplayGeometry{}, memory_room(std::nullopt));
+    return content.take_facets(0);
+  } catch (const JobRefused& refusal) {
+    throw ModelError(files.model.string() + ": " + refusal.what());
+  }
+}
+
+NotedPicture shaded_model(const PreviewSubject& subject) {
+  const std::vector<Facet> facets = facets_of(subject);
+  if (facets.empty()) throw ModelError(subject.files.model.string() + ": the file holds no facets");
+  const Bounds bounds = bounds_of(facets);
+  const Millimeters top{std::numeric_limits<double>::infinity()};
+  return {render_preview(facets, top, kJobPictureSide, kJobPictureSide),
+          fmt::format("{}: {}, {} facets", subject.title,
+                      size_text(bounds.size_x(), bounds.size_y(), bounds.size_z()), facets.size())};
+}
+
+NotedPicture draw(const PreviewSubject& subject, const PreviewOptions& options) {
+  const JobFiles& files = subject.files;
+  if (options.layer)
+    return mask_of_layer(subject, prepare_model(files, printer_for(options, "--layer")), *options.layer);
+  if (!options.printer && !files.ticket && !files.plate) return shaded_model(subject);
+  const PrinterConfig printer = printer_for(options, files.plate ? "a plate" : "a ticket");
+  try {
+    return shaded_job(subject, prepare_model(files, printer));
+  } catch (const ModelError& error) {
+    if (!subject.spooled || files.plate) throw;
+    // A job that cannot be printed can be looked at.
+    NotedPicture picture = shaded_model(subject);
+    fmt::print(stderr, "contourctl: warning: shown as its file has it: {}\n", printable(error.what()));
+    return picture;
+  }
+}
+
+void refuse_to_overwrite(const JobFiles& files, const PreviewOptions& options) {
+  if (!options.output) return;
+  std::error_code code;  // of what is not there
+  if (fs::equivalent(*options.output, files.model, code) ||
+      (files.ticket && fs::equivalent(*options.output, *files.ticket, code)))
+    throw UsageError(fmt::format("-o {}: that is the file that is to be shown", options.output->string()));
+}
+
+// A job may be moved while it is looked for: from one folder to the next, and there are four.
+NotedPicture find_and_draw(const ClientOptions& client, const PreviewOptions& options) {
+  PreviewSubject subject = subject_of(client, options);
+  refuse_to_overwrite(subject.files, options);
+  for (int moves = 0;; ++moves) {
+    try {
+      return draw(subject, options);
+    } catch (const ModelError&) {
+      constexpr int kMostMoves = 4;
+      if (!subject.spooled || is_there(subject.files.model) || moves == kMostMoves) throw;
+      subject = job_subject(client, options);
+    }
+  }
+}
+
+}  // namespace
+
+int preview(const ClientOptions& client, const PreviewOptions& options) {
+  check_picture_output(options.output);
+  put_out(find_and_draw(client, options), options.output);
+  return kOk;
+}
+
+}  // namespace contourd::ctl

@@ -1,0 +1,115 @@
+#include "daemon/ctl/models/support_command.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/support/support_mesh.hpp"
+#include "daemon/ctl/models/held_model.hpp"
+#include "daemon/ctl/models/read_model.hpp"
+#include "daemon/ctl/models/slice_files.hpp"
+#include "daemon/ctl/models/turned_facets.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/prepare/supports_text.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Lines about contacts, and about places that are not held.
+constexpr std::size_t kMostLines = 40;
+
+void append_word(std::string& bytes, std::uint32_t word) {
+  for (unsigned shift = 0; shift < 32; shift += 8)
+    bytes += static_cast<char>((word >> shift) & 0xFFU);
+}
+
+// Programs work the normals out themselves.
+std::string binary_stl(std::span<const Facet> facets) {
+  constexpr std::size_t kHeaderBytes = 80, kFacetBytes = 50;
+  std::string bytes = "supports by contourctl";
+  bytes.reserve(kHeaderBytes + 4 + kFacetBytes * facets.size());
+  bytes.resize(kHeaderBytes, ' ');
+  append_word(bytes, static_cast<std::uint32_t>(facets.size()));
+  for (const Facet& facet : facets) {
+    for (int zero = 0; zero < 3; ++zero)
+      append_word(bytes, 0);
+    for (const Vertex& vertex : facet.vertices) {
+      for (const float coordinate : {vertex.x, vertex.y, vertex.z})
+        append_word(bytes, std::bit_cast<std::uint32_t>(coordinate));
+    }
+    bytes.append(2, '\0');
+  }
+  return bytes;
+}
+
+void move(Facet& facet, double x, double y, double z) {
+  for (Vertex& vertex : facet.vertices) {
+    vertex.x = static_cast<float>(vertex.x + x);
+    vertex.y = static_cast<float>(vertex.y + y);
+    vertex.z = static_cast<float>(vertex.z + z);
+  }
+}
+
+std::vector<Facet> facets_of(const HeldModel& held, bool with_model) {
+  const Bounds& bounds = held.model.model->bounds();
+  std::vector<Facet> facets;
+  if (held.supports->structure) facets = support_mesh(held.supports->structure->primitives());
+  const Point middle = bounds.center();
+  for (Facet& facet : facets)
+    move(facet, middle.x, middle.y, 0);
+  if (!with_model) return facets;
+  const double lift = held.model.elevation.lift(bounds).count();
+  for (Facet facet : held.model.model->facets()) {
+    move(facet, 0, 0, lift);
+    facets.push_back(facet);
+  }
+  return facets;
+}
+
+void print_text(const HeldModel& held) {
+  const Supports& supports = *held.supports;
+  const SupportCounts counts = counts_of(supports);
+  fmt::print("supports   {}\n", supports_line(counts));
+  fmt::print("lift       {:.6g} mm\n", to_millimeters(held.model.elevation.above_plate()).count());
+  for (std::size_t i = 0; i < std::min(kMostLines, supports.contacts.size()); ++i) {
+    const SupportContact& contact = supports.contacts[i];
+    fmt::print("{:<10} at {:.2f}, {:.2f} mm, {:.2f} mm above the plate, holds {:.3g} mm2\n",
+               name_of(contact.cause), contact.place.x, contact.place.y, contact.place.z, contact.load_mm2);
+  }
+  if (supports.contacts.size() > kMostLines)
+    fmt::print("and {} more contacts; --json has all\n", supports.contacts.size() - kMostLines);
+  for (std::size_t i = 0; i < std::min(kMostLines, supports.unheld.size()); ++i)
+    fmt::print("not held   {}\n", unheld_text(supports.unheld[i]));
+  if (supports.unheld.size() > kMostLines)
+    fmt::print("and {} more places that are not held\n", supports.unheld.size() - kMostLines);
+}
+
+}  // namespace
+
+int support(const SupportOptions& options) {
+  std::vector<Facet> facets = read_model(options.model).facets;
+  turn_facets(facets, options.up, options.scale.value_or(1));
+  scale_facets(facets, options.scale);
+  const HeldModel held = hold_model(std::make_shared<const HeightIndex>(std::move(facets)),
+                                    {.display = options.display, .layer = options.layer_height});
+  if (options.stl) write_text(*options.stl, binary_stl(facets_of(held, options.with_model)));
+  if (options.json) {
+    Json json = supports_json(*held.supports);
+    json["lift_mm"] = to_millimeters(held.model.elevation.above_plate()).count();
+    fmt::print("{}\n", json.dump(2));
+  } else {
+    print_text(held);
+  }
+  return kOk;
+}
+
+}  // namespace contourd::ctl

@@ -1,0 +1,354 @@
+#include "daemon/ctl/setup/setup_command.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+
+#include "daemon/config/config_edit.hpp"
+#include "daemon/config/printer_config.hpp"
+#include "daemon/config/projector_table.hpp"
+#include "daemon/ctl/commands/machine_facts.hpp"
+#include "daemon/ctl/setup/setup_checks.hpp"
+#include "daemon/ctl/setup/setup_dialog.hpp"
+#include "daemon/ctl/setup/setup_profile.hpp"
+#include "daemon/ctl/setup/setup_record.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/json/config_error.hpp"
+#include "daemon/json/profile_file.hpp"
+#include "daemon/system/durable_file.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kShipped = "/usr/share/contourd";
+
+constexpr std::size_t kLargestBytes = 2'000'000;
+
+std::string bytes_of(const fs::path& file) {
+  try {
+    return beginning_of(file, kLargestBytes, Links::Follow);
+  } catch (const UnreadableFile& error) {
+    throw UnreadableFile(error.code(), fmt::format("{}: {}", file.string(), error.what()));
+  }
+}
+
+// Beside the configuration, else the daemon's own, else the program's.
+std::string folder_for(const fs::path& config, const char* name) {
+  std::error_code none;
+  for (const fs::path& folder : {fs::path("/etc/contourd"), fs::path(kShipped)}) {
+    if (fs::is_directory(config.parent_path() / name, none)) break;
+    if (fs::is_directory(folder / name, none)) return (folder / name).string();
+  }
+  return name;
+}
+
+// A simulated printer to begin with where there is no configuration.
+Json new_profile(const fs::path& config) {
+  return {{"$schema", "contourd.schema.json"},
+          {"name", "Resin printer"},
+          {"spool_folder", "/var/spool/contourd"},
+          {"control_socket", kDefaultSocket},
+          {"resins_folder", folder_for(config, "resins")},
+          {"projectors_folder", folder_for(config, "projectors")},
+          {"resin", "standard"},
+          {"wait_for_plate_cleared", true},
+          {"z_axis",
+           {{"travel_mm", 160},
+            {"microsteps_per_mm", 800},
+            {"homing_speed_mm_s", 5},
+            {"travel_speed_mm_s", 5},
+            {"acceleration_mm_s2", 25}}},
+          {"display", {{"width_px", 1920}, {"height_px", 1080}, {"pixel_pitch_um", 50}, {"refresh_hz", 60}}},
+          {"projector", {{"irradiance_mw_cm2", 5}, {"warm_up_s", 30}}},
+          {"hardware", "simulated"},
+          {"simulation", {{"pace", "realtime"}}}};
+}
+
+class Setup {
+ public:
+  Setup(const ClientOptions& client, const SetupOptions& options)
+      : client_(client), options_(options), file_(fs::weakly_canonical(fs::absolute(options.config))) {
+    const fs::path folder = file_.parent_path(), stem = file_.stem();
+    record_file_ = folder / (stem.string() + ".setup.json");
+    notes_file_ = folder / (stem.string() + ".setup.txt");
+  }
+
+  int run() {
+    require_folder();
+    read_configuration();
+    facts_ = {find_devices(), find_tables(), given_name()};
+    read_record();
+    take_given();
+    dialog_.say("What is here:");
+    for (const std::string& line : describe(facts_.devices))
+      dialog_.say("  " + line, 4);
+    try {
+      return options_.non_interactive ? decide() : lead();
+    } catch (const SetupLeft&) {
+      fmt::print("\n");
+      dialog_.say(record_.answers.empty()
+                      ? "Left, with nothing answered."
+                      : fmt::format("Left. {} goes on from here; {} has what was answered.", command(),
+                                    record_file_.string()));
+      return kFailed;
+    } catch (const std::system_error& error) {  // all that is read has been read
+      throw OutputError(fmt::format("setup: {}", error.what()));
+    }
+  }
+
+ private:
+  // Whoever runs a simulated printer has not named a real one yet.
+  [[nodiscard]] std::string given_name() const {
+    return base_.value("hardware", "") == "real" ? base_.value("name", "") : "";
+  }
+
+  void require_folder() const {
+    if (::access(file_.parent_path().c_str(), W_OK) != 0)
+      throw OutputError(
+          fmt::format("setup: cannot write into {}: {}; say sudo contourctl setup, or --config FILE",
+                      file_.parent_path().string(), std::strerror(errno)));
+  }
+  int decide() {
+    take_suggestions();
+    print_summary();
+    write();
+    return kOk;
+  }
+  [[nodiscard]] std::string command() const {
+    return file_ == kDefaultConfig ? "contourctl setup"
+                                   : fmt::format("contourctl setup --config {}", file_.string());
+  }
+
+  void keep() const { write_setup_record(record_file_, record_); }
+
+  // --- what there is
+
+  void read_configuration() {
+    std::error_code none;
+    base_ = new_profile(file_);
+    if (!fs::exists(file_, none)) return;
+    before_ = bytes_of(file_);
+    try {
+      (void)load_printer_config(file_);
+      base_ = Json::parse(*before_);
+    } catch (const ConfigError& error) {
+      dialog_.say(fmt::format("{}. It gives nothing to begin with.", first_line(error.what())));
+    }
+  }
+  static std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+  [[nodiscard]] std::map<std::string, bool> find_tables() const {
+    std::map<std::string, bool> tables;
+    const fs::path folder = resolved(file_.parent_path(), base_.value("projectors_folder", "projectors"));
+    try {
+      for (const std::string& name : profiles_in(folder)) {
+        try {
+          tables[name] = load_projector_table(folder / (name + ".json")).switches_light();
+        } catch (const ConfigError& error) {
+          dialog_.say(first_line(error.what()) + ". It is left out.");
+        }
+      }
+    } catch (const std::system_error& error) {
+      dialog_.say(fmt::format("There are no projectors' tables: {}.", error.what()));
+    }
+    return tables;
+  }
+
+  void read_record() {
+    std::error_code none;
+    if (options_.anew || !fs::exists(record_file_, none)) return;
+    record_ = read_setup_record(record_file_);
+    dialog_.say(fmt::format("Goes on with {} answers of {}; --anew forgets them.", record_.answers.size(),
+                            record_file_.string()));
+  }
+
+  // --- answers without questions
+
+  void take_given() {
+    Answers given;
+    if (options_.answers) given = read_setup_record(*options_.answers).answers;
+    for (const std::string& word : options_.set) {
+      const std::size_t sign = word.find('=');
+      const std::string key = word.substr(0, sign);
+      if (sign == std::string::npos || find_question(key) == nullptr)
+        throw UsageError(fmt::format("setup: --set {}: expected KEY=VALUE with one of the keys {}", word,
+                                     question_keys()));
+      given[key] = word.substr(sign + 1);
+    }
+    for (const auto& [key, answer] : given)
+      record_.answers[key] = answer;
+    given_ = std::move(given);
+    if (!given_.empty()) check_given();
+  }
+  // In their order, with what is not known yet as it would be suggested. What is for another computer need
+  // not be here.
+  void check_given() const {
+    const SetupFacts elsewhere{.devices = {}, .tables = facts_.tables};
+    Answers answers = record_.answers;
+    for (const Question& question : questions()) {
+      if (!question.is_asked(answers, facts_)) continue;
+      const std::string key(question.key);
+      const TakenAnswer taken =
+          answers.contains(key) ? question.take(answers[key], answers, elsewhere)
+                                : question.take(question.suggest(answers, facts_).answer, answers, elsewhere);
+      if (!taken.complaint.empty() && given_.contains(key))
+        throw UsageError(fmt::format("setup: {} = {}: {}", key, in_quotes(answers[key]), taken.complaint));
+      answers[key] = taken.complaint.empty() ? taken.answer : question.suggest(answers, facts_).answer;
+    }
+  }
+
+  void take_suggestions() {
+    const SetupFacts elsewhere{.devices = {}, .tables = facts_.tables};
+    std::vector<std::string> unknown;
+    Answers& answers = record_.answers;
+    for (const Question& question : questions()) {
+      if (!question.is_asked(answers, facts_)) continue;
+      const std::string key(question.key);
+      const Suggestion suggestion = question.suggest(answers, facts_);
+      if (!answers.contains(key) && !suggestion.safe) unknown.push_back(key);
+      const TakenAnswer taken =
+          question.take(answers.contains(key) ? answers[key] : suggestion.answer, answers, elsewhere);
+      if (!taken.complaint.empty())
+        throw UsageError(fmt::format("setup: {} = {}: {}", key,
+                                     in_quotes(answers.contains(key) ? answers[key] : suggestion.answer),
+                                     taken.complaint));
+      answers[key] = taken.answer;
+    }
+    if (unknown.empty()) return;
+    std::string names;
+    for (const std::string& key : unknown)
+      names += (names.empty() ? "" : ", ") + key;
+    throw UsageError(
+        fmt::format("setup: nobody can be asked, and no default is safe for {}: give each by --set "
+                    "KEY=VALUE, or in the file "
+                    "of --answers",
+                    names));
+  }
+
+  // --- with somebody
+
+  int lead() {
+    dialog_.say(
+        "Enter takes what is suggested, back goes to the question before, quit leaves. Each answer is kept: "
+        "after quit, Ctrl-C or a lost terminal this goes on where it was.");
+    const auto keep = [this] { this->keep(); };
+    dialog_.answer_all(record_.answers, facts_, keep);
+    while (true) {
+      print_summary();
+      const std::string key = dialog_.ask(prompt_to_write());
+      if (key.empty()) {
+        if (write()) break;
+      } else if (key == "back") {
+        dialog_.answer_again(explained(record_.answers, facts_).back().key, record_.answers, facts_, keep);
+      } else if (find_question(key) != nullptr && find_question(key)->is_asked(record_.answers, facts_)) {
+        dialog_.answer_again(key, record_.answers, facts_, keep);
+      } else {
+        dialog_.say("That is none of the keys above.");
+      }
+    }
+    return check();
+  }
+  [[nodiscard]] std::string prompt_to_write() const {
+    const std::string changes = "A key: that question again.";
+    if (is_so_already()) return fmt::format("{} Enter: {} is so already, go on:", changes, file_.string());
+    if (!before_) return fmt::format("{} Enter: {} is written:", changes, file_.string());
+    return fmt::format("{} Enter: {} is replaced, and stays beside it as it was:", changes, file_.string());
+  }
+
+  // However it is formatted.
+  [[nodiscard]] bool is_so_already() const {
+    if (!before_) return false;
+    const nlohmann::json before = nlohmann::json::parse(*before_, nullptr, false);
+    return before == nlohmann::json::parse(text());
+  }
+  [[nodiscard]] std::string text() const {
+    using Handler = Json::error_handler_t;
+    return profile_of(asked_answers(record_.answers, facts_), base_).dump(2, ' ', false, Handler::replace) +
+           "\n";
+  }
+
+  void print_summary() const {
+    fmt::print("\n");
+    for (const ExplainedAnswer& each : explained(record_.answers, facts_))
+      dialog_.say(fmt::format("{} = {}: {}", each.key, each.answer, each.why), 2);
+    fmt::print("\n");
+  }
+
+  // False: it would not be good, and why is said.
+  bool write() {
+    const std::string text = this->text();
+    if (options_.non_interactive) require_replaceable();
+    if (!is_so_already()) {
+      try {
+        // What this very run has written is nobody's work.
+        const bool own = own_text_ && bytes_of(file_) == *own_text_;
+        const auto kept = replace_config(file_, text, own ? FileBefore::Gone : FileBefore::Kept);
+        if (kept) dialog_.say(fmt::format("As it was, it is {} now.", kept->string()));
+      } catch (const ConfigError& error) {
+        if (options_.non_interactive) throw;
+        for (const Violation& violation : error.violations())
+          dialog_.say(fmt::format("{}: {}: {}", violation.file, violation.pointer, violation.message), 2);
+        dialog_.say("Nothing is written: what was answered does not go together with the rest of the file.");
+        return false;
+      }
+      before_ = own_text_ = text;
+      expect_restart(record_);
+    }
+    keep();
+    write_durably(notes_file_, notes_of(record_.answers, facts_, file_.string()));
+    dialog_.say(
+        fmt::format("{}: good. What was chosen and why is in {}.", file_.string(), notes_file_.string()));
+    return true;
+  }
+  // Nobody's work is lost.
+  void require_replaceable() const {
+    if (!before_ || options_.replace || is_so_already()) return;
+    const fs::path shipped = fs::path(kShipped) / "contourd.json";
+    if (std::error_code none; fs::exists(shipped, none) && *before_ == bytes_of(shipped)) return;
+    throw UsageError(fmt::format(
+        "setup: {} is not as it was installed: --replace has it replaced, and kept beside the new one",
+        file_.string()));
+  }
+
+  int check() {
+    if (record_.answers.at("hardware") != "real") {
+      dialog_.say("contourd takes it by: sudo systemctl reload-or-restart contourd");
+      return kOk;
+    }
+    check_printer({.client = client_,
+                   .dialog = dialog_,
+                   .record = record_,
+                   .config = file_,
+                   .keep = [this] { keep(); },
+                   .write = [this] { return write(); }});
+    return kOk;
+  }
+
+  const ClientOptions& client_;
+  const SetupOptions& options_;
+  fs::path file_, record_file_, notes_file_;
+  std::optional<std::string> before_, own_text_;  // the configuration as it is there; as it was written here
+  Json base_;
+  SetupFacts facts_;
+  SetupRecord record_;
+  Answers given_;
+  SetupDialog dialog_;
+};
+
+}  // namespace
+
+int setup(const ClientOptions& client, const SetupOptions& options) {
+  return Setup(client, options).run();
+}
+
+}  // namespace contourd::ctl

@@ -1,0 +1,214 @@
+#include "daemon/ctl/submit/offer_command.hpp"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <span>
+#include <system_error>
+
+#include "core/formats/model_reader.hpp"
+#include "daemon/ctl/submit/foreign_folder.hpp"
+#include "daemon/ctl/submit/spool_submission.hpp"
+#include "daemon/ctl/submit/submit_command.hpp"
+#include "daemon/ctl/submit/taken_files.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/json/json_document.hpp"
+#include "daemon/system/base64.hpp"
+#include "daemon/system/readable.hpp"
+#include "daemon/system/regular_file.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostModels = 20;
+constexpr std::uint64_t kLargestModel = std::uint64_t{1} << 30U;
+constexpr std::uint64_t kMostTogether = std::uint64_t{4} << 30U;
+// What the spool's disk keeps free.
+constexpr std::uint64_t kLeftFree = std::uint64_t{256} << 20U;
+constexpr std::size_t kMostTold = 20;
+
+// A file of the folder that is not taken; what() is a clause on why.
+struct NotTaken : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+struct stat status_of(const FileDescriptor& file) {
+  struct stat status {};
+  if (::fstat(file.get(), &status) != 0) throw std::system_error(errno, std::generic_category());
+  return status;
+}
+
+std::string facts_of(const FileDescriptor& file) {
+  const struct stat status = status_of(file);
+  return fmt::format("{} {}.{}", status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
+}
+
+// A model's name in the spool, whatever bytes the folder has for it: it can be typed and is taken for no
+// option.
+std::string plain_name(const std::string& path) {
+  const fs::path file = fs::path(path).filename();
+  std::string stem = printable(file.stem().string());
+  std::ranges::replace(stem, '?', '_');
+  if (stem.starts_with('-')) stem.front() = '_';
+  return stem + std::string(model_extension(file.string()));
+}
+
+void look_at(const FileDescriptor& model, std::uint64_t bytes, const std::string& path) {
+  if (bytes > kLargestModel)
+    throw NotTaken(fmt::format("its {} bytes are more than {}", bytes, kLargestModel));
+  const int reading = ::dup(model.get());
+  const std::unique_ptr<std::FILE, CloseFile> file(reading < 0 ? nullptr : ::fdopen(reading, "rb"));
+  if (!file) throw std::system_error(errno, std::generic_category());
+  (void)outline_of_model(file.get(), bytes, path);
+  if (::lseek(model.get(), 0, SEEK_SET) != 0) throw std::system_error(errno, std::generic_category());
+}
+
+class Offer {
+ public:
+  Offer(const ClientOptions& client, const OfferOptions& options)
+      : client_(client),
+        options_(options),
+        folder_(options.folder),
+        submission_(find_spool(client, options.spool)) {
+    if (options.once) taken_.emplace(*options.once);
+  }
+
+  int run() {
+    const FoundModels found = folder_.models();
+    for (const std::string& path : found.paths) {
+      if (jobs_ == kMostModels) {
+        tell_left(
+            fmt::format("of a folder {} models are taken at a time; the next ones are when it is "
+                        "offered again",
+                        kMostModels));
+        break;
+      }
+      consider(path);
+    }
+    if (!found.all)
+      tell_left(fmt::format("there are more than {} names; the others were not looked at",
+                            ForeignFolder::kMostNames));
+    if (found.unread > 0) tell_left(fmt::format("folders that cannot be read: {}", found.unread));
+    if (untold_ > 0) fmt::print(stderr, "contourctl: {} more are not taken\n", untold_);
+    if (jobs_ == 0 && !left_ && !client_.json)
+      fmt::print("nothing to take{}\n",
+                 before_ > 0 ? fmt::format("; {} were taken before", before_) : std::string());
+    return left_ ? kBadData : kOk;
+  }
+
+ private:
+  void consider(const std::string& path) {
+    try {
+      take(path);
+    } catch (const NotTaken& why) {
+      tell_not_taken(path, why.what());
+    } catch (const UnreadableFile& why) {
+      tell_not_taken(path, why.what());
+    } catch (const ModelError& why) {
+      tell_not_taken(path, why.what());
+    } catch (const std::system_error& why) {
+      tell_not_taken(path, why.code().message());
+    }
+  }
+
+  void take(const std::string& path) {
+    const FileDescriptor model = folder_.open(path);
+    const FileDescriptor ticket = open_ticket(path);
+    const std::string mark = mark_of(path, model, ticket);
+    if (taken_ && taken_->contains(mark)) {
+      ++before_;
+      return;
+    }
+    const auto bytes = static_cast<std::uint64_t>(status_of(model).st_size);
+    look_at(model, bytes, path);
+    require_room(bytes);
+    const std::string text = ticket.valid() ? text_of(ticket, JsonDocument::kLargestBytes) : "";
+    const std::string job = submission_.put(plain_name(path), model, text, bytes);
+    ++jobs_;
+    bytes_ += bytes;
+    tell_submitted(client_, path, job);
+    if (taken_) note(mark);
+  }
+
+  [[nodiscard]] FileDescriptor open_ticket(const std::string& path) const {
+    try {
+      return folder_.open(fs::path(path).replace_extension(".json").string());
+    } catch (const UnreadableFile& error) {
+      // A name that is too long is nobody's.
+      if (error.code() == std::errc::no_such_file_or_directory ||
+          error.code() == std::errc::filename_too_long)
+        return {};
+      throw NotTaken(fmt::format("its ticket cannot be read: {}", error.what()));
+    }
+  }
+
+  [[nodiscard]] std::string mark_of(const std::string& path, const FileDescriptor& model,
+                                    const FileDescriptor& ticket) const {
+    const std::string facts = fmt::format("{}\n{}\n{}\n{}", options_.label, path, facts_of(model),
+                                          ticket.valid() ? facts_of(ticket) : "");
+    return base64({reinterpret_cast<const std::uint8_t*>(facts.data()), facts.size()});
+  }
+
+  void require_room(std::uint64_t bytes) const {
+    if (bytes_ + bytes > kMostTogether)
+      throw NotTaken(
+          fmt::format("{} bytes are taken at a time; it is when it is offered again", kMostTogether));
+    struct statvfs disk {};
+    if (::statvfs(submission_.incoming().c_str(), &disk) != 0)
+      throw OutputError(fmt::format("cannot put anything into {}: {}", submission_.incoming().string(),
+                                    std::generic_category().message(errno)));
+    if (disk.f_bavail * disk.f_frsize < bytes + kLeftFree)
+      throw NotTaken("the spool's disk has no room for it");
+  }
+
+  void note(const std::string& mark) {
+    try {
+      taken_->add(mark);
+    } catch (const std::system_error& error) {
+      throw OutputError(fmt::format("cannot note in {} what is taken: {}", options_.once->string(),
+                                    error.code().message()));
+    }
+  }
+
+  void tell_not_taken(const std::string& path, const std::string& why) {
+    if (++told_ <= kMostTold)
+      tell_left(in_quotes(path) + " is not taken: " + why);
+    else
+      ++untold_;
+  }
+
+  void tell_left(const std::string& sentence) {
+    left_ = true;
+    fmt::print(stderr, "contourctl: {}\n", printable(sentence));
+  }
+
+  const ClientOptions& client_;
+  const OfferOptions& options_;
+  ForeignFolder folder_;
+  SpoolSubmission submission_;
+  std::optional<TakenFiles> taken_;
+  std::size_t jobs_ = 0, before_ = 0, told_ = 0, untold_ = 0;
+  std::uint64_t bytes_ = 0;
+  bool left_ = false;
+};
+
+}  // namespace
+
+int offer(const ClientOptions& client, const OfferOptions& options) {
+  return Offer(client, options).run();
+}
+
+}  // namespace contourd::ctl

@@ -1,0 +1,147 @@
+#include "daemon/ctl/submit/submit_command.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <system_error>
+#include <variant>
+
+#include "core/formats/model_reader.hpp"
+#include "daemon/config/job_ticket.hpp"
+#include "daemon/ctl/models/read_model.hpp"
+#include "daemon/ctl/submit/spool_printer.hpp"
+#include "daemon/ctl/submit/spool_submission.hpp"
+#include "daemon/ctl/submit/submit_outlook.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/ctl/watch/watch_command.hpp"
+#include "daemon/json/config_error.hpp"
+#include "daemon/json/json_document.hpp"
+#include "daemon/prepare/job_settings.hpp"
+#include "daemon/spool/spool_folders.hpp"
+#include "daemon/system/readable.hpp"
+#include "daemon/system/regular_file.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+Json up_json(const UpOption& up) {
+  if (const auto* const preset = std::get_if<OrientationPreset>(&up)) return name_of(*preset);
+  const auto& direction = std::get<Direction>(up);
+  return {{"x", direction.x}, {"y", direction.y}, {"z", direction.z}};
+}
+
+// As text; empty when there is none.
+std::string ticket_of(const SubmitOptions& options) {
+  if (options.ticket) {
+    (void)load_job_ticket(*options.ticket);
+    return text_of(open_regular_file(*options.ticket, Links::Follow), JsonDocument::kLargestBytes);
+  }
+  Json ticket = Json::object();
+  if (options.resin) ticket["resin"] = *options.resin;
+  if (options.layer_height_um) ticket["layer_height_um"] = *options.layer_height_um;
+  for (const auto& [key, value] :
+       {std::pair("exposure_ms", options.exposure_ms),
+        std::pair("bottom_exposure_ms", options.bottom_exposure_ms), std::pair("lift_mm", options.lift_mm),
+        std::pair("settle_ms", options.settle_ms), std::pair("rest_ms", options.rest_ms)})
+    if (value) ticket[key] = *value;
+  if (options.up) ticket["up"] = up_json(*options.up);
+  if (options.supports) ticket["supports"] = *options.supports;
+  if (options.scale) ticket["scale"] = *options.scale;
+  if (options.fit) ticket["fit"] = true;
+  if (options.copies) ticket["copies"] = *options.copies;
+  if (ticket.empty()) return "";
+  std::string text = ticket.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  try {
+    (void)parse_job_ticket(text, "the options");
+  } catch (const ConfigError& error) {
+    throw UsageError(error.what());
+  }
+  return text;
+}
+
+// What the resin's profile does not let the ticket set.
+void check_overrides(const SubmitOptions& options, const std::string& text, const SpoolPrinter& printer) {
+  const std::string file = options.ticket ? options.ticket->string() : "the options";
+  JobTicket ticket = text.empty() ? JobTicket{} : parse_job_ticket(text, file);
+  if (ticket.overrides == TicketOverrides{}) return;
+  // contourd, which knows the printer, looks at every ticket itself.
+  if (!printer.config) return;
+  try {
+    (void)settings_by(std::move(ticket), file, *printer.config);
+  } catch (const ProfileTrouble&) {
+    // It may be mended by the time that its turn comes.
+  } catch (const ConfigError& error) {
+    if (options.ticket) throw;
+    throw UsageError(error.what());
+  }
+}
+
+// What can be told without reading it whole.
+void check_model(const fs::path& path) {
+  if (!is_model_name(path.filename().string()))
+    throw ModelError(fmt::format("{}: is no model by its name, which ends in {} and begins with no dot",
+                                 path.string(), fmt::join(model_extensions(), " or ")));
+  look_at_model(path);
+}
+
+// Returns the job's name.
+std::string put(const SpoolSubmission& submission, const fs::path& model, const std::string& ticket) {
+  try {
+    return submission.put(model.filename().string(), open_regular_file(model, Links::Follow), ticket);
+  } catch (const UnreadableFile& error) {
+    throw std::system_error(error.code(), "cannot read " + model.string());
+  }
+}
+
+// Tells what is to be expected.
+bool is_agreed(const std::vector<ModelOutlook>& outlooks, const SubmitOptions& options) {
+  for (const ModelOutlook& each : outlooks)
+    for (const std::string& line : each.lines)
+      fmt::print("{}\n", line);
+  std::fflush(stdout);
+  if (options.yes || agreed_to(outlooks)) return true;
+  fmt::print("Nothing is queued.\n");
+  return false;
+}
+
+}  // namespace
+
+void tell_submitted(const ClientOptions& client, const fs::path& model, const std::string& job,
+                    const Json& outlook) {
+  if (client.json) {
+    Json told{{"file", model.string()}, {"job", job}};
+    if (!outlook.is_null()) told["outlook"] = outlook;
+    fmt::print("{}\n", told.dump(-1, ' ', true, Json::error_handler_t::replace));
+  } else {
+    fmt::print("{}: job {}\n", printable(model.string()), printable(job));
+  }
+  std::fflush(stdout);
+}
+
+int submit(const ClientOptions& client, const SubmitOptions& options) {
+  const std::string ticket = ticket_of(options);
+  std::ranges::for_each(options.models, check_model);
+  const fs::path spool = find_spool(client, options.spool);
+  const SpoolPrinter printer = printer_of(spool, options.printer);
+  check_overrides(options, ticket, printer);
+  const std::vector<ModelOutlook> outlooks = outlooks_of({options.models, ticket, printer});
+  if (!client.json && !is_agreed(outlooks, options)) return kFailed;
+  const SpoolSubmission submission(spool);
+  std::vector<std::string> jobs;
+  for (std::size_t i = 0; i < options.models.size(); ++i) {
+    jobs.push_back(put(submission, options.models[i], ticket));
+    tell_submitted(client, options.models[i], jobs.back(), outlooks[i].json);
+  }
+  int result = kOk;
+  if (!options.wait) return result;
+  for (const std::string& job : jobs)
+    result = std::max(result, watch(client, job));
+  return result;
+}
+
+}  // namespace contourd::ctl

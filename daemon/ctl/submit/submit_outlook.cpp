@@ -1,0 +1,164 @@
+#include "daemon/ctl/submit/submit_outlook.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <iostream>
+#include <numeric>
+#include <stop_token>
+#include <system_error>
+#include <utility>
+
+#include "core/analysis/print_analysis.hpp"
+#include "daemon/config/job_ticket.hpp"
+#include "daemon/json/config_error.hpp"
+#include "daemon/prepare/job_outlook.hpp"
+#include "daemon/prepare/job_screening.hpp"
+#include "daemon/prepare/job_settings.hpp"
+#include "daemon/prepare/print_job.hpp"
+#include "daemon/prepare/supports_text.hpp"
+#include "daemon/print/layer_durations.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+// For the layers of all models together. contourd takes the time that it needs.
+constexpr Duration kLongestLook = 10s;
+// What is larger is not read before it is queued.
+constexpr std::uintmax_t kLargestRead = 100'000'000;
+
+// Its models, by one printer, before a deadline.
+class Look {
+ public:
+  explicit Look(const OutlookQuestion& question) : question_(question), printer_(question.printer) {}
+
+  ModelOutlook at(const fs::path& model) {
+    outlook_ = {{}, Json::object(), false};
+    for (const char* key : {"layers", "print_time_s", "resin_ml", "resin", "supports"})
+      outlook_.json[key] = nullptr;
+    outlook_.json["warnings"] = Json::array();
+    outlook_.json["asks"] = Json::array();
+    outlook_.json["unknown"] = nullptr;
+    try {
+      look_at(model);
+    } catch (const JobRefused& refusal) {
+      tell(model, "time and resin not known");
+      warn(fmt::format("contourd would not print it: {}", refusal.what()));
+    } catch (const std::exception& error) {
+      unknown(model, error.what());
+    }
+    return std::move(outlook_);
+  }
+
+ private:
+  void look_at(const fs::path& model) {
+    if (!printer_.config) return unknown(model, printer_.unknown);
+    std::error_code gone;
+    if (const std::uintmax_t bytes = fs::file_size(model, gone); !gone && bytes > kLargestRead)
+      return unknown(model, fmt::format("{} MB are too much to be looked at here", bytes / 1'000'000));
+    JobTicket ticket =
+        question_.ticket.empty() ? JobTicket{} : parse_job_ticket(question_.ticket, "the ticket");
+    const PreparedJob job =
+        prepare_job({model.stem().string(), model, std::nullopt},
+                    settings_by(std::move(ticket), "the ticket", *printer_.config), *printer_.config);
+    const std::vector<Duration> durations = layer_durations(job.plan, *printer_.config);
+    const Duration time = std::accumulate(durations.begin(), durations.end(), Duration{0});
+    outlook_.json["layers"] = job.summary.layers.count;
+    outlook_.json["print_time_s"] = std::chrono::duration<double>(time).count();
+    outlook_.json["resin"] = job.summary.resin.name;
+    if (job.summary.supports)
+      outlook_.json["supports"] = supports_summary_json(counts_of(*job.summary.supports));
+    const std::string text = fmt::format("{} layer{} in {}", job.summary.layers.count,
+                                         job.summary.layers.count == 1 ? "" : "s", readable(time));
+    const std::optional<JobScreening> screening = screening_within(job, durations);
+    if (!screening) {
+      tell(model, fmt::format("{}, {}; resin not known", text, printable(job.summary.resin.name)));
+      for (const std::string& warning : job.summary.warnings)
+        warn(warning);
+      outlook_.json["unknown"] =
+          fmt::format("not all layers were looked through in {:.0f} s", milliseconds(kLongestLook) / 1000);
+      return note(outlook_.json["unknown"].get<std::string>());
+    }
+    outlook_.json["resin_ml"] = screening->resin_ml.value();
+    tell(model, fmt::format("{}, {:.2f} ml of {}", text, screening->resin_ml.value(),
+                            printable(job.summary.resin.name)));
+    if (job.summary.supports && counts_of(*job.summary.supports).any())
+      note("supports: " + supports_line(counts_of(*job.summary.supports)));
+    for (const std::string& warning : screening->warnings)
+      warn(warning);
+    const std::vector<std::string> asked = asked_findings(*screening, *printer_.config);
+    outlook_.json["asks"] = asked;
+    if (!asked.empty())
+      note(fmt::format("the printer will ask before it prints this: {}", findings_text(asked)));
+  }
+
+  // Nothing when the time was over before the layers were.
+  [[nodiscard]] std::optional<JobScreening> screening_within(const PreparedJob& job,
+                                                             const std::vector<Duration>& durations) const {
+    std::stop_source stop;
+    // It is asked for each layer, before its mask is made.
+    const auto duration_of = [&](std::int32_t layer) {
+      if (Clock::now() > deadline_) stop.request_stop();
+      return durations[static_cast<std::size_t>(layer)];
+    };
+    const auto findings = analyze_print(*job.analysis_engine, job.display, job.plan.expected_layers,
+                                        duration_of, stop.get_token(), job.analysis);
+    if (!findings || stop.stop_requested()) return std::nullopt;
+    return screening_of(job.summary, *findings, *printer_.config);
+  }
+
+  void tell(const fs::path& model, const std::string& what) {
+    outlook_.lines.push_back(printable(model.string()) + ": " + what);
+  }
+  void warn(const std::string& warning) {
+    outlook_.warns = true;
+    outlook_.json["warnings"].push_back(warning);
+    outlook_.lines.push_back("  warning: " + printable(warning));
+  }
+  void note(const std::string& text) { outlook_.lines.push_back("  " + text); }
+  void unknown(const fs::path& model, const std::string& why) {
+    outlook_.json["unknown"] = why;
+    tell(model, "time and resin not known: " + printable(why));
+  }
+
+  const OutlookQuestion& question_;
+  const SpoolPrinter& printer_;
+  const Clock::time_point deadline_ = Clock::now() + kLongestLook;
+  ModelOutlook outlook_;
+};
+
+}  // namespace
+
+std::vector<ModelOutlook> outlooks_of(const OutlookQuestion& question) {
+  Look look(question);
+  std::vector<ModelOutlook> outlooks;
+  for (const fs::path& model : question.models)
+    outlooks.push_back(look.at(model));
+  return outlooks;
+}
+
+bool agreed_to(const std::vector<ModelOutlook>& outlooks) {
+  bool warns = false;
+  for (const ModelOutlook& each : outlooks)
+    warns = warns || each.warns;
+  if (!warns || ::isatty(STDIN_FILENO) == 0 || ::isatty(STDOUT_FILENO) == 0) return true;
+  fmt::print("Queue {} all the same? [Y/n] ", outlooks.size() == 1 ? "it" : "them");
+  std::fflush(stdout);
+  std::string answer;
+  if (!std::getline(std::cin, answer)) {
+    fmt::print("\n");
+    return false;
+  }
+  return answer.empty() || answer == "y" || answer == "Y" || answer == "yes";
+}
+
+}  // namespace contourd::ctl

@@ -1,0 +1,116 @@
+#include "daemon/ctl/terminal/client.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <string>
+
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/ctl/terminal/terminal.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = DaemonConnection::Json;
+
+void print_analysis(const Json& analysis) {
+  fmt::print("resin     {:.2f} ml\n", analysis.value("resin_ml", 0.0));
+  for (const Json& warning : analysis["warnings"])
+    print_wrapped("warning   ", printable(warning.get<std::string>()));
+}
+
+// How a job ended: "done", or "failed: " and why.
+std::string end_of(const Json& job) {
+  const std::string reason = job.value("reason", "");
+  return printable(job.value("outcome", "")) + (reason.empty() ? "" : ": " + printable_lines(reason));
+}
+
+bool is_value_in(const Json& object, const Json& value) {
+  return std::ranges::any_of(object, [&](const Json& each) { return each == value; });
+}
+
+}  // namespace
+
+void print_status(const Json& status) {
+  print_wrapped("printer   ", printable(status.value("printer", "")));
+  fmt::print("state     {}\n", printable(status.value("state", "")));
+  if (status["job"].is_object()) {
+    const Json& job = status["job"];
+    print_wrapped("job       ", printable(job.value("name", "")));
+    if (job.contains("layer")) {
+      print_wrapped(
+          "layer     ",
+          fmt::format(
+              "{} of {}, {:.3f} mm, {} left{}", job.value("layer", 0), job.value("layers", 0),
+              job.value("height_mm", 0.0), time_left(job),
+              job["pause"].is_string() ? ", pause " + printable(job["pause"].get<std::string>()) : ""));
+      if (job["interruption"].is_string())
+        print_wrapped("stopped   ", printable(job["interruption"].get<std::string>()));
+    }
+    if (job.contains("analysis") && job["analysis"].is_object()) print_analysis(job["analysis"]);
+  }
+  print_wrapped("plate     ", printable(status.value("plate", "")) +
+                                  (status["plate_job"].is_string()
+                                       ? " by " + printable(status["plate_job"].get<std::string>())
+                                       : ""));
+  fmt::print("queue     {}\n", status.value("queued", 0));
+  for (const auto& [file, why] : status["postponed"].items())
+    fmt::print("postponed {}: {}\n", printable(file), why.get<std::string>());
+  for (const auto& [file, why] : status["unaccepted"].items())
+    fmt::print("accept    {}: {}\n", printable(file), printable(why.get<std::string>()));
+  if (const auto more = status.value("unaccepted_more", std::size_t{0}); more > 0)
+    fmt::print("accept    {} more in the queue\n", more);
+  for (const Json& file : status["deletable"])
+    fmt::print("deletable {} in incoming: it had its turn, and cannot be moved\n",
+               printable(file.get<std::string>()));
+  for (const auto& [file, why] : status["passed_over"].items())
+    fmt::print("unprinted {} in incoming: {}\n", printable(file), printable(why.get<std::string>()));
+  if (const auto more = status.value("passed_over_more", std::size_t{0}); more > 0)
+    fmt::print("unprinted {} more in incoming\n", more);
+  if (status["hindrance"].is_string())
+    print_wrapped("machine   ", printable(status["hindrance"].get<std::string>()));
+  if (status["held"].is_string()) print_wrapped("held      ", printable(status["held"].get<std::string>()));
+  if (status["waiting_for"].is_string() && status["waiting_for"] != status["held"] &&
+      !is_value_in(status["unaccepted"], status["waiting_for"]))
+    print_wrapped("waiting   ", printable(status["waiting_for"].get<std::string>()));
+  for (const Json& reminder : status["reminders"])
+    print_wrapped("reminder  ", printable(reminder.get<std::string>()));
+  if (status["last"].is_object()) {
+    const Json& last = status["last"];
+    print_wrapped("last job  ", fmt::format("{}: {}", printable(last.value("job", "")), end_of(last)));
+  }
+}
+
+std::filesystem::path find_spool(const ClientOptions& options,
+                                 const std::optional<std::filesystem::path>& given) {
+  if (given) return *given;
+  DaemonConnection connection(options.socket);
+  const std::string spool = connection.ask({"status"}).value("/result/spool"_json_pointer, "");
+  if (spool.empty())
+    throw DaemonError(
+        fmt::format("contourd on {} does not tell its spool: --spool does", options.socket.string()));
+  return spool;
+}
+
+std::string time_left(const Json& job) {
+  const std::chrono::duration<double> seconds(job.value("time_left_s", 0.0));
+  return readable(std::chrono::duration_cast<Duration>(seconds));
+}
+
+int request(const ClientOptions& options, const Request& request, void (*print)(const Json&)) {
+  DaemonConnection connection(options.socket);
+  const Json answer = connection.ask(request);
+  if (options.json) fmt::print("{}\n", answer.dump(-1, ' ', true));
+  if (answer.contains("error")) {
+    if (!options.json)
+      fmt::print(stderr, "contourctl: {}\n", printable_lines(answer["error"].value("message", "")));
+    return kFailed;
+  }
+  if (!options.json) print(answer["result"]);
+  return kOk;
+}
+
+}  // namespace contourd::ctl

@@ -1,0 +1,381 @@
+#include "daemon/history/history_database.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using std::chrono::milliseconds;
+using std::chrono::system_clock;
+
+// How long a lock of another program is waited for, and how long an answer may take.
+constexpr milliseconds kPatience{500}, kLongestQuery{2000};
+// A row's texts.
+constexpr std::size_t kLongestText = 1'000, kLongestAnalysis = 8'000, kMostWarnings = 10;
+constexpr std::size_t kMostResins = 100;
+
+constexpr const char* kJobTables = R"(
+CREATE TABLE job(
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  key INTEGER NOT NULL UNIQUE,
+  name TEXT NOT NULL,
+  outcome TEXT,
+  reason TEXT NOT NULL DEFAULT '',
+  began_ms INTEGER NOT NULL,
+  ended_ms INTEGER NOT NULL DEFAULT 0,
+  resin TEXT NOT NULL DEFAULT '',
+  settings TEXT NOT NULL DEFAULT '',
+  height_mm REAL NOT NULL DEFAULT 0,
+  layer_height_um REAL NOT NULL DEFAULT 0,
+  layers INTEGER NOT NULL DEFAULT 0,
+  layers_exposed INTEGER NOT NULL DEFAULT 0,
+  print_time_s REAL NOT NULL DEFAULT 0,
+  lit_s REAL NOT NULL DEFAULT 0,
+  light_asked_s REAL NOT NULL DEFAULT 0,
+  most_light_over_ms REAL NOT NULL DEFAULT 0,
+  resin_ml REAL NOT NULL DEFAULT 0,
+  interruptions INTEGER NOT NULL DEFAULT 0,
+  late_steps INTEGER NOT NULL DEFAULT 0,
+  warnings TEXT NOT NULL DEFAULT '[]',
+  analysis TEXT NOT NULL DEFAULT 'null'
+) STRICT;
+CREATE INDEX job_under_way ON job(id) WHERE outcome IS NULL;
+CREATE TABLE forgotten(
+  resin TEXT PRIMARY KEY,
+  jobs INTEGER NOT NULL,
+  layers INTEGER NOT NULL,
+  lit_s REAL NOT NULL,
+  resin_ml REAL NOT NULL
+) STRICT;
+)";
+// `replaced`: what all prints had used when the part was new.
+constexpr const char* kWearTable = R"(
+ALTER TABLE forgotten ADD COLUMN prints INTEGER NOT NULL DEFAULT 0;
+UPDATE forgotten SET prints=jobs;
+CREATE TABLE replaced(
+  part TEXT PRIMARY KEY,
+  at_ms INTEGER NOT NULL,
+  layers INTEGER NOT NULL,
+  prints INTEGER NOT NULL,
+  lit_s REAL NOT NULL
+) STRICT;
+)";
+// What makes a database of one version one of the next; a new file is of version 0.
+constexpr std::array<const char*, 2> kMigrations{kJobTables, kWearTable};
+constexpr std::int64_t kVersion = std::ssize(kMigrations);
+
+// In the order of bind_figures().
+constexpr const char* kSetFigures =
+    "resin=?,settings=?,height_mm=?,layer_height_um=?,layers=?,layers_exposed=?,print_time_s=?,lit_s=?,"
+    "light_asked_s=?,most_light_over_ms=?,resin_ml=?,interruptions=?,late_steps=?,warnings=?";
+// What was used up, of both tables.
+constexpr const char* kUsed =
+    "(SELECT resin, 1 AS jobs, layers_exposed>0 AS prints, layers_exposed AS layers, lit_s, resin_ml "
+    "FROM job UNION ALL SELECT resin, jobs, prints, layers, lit_s, resin_ml FROM forgotten)";
+
+std::string shortened(std::string_view text) {
+  return std::string(text.substr(0, kLongestText));
+}
+
+std::string text_of(const Json& json) {
+  return json.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
+std::string warnings_text(const std::vector<std::string>& warnings) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < std::min(warnings.size(), kMostWarnings); ++i)
+    list.push_back(shortened(warnings[i]));
+  if (warnings.size() > kMostWarnings)
+    list.push_back(fmt::format("and {} more", warnings.size() - kMostWarnings));
+  return text_of(list);
+}
+
+std::string analysis_text(const Json& analysis) {
+  std::string text = text_of(analysis);
+  return text.size() <= kLongestAnalysis ? text : "null";
+}
+
+std::int64_t ms(system_clock::time_point time) {
+  return std::chrono::duration_cast<milliseconds>(time.time_since_epoch()).count();
+}
+
+system_clock::time_point time_at(std::int64_t ms_since_epoch) {
+  return system_clock::time_point(milliseconds(ms_since_epoch));
+}
+
+template <typename... Behind>
+void bind_figures(SqliteStatement& statement, const JobFigures& figures, const Behind&... behind) {
+  statement.bind(shortened(figures.resin), shortened(figures.settings), figures.height_mm,
+                 figures.layer_height_um, figures.layers, figures.layers_exposed, figures.print_time_s,
+                 figures.lit_s, figures.light_asked_s, figures.most_light_over_ms, figures.resin_ml,
+                 figures.interruptions, figures.late_steps, warnings_text(figures.warnings), behind...);
+}
+
+// What is no list of texts is none of ours.
+std::vector<std::string> warnings_in(const std::string& text) {
+  std::vector<std::string> warnings;
+  const Json list = Json::parse(text, nullptr, false);
+  if (!list.is_array()) return warnings;
+  for (const Json& each : list)
+    if (each.is_string()) warnings.push_back(each.get<std::string>());
+  return warnings;
+}
+
+constexpr const char* kColumns =
+    "name,outcome,reason,began_ms,ended_ms,analysis,resin,settings,height_mm,layer_height_um,layers,"
+    "layers_exposed,print_time_s,lit_s,light_asked_s,most_light_over_ms,resin_ml,interruptions,late_steps,"
+    "warnings,id";
+constexpr int kIdColumn = 20;
+
+EndedJob job_in(const SqliteStatement& row) {
+  EndedJob job{.name = row.text(0), .outcome = row.text(1), .reason = row.text(2)};
+  job.began = time_at(row.integer(3));
+  job.ended = time_at(row.integer(4));
+  job.analysis = Json::parse(row.text(5), nullptr, false);
+  if (!job.analysis.is_object()) job.analysis = Json();
+  job.figures = {.resin = row.text(6),
+                 .settings = row.text(7),
+                 .warnings = warnings_in(row.text(19)),
+                 .height_mm = row.real(8),
+                 .layer_height_um = row.real(9),
+                 .layers = row.integer(10),
+                 .layers_exposed = row.integer(11),
+                 .print_time_s = row.real(12),
+                 .lit_s = row.real(13),
+                 .light_asked_s = row.real(14),
+                 .most_light_over_ms = row.real(15),
+                 .resin_ml = row.real(16),
+                 .interruptions = row.integer(17),
+                 .late_steps = row.integer(18)};
+  return job;
+}
+
+Usage usage_in(const SqliteStatement& row) {
+  return {row.text(0), row.integer(1), row.integer(2), row.real(3), row.real(4)};
+}
+
+}  // namespace
+
+HistoryDatabase::HistoryDatabase(const std::filesystem::path& file) : database_(file, kPatience) {
+  const std::int64_t version = database_.integer("PRAGMA user_version");
+  if (version > kVersion)
+    throw NewerHistory(
+        fmt::format("it is of version {}, and this contourd knows version {}", version, kVersion));
+  if (const std::string found = database_.text("PRAGMA quick_check(1)"); found != "ok")
+    throw SqliteError(SQLITE_CORRUPT, found);
+  // A power cut loses nothing that was committed, and readers of other programs wait for nothing. Nothing is
+  // written elsewhere than in the file's folder, and little memory is taken.
+  database_.execute(
+      "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA wal_autocheckpoint=200; "
+      "PRAGMA journal_size_limit=1048576; PRAGMA temp_store=MEMORY; PRAGMA cache_size=-256; "
+      "PRAGMA trusted_schema=OFF");
+  migrate();
+}
+
+void HistoryDatabase::migrate() {
+  SqliteTransaction transaction(database_);
+  const std::int64_t version = database_.integer("PRAGMA user_version");
+  if (version < 0) throw SqliteError(SQLITE_CORRUPT, "its version is below 0");
+  if (version == kVersion) return;
+  for (auto i = static_cast<std::size_t>(version); i < kMigrations.size(); ++i)
+    database_.execute(kMigrations[i]);
+  database_.execute(fmt::format("PRAGMA user_version={}", kVersion));
+  transaction.commit();
+}
+
+void HistoryDatabase::begin(std::int64_t key, const std::string& name, system_clock::time_point when) {
+  SqliteStatement(database_, "INSERT OR IGNORE INTO job(key,name,began_ms) VALUES(?,?,?)")
+      .bind(key, name, ms(when))
+      .step();
+}
+
+void HistoryDatabase::note(std::int64_t key, const JobFigures& figures) {
+  SqliteStatement statement(database_,
+                            fmt::format("UPDATE job SET {} WHERE key=? AND outcome IS NULL", kSetFigures));
+  bind_figures(statement, figures, key);
+  statement.step();
+}
+
+void HistoryDatabase::forget(std::int64_t key) {
+  SqliteStatement(database_, "DELETE FROM job WHERE key=? AND outcome IS NULL").bind(key).step();
+}
+
+void HistoryDatabase::end(std::int64_t key, const EndedJob& job) {
+  SqliteTransaction transaction(database_);
+  begin(key, job.name, job.began);
+  SqliteStatement statement(
+      database_,
+      fmt::format(
+          "UPDATE job SET {},outcome=?,reason=?,ended_ms=?,analysis=? WHERE key=? AND outcome IS NULL",
+          kSetFigures));
+  bind_figures(statement, job.figures, job.outcome, shortened(job.reason), ms(job.ended),
+               analysis_text(job.analysis), key);
+  statement.step();
+  forget_oldest();
+  transaction.commit();
+}
+
+// --- what a process before left
+
+void HistoryDatabase::adopt(const std::vector<EndedJob>& left, const std::optional<EndedJob>& last_end) {
+  SqliteTransaction transaction(database_);
+  for (const EndedJob& job : left)
+    end_left(job);
+  // Filed, but not noted.
+  if (last_end && last_end->key != 0) end_left(*last_end);
+  for (const auto& [id, name] : under_way()) {
+    const bool recorded = last_end && last_end->name == printable(name);
+    SqliteStatement(database_, "UPDATE job SET outcome=?,reason=?,ended_ms=? WHERE id=?")
+        .bind(recorded ? last_end->outcome : "failed", recorded ? shortened(last_end->reason) : kEndNotNoted,
+              ms(system_clock::now()), id)
+        .step();
+  }
+  transaction.commit();
+}
+
+std::vector<std::pair<std::int64_t, std::string>> HistoryDatabase::under_way() {
+  SqliteStatement rows(database_, "SELECT id,name FROM job WHERE outcome IS NULL");
+  std::vector<std::pair<std::int64_t, std::string>> jobs;
+  while (rows.step())
+    jobs.emplace_back(rows.integer(0), rows.text(1));
+  return jobs;
+}
+
+std::int64_t HistoryDatabase::key_under_way(const std::string& name) {
+  SqliteStatement row(database_,
+                      "SELECT key FROM job WHERE outcome IS NULL AND name=? ORDER BY id DESC LIMIT 1");
+  return row.bind(name).step() ? row.integer(0) : 0;
+}
+
+void HistoryDatabase::end_left(const EndedJob& job) {
+  const std::string reason = shortened(job.reason);
+  const std::int64_t key = job.key != 0 ? job.key : key_under_way(job.name);
+  if (key != 0) {
+    begin(key, job.name, job.began);
+    SqliteStatement(database_, "UPDATE job SET outcome=?,reason=?,ended_ms=? WHERE key=? AND outcome IS NULL")
+        .bind(job.outcome, reason, ms(job.ended), key)
+        .step();
+    return;
+  }
+  // It stayed in printing/ when it was noted, since the disk did not take it.
+  SqliteStatement latest(database_, "SELECT name,outcome,reason FROM job ORDER BY id DESC LIMIT 1");
+  if (latest.step() && latest.text(0) == job.name && latest.text(1) == job.outcome &&
+      latest.text(2) == reason)
+    return;
+  SqliteStatement(database_,
+                  "INSERT INTO job(key,name,outcome,reason,began_ms,ended_ms) VALUES(random(),?,?,?,?,?)")
+      .bind(job.name, job.outcome, reason, ms(job.began), ms(job.ended))
+      .step();
+}
+
+void HistoryDatabase::forget_oldest() {
+  const std::int64_t jobs = database_.integer("SELECT count(*) FROM job");
+  if (jobs <= kMostJobs) return;
+  const std::string oldest = fmt::format(
+      "id IN (SELECT id FROM job WHERE outcome IS NOT NULL ORDER BY id LIMIT {})", jobs - kMostJobs);
+  database_.execute(fmt::format(
+      "INSERT INTO forgotten(resin,jobs,prints,layers,lit_s,resin_ml) SELECT resin,count(*),"
+      "sum(layers_exposed>0),sum(layers_exposed),sum(lit_s),sum(resin_ml) FROM job "
+      "WHERE {0} GROUP BY resin ON CONFLICT(resin) DO UPDATE SET jobs=jobs+excluded.jobs,"
+      "prints=prints+excluded.prints,"
+      "layers=layers+excluded.layers,lit_s=lit_s+excluded.lit_s,resin_ml=resin_ml+excluded.resin_ml;"
+      "DELETE FROM job WHERE {0}",
+      oldest));
+}
+
+// --- what is asked
+
+HistoryPage HistoryDatabase::list(const HistoryQuery& query) {
+  const SqliteTimeLimit limit(database_, kLongestQuery);
+  // Unset conditions are true of all.
+  SqliteStatement rows(
+      database_, fmt::format("SELECT {} FROM job WHERE outcome IS NOT NULL AND id<?1 AND ended_ms>=?2 AND "
+                             "(?3='' OR outcome=?3) AND (?4='' OR resin=?4) AND (?5='' OR instr(name,?5)>0) "
+                             "ORDER BY id DESC LIMIT ?6",
+                             kColumns));
+  rows.bind(query.before.value_or(INT64_MAX), query.since ? ms(*query.since) : INT64_MIN,
+            query.outcome.value_or(""), query.resin.value_or(""), query.name.value_or(""),
+            static_cast<std::int64_t>(query.last + 1));
+  HistoryPage page;
+  std::vector<Json> found;
+  std::size_t bytes = 0;
+  std::int64_t earliest = 0;
+  while (rows.step()) {
+    if (found.size() == query.last || bytes > HistoryPage::kMostBytes) {
+      page.before = earliest;
+      break;
+    }
+    found.push_back(history_json(job_in(rows)));
+    bytes += text_of(found.back()).size();
+    earliest = rows.integer(kIdColumn);
+  }
+  std::ranges::move(found.rbegin(), found.rend(), std::back_inserter(page.jobs.get_ref<Json::array_t&>()));
+  return page;
+}
+
+std::vector<Usage> HistoryDatabase::usage_by_resin() {
+  const SqliteTimeLimit limit(database_, kLongestQuery);
+  SqliteStatement rows(database_,
+                       fmt::format("SELECT resin,sum(jobs),sum(layers),sum(lit_s),sum(resin_ml) "
+                                   "FROM {} WHERE resin<>'' GROUP BY resin ORDER BY 4 DESC LIMIT {}",
+                                   kUsed, kMostResins));
+  std::vector<Usage> usage;
+  while (rows.step())
+    usage.push_back(usage_in(rows));
+  return usage;
+}
+
+Usage HistoryDatabase::usage() {
+  const SqliteTimeLimit limit(database_, kLongestQuery);
+  SqliteStatement row(database_,
+                      fmt::format("SELECT '',sum(jobs),sum(layers),sum(lit_s),sum(resin_ml) FROM {}", kUsed));
+  row.step();
+  return usage_in(row);
+}
+
+// --- parts that wear
+
+void HistoryDatabase::replace(WearPart part, system_clock::time_point when) {
+  const SqliteTimeLimit limit(database_, kLongestQuery);
+  SqliteStatement(
+      database_,
+      fmt::format("INSERT OR REPLACE INTO replaced(part,at_ms,layers,prints,lit_s) SELECT "
+                  "?1,?2,coalesce(sum(layers),0),coalesce(sum(prints),0),coalesce(sum(lit_s),0) FROM {}",
+                  kUsed))
+      .bind(name_of(part), ms(when))
+      .step();
+}
+
+std::vector<WearPartUse> HistoryDatabase::wear() {
+  constexpr double kSecondsPerHour = 3600;
+  const SqliteTimeLimit limit(database_, kLongestQuery);
+  SqliteStatement all(database_, fmt::format("SELECT sum(layers),sum(prints),sum(lit_s) FROM {}", kUsed));
+  all.step();
+  std::vector<WearPartUse> uses;
+  for (const WearPart part : kWearParts) {
+    WearPartUse use{.part = part};
+    SqliteStatement row(database_, "SELECT layers,prints,lit_s,at_ms FROM replaced WHERE part=?");
+    use.layers = all.integer(0);
+    use.prints = all.integer(1);
+    double lit_s = all.real(2);
+    if (row.bind(name_of(part)).step()) {
+      use.layers -= row.integer(0);
+      use.prints -= row.integer(1);
+      lit_s -= row.real(2);
+      use.replaced = time_at(row.integer(3));
+    }
+    use.lamp_h = std::max(lit_s, 0.0) / kSecondsPerHour;
+    uses.push_back(use);
+  }
+  return uses;
+}
+
+}  // namespace contourd

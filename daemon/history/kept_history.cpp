@@ -1,0 +1,207 @@
+#include "daemon/history/kept_history.hpp"
+
+#include <algorithm>
+#include <random>
+#include <utility>
+
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+using namespace std::chrono_literals;
+
+// It gives way to all else.
+constexpr int kHistoryNiceness = 10;
+// How long until what the disk did not take is tried again.
+constexpr Duration kWriteRetryInterval = 30s;
+
+std::int64_t new_key() {
+  std::random_device chance;
+  return static_cast<std::int64_t>(std::uint64_t{chance()} << 32 | chance());
+}
+
+KeptHistory::AllUsage usage_of(HistoryDatabase& database) {
+  return {database.usage(), database.usage_by_resin(), database.wear()};
+}
+
+}  // namespace
+
+KeptHistory::KeptHistory(EventLoop& loop, const Log& log, const std::filesystem::path& file)
+    : loop_(loop),
+      log_(log),
+      store_(std::make_shared<HistoryStore>(file)),
+      worker_(loop, "contourd-past", kHistoryNiceness) {}
+
+// --- what happens
+
+void KeptHistory::adopt(std::vector<EndedJob> left, std::optional<EndedJob> last_end) {
+  change([left = std::move(left), last_end = std::move(last_end)](HistoryDatabase& database) {
+    database.adopt(left, last_end);
+  });
+}
+
+std::int64_t KeptHistory::begin(const std::string& name) {
+  under_way_ = UnderWay{new_key(), name, std::chrono::system_clock::now(), std::nullopt};
+  change([job = *under_way_](HistoryDatabase& database) { database.begin(job.key, job.name, job.began); });
+  return under_way_->key;
+}
+
+void KeptHistory::note(const std::function<JobFigures()>& figures) {
+  const TimePoint now = std::chrono::steady_clock::now();
+  if (!under_way_ || (under_way_->noted && now - *under_way_->noted < kNoteInterval)) return;
+  note_now(figures());
+}
+
+void KeptHistory::note_now(const JobFigures& figures) {
+  if (!under_way_) return;
+  under_way_->noted = std::chrono::steady_clock::now();
+  worker_.run(
+      [store = store_, key = under_way_->key, figures] {
+        store->change_now_or_never([&](HistoryDatabase& database) { database.note(key, figures); });
+        return health_of(*store);
+      },
+      [this](const Health& health) { tell(health); });
+}
+
+void KeptHistory::forget() {
+  if (!under_way_) return;
+  change([key = under_way_->key](HistoryDatabase& database) { database.forget(key); });
+  under_way_.reset();
+}
+
+std::shared_future<void> KeptHistory::end(EndedJob& job) {
+  if (!under_way_) return change_for(new_key(), job);
+  job.began = under_way_->began;
+  return change_for(std::exchange(under_way_, std::nullopt)->key, job);
+}
+
+void KeptHistory::refuse(EndedJob& job) {
+  (void)change_for(new_key(), job);
+}
+
+std::shared_future<void> KeptHistory::change_for(std::int64_t key, EndedJob& job) {
+  job.ended = std::chrono::system_clock::now();
+  if (job.began == std::chrono::system_clock::time_point{}) job.began = job.ended;
+  return change([key, job](HistoryDatabase& database) { database.end(key, job); });
+}
+
+std::shared_future<void> KeptHistory::change(HistoryStore::Call call) {
+  const auto made = std::make_shared<std::promise<void>>();
+  worker_.run(
+      [store = store_, call = std::move(call), made] {
+        store->change(call);
+        made->set_value();
+        return health_of(*store);
+      },
+      [this](const Health& health) { tell(health); });
+  return made->get_future().share();
+}
+
+KeptHistory::Health KeptHistory::health_of(HistoryStore& store) {
+  return {store.trouble(), store.take_notes(), store.waits()};
+}
+
+void KeptHistory::tell(const Health& health) {
+  for (const std::string& note : health.notes)
+    log_.error("history", printable(note));
+  if (const bool well = health.trouble.empty(); std::exchange(told_well_, well) != well) {
+    if (well)
+      log_.info("history", "the history is kept again");
+    else
+      log_.warning("history", printable(health.trouble) + "; printing goes on");
+  }
+  if (!health.waits) return;
+  retry_timer_ =
+      loop_.at(std::chrono::steady_clock::now() + kWriteRetryInterval, "the history's timer", [this] {
+        worker_.run(
+            [store = store_] {
+              store->retry();
+              return health_of(*store);
+            },
+            [this](const Health& later) { tell(later); });
+      });
+}
+
+// --- what is asked
+
+template <typename Answer, typename Question>
+void KeptHistory::ask(const ControlCaller& asker, Question question, Done<Answer> done) {
+  struct Told {
+    std::optional<Answer> answer;
+    std::string trouble;
+    Health health;
+  };
+  auto ask = [this, question = std::move(question), done = std::move(done)](bool gone) {
+    const auto look_up = [store = store_, question, gone] {
+      Told told;
+      if (gone) return told;
+      try {
+        store->ask([&](HistoryDatabase& database) { told.answer = question(database); });
+      } catch (const std::runtime_error& error) {
+        told.answer.reset();
+        told.trouble = error.what();
+      }
+      told.health = health_of(*store);
+      return told;
+    };
+    worker_.run(look_up, [this, done, gone](Told told) {
+      asking_ = false;
+      ask_next();
+      if (!gone) tell(told.health);
+      done(std::move(told.answer), told.trouble);
+    });
+  };
+  questions_.push_back({asker, std::move(ask)});
+  ask_next();
+}
+
+void KeptHistory::ask_next() {
+  if (asking_ || questions_.empty()) return;
+  asking_ = true;
+  const auto next = next_question();
+  const Waiting question = std::move(*next);
+  questions_.erase(next);
+  if (!question.gone) last_asker_ = question.asker.user;
+  question.ask(question.gone);
+}
+
+// What nobody waits for takes no time. Else users take turns.
+std::deque<KeptHistory::Waiting>::iterator KeptHistory::next_question() {
+  auto found = std::ranges::find(questions_, true, &Waiting::gone);
+  if (found == questions_.end())
+    found = std::ranges::find_if(
+        questions_, [this](const Waiting& question) { return question.asker.user != last_asker_; });
+  return found == questions_.end() ? questions_.begin() : found;
+}
+
+void KeptHistory::disconnected(std::uint64_t connection) {
+  for (Waiting& question : questions_)
+    question.gone = question.gone || question.asker.connection == connection;
+}
+
+void KeptHistory::list(const HistoryQuery& query, const ControlCaller& asker, Done<HistoryPage> done) {
+  ask<HistoryPage>(
+      asker, [query](HistoryDatabase& database) { return database.list(query); }, std::move(done));
+}
+
+void KeptHistory::usage(const ControlCaller& asker, Done<AllUsage> done) {
+  ask<AllUsage>(asker, usage_of, std::move(done));
+}
+
+void KeptHistory::wear(Done<std::vector<WearPartUse>> done) {
+  ask<std::vector<WearPartUse>>(
+      {}, [](HistoryDatabase& database) { return database.wear(); }, std::move(done));
+}
+
+void KeptHistory::replace(WearPart part, const ControlCaller& asker, Done<AllUsage> done) {
+  ask<AllUsage>(
+      asker,
+      [part, when = std::chrono::system_clock::now()](HistoryDatabase& database) {
+        database.replace(part, when);
+        return usage_of(database);
+      },
+      std::move(done));
+}
+
+}  // namespace contourd

@@ -1,0 +1,271 @@
+#include "daemon/jobs/current_job.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <system_error>
+#include <utility>
+
+#include "core/contract/expects.hpp"
+#include "daemon/jobs/job_figures.hpp"
+#include "daemon/prepare/print_findings.hpp"
+#include "daemon/prepare/supports_text.hpp"
+#include "daemon/spool/job_filing.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+using namespace std::chrono_literals;
+
+// The memory of a print goes back to the system some moments behind its end: how often a job whose turn it is
+// looks for room, and how long it waits in between.
+constexpr int kMaxReadings = 5;
+constexpr Duration kReadingInterval = 1s;
+
+// Takes its engine.
+AnalysisTask analysis_of(PreparedJob& job, const ZAxis& axis) {
+  AnalysisTask task{std::move(job.analysis_engine), job.display, job.plan.expected_layers, {}, job.analysis};
+  for (std::size_t layer = 0; layer < task.layers.size(); ++layer)
+    task.layer_durations.push_back(layer_duration(job.plan, static_cast<std::int32_t>(layer), axis));
+  return task;
+}
+
+// Of a job that was not checked before its turn, and of one whose resin was changed meanwhile.
+std::string why_unheld(const PreparedJob& job) {
+  if (!job.summary.supports || job.summary.supports->unheld.empty()) return "";
+  return unheld_sentence(job.summary.supports->unheld) +
+         "; dropped again, it waits for \"contourctl accept\"";
+}
+
+// Takes what the job knows of itself.
+PrintReport report_of(CurrentJob::State& job) {
+  PrintReport report = job.record->take_report();
+  report.job = job.claimed.files.name;
+  report.summary = std::move(job.prepared->summary);
+  report.first_mask_after = job.prepared->first_mask_at - job.claimed.turn_came;
+  return report;
+}
+
+}  // namespace
+
+CurrentJob::CurrentJob(const PrinterContext& context, Spool& spool, JobReader& reader, QueueHold& hold,
+                       JobObserver& observer)
+    : context_(context),
+      spool_(spool),
+      reader_(reader),
+      hold_(hold),
+      observer_(observer),
+      log_(context.log),
+      process_(context.machine, context.clock, *this),
+      analyst_(context.loop),
+      archivist_(context.loop, spool) {}
+
+bool CurrentJob::finishing() const {
+  return job_ && job_->prepared && process_.state() == PrintState::Idle;
+}
+
+JobFigures CurrentJob::figures() const {
+  expects(job_ && job_->record, "a print is under way");
+  return figures_of(job_->prepared->summary, job_->record->layers(), job_->record->elapsed());
+}
+
+void CurrentJob::add_lit_turn(const EventLoop::Turn& turn) {
+  if (job_ && job_->record) job_->record->add_lit_turn(turn);
+}
+
+// --- before the print
+
+void CurrentJob::begin(ClaimedJob job) {
+  expects(!job_, "there is no job yet");
+  job_.emplace(std::move(job));
+  read();
+  // Whoever copied it may not have had it written to the disk, and after a power cut it would be empty. After
+  // preparing it: the first mask does not wait for the disk.
+  reader_.sync(job_->claimed.files);
+}
+
+void CurrentJob::read() {
+  reader_.read(job_->claimed.files, job_->claimed.settings,
+               [this](ReadJob result) { was_read(std::move(result)); });
+}
+
+bool CurrentJob::read_later(const JobRefusal& refusal) {
+  if (!refusal.for_now || job_->cancel_wanted || stopping_) return false;
+  if (++job_->readings >= kMaxReadings) return false;
+  read_timer_ =
+      context_.loop.at(std::chrono::steady_clock::now() + kReadingInterval, "a job's timer", [this] {
+        if (job_) read();
+      });
+  return true;
+}
+
+void CurrentJob::was_read(ReadJob result) {
+  if (const auto* refusal = std::get_if<JobRefusal>(&result)) {
+    if (!read_later(*refusal)) refuse("failed", refusal->reason);
+    return;
+  }
+  if (job_->cancel_wanted || stopping_ || std::holds_alternative<ReadingGivenUp>(result))
+    return refuse("cancelled", "cancelled before it started");
+  auto& prepared = std::get<PreparedJob>(result);
+  if (const std::string why = why_unheld(prepared); !why.empty() && !job_->claimed.unheld_accepted)
+    return refuse("failed", why);
+  job_->prepared = std::move(prepared);
+  log_.ready(name(), job_->prepared->summary, job_->prepared->first_mask_at - job_->claimed.turn_came);
+  start_print();
+}
+
+void CurrentJob::refuse(const std::string& outcome, const std::string& reason) {
+  const std::string name = this->name();
+  log_.refused(name, reason);
+  file_job(spool_, context_.log, job_->claimed.files, Spool::Folder::Failed, reason + "\n");
+  job_.reset();
+  observer_.job_ended({name, outcome, reason});
+}
+
+void CurrentJob::cancel() {
+  expects(job_.has_value(), "there is a job");
+  if (job_->prepared)
+    process_.cancel();
+  else
+    give_up_reading();
+}
+
+void CurrentJob::give_up_reading() {
+  job_->cancel_wanted = true;
+  reader_.give_up_reading();
+}
+
+void CurrentJob::stop(const std::string& reason) {
+  stopping_ = true;
+  process_.fail(reason);
+}
+
+void CurrentJob::give_back() {
+  expects(job_ && !job_->record, "there is a job that has not begun");
+  const std::string name = this->name();
+  try {
+    spool_.give_back(job_->claimed.files);
+    context_.log.info("stopped", fmt::format("{}: had not begun, waits for the next start", printable(name)),
+                      job_fields(name));
+  } catch (const std::runtime_error& error) {
+    context_.log.error("spool",
+                       fmt::format("{}: stays in printing: {}", printable(name), printable(error.what())),
+                       job_fields(name));
+  }
+  job_.reset();
+}
+
+// --- the print
+
+void CurrentJob::start_print() {
+  Machine& machine = context_.machine;
+  std::optional<std::filesystem::path> masks;
+  try {
+    masks = machine.begin_job(name());
+  } catch (const std::system_error& error) {
+    return refuse("failed", printable(error.what()));
+  }
+  job_->record.emplace(machine, context_.clock, std::move(masks));
+  analyst_.start(analysis_of(*job_->prepared, machine.z_axis()),
+                 [this](AnalyzedPrint print) { analyzed(std::move(print)); });
+  process_.start(std::move(job_->prepared->plan));
+  // It may have come while the model was read.
+  if (const std::string not_ready = machine.why_not_ready(); !not_ready.empty()) {
+    process_.interrupt(not_ready);
+  } else if (const std::optional<std::string>& held = hold_.reason()) {
+    process_.interrupt(*held);
+  }
+}
+
+void CurrentJob::analyzed(AnalyzedPrint print) {
+  log_.analyzed(name(), print);
+  if (auto* const findings = std::get_if<PrintFindings>(&print.findings)) {
+    job_->analysis = findings_summary_json(*findings);
+    job_->findings = std::move(*findings);
+  }
+  observer_.job_changed("analysis");
+  if (job_->over) file();
+}
+
+void CurrentJob::state_changed(PrintState state) {
+  observer_.print_state_changed(state);
+  // Told to the disk before the first light: from there on the plate is not clear, whatever happens next.
+  if (state == PrintState::Showing && job_->record->layers().empty()) hold_.set_plate_occupant(name());
+  if (job_) {
+    if (job_->record) job_->record->enter(state, state == PrintState::Idle ? 0 : process_.layer());
+    log_.entered(name(), state);
+  }
+  observer_.job_changed("state");
+}
+
+void CurrentJob::layer_done(const LayerRecord& layer) {
+  job_->record->add(layer);
+  const JobSummary& summary = job_->prepared->summary;
+  log_.layer(name(), summary, layer, context_.machine.display().frame());
+  context_.supervisor.status(
+      fmt::format("Printing {}, layer {} of {}", printable(name()), layer.layer + 1, summary.layers.count));
+  observer_.job_changed("layer");
+}
+
+void CurrentJob::interrupted(const std::string& what) {
+  job_->record->add_interruption(process_.layer(), what);
+  log_.interrupted(name(), process_.layer(), what,
+                   context_.machine.projector().light_off_unconfirmed().empty());
+  context_.supervisor.status(fmt::format("Interrupted at layer {} of {}: {}", process_.layer() + 1,
+                                         printable(name()), printable(what)));
+}
+
+void CurrentJob::light_gone() {
+  add_lit_turn(context_.loop.turn());
+  observer_.light_gone();
+}
+
+// --- behind the print
+
+void CurrentJob::print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan plan) {
+  PrintReport report = report_of(*job_);
+  report.printer = context_.config.name;
+  report.outcome = outcome;
+  report.reason = reason;
+  log_.ended(report);
+  archivist_.record(name(), {outcome, reason, job_->claimed.key});
+  job_->over = EndedPrint{job_->claimed.files, std::move(report), std::move(plan.engine)};
+  // What is wrong with the machine would be wrong for the next job too, and that begins with a motion.
+  // Stopped with contourd, it has left its part in the way.
+  if (outcome == PrintOutcome::Failed) hold_.hold(fmt::format("{} failed: {}", name(), reason));
+  // A print on a machine takes much longer than its analysis; a simulated one need not.
+  if (outcome == PrintOutcome::Done && analyst_.busy() && !stopping_) return;
+  file();
+  observer_.may_stop();
+}
+
+void CurrentJob::stop_analysis() {
+  if (job_ && job_->over) file();
+}
+
+void CurrentJob::file() {
+  analyst_.cancel();
+  EndedPrint print = std::move(*job_->over);
+  job_->over.reset();
+  print.report.findings = std::move(job_->findings);
+  job_->ended = {name(), std::string(name_of(print.report.outcome)), print.report.reason, job_->analysis,
+                 figures_of(print.report)};
+  print.noted = observer_.print_over(job_->ended);
+  archivist_.file(std::move(print), [this](const FiledPrint& done) { filed(done); });
+}
+
+void CurrentJob::filed(const FiledPrint& print) {
+  const std::string& name = print.files.name;
+  for (const std::string& trouble : print.troubles)
+    context_.log.error("spool", fmt::format("{}: {}", printable(name), printable(trouble)), job_fields(name));
+  EndedJob ended = std::move(job_->ended);
+  job_.reset();
+  observer_.memory_freed();
+  if (!print.moved) hold_.add_unfiled(print.files, PrintEnd{print.outcome, print.reason});
+  ended.reports = print.reports;
+  observer_.job_ended(std::move(ended));
+  observer_.may_stop();
+}
+
+}  // namespace contourd

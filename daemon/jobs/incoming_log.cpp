@@ -1,0 +1,37 @@
+#include "daemon/jobs/incoming_log.hpp"
+
+#include <fmt/format.h>
+
+#include "daemon/config/job_ticket.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+
+void IncomingLog::plate_waits(const std::string& file, const std::vector<std::string>& missing) {
+  std::string names;
+  for (const std::string& name : missing)
+    names += (names.empty() ? "" : ", ") + printable(name);
+  log_.info("incomplete",
+            fmt::format("{}: waits for {}, which its {} names", printable(file), names, kPlateTicket),
+            file_fields(file));
+}
+
+void IncomingLog::passed_over(const std::string& file, WhyPassedOver why) {
+  log_.warning("passed-over", fmt::format("{}: is passed over: {}", printable(file), sentence_for(why)),
+               file_fields(file));
+}
+
+void IncomingLog::more_passed_over(std::size_t files) {
+  log_.warning("passed-over", fmt::format("{} more in incoming are passed over", files));
+}
+
+void IncomingLog::incoming_lost(const std::string& why) {
+  log_.error("spool",
+             fmt::format("nothing arrives until there is an incoming folder again: {}", printable(why)));
+}
+
+void IncomingLog::incoming_replaced() {
+  log_.warning("spool", "incoming was removed, replaced or mounted over; the new folder is watched");
+}
+
+}  // namespace contourd

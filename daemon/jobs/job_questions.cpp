@@ -1,0 +1,71 @@
+#include "daemon/jobs/job_questions.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+#include "core/contract/expects.hpp"
+#include "daemon/spool/spool_folders.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+// As a shell takes it for one word, and contourctl for no option.
+std::string shell_word(const std::string& name) {
+  const std::string text = printable(name);
+  const auto is_plain = [](unsigned char letter) {
+    return std::isalnum(letter) != 0 || letter == '.' || letter == '_' || letter == '-';
+  };
+  const std::string before = text.starts_with('-') ? "-- " : "";
+  if (std::ranges::all_of(text, is_plain)) return before + text;
+  std::string word = "'";
+  for (const char letter : text)
+    word += letter == '\'' ? "'\\''" : std::string(1, letter);
+  return before + word + "'";
+}
+
+}  // namespace
+
+JobQuestions::JobQuestions(const Log& log, Calls calls)
+    : calls_(std::move(calls)), acceptances_(calls_.keep_accepted, [&log](const std::string& trouble) {
+        log.warning("accepted", fmt::format("what was accepted will be asked again after a restart: {}",
+                                            printable(trouble)));
+      }) {}
+
+void JobQuestions::screen(const std::string& file, JobReader::Keep keep,
+                          std::function<void(const JobScreened&)> done) const {
+  expects(wanted(), "somebody is to be asked");
+  calls_.screen(file, keep, std::move(done));
+}
+
+std::vector<std::string> JobQuestions::about(const ScreenedJob& job) const {
+  std::vector<std::string> asked = calls_.asked(job.screening);
+  std::erase_if(asked, [&](const std::string& finding) { return acceptances_.has(job.content, finding); });
+  return asked;
+}
+
+void JobQuestions::accept(const ScreenedJob& job, const std::vector<std::string>& findings) {
+  acceptances_.add(job.content, findings);
+}
+
+bool JobQuestions::knows(const std::optional<ScreenedJob>& job, const JobFiles& files,
+                         const std::optional<JobSettings>& settings) const {
+  if (!wanted() && !job) return true;
+  return job && settings && job->settings == *settings && !job->content.empty() &&
+         job->content == content_mark(files);
+}
+
+void JobQuestions::ended() {
+  if (!begun_.empty()) acceptances_.remove(std::exchange(begun_, ""));
+}
+
+std::string question_about(const std::string& file, const std::vector<std::string>& findings) {
+  if (findings.empty()) return "";
+  return fmt::format("{}; \"contourctl accept {}\" has it printed as it is", findings_text(findings),
+                     shell_word(job_name_of(file)));
+}
+
+}  // namespace contourd

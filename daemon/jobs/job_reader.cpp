@@ -1,0 +1,185 @@
+#include "daemon/jobs/job_reader.hpp"
+
+#include <cstddef>
+#include <utility>
+
+#include "daemon/jobs/acceptances.hpp"
+#include "daemon/prepare/job_memory.hpp"
+#include "daemon/spool/copied_originals.hpp"
+#include "daemon/spool/state_folder.hpp"
+#include "daemon/system/durable_file.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+// A model that is read beside a print gives way to the event loop.
+constexpr int kReaderNiceness = 5;
+constexpr std::size_t kLongestReason = 8000;
+// In the state folder: see reading_record.hpp.
+constexpr const char* kReadingRecord = "reading";
+
+}  // namespace
+
+JobReader::JobReader(const PrinterConfig& config, const Spool& spool, EventLoop& loop)
+    : config_(config),
+      spool_(spool),
+      record_(state_folder_path(config.spool_folder) / kReadingRecord),
+      worker_(loop, "contourd-reader", kReaderNiceness) {}
+
+JobReader::~JobReader() {
+  give_up();
+}
+
+void JobReader::give_up() {
+  reading_.request_stop();
+  give_up_looks();
+}
+
+void JobReader::give_up_looks() {
+  for (Look& look : looks_)
+    look.stop.request_stop();
+}
+
+ReadJob JobReader::read_now(const JobFiles& files, const std::optional<JobSettings>& settings,
+                            const std::stop_token& stop) {
+  if (record_.take_ended(files)) return JobRefusal{std::string(kEndedAProcess)};
+  const ReadingRecord::Reading under_way(record_, files);
+  ReadJob job = prepare(files, settings, stop);
+  const auto* const refusal = std::get_if<JobRefusal>(&job);
+  if (refusal == nullptr || !refusal->for_now || kept_.empty()) return job;
+  // What is kept gives way.
+  kept_.drop();
+  return prepare(files, settings, stop);
+}
+
+ReadJob JobReader::prepare(const JobFiles& files, const std::optional<JobSettings>& settings,
+                           const std::stop_token& stop) {
+  try {
+    auto job = prepare_job(files, settings ? *settings : read_settings(files, config_), config_, stop);
+    if (!job) return ReadingGivenUp{};
+    return std::move(*job);
+  } catch (const JobTooLarge& refusal) {
+    return JobRefusal{refusal_text(refusal.what()), refusal.fits_alone()};
+  } catch (const ProfileTrouble& trouble) {
+    const bool of_profile = trouble.fault() == ProfileTrouble::Fault::Profile;
+    return JobRefusal{refusal_text(trouble.what()), false, of_profile ? trouble.sentence() : ""};
+  } catch (const JobRefused& refusal) {
+    return JobRefusal{refusal_text(refusal.what())};
+  }
+}
+
+void JobReader::read(const JobFiles& files, const std::optional<JobSettings>& settings,
+                     std::function<void(ReadJob)> done) {
+  give_up_looks();
+  reading_ = std::stop_source();
+  worker_.run(
+      [this, files, settings, stop = reading_.get_token()]() -> ReadJob {
+        if (std::optional<PreparedJob> kept = kept_.take(files, settings)) return std::move(*kept);
+        return read_now(files, settings, stop);
+      },
+      std::move(done));
+}
+
+template <typename LookNow, typename Done>
+void JobReader::look_at(const std::string& file, LookNow look_now, Done done) {
+  const auto look = looks_.insert(looks_.end(), Look{file});
+  worker_.run(
+      [this, file, look_now, stop = look->stop.get_token()]() {
+        return look_now(spool_.files_of(Spool::Folder::Incoming, file), stop);
+      },
+      [this, look, done = std::move(done)](const auto& found) {
+        looks_.erase(look);
+        done(found);
+      });
+}
+
+void JobReader::check(const std::string& file, Keep keep, std::function<void(const CheckedJob&)> done) {
+  if (keep == Keep::Prepared) give_up_looks();
+  look_at(
+      file,
+      [this, keep](const JobFiles& files, const std::stop_token& stop) {
+        return check_now(files, keep, stop);
+      },
+      std::move(done));
+}
+
+CheckedJob JobReader::check_now(const JobFiles& files, Keep keep, const std::stop_token& stop) {
+  if (stop.stop_requested()) return ReadingGivenUp{};
+  if (keep == Keep::Prepared) kept_.drop();
+  const std::string mark = mark_of(files), content = content_mark(files);
+  ReadJob job = read_now(files, std::nullopt, stop);
+  if (std::holds_alternative<ReadingGivenUp>(job)) return ReadingGivenUp{};
+  if (auto* refusal = std::get_if<JobRefusal>(&job)) return std::move(*refusal);
+  auto& prepared = std::get<PreparedJob>(job);
+  JobOutlook outlook = outlook_of(prepared, files, config_);
+  if (std::optional<JobScreening> found = screening_of_preparation(prepared.summary))
+    outlook.question = ScreenedJob{std::move(*found), content, prepared.settings};
+  if (keep == Keep::Prepared) kept_.keep(files, mark, std::move(prepared));
+  return outlook;
+}
+
+void JobReader::screen(const std::string& file, Keep keep, std::function<void(const JobScreened&)> done) {
+  look_at(
+      file,
+      [this, keep](const JobFiles& files, const std::stop_token& stop) {
+        return screen_now(files, keep, stop);
+      },
+      std::move(done));
+}
+
+JobScreened JobReader::screen_now(const JobFiles& files, Keep keep, const std::stop_token& stop) {
+  if (stop.stop_requested()) return ReadingGivenUp{};
+  const std::string mark = mark_of(files), content = content_mark(files);
+  ReadJob read = keep == Keep::Prepared ? take_or_read(files, stop) : read_now(files, std::nullopt, stop);
+  if (std::holds_alternative<ReadingGivenUp>(read)) return ReadingGivenUp{};
+  if (auto* refusal = std::get_if<JobRefusal>(&read)) return std::move(*refusal);
+  auto& job = std::get<PreparedJob>(read);
+  std::optional<JobScreening> screening;
+  {
+    const ReadingRecord::Reading under_way(record_, files);
+    screening = screen_job(job, config_, stop);
+  }
+  if (!screening) return ReadingGivenUp{};
+  ScreenedJob screened{std::move(*screening), content, job.settings};
+  if (keep == Keep::Prepared) kept_.keep(files, mark, std::move(job));
+  return screened;
+}
+
+// As its check has kept it, or anew.
+ReadJob JobReader::take_or_read(const JobFiles& files, const std::stop_token& stop) {
+  try {
+    if (std::optional<PreparedJob> kept = kept_.take(files, read_settings(files, config_)))
+      return std::move(*kept);
+  } catch (const JobRefused&) {
+    // Reading it says so.
+  }
+  return read_now(files, std::nullopt, stop);
+}
+
+void JobReader::forget(const std::string& file) {
+  for (Look& look : looks_)
+    if (look.file == file) look.stop.request_stop();
+  worker_.run(
+      [this, file] {
+        kept_.forget(spool_.files_of(Spool::Folder::Incoming, file));
+        return true;
+      },
+      [](bool) {});
+}
+
+void JobReader::sync(const JobFiles& files) {
+  worker_.run(
+      [files] {
+        sync_contents(files.model);
+        if (files.ticket) sync_contents(*files.ticket);
+        return true;
+      },
+      [](bool) {});
+}
+
+std::string refusal_text(std::string_view why) {
+  return printable_lines(shortened(why, kLongestReason));
+}
+
+}  // namespace contourd

@@ -1,0 +1,227 @@
+#include "daemon/jobs/job_scheduler.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdint>
+#include <utility>
+
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+using namespace std::chrono_literals;
+
+// How long until what the disk did not take is tried again.
+constexpr Duration kClaimRetryInterval = 30s;
+// The same for a resin's profile, by which its owner may be sitting.
+constexpr Duration kProfileInterval = 5s;
+
+}  // namespace
+
+JobScheduler::JobScheduler(const PrinterContext& context, Spool& spool, PrintQueue& queue, QueueHold& hold,
+                           Calls calls)
+    : context_(context), spool_(spool), queue_(queue), hold_(hold), calls_(std::move(calls)) {}
+
+void JobScheduler::run_soon() {
+  timer_ = context_.loop.at(std::chrono::steady_clock::now(), "the queue", [this] { run(); });
+}
+
+void JobScheduler::run_later(Duration wait) {
+  timer_ = context_.loop.at(std::chrono::steady_clock::now() + wait, "the queue's timer", [this] { run(); });
+}
+
+void JobScheduler::retry_later(Duration wait) {
+  timer_ = context_.loop.at(std::chrono::steady_clock::now() + wait, "the queue's timer", [this] {
+    queue_.check_postponed();
+    run();
+  });
+}
+
+void JobScheduler::run() {
+  try {
+    const bool try_again = hold_.failed() && !calls_.prints();
+    if (hold_.due() || try_again) hold_.keep();
+    take_what_is_due();
+  } catch (const std::system_error& error) {
+    // The spool's disk is gone or full: the queue waits for it.
+    const std::string trouble = fmt::format("the spool cannot be used: {}", printable(error.what()));
+    if (std::exchange(waiting_for_, trouble) != trouble) context_.log.error("spool", trouble);
+    retry_later(kClaimRetryInterval);
+  }
+}
+
+void JobScheduler::take_what_is_due() {
+  if (stopped_) return;
+  const bool has_job = calls_.has_job();
+  const std::string reason = has_job || queue_.empty() ? "" : reason_to_wait();
+  // Of one that is to be accepted, it is in the log already.
+  if (std::exchange(waiting_for_, reason) != reason && !reason.empty() && queue_.has_first()) {
+    context_.log.info("waiting", fmt::format("{} waits: {}", printable(queue_.jobs()[queue_.first()].file),
+                                             printable(reason)));
+  }
+  if (queue_.empty()) return;
+  if (!has_job && reason.empty()) return claim_next();
+  if (queue_.has_first()) queue_.keep_first_waiting();
+  // A disk may get room again without a word, and a profile may be mended.
+  if (!reason.empty()) retry_later(waits_for_profile() ? kProfileInterval : kClaimRetryInterval);
+  queue_.check_next();
+}
+
+std::string JobScheduler::reason_to_wait() const {
+  if (calls_.controlled_by_hand()) return "the printer is controlled by hand; \"contourctl stop\" ends that";
+  if (std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty()) return not_ready;
+  if (std::string reason = hold_.reason_to_wait(); !reason.empty()) return reason;
+  if (std::string trouble = spool_.trouble(); !trouble.empty()) return trouble;
+  const std::uintmax_t free = spool_.free_bytes();
+  const std::uintmax_t needed = context_.config.min_free_disk_bytes;
+  if (free < needed) {
+    return fmt::format("the spool's disk has {} MB free, {} MB are needed", free / 1'000'000,
+                       needed / 1'000'000);
+  }
+  if (!queue_.has_first()) return question_about(queue_.jobs().front().file, queue_.jobs().front().asks);
+  return queue_.first_unscreened();
+}
+
+bool JobScheduler::waits_for_profile() const {
+  return queue_.has_first() && queue_.jobs()[queue_.first()].screening == WaitingJob::Screening::Blocked;
+}
+
+void JobScheduler::claim_next() {
+  // The end of what keeps it comes back here.
+  if (!queue_.first_may_begin() || copying_) return;
+  WaitingJob job = queue_.take_first();
+  // The owner is writing it anew: it comes back when it is whole.
+  if (spool_.is_unfinished(job.file)) {
+    spool_.wait_for(job.file);
+    return run_soon();
+  }
+  CopiedJob claimed{std::move(job), std::nullopt};
+  JobFiles files;
+  try {
+    claimed.settings = settings_of(claimed.job);
+    if (is_checked_first(claimed)) {
+      queue_.put_first(std::move(claimed.job));
+      return queue_.check_next();
+    }
+    const JobFiles there = spool_.files_of(Spool::Folder::Incoming, claimed.job.file);
+    if (spool_.is_waiting(claimed.job.file) &&
+        !queue_.questions().knows(claimed.job.screened, there, claimed.settings)) {
+      claimed.job.check_again();
+      queue_.put_first(std::move(claimed.job));
+      return run_soon();
+    }
+    files = spool_.begin(claimed.job.file);
+  } catch (const ProfileTrouble& trouble) {
+    return wait_for_profile(std::move(claimed.job), trouble.sentence());
+  } catch (const std::system_error& error) {
+    return not_claimed(std::move(claimed), error);
+  }
+  begin(std::move(claimed), files);
+}
+
+bool JobScheduler::is_checked_first(const CopiedJob& claimed) const {
+  const bool supported = claimed.settings && claimed.settings->supports == SupportPolicy::Auto;
+  return supported && claimed.job.check == WaitingJob::Check::Wanted && spool_.is_waiting(claimed.job.file);
+}
+
+std::optional<JobSettings> JobScheduler::settings_of(const WaitingJob& job) const {
+  try {
+    return read_settings(spool_.files_of(Spool::Folder::Incoming, job.file), context_.config);
+  } catch (const ProfileTrouble& trouble) {
+    // One that was there when the job was checked is not its ticket's mistake.
+    const bool known = job.check == WaitingJob::Check::Passed;
+    if (known || trouble.fault() == ProfileTrouble::Fault::Profile) throw;
+    return std::nullopt;
+  } catch (const JobRefused&) {
+    return std::nullopt;
+  }
+}
+
+void JobScheduler::begin(CopiedJob claimed, const JobFiles& files) {
+  const WaitingJob& job = claimed.job;
+  queue_.claimed(job.file);
+  const bool unheld_accepted = queue_.questions().has_accepted(job.screened, std::string(kUnheldPlaces));
+  queue_.questions().begun(job.screened);
+  // For this one, whatever happens to the queue until it ends.
+  if (queue_.has_first()) queue_.keep_first_waiting();
+  calls_.begin({.files = files,
+                .settings = std::move(claimed.settings),
+                .turn_came = job.waited ? std::chrono::steady_clock::now() : job.arrived,
+                .unheld_accepted = unheld_accepted});
+  // The next one is looked through beside it.
+  if (queue_.questions().wanted()) run_soon();
+}
+
+// An owner who mends it says nothing: it is read again.
+void JobScheduler::wait_for_profile(WaitingJob job, const std::string& why) {
+  const std::string trouble = fmt::format("{}; the queue goes on when it is mended", why);
+  if (std::exchange(job.trouble, trouble) != trouble)
+    context_.log.error("profile", fmt::format("{} waits: {}", printable(job.file), printable(trouble)),
+                       file_fields(job.file));
+  waiting_for_ = trouble;
+  job.waited = true;
+  job.check = WaitingJob::Check::Passed;  // as far as that is possible now
+  queue_.put_first(std::move(job));
+  run_later(kProfileInterval);
+  queue_.check_next();
+}
+
+// It is tried again until it is taken away: a disk may be well again without a word.
+void JobScheduler::not_claimed(CopiedJob claimed, const std::system_error& error) {
+  WaitingJob& job = claimed.job;
+  if (!spool_.is_waiting(job.file)) {
+    queue_.claimed(job.file);
+    tell_withdrawn(context_.log, job.file);
+    return run_soon();
+  }
+  if (Spool::is_immovable(error.code())) return copy(std::move(claimed), error.code().message());
+  note_trouble(job, fmt::format("{} cannot be claimed: {}", printable(job.file), printable(error.what())));
+  queue_.put_first(std::move(job));
+  retry_later(kClaimRetryInterval);
+}
+
+void JobScheduler::note_trouble(WaitingJob& job, const std::string& trouble) {
+  if (std::exchange(job.trouble, trouble) != trouble)
+    context_.log.error("claim", trouble, file_fields(job.file));
+  waiting_for_ = trouble;
+  job.waited = true;
+}
+
+void JobScheduler::copy(CopiedJob job, const std::string& why) {
+  copying_ = std::move(job);
+  spool_.begin_with_copy(copying_->job.file, [this, why](const Spool::Copy& copy) { copied(copy, why); });
+}
+
+void JobScheduler::copied(const Spool::Copy& copy, const std::string& why) {
+  CopiedJob claimed = std::move(*copying_);
+  copying_.reset();
+  if (copy.job) {
+    const std::string& file = claimed.job.file;
+    context_.log.warning(
+        "copied",
+        fmt::format("{}: a copy of it is printed, as it cannot be moved: {}{}", printable(file), why,
+                    copy.job->original.empty() ? "" : "; what lies in incoming may be deleted"),
+        file_fields(file));
+    begin(std::move(claimed), *copy.job);
+  } else if (!copy.unreadable.empty()) {
+    queue_.put_first(std::move(claimed.job));
+    queue_.refuse_first(refusal_text(copy.unreadable));
+  } else {
+    not_copied(std::move(claimed.job), copy.trouble);
+  }
+  calls_.copy_over();
+}
+
+void JobScheduler::not_copied(WaitingJob job, const std::string& trouble) {
+  note_trouble(job, fmt::format("{} cannot be copied: {}", printable(job.file), printable(trouble)));
+  // What is about this job alone keeps no other waiting.
+  queue_.put_last(std::move(job));
+  if (queue_.jobs()[queue_.first()].trouble.empty())
+    run_soon();
+  else
+    retry_later(kClaimRetryInterval);
+}
+
+}  // namespace contourd

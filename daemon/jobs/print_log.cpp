@@ -1,0 +1,212 @@
+#include "daemon/jobs/print_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+#include <variant>
+
+#include "daemon/prepare/print_findings.hpp"
+#include "daemon/prepare/supports_text.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+// A model may have any number of them.
+constexpr std::size_t kMaxWarnings = 20;
+
+// "434000 facets, 20.00 x 20.00 x 40.00 mm", or what is on the plate.
+std::string content_of(const JobSummary& summary) {
+  if (!summary.plate) {
+    const ModelSummary& model = summary.models.front();
+    return fmt::format("{} facets, {:.2f} x {:.2f} x {:.2f} mm", model.mesh.facets, model.size_x_mm,
+                       model.size_y_mm, model.size_z_mm);
+  }
+  std::size_t parts = 0;
+  std::uint64_t facets = 0;
+  for (const ModelSummary& model : summary.models) {
+    parts += model.centers.size();
+    facets += model.mesh.facets;
+  }
+  return fmt::format("{} models, {} parts, {} facets, {:.2f} mm high", summary.models.size(), parts, facets,
+                     summary.height_mm);
+}
+
+std::string thickness_of(const LayerSummary& layers) {
+  const auto um = [](Nanometers thickness) { return to_millimeters(thickness).count() * 1000; };
+  if (!layers.adaptive) return fmt::format("{:g} um", um(layers.thinnest));
+  return fmt::format("{:g} to {:g} um", um(layers.thinnest), um(layers.thickest));
+}
+
+// "1980.3 to 2011.7 ms", or one figure where both are the same.
+std::string light_of(const LayerRecord& layer) {
+  const std::string most =
+      fmt::format("{:.1f} ms{}", milliseconds(layer.exposure_most), layer.dark_confirmed ? "" : " or more");
+  const std::string least = fmt::format("{:.1f}", milliseconds(layer.exposure_least));
+  return most.starts_with(least + " ") ? most : least + " to " + most;
+}
+
+LogFields layer_fields(const std::string& job, std::int32_t layer) {
+  LogFields fields = job_fields(job);
+  fields.emplace_back("LAYER", std::to_string(layer + 1));
+  return fields;
+}
+
+}  // namespace
+
+void PrintLog::refused(const std::string& job, const std::string& reason) const {
+  log_.error("refused", fmt::format("{}: {}", printable(job), reason), job_fields(job));
+}
+
+void PrintLog::ready(const std::string& job, const JobSummary& summary, Duration first_mask_after) const {
+  const LogFields fields = job_fields(job);
+  const std::string name = printable(job);
+  log_.info("ready",
+            fmt::format("{}: {}, {} layers of {}; first mask after {:.0f} ms{}", name, content_of(summary),
+                        summary.layers.count, thickness_of(summary.layers), milliseconds(first_mask_after),
+                        summary.prepared_before ? ", prepared while it waited" : ""),
+            fields);
+  log_.info("settings", fmt::format("{}: {}", name, describe_settings(summary)), fields);
+  if (const std::string correction = describe_correction(summary); !correction.empty())
+    log_.info("compensation", fmt::format("{}: {}", name, correction), fields);
+  if (summary.supports) {
+    log_.info("supports",
+              fmt::format("{}: supports: {}; found in {:.0f} ms", name,
+                          supports_line(counts_of(*summary.supports)), milliseconds(summary.supporting)),
+              fields);
+  }
+  const std::size_t turned = std::min(summary.models.size(), kMaxWarnings);
+  for (std::size_t i = 0; i < turned; ++i) {
+    const ModelSummary& model = summary.models[i];
+    if (!model.orientation) continue;
+    const std::string what = summary.plate ? name + ": " + printable(model.file) : name;
+    log_.info("orientation", fmt::format("{}: {}", what, describe(*model.orientation)), fields);
+  }
+  const std::size_t told = std::min(summary.warnings.size(), kMaxWarnings);
+  for (std::size_t i = 0; i < told; ++i)
+    log_.warning("model", fmt::format("{}: {}", name, summary.warnings[i]), fields);
+  if (told < summary.warnings.size())
+    log_.warning("model", fmt::format("{}: and {} more", name, summary.warnings.size() - told), fields);
+}
+
+void PrintLog::analyzed(const std::string& job, const AnalyzedPrint& print) const {
+  const LogFields fields = job_fields(job);
+  const std::string name = printable(job);
+  const auto* const findings = std::get_if<PrintFindings>(&print.findings);
+  if (findings == nullptr) {
+    log_.warning("analysis",
+                 fmt::format("{}: the print goes on, but could not be analysed: {}", name,
+                             std::get<std::string>(print.findings)),
+                 fields);
+    return;
+  }
+  log_.info(
+      "analysis",
+      fmt::format("{}: {}; found in {:.0f} ms", name, findings_line(*findings), milliseconds(print.took)),
+      fields);
+  for (const std::string& warning : warnings_about(*findings))
+    log_.warning("analysis", fmt::format("{}: {}", name, warning), fields);
+}
+
+void PrintLog::entered(const std::string& job, PrintState state) const {
+  constexpr PrintState kWorthALine[] = {PrintState::WarmingUp, PrintState::Homing, PrintState::Paused,
+                                        PrintState::Parking};
+  if (std::find(std::begin(kWorthALine), std::end(kWorthALine), state) == std::end(kWorthALine)) return;
+  log_.info("state", fmt::format("{}: {}", printable(job), name_of(state)), job_fields(job));
+}
+
+void PrintLog::layer(const std::string& job, const JobSummary& summary, const LayerRecord& layer,
+                     Duration frame) const {
+  LogFields fields = layer_fields(job, layer.layer);
+  fields.emplace_back("Z_NM", std::to_string(layer.plate_height.count()));
+  log_.info("layer",
+            fmt::format("layer {} of {}: height {:.4f} mm, {:.2f} mm2, {} loops, mask {:.2f} ms, light {}{}",
+                        layer.layer + 1, summary.layers.count, to_millimeters(layer.plate_height).count(),
+                        layer.area_mm2, layer.loops, milliseconds(layer.mask_time), light_of(layer),
+                        layer.complete ? "" : ", not finished"),
+            fields);
+  warn_about_light(summary, layer, frame, fields);
+  warn_about_section(summary, layer, fields);
+}
+
+void PrintLog::warn_about_light(const JobSummary& summary, const LayerRecord& layer, Duration frame,
+                                const LogFields& fields) const {
+  const auto asked = fmt::format("layer {}: the light was on for {}, {:.1f} ms were asked for",
+                                 layer.layer + 1, light_of(layer), milliseconds(layer.exposure_asked));
+  // By more than a refresh: something kept this process from turning the light off.
+  if (layer.exposure_least > layer.exposure_asked + frame) log_.warning("overexposed", asked, fields);
+  const Duration tolerated = summary.resin.tolerance.bounds;
+  if (layer.exposure_most - layer.exposure_least > tolerated) {
+    log_.warning(
+        "doubtful-light",
+        fmt::format("{}; the projector's answers are no more exact, and the resin tolerates {:.0f} ms", asked,
+                    milliseconds(tolerated)),
+        fields);
+  }
+}
+
+void PrintLog::warn_about_section(const JobSummary& summary, const LayerRecord& layer,
+                                  const LogFields& fields) const {
+  if (layer.cracks.open_chains > 0) {
+    log_.warning("gaps",
+                 fmt::format("layer {}: {} contours did not close; the widest gap bridged is {:.3f} mm",
+                             layer.layer + 1, layer.cracks.open_chains, layer.cracks.widest_gap.count()),
+                 fields);
+  }
+  if (layer.cracks.turned_chains > 0) {
+    log_.warning(
+        "turned",
+        fmt::format("layer {}: {} stretches of contours are turned against the others; they were turned back",
+                    layer.layer + 1, layer.cracks.turned_chains),
+        fields);
+  }
+  if (layer.area_mm2 == 0 && layer.layer + 1 < summary.layers.count) {
+    log_.warning("empty", fmt::format("layer {}: nothing to expose", layer.layer + 1), fields);
+  }
+}
+
+void PrintLog::interrupted(const std::string& job, std::int32_t layer, const std::string& what,
+                           bool dark) const {
+  log_.warning("disturbed",
+               fmt::format("{}: layer {}: {}; {}; \"contourctl resume\" goes on with what the layer lacks",
+                           printable(job), layer + 1, printable(what),
+                           dark ? "the light is off" : "light off is sent"),
+               layer_fields(job, layer));
+}
+
+void PrintLog::ended(const PrintReport& report) const {
+  const std::string summary =
+      fmt::format("{}: {} after {} of {} layers and {}{}", printable(report.job), name_of(report.outcome),
+                  layers_exposed(report.layers), report.summary.layers.count, readable(report.print_time),
+                  report.reason.empty() ? "" : ": " + report.reason);
+  log_.write(report.outcome == PrintOutcome::Failed ? LogLevel::Error : LogLevel::Info,
+             name_of(report.outcome), summary, job_fields(report.job));
+  warn_about_lateness(report);
+}
+
+void PrintLog::warn_about_lateness(const PrintReport& report) const {
+  if (report.late_steps > 0) {
+    log_.warning(
+        "late",
+        fmt::format("{}: {} steps of the motor came late and shifted those behind them: this computer "
+                    "was too busy for them, or is too slow",
+                    printable(report.job), report.late_steps),
+        job_fields(report.job));
+  }
+  const EventLoop::Turn& turn = report.busiest_lit;
+  if (turn.busy > kLongestLitTurn) {
+    log_.warning(
+        "busy",
+        fmt::format(
+            "{}: {} kept the event loop busy for {:.1f} ms, of which {:.1f} ms were computing, while the "
+            "light was on or not known to be off; {:.0f} ms are the limit: light off may have come "
+            "that much later",
+            printable(report.job), turn.source, milliseconds(turn.busy), milliseconds(turn.computing),
+            milliseconds(kLongestLitTurn)),
+        job_fields(report.job));
+  }
+}
+
+}  // namespace contourd

@@ -1,0 +1,389 @@
+#include "daemon/jobs/print_queue.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/contract/expects.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+// So often a job may be written again while it is looked at, and keep its place.
+constexpr int kMostInterruptions = 3;
+
+void tell_question(const Log& log, const WaitingJob& job) {
+  const std::string file = printable(job.file);
+  const LogFields fields = file_fields(job.file);
+  log.warning("unaccepted", fmt::format("{} waits: {}", file, question_about(job.file, job.asks)), fields);
+  for (const std::string& warning : job.screened->screening.warnings)
+    log.warning("unaccepted", fmt::format("{}: {}", file, printable(warning)), fields);
+}
+
+}  // namespace
+
+void WaitingJob::screen_again() {
+  screening = Screening::Wanted;
+  screened.reset();
+  asks.clear();
+}
+
+void WaitingJob::check_again() {
+  check = Check::Wanted;
+  screen_again();
+}
+
+PrintQueue::PrintQueue(const Log& log, Calls calls)
+    : log_(log),
+      calls_(std::move(calls)),
+      order_(calls_.keep_order,
+             [&log](const std::string& trouble) {
+               log.warning("queue", fmt::format("the queue's order will be lost with a restart: {}",
+                                                printable(trouble)));
+             }),
+      questions_(log, calls_.questions) {}
+
+PrintQueue::Position PrintQueue::find(const std::string& file) {
+  return std::ranges::find(jobs_, file, &WaitingJob::file);
+}
+
+void PrintQueue::arrived(const std::string& file) {
+  const Position queued = find(file);
+  if (queued != jobs_.end() && queued->check == WaitingJob::Check::Refused) {
+    // What lies there goes to failed/, unless it was written anew: rejected() knows.
+    queued->withdrawn = false;
+    queued->seen_again = true;
+    return;
+  }
+  WaitingJob job{.file = file, .arrived = std::chrono::steady_clock::now()};
+  if (queued != jobs_.end()) {
+    job.trouble = std::move(queued->trouble);  // told already
+    const bool interrupted = queued->is_looked_at();
+    job.interruptions = queued->interruptions + (interrupted ? 1 : 0);
+    *queued = std::move(job);
+    calls_.forget(file);
+    if (interrupted && queued->interruptions > kMostInterruptions) move_behind_others(queued);
+  } else {
+    const std::size_t place =
+        order_.place_of(file, jobs_, [](const WaitingJob& each) { return std::string_view(each.file); });
+    jobs_.insert(jobs_.begin() + static_cast<std::ptrdiff_t>(place), std::move(job));
+    log_.info("queued", fmt::format("{}: arrived, number {} in the queue", printable(file), place + 1),
+              file_fields(file));
+  }
+  calls_.changed();
+}
+
+// The others would wait for it for ever.
+void PrintQueue::move_behind_others(const Position& queued) {
+  WaitingJob job = std::move(*queued);
+  jobs_.erase(queued);
+  if (job.interruptions == kMostInterruptions + 1 && !jobs_.empty())
+    log_.warning("moved",
+                 fmt::format("{}: is written again and again while it is read; the others go first",
+                             printable(job.file)),
+                 file_fields(job.file));
+  order_.remove(job.file);
+  jobs_.push_back(std::move(job));
+}
+
+void PrintQueue::withdrawn(const std::string& file) {
+  const Position job = find(file);
+  if (job == jobs_.end()) return order_.remove(file);
+  if (job->check == WaitingJob::Check::Refused) {
+    // Most likely the spool took it: rejected() knows.
+    job->withdrawn = true;
+    return;
+  }
+  remove_withdrawn(job);
+}
+
+void PrintQueue::remove_withdrawn(const Position& job) {
+  const std::string file = job->file;
+  jobs_.erase(job);
+  order_.remove(file);
+  calls_.forget(file);
+  tell_withdrawn(log_, file);
+  calls_.changed();
+}
+
+void PrintQueue::check_next() {
+  const Position wanted = std::ranges::find(jobs_, WaitingJob::Check::Wanted, &WaitingJob::check);
+  if (wanted == jobs_.end()) return screen_next();
+  wanted->check = WaitingJob::Check::Running;
+  const std::uint64_t number = wanted->check_number = ++checks_begun_;
+  const auto keep = wanted == jobs_.begin() + static_cast<std::ptrdiff_t>(first()) ? JobReader::Keep::Prepared
+                                                                                   : JobReader::Keep::Nothing;
+  calls_.check(wanted->file, keep, [this, file = wanted->file, number](const CheckedJob& found) {
+    checked(file, number, found);
+  });
+}
+
+void PrintQueue::checked(const std::string& file, std::uint64_t number, const CheckedJob& found) {
+  const Position job = find(file);
+  // Gone, or written again meanwhile: what was found out is about another file.
+  if (job != jobs_.end() && job->check == WaitingJob::Check::Running && job->check_number == number) {
+    const auto* const refusal = std::get_if<JobRefusal>(&found);
+    if (refusal != nullptr && !refusal->for_now && refusal->profile.empty())
+      return leave(*job, refusal->reason, Leaving::Refused);
+    note_check(*job, found);
+  }
+  calls_.changed();
+}
+
+// Of a job that stays.
+void PrintQueue::note_check(WaitingJob& job, const CheckedJob& found) {
+  if (std::holds_alternative<ReadingGivenUp>(found)) {
+    job.check = WaitingJob::Check::Wanted;
+    return;
+  }
+  const auto* const refusal = std::get_if<JobRefusal>(&found);
+  if (refusal != nullptr && refusal->for_now) return postpone(job, refusal->reason);
+  job.check = WaitingJob::Check::Passed;
+  job.postponed.clear();
+  if (refusal == nullptr) {
+    job.outlook = std::get<JobOutlook>(found);
+    // Where all layers are looked through, that finds it too.
+    if (job.outlook->question && !questions_.wanted()) note_question(job, *job.outlook->question);
+    return;
+  }
+  // When its turn comes, the profile is read again.
+  log_.warning("profile", fmt::format("{}: {}", printable(job.file), printable(refusal->profile)),
+               file_fields(job.file));
+}
+
+void PrintQueue::postpone(WaitingJob& job, const std::string& why) {
+  job.check = WaitingJob::Check::Postponed;
+  // Its figures change all the time.
+  if (!std::exchange(job.postponed, why).empty()) return;
+  log_.info(
+      "postponed",
+      fmt::format("{}: is read later, because there is not enough memory now: {}", printable(job.file), why),
+      file_fields(job.file));
+}
+
+void PrintQueue::check_postponed() {
+  for (WaitingJob& job : jobs_) {
+    if (job.check == WaitingJob::Check::Postponed) job.check = WaitingJob::Check::Wanted;
+    if (job.screening == WaitingJob::Screening::Blocked) job.screening = WaitingJob::Screening::Wanted;
+  }
+}
+
+// Behind all checks, and one at a time: what is wrong with a job is to be heard of before.
+void PrintQueue::screen_next() {
+  using Check = WaitingJob::Check;
+  using Screening = WaitingJob::Screening;
+  if (!questions_.wanted()) return;
+  const bool busy = std::ranges::any_of(jobs_, [](const WaitingJob& job) {
+    return job.check == Check::Running || job.screening == Screening::Running;
+  });
+  if (busy) return;
+  const Position wanted = std::ranges::find_if(jobs_, [](const WaitingJob& job) {
+    return job.check == Check::Passed && job.screening == Screening::Wanted;
+  });
+  if (wanted == jobs_.end()) return;
+  wanted->screening = Screening::Running;
+  const std::uint64_t number = wanted->check_number = ++checks_begun_;
+  const auto keep = wanted == jobs_.begin() + static_cast<std::ptrdiff_t>(first()) ? JobReader::Keep::Prepared
+                                                                                   : JobReader::Keep::Nothing;
+  questions_.screen(wanted->file, keep, [this, file = wanted->file, number](const JobScreened& found) {
+    screened(file, number, found);
+  });
+}
+
+void PrintQueue::screened(const std::string& file, std::uint64_t number, const JobScreened& found) {
+  const Position job = find(file);
+  if (job != jobs_.end() && job->screening == WaitingJob::Screening::Running && job->check_number == number) {
+    job->screening = WaitingJob::Screening::Wanted;
+    const auto* const refusal = std::get_if<JobRefusal>(&found);
+    const bool is_leaving = job->check == WaitingJob::Check::Refused;
+    if (refusal != nullptr && !refusal->for_now && refusal->profile.empty() && !is_leaving)
+      return leave(*job, refusal->reason, Leaving::Refused);
+    if (!is_leaving) note_screening(*job, found);
+  }
+  calls_.changed();
+}
+
+// Of a job that stays.
+void PrintQueue::note_screening(WaitingJob& job, const JobScreened& found) {
+  if (const auto* const refusal = std::get_if<JobRefusal>(&found)) {
+    if (refusal->for_now) return postpone(job, refusal->reason);
+    job.screening = WaitingJob::Screening::Blocked;
+    const std::string trouble =
+        fmt::format("{}; the queue goes on when it is mended", printable(refusal->profile));
+    if (std::exchange(job.trouble, trouble) != trouble)
+      log_.error("profile", fmt::format("{} waits: {}", printable(job.file), trouble), file_fields(job.file));
+  } else if (const auto* const screened = std::get_if<ScreenedJob>(&found)) {
+    job.screening = WaitingJob::Screening::Done;
+    job.trouble.clear();
+    note_question(job, *screened);
+  }
+}
+
+void PrintQueue::note_question(WaitingJob& job, const ScreenedJob& screened) {
+  job.asks = questions_.about(screened);
+  job.screened = screened;
+  if (job.asks.empty()) return;
+  tell_question(log_, job);
+  questions_.tell_change();
+}
+
+void PrintQueue::accept(const std::string& file, const std::string& who) {
+  const Position job = find(file);
+  expects(job != jobs_.end() && !job->asks.empty() && job->screened, "the job waits for its owner's word");
+  questions_.accept(*job->screened, job->asks);
+  log_.info("accepted",
+            fmt::format("{}: {} accepts it with {}", printable(file), who, findings_text(job->asks)),
+            file_fields(file));
+  job->asks.clear();
+  job->waited = true;
+  questions_.tell_change();
+  calls_.changed();
+}
+
+std::size_t PrintQueue::first() const {
+  return static_cast<std::size_t>(
+      std::ranges::find_if(jobs_, [](const WaitingJob& job) { return job.asks.empty(); }) - jobs_.begin());
+}
+
+std::string PrintQueue::first_unscreened() const {
+  expects(has_first(), "a job waits");
+  const WaitingJob& job = jobs_[first()];
+  if (!questions_.wanted() || job.screened || job.check == WaitingJob::Check::Refused) return "";
+  if (!job.postponed.empty()) return job.postponed;
+  if (!job.trouble.empty()) return job.trouble;
+  return "its layers are looked through first, as ask_before demands";
+}
+
+bool PrintQueue::first_may_begin() const {
+  expects(has_first(), "a job waits");
+  return jobs_[first()].check != WaitingJob::Check::Running && rejections_ == 0;
+}
+
+WaitingJob PrintQueue::take_first() {
+  expects(has_first(), "a job waits");
+  const std::size_t place = first();
+  WaitingJob job = std::move(jobs_[place]);
+  job.taken_from = place;
+  jobs_.erase(jobs_.begin() + static_cast<std::ptrdiff_t>(place));
+  return job;
+}
+
+void PrintQueue::put_first(WaitingJob job) {
+  const std::size_t place = std::min({job.taken_from, first(), jobs_.size()});
+  jobs_.insert(jobs_.begin() + static_cast<std::ptrdiff_t>(place), std::move(job));
+}
+
+void PrintQueue::put_last(WaitingJob job) {
+  order_.remove(job.file);
+  calls_.forget(job.file);
+  jobs_.push_back(std::move(job));
+}
+
+void PrintQueue::refuse_first(const std::string& reason) {
+  expects(has_first(), "a job waits");
+  leave(jobs_[first()], reason, Leaving::Refused);
+}
+
+void PrintQueue::remove(const std::string& file, const std::string& reason) {
+  const Position job = find(file);
+  expects(job != jobs_.end() && job->check != WaitingJob::Check::Refused, "the job waits");
+  calls_.forget(file);
+  leave(*job, reason, Leaving::Removed);
+}
+
+void PrintQueue::move(const std::string& file, std::size_t to) {
+  const Position job = find(file);
+  expects(job != jobs_.end(), "the job waits");
+  const auto from = static_cast<std::size_t>(job - jobs_.begin());
+  to = std::min(to, jobs_.size() - 1);
+  expects(std::max(from, to) < kMostInOrder, "the places are among the first");
+  if (from == to) return;
+  std::vector<std::string_view> first;
+  for (std::size_t i = 0; i <= std::max(from, to); ++i)
+    first.push_back(jobs_[i].file);
+  const std::size_t next = to < from ? to : to + 1;
+  order_.move(file, next < jobs_.size() ? std::optional(jobs_[next].file) : std::nullopt, first);
+  WaitingJob moved = std::move(*job);
+  moved.waited = true;
+  jobs_.erase(job);
+  jobs_.insert(jobs_.begin() + static_cast<std::ptrdiff_t>(to), std::move(moved));
+  log_.info("moved", fmt::format("{}: number {} in the queue now", printable(file), to + 1),
+            file_fields(file));
+  calls_.changed();
+}
+
+void PrintQueue::leave(WaitingJob& job, const std::string& reason, Leaving how) {
+  job.check = WaitingJob::Check::Refused;
+  ++rejections_;
+  calls_.reject(
+      job.file, reason + "\n",
+      [this, reject = Reject{job.file, reason, how}](Spool::Rejection rejection, const std::string& trouble) {
+        rejected(reject, rejection, trouble);
+      });
+}
+
+void PrintQueue::rejected(const Reject& reject, Spool::Rejection rejection, const std::string& trouble) {
+  --rejections_;
+  const Position job = std::ranges::find_if(jobs_, [&](const WaitingJob& each) {
+    return each.file == reject.file && each.check == WaitingJob::Check::Refused;
+  });
+  if (rejection == Spool::Rejection::Unfinished) {
+    if (reject.how == Leaving::Removed)
+      log_.warning(
+          "removed",
+          fmt::format("{}: stays in the queue, because somebody is writing it anew", printable(reject.file)),
+          file_fields(reject.file));
+    return not_rejected(job);
+  }
+  if (job != jobs_.end()) {
+    jobs_.erase(job);
+    order_.remove(reject.file);
+  }
+  tell_rejected(reject, rejection, trouble);
+  (reject.how == Leaving::Refused ? calls_.refused : calls_.removed)(reject.file, reject.reason);
+  calls_.changed();
+}
+
+// It is checked again when it is whole.
+void PrintQueue::not_rejected(const Position& job) {
+  if (job != jobs_.end()) {
+    if (job->withdrawn) return remove_withdrawn(job);
+    job->check = job->seen_again ? WaitingJob::Check::Wanted : WaitingJob::Check::Passed;
+    if (job->seen_again) job->screen_again();
+    job->seen_again = false;
+  }
+  calls_.changed();
+}
+
+void PrintQueue::tell_rejected(const Reject& job, Spool::Rejection rejection,
+                               const std::string& trouble) const {
+  const std::string file = printable(job.file);
+  const bool removed = job.how == Leaving::Removed;
+  const std::string_view event = removed ? "removed" : "refused";
+  log_.write(removed ? LogLevel::Info : LogLevel::Error, event, fmt::format("{}: {}", file, job.reason),
+             file_fields(job.file));
+  if (rejection == Spool::Rejection::LeftThere)
+    log_.warning(event,
+                 fmt::format("{}: stays in incoming, because it cannot be moved; it may be deleted", file),
+                 file_fields(job.file));
+  if (rejection == Spool::Rejection::Impossible)
+    log_.error(event, fmt::format("{}: cannot be moved to failed: {}", file, printable(trouble)));
+}
+
+LogFields file_fields(const std::string& file) {
+  return job_fields(job_name_of(file));
+}
+
+void tell_withdrawn(const Log& log, const std::string& file) {
+  log.info("withdrawn", fmt::format("{}: taken away by the owner", printable(file)), file_fields(file));
+}
+
+}  // namespace contourd

@@ -1,0 +1,22 @@
+// What the printer's parts work with. A value of references: all of these outlive the parts.
+#pragma once
+
+#include "daemon/config/printer_config.hpp"
+#include "daemon/system/event_loop.hpp"
+#include "daemon/system/log.hpp"
+#include "daemon/system/supervisor.hpp"
+#include "hw/clock.hpp"
+#include "hw/machine.hpp"
+
+namespace contourd {
+
+struct PrinterContext {
+  const PrinterConfig& config;
+  EventLoop& loop;
+  Clock& clock;
+  Machine& machine;
+  const Log& log;
+  Supervisor& supervisor;
+};
+
+}  // namespace contourd

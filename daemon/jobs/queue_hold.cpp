@@ -1,0 +1,140 @@
+#include "daemon/jobs/queue_hold.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <system_error>
+#include <utility>
+
+#include "daemon/spool/reading_record.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+using namespace std::chrono_literals;
+
+// How long until what the disk did not take is tried again.
+constexpr Duration kRecordRetryInterval = 30s;
+
+}  // namespace
+
+QueueHold::QueueHold(const PrinterContext& context, Spool& spool, Calls calls)
+    : context_(context),
+      spool_(spool),
+      calls_(std::move(calls)),
+      unfiled_(spool, context.log, calls_.filed) {}
+
+void QueueHold::load() {
+  plate_occupant_ = spool_.records().plate_occupant();
+  reason_ = spool_.records().hold();
+}
+
+std::vector<QueueHold::LeftJob> QueueHold::adopt_left_jobs(
+    const std::function<bool(const JobFiles&)>& ended_in_reading) {
+  std::vector<LeftJob> left;
+  for (const JobFiles& files : spool_.interrupted()) {
+    // It had not begun.
+    if (plate_occupant_ != files.name && ended_in_reading(files)) {
+      left.push_back({files.name, {PrintOutcome::Failed, std::string(kEndedAProcess)}});
+      unfiled_.add_left(files, left.back().end);
+      context_.log.error("refused", fmt::format("{}: {}", printable(files.name), kEndedAProcess),
+                         job_fields(files.name));
+    } else {
+      left.push_back({files.name, adopt(files, recorded_end(spool_, files.name))});
+    }
+  }
+  // Nothing is left in printing/ that the last print's record tells of: that print is filed.
+  if (unfiled_.empty())
+    spool_.records().forget_end_of_print();
+  else
+    keep();
+  return left;
+}
+
+PrintEnd QueueHold::adopt(const JobFiles& files, const std::optional<PrintEnd>& end) {
+  constexpr const char* kInterrupted =
+      "was interrupted: the power was cut, or contourd was killed or crashed";
+  const PrintEnd ended =
+      end.value_or(PrintEnd{PrintOutcome::Failed, std::string("the print ") + kInterrupted});
+  unfiled_.add_left(files, end);
+  const std::string how =
+      end ? fmt::format("contourd did not file this print, which was {}", name_of(end->outcome))
+          : "contourd did not end this print";
+  context_.log.error("interrupted",
+                     fmt::format("{}: {} (power cut, crash or kill)", printable(files.name), how),
+                     job_fields(files.name));
+  if (!end) plate_occupant_ = files.name;
+  if (reason_ || ended.outcome != PrintOutcome::Failed) return ended;
+  reason_ = end ? fmt::format("{} failed: {}", files.name, end->reason)
+                : fmt::format("{} {}", files.name, kInterrupted);
+  return ended;
+}
+
+void QueueHold::hold(const std::string& why) {
+  if (reason_) return;
+  reason_ = why;
+  context_.log.warning("held", sentence());
+  keep();
+}
+
+void QueueHold::release() {
+  if (!reason_) return;
+  reason_.reset();
+  context_.log.info("held", "the queue goes on: the owner has seen to the printer");
+  keep();
+}
+
+std::string QueueHold::sentence() const {
+  if (!reason_) return "";
+  const bool plate_too = context_.config.wait_for_plate_cleared && plate_occupant_;
+  return fmt::format("the queue is held: {}; see to the printer{}, then say \"contourctl {}\"",
+                     printable(*reason_), plate_too ? " and clear the plate" : "",
+                     plate_too ? "plate-cleared" : "resume");
+}
+
+void QueueHold::set_plate_occupant(const std::optional<std::string>& job) {
+  plate_occupant_ = job;
+  spool_.records().set_plate_occupant(job);
+}
+
+void QueueHold::add_unfiled(const JobFiles& files, const PrintEnd& end) {
+  unfiled_.add_known(files, end);
+  keep();
+}
+
+std::string QueueHold::reason_to_wait() const {
+  if (reason_) return sentence();
+  if (!unfiled_.empty()) return fmt::format("{} is not filed yet: {}", unfiled_.last(), trouble_);
+  if (context_.config.wait_for_plate_cleared && plate_occupant_) {
+    return fmt::format("the plate holds {}; say \"contourctl plate-cleared\" when it is clear",
+                       *plate_occupant_);
+  }
+  return "";
+}
+
+void QueueHold::keep() {
+  due_ = calls_.light_may_be_on();
+  if (!due_) try_to_keep();
+}
+
+void QueueHold::try_to_keep() {
+  std::string trouble;
+  try {
+    spool_.records().set_plate_occupant(plate_occupant_);
+    spool_.records().set_hold(reason_);
+    // Last: as long as they lie in printing/, the next start knows what these records would tell it.
+    unfiled_.file_all();
+  } catch (const std::system_error& error) {
+    trouble = error.what();
+    retry_timer_ = context_.loop.at(std::chrono::steady_clock::now() + kRecordRetryInterval,
+                                    "the queue's timer", calls_.retry);
+  }
+  if (std::exchange(trouble_, trouble) == trouble || trouble.empty()) return;
+  context_.log.error("spool",
+                     fmt::format("the state for the next start is not on the disk, which is tried again: {}",
+                                 printable(trouble)));
+  unfiled_.tell_they_stay();
+}
+
+}  // namespace contourd

@@ -1,0 +1,114 @@
+#include "daemon/prepare/drain_holes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/support/support_structure.hpp"
+#include "daemon/prepare/model_turn.hpp"
+#include "daemon/prepare/plate_arrangement.hpp"
+
+namespace contourd {
+namespace {
+
+// The axis as two corners of a facet: it is turned and scaled as facets are.
+Facet axis_of(const DrainHole& hole) {
+  // Of any length: the squares of a tiny one would be none.
+  const double longest =
+      std::max({std::fabs(hole.inwards.x), std::fabs(hole.inwards.y), std::fabs(hole.inwards.z)});
+  const Direction d{hole.inwards.x / longest, hole.inwards.y / longest, hole.inwards.z / longest};
+  const double length = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+  const auto at = [&](double way_mm) {
+    const auto along = [&](double from_mm, double part) {
+      return static_cast<float>(from_mm + part / length * way_mm);
+    };
+    return Vertex{along(hole.x_mm, d.x), along(hole.y_mm, d.y), along(hole.z_mm, d.z)};
+  };
+  const Vertex outer = at(-hole.diameter_mm / 2), inner = at(hole.depth_mm);
+  return {{outer, inner, inner}};
+}
+
+Frustum cylinder_of(const Facet& axis, double radius_mm) {
+  const auto place = [](const Vertex& v) { return PlatePoint{v.x, v.y, v.z}; };
+  PlatePoint lower = place(axis.vertices[0]), upper = place(axis.vertices[1]);
+  if (lower.z > upper.z) std::swap(lower, upper);
+  return {lower, upper, radius_mm, radius_mm};
+}
+
+struct HeightRange {
+  Nanometers low, high;
+};
+
+// Above the plate, what a cylinder in the model reaches.
+HeightRange reach_of(const Frustum& cylinder, const StandingModel& model) {
+  const Bounds& bounds = model.model->bounds();
+  const auto height = [&](double z_mm) {
+    // Clamped to where there is something to cut.
+    const double within = std::clamp(z_mm, double{bounds.min_z} - 1, double{bounds.max_z} + 1);
+    return model.elevation.height_at(Millimeters{within}, bounds).value_or(Nanometers{});
+  };
+  return {height(cylinder.lower.z - cylinder.lower_radius_mm),
+          height(cylinder.upper.z + cylinder.upper_radius_mm)};
+}
+
+bool cuts(const Frustum& cylinder, const PlateModel& model, const HoleSearch& search) {
+  PlateModel whole{model, {model.copies.front()}, nullptr};
+  PlateModel drilled = whole;
+  drilled.holes = holes_of(std::span(&cylinder, 1));
+  ContourEngine with({std::move(drilled)}, search.settings), without({std::move(whole)}, search.settings);
+  const HeightRange reach = reach_of(cylinder, model);
+  return std::ranges::any_of(search.heights, [&](Nanometers height) {
+    if (height < reach.low || height > reach.high) return false;
+    MaskBudget first(search.deadline), second(search.deadline);
+    if (with.mask_within(height, first) == nullptr || without.mask_within(height, second) == nullptr)
+      return true;
+    return with.coverage() != without.coverage();
+  });
+}
+
+}  // namespace
+
+std::vector<Frustum> drain_cylinders(const ModelTicket& ticket, const Scale& scale, const Scale& shrinkage) {
+  const Scale all = scale * shrinkage;
+  std::vector<Frustum> cylinders;
+  for (const DrainHole& hole : ticket.drain) {
+    Facet axis = axis_of(hole);
+    turn_and_scale(std::span(&axis, 1), ticket, shrinkage);
+    if (ticket.fit) enlarge(std::span(&axis, 1), scale);
+    cylinders.push_back(cylinder_of(axis, hole.diameter_mm / 2 * (all.x + all.y + all.z) / 3));
+    if (cylinders.back().lower == cylinders.back().upper) {
+      throw JobRefused(
+          fmt::format("drain hole {} at {:g}, {:g}, {:g} mm is too small to be one: {:g} mm deep",
+                      cylinders.size(), hole.x_mm, hole.y_mm, hole.z_mm, hole.depth_mm));
+    }
+  }
+  return cylinders;
+}
+
+std::shared_ptr<const SectionSource> holes_of(std::span<const Frustum> cylinders) {
+  if (cylinders.empty()) return nullptr;
+  return std::make_shared<const SupportStructure>(
+      std::vector<SupportPrimitive>(cylinders.begin(), cylinders.end()));
+}
+
+void refuse_holes_beside(const DrilledModel& drilled, const std::string& name, const HoleSearch& search) {
+  for (std::size_t i = 0; i < drilled.cylinders.size(); ++i) {
+    if (cuts(drilled.cylinders[i], drilled.model, search)) continue;
+    const DrainHole& hole = drilled.ticket.drain[i];
+    const Bounds& bounds = drilled.model.model->bounds();
+    const Frustum& made = drilled.cylinders[i];
+    throw JobRefused(
+        fmt::format("drain hole {} of {} is beside the model: from {:g}, {:g}, {:g} mm on, {:g} mm wide and "
+                    "{:g} mm deep, it "
+                    "takes nothing away; as printed it goes from {:.2f}, {:.2f}, {:.2f} to {:.2f}, {:.2f}, "
+                    "{:.2f} mm, the "
+                    "model from {:.2f}, {:.2f}, {:.2f} to {:.2f}, {:.2f}, {:.2f} mm",
+                    i + 1, name, hole.x_mm, hole.y_mm, hole.z_mm, hole.diameter_mm, hole.depth_mm,
+                    made.lower.x, made.lower.y, made.lower.z, made.upper.x, made.upper.y, made.upper.z,
+                    bounds.min_x, bounds.min_y, bounds.min_z, bounds.max_x, bounds.max_y, bounds.max_z));
+  }
+}
+
+}  // namespace contourd

@@ -1,0 +1,53 @@
+#include "daemon/prepare/job_outlook.hpp"
+
+#include <filesystem>
+#include <numeric>
+#include <system_error>
+
+#include "daemon/json/config_error.hpp"
+#include "daemon/print/layer_durations.hpp"
+#include "daemon/spool/copied_originals.hpp"
+
+namespace contourd {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// As far as the files are there still.
+std::uintmax_t bytes_of(const JobFiles& files) {
+  std::uintmax_t all = 0;
+  try {
+    for (const fs::path& part : parts_of(files)) {
+      std::error_code gone;
+      const std::uintmax_t bytes = fs::file_size(part, gone);
+      if (!gone) all += bytes;
+    }
+  } catch (const ConfigError&) {
+    // A plate's ticket that is being written anew: the check will be, too.
+  }
+  return all;
+}
+
+}  // namespace
+
+JobOutlook outlook_of(const PreparedJob& job, const JobFiles& files, const PrinterConfig& printer) {
+  const JobSummary& summary = job.summary;
+  JobOutlook outlook{.bytes = bytes_of(files),
+                     .resin = summary.resin.name,
+                     .overridden = summary.overridden,
+                     .layers = summary.layers.count,
+                     .thinnest_layer = summary.layers.thinnest,
+                     .thickest_layer = summary.layers.thickest,
+                     .height_mm = summary.height_mm,
+                     .supports = {},
+                     .question = {}};
+  if (summary.supports) outlook.supports = counts_of(*summary.supports);
+  for (const ModelSummary& model : summary.models)
+    outlook.parts += model.centers.size();
+  const std::vector<Duration> durations = layer_durations(job.plan, printer);
+  outlook.print_time = std::accumulate(durations.begin(), durations.end(), Duration{0});
+  return outlook;
+}
+
+}  // namespace contourd

@@ -1,0 +1,122 @@
+#include "daemon/prepare/job_screening.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "daemon/prepare/print_findings.hpp"
+#include "daemon/print/layer_durations.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+bool has_guesses(const ModelSummary& model) {
+  return model.repairs.has_guesses();
+}
+bool has_unheld_places(const JobSummary& job) {
+  return job.supports && !job.supports->unheld.empty();
+}
+bool is_open(const ModelSummary& model) {
+  return !model.mesh.watertight;
+}
+
+// They are told to each who asks for the queue.
+constexpr std::size_t kMostWarnings = 20, kLongestWarning = 500;
+
+void bound(std::vector<std::string>& warnings) {
+  const std::size_t all = warnings.size();
+  if (all > kMostWarnings) {
+    warnings.resize(kMostWarnings - 1);
+    warnings.push_back(fmt::format("and {} more warnings", all - warnings.size()));
+  }
+  for (std::string& warning : warnings)
+    warning = shortened(warning, kLongestWarning);
+}
+
+// What holds the part on the plate, as a share of what the peel tears at.
+double first_layer_percent(const PrintFindings& findings) {
+  if (findings.area_mm2.empty() || findings.largest_area_mm2 <= 0) return 100;
+  return 100 * findings.area_mm2.front() / findings.largest_area_mm2;
+}
+
+}  // namespace
+
+std::optional<JobScreening> screening_of_preparation(const JobSummary& job) {
+  if (!has_unheld_places(job)) return std::nullopt;
+  JobScreening screening{.resin_ml = {}, .findings = {std::string(kUnheldPlaces)}, .warnings = job.warnings};
+  bound(screening.warnings);
+  return screening;
+}
+
+JobScreening screening_of(const JobSummary& job, const PrintFindings& findings,
+                          const PrinterConfig& printer) {
+  JobScreening screening{.resin_ml = findings.resin_ml(), .findings = {}, .warnings = job.warnings};
+  const auto note = [&screening](bool found, std::string_view name) {
+    if (found) screening.findings.emplace_back(name);
+  };
+  const double percent = first_layer_percent(findings);
+  const bool tiny = percent < printer.tiny_first_layer_percent;
+  note(findings.island_count > 0, "islands");
+  note(has_unheld_places(job), kUnheldPlaces);
+  note(findings.suction_cup_count > 0, "suction_cups");
+  note(findings.resin_trap_count > 0, "resin_traps");
+  note(tiny, "tiny_first_layer");
+  note(findings.cracks.open_chains > 0 || findings.cracks.turned_chains > 0 ||
+           std::ranges::any_of(job.models, has_guesses),
+       "cracks");
+  note(std::ranges::any_of(job.models, is_open), "not_watertight");
+  note(!findings.empty_layers.empty(), "empty_layers");
+  note(!findings.abandoned_layers.empty(), "abandoned_layers");
+  if (tiny)
+    screening.warnings.push_back(fmt::format(
+        "layer 1 is tiny: it covers {:.2f} mm2, {:.1f} % of layer {}, the largest: the part may come off "
+        "the plate",
+        findings.area_mm2.front(), percent, findings.largest_area_layer + 1));
+  for (std::string& warning : warnings_about(findings))
+    screening.warnings.push_back(std::move(warning));
+  bound(screening.warnings);
+  return screening;
+}
+
+std::optional<JobScreening> screen_job(const PreparedJob& job, const PrinterConfig& printer,
+                                       const std::stop_token& stop) {
+  try {
+    const std::vector<Duration> durations = layer_durations(job.plan, printer);
+    const auto findings = analyze_print(
+        *job.analysis_engine, job.display, job.plan.expected_layers,
+        [&durations](std::int32_t layer) { return durations[static_cast<std::size_t>(layer)]; }, stop,
+        job.analysis);
+    if (!findings) return std::nullopt;
+    return screening_of(job.summary, *findings, printer);
+  } catch (const std::exception& error) {
+    JobScreening screening{.resin_ml = {}, .findings = {std::string(kNotAnalyzed)}, .warnings = {}};
+    if (has_unheld_places(job.summary)) screening.findings.emplace_back(kUnheldPlaces);
+    screening.warnings = job.summary.warnings;
+    screening.warnings.push_back(
+        fmt::format("the layers could not be looked through: {}", printable(error.what())));
+    bound(screening.warnings);
+    return screening;
+  }
+}
+
+std::vector<std::string> asked_findings(const JobScreening& screening, const PrinterConfig& printer) {
+  std::vector<std::string> asked = screening.findings;
+  std::erase_if(asked, [&](const std::string& name) {
+    if (name == kNotAnalyzed || name == kUnheldPlaces) return false;
+    return std::ranges::find(printer.ask_before, name) == printer.ask_before.end();
+  });
+  return asked;
+}
+
+std::string findings_text(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names)
+    text += (text.empty() ? "" : ", ") + name;
+  std::ranges::replace(text, '_', ' ');
+  return text;
+}
+
+}  // namespace contourd

@@ -1,0 +1,34 @@
+#include "daemon/prepare/mesh_repair_text.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <string_view>
+
+namespace contourd {
+
+std::string describe(const MeshRepairs& repairs) {
+  std::string text;
+  const auto add = [&text](std::uint64_t count, std::string_view what) {
+    if (count == 0) return;
+    text += fmt::format("{}{} {} {}", text.empty() ? "" : ", ", count, count == 1 ? "facet" : "facets", what);
+  };
+  add(repairs.turned, "turned round");
+  add(repairs.doubled, "left out for being there once more");
+  add(repairs.reversed, "left out for being there once more, reversed");
+  add(repairs.inner_walls, "of walls inside left out");
+  return text;
+}
+
+std::string repair_warning(const MeshRepairs& repairs) {
+  return "the model's facets disagree with each other: " + describe(repairs);
+}
+
+nlohmann::ordered_json repairs_json(const MeshRepairs& repairs) {
+  return {{"turned_facets", repairs.turned},
+          {"doubled_facets", repairs.doubled},
+          {"reversed_facets", repairs.reversed},
+          {"inner_wall_facets", repairs.inner_walls}};
+}
+
+}  // namespace contourd

@@ -1,0 +1,98 @@
+#include "daemon/prepare/model_orientation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "core/contract/expects.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json figures_json(const OrientationFigures& figures) {
+  return {{"up", {figures.up.x, figures.up.y, figures.up.z}},
+          {"score", figures.score},
+          {"contacts", figures.contacts},
+          {"support_mm3", figures.support_mm3},
+          {"overhang_mm2", figures.overhang_mm2},
+          {"largest_area_mm2", figures.largest_mm2},
+          {"size_mm", {figures.size_x_mm, figures.size_y_mm, figures.size_z_mm}},
+          {"stands", figures.stands},
+          {"standing_mm2", figures.standing_mm2},
+          {"touched_mm2", figures.touched_mm2},
+          {"fits", figures.fits}};
+}
+
+}  // namespace
+
+std::optional<ModelOrientation> find_orientation(std::span<const Facet> facets, const ModelTicket& ticket,
+                                                 const OrientationLimits& limits,
+                                                 const std::stop_token& stop) {
+  expects(ticket.orientation.has_value() && !facets.empty(),
+          "a model's ticket leaves its way up to contourd");
+  const auto start = std::chrono::steady_clock::now();
+  OrientationRequest request;
+  request.scale = ticket.scale.value_or(Scale{}) * limits.shrinkage;
+  if (!ticket.fit) request.build = limits.build;
+  request.lift = limits.lift;
+  request.bridge = limits.bridge;
+  request.keep_clean = ticket.orientation->keep_clean;
+  request.weights = weights_of(ticket.orientation->preset, limits.weights);
+  std::optional<OrientationChoice> choice = choose_orientation(facets, request, stop);
+  if (!choice) return std::nullopt;
+  return ModelOrientation{ticket.orientation->preset, std::move(*choice),
+                          std::chrono::steady_clock::now() - start};
+}
+
+std::string text_of(const Direction& up) {
+  // No minus in front of what is rounded to 0.
+  const auto rounded = [](double along) { return std::round(along * 1000) / 1000 + 0.0; };
+  return fmt::format("{:g}, {:g}, {:g}", rounded(up.x), rounded(up.y), rounded(up.z));
+}
+
+std::string describe(const OrientationFigures& figures) {
+  const double contacts = std::ceil(figures.contacts);
+  std::string text = contacts > 0 ? fmt::format("about {:.0f} contact{}, {:.2f} ml of supports", contacts,
+                                                contacts == 1 ? "" : "s", figures.support_mm3 / 1000)
+                                  : "nothing hangs over";
+  text += fmt::format(", {:.2f} mm high, {:.0f} mm2 at most", figures.size_z_mm, figures.largest_mm2);
+  if (figures.stands) text += ", stands by itself";
+  if (figures.touched_mm2 > 0)
+    text += fmt::format(", {:.0f} mm2 touched of what is to be kept clean", figures.touched_mm2);
+  if (!figures.fits) text += ", does not fit into the machine";
+  return text;
+}
+
+std::string describe(const ModelOrientation& orientation) {
+  const OrientationChoice& choice = orientation.choice;
+  const std::string preset(name_of(orientation.preset));
+  if (choice.as_drawn())
+    return fmt::format("stays as it is drawn ({}): {}", preset, describe(choice.chosen()));
+  const auto drawn = std::ranges::find(choice.ranked, Direction{0, 0, 1}, &OrientationFigures::up);
+  return fmt::format("{} points up ({}): {}; as drawn: {}", text_of(choice.chosen().up), preset,
+                     describe(choice.chosen()), describe(*drawn));
+}
+
+std::span<const OrientationFigures> told_of(const OrientationChoice& choice) {
+  return std::span(choice.ranked).first(std::min(choice.ranked.size(), kAlternativesTold));
+}
+
+Json orientation_json(const ModelOrientation& orientation) {
+  Json alternatives = Json::array();
+  for (const OrientationFigures& figures : told_of(orientation.choice))
+    alternatives.push_back(figures_json(figures));
+  return {{"preset", name_of(orientation.preset)},
+          {"as_drawn", orientation.choice.as_drawn()},
+          {"tried", orientation.choice.tried},
+          {"took_ms", milliseconds(orientation.took)},
+          {"alternatives", std::move(alternatives)}};
+}
+
+}  // namespace contourd

@@ -1,0 +1,289 @@
+#include "daemon/prepare/print_findings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// How many islands, and stretches of layers, a sentence names.
+constexpr std::size_t kMaxNamedFindings = 3;
+
+// Three digits, and all that stand before the point; where {:g} would take to exponents, something else.
+std::string area_text(double area_mm2) {
+  if (area_mm2 < 0.0001) return "less than 0.0001 mm2";
+  return area_mm2 < 999.5 ? fmt::format("{:.3g} mm2", area_mm2) : fmt::format("{:.0f} mm2", area_mm2);
+}
+
+// The ends of the first stretches of layers that follow each other, for layers in rising order.
+std::vector<std::span<const std::int32_t>> first_stretches(std::span<const std::int32_t> layers) {
+  std::vector<std::span<const std::int32_t>> stretches;
+  for (std::size_t i = 0; i < layers.size() && stretches.size() < kMaxNamedFindings;) {
+    std::size_t end = i + 1;
+    while (end < layers.size() && layers[end] == layers[end - 1] + 1)
+      ++end;
+    stretches.push_back(layers.subspan(i, end - i));
+    i = end;
+  }
+  return stretches;
+}
+
+// "3", "3 to 7", "3 to 7, 9, 12 and 4 more".
+std::string stretches(std::span<const std::int32_t> layers) {
+  std::string text;
+  std::size_t told = 0;
+  for (const auto& stretch : first_stretches(layers)) {
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", stretch.front() + 1);
+    if (stretch.size() > 1) text += fmt::format(" to {}", stretch.back() + 1);
+    told += stretch.size();
+  }
+  if (told < layers.size()) text += fmt::format(" and {} more", layers.size() - told);
+  return text;
+}
+
+FindingWarning warning_about(std::span<const std::int32_t> layers, std::string_view mark,
+                             std::string sentence) {
+  FindingWarning warning{std::move(sentence), mark, {}};
+  for (const auto& stretch : first_stretches(layers))
+    warning.layers.push_back(stretch.front());
+  return warning;
+}
+
+FindingWarning island_warning(const PrintFindings& findings) {
+  std::vector<Island> largest(std::min(kMaxNamedFindings, findings.islands.size()));
+  std::ranges::partial_sort_copy(findings.islands, largest,
+                                 [](const Island& a, const Island& b) { return a.area_mm2 > b.area_mm2; });
+  FindingWarning warning{fmt::format("{} with nothing under {}:",
+                                     count_of(findings.island_count, "island begins", "islands begin"),
+                                     findings.island_count == 1 ? "it" : "them"),
+                         "island",
+                         {}};
+  for (std::size_t i = 0; i < largest.size(); ++i) {
+    const Island& island = largest[i];
+    if (std::ranges::find(warning.layers, island.layer) == warning.layers.end())
+      warning.layers.push_back(island.layer);
+    warning.sentence +=
+        fmt::format("{} layer {} at {:.2f}, {:.2f} mm from the plate's centre ({})", i == 0 ? "" : ",",
+                    island.layer + 1, island.plate_mm.x, island.plate_mm.y, area_text(island.area_mm2));
+  }
+  if (findings.island_count > largest.size())
+    warning.sentence += fmt::format(", and {} more", findings.island_count - largest.size());
+  return warning;
+}
+
+// "800 mm3", and from a millilitre on "1.2 ml".
+std::string volume_text(double volume_mm3) {
+  if (volume_mm3 >= 999.5) return fmt::format("{:.1f} ml", volume_mm3 / 1000);
+  return fmt::format("{:.3g} mm3", volume_mm3);
+}
+
+// "layers 12 to 40, at 3.10, -2.00 mm from the plate's centre in layer 20".
+std::string place_text(const PrintVoid& each) {
+  const std::string layers =
+      each.first_layer == each.last_layer
+          ? fmt::format("layer {}, at", each.first_layer + 1)
+          : fmt::format("layers {} to {}, at", each.first_layer + 1, each.last_layer + 1);
+  return fmt::format("{} {:.2f}, {:.2f} mm from the plate's centre in layer {}", layers, each.plate_mm.x,
+                     each.plate_mm.y, each.widest_layer + 1);
+}
+
+struct VoidsWarning {
+  std::string sentence;  // up to the first of them
+  std::string_view mark;
+  std::uint64_t count;
+  double PrintVoid::*figure;  // by which they are large
+};
+
+FindingWarning void_warning(VoidsWarning about, const std::vector<PrintVoid>& voids) {
+  std::vector<PrintVoid> largest(std::min(kMaxNamedFindings, voids.size()));
+  std::ranges::partial_sort_copy(voids, largest, [&about](const PrintVoid& a, const PrintVoid& b) {
+    return a.*about.figure > b.*about.figure;
+  });
+  FindingWarning warning{std::move(about.sentence), about.mark, {}};
+  for (std::size_t i = 0; i < largest.size(); ++i) {
+    const PrintVoid& each = largest[i];
+    if (std::ranges::find(warning.layers, each.widest_layer) == warning.layers.end())
+      warning.layers.push_back(each.widest_layer);
+    warning.sentence +=
+        fmt::format("{} {} ({}{}{})", i == 0 ? "" : ",", place_text(each),
+                    about.figure == &PrintVoid::area_mm2 ? area_text(each.area_mm2) + ", " : "",
+                    volume_text(each.volume_mm3), each.on_plate ? ", closed by the plate" : "");
+  }
+  if (about.count > largest.size())
+    warning.sentence += fmt::format(", and {} more", about.count - largest.size());
+  return warning;
+}
+
+void add_void_warnings(const PrintFindings& findings, std::vector<FindingWarning>& warnings) {
+  if (const auto count = findings.suction_cup_count; count > 0) {
+    warnings.push_back(void_warning(
+        {fmt::format("{} on the film until {}:", count_of(count, "suction cup pulls", "suction cups pull"),
+                     count == 1 ? "it opens or is closed" : "they open or are closed"),
+         "suction cup", count, &PrintVoid::area_mm2},
+        findings.suction_cups));
+  }
+  if (const auto count = findings.resin_trap_count; count > 0) {
+    warnings.push_back(
+        void_warning({fmt::format("{} resin that cannot flow out:",
+                                  count_of(count, "closed hollow keeps", "closed hollows keep")),
+                      "resin trap", count, &PrintVoid::volume_mm3},
+                     findings.resin_traps));
+  }
+}
+
+void add_empty_layers_warnings(const PrintFindings& findings, std::vector<FindingWarning>& warnings) {
+  const std::span<const std::int32_t> empty = findings.empty_layers;
+  if (!empty.empty() && empty.size() == findings.area_mm2.size()) {
+    warnings.push_back(warning_about(empty, "empty",
+                                     fmt::format("all masks are dark ({}): nothing would be printed",
+                                                 count_of(empty.size(), "layer", "layers"))));
+    return;
+  }
+  const auto warn = [&warnings](std::span<const std::int32_t> layers, std::string_view consequence) {
+    if (layers.empty()) return;
+    const bool one = layers.size() == 1;
+    warnings.push_back(warning_about(layers, "empty",
+                                     fmt::format("layer{} {} {} empty: {}", one ? "" : "s", stretches(layers),
+                                                 one ? "is" : "are", consequence)));
+  };
+  std::size_t inside = empty.size();
+  for (std::int32_t top = findings.layers() - 1; inside > 0 && empty[inside - 1] == top; --top)
+    --inside;
+  warn(empty.first(inside), "what comes above has nothing to hold it");
+  warn(empty.subspan(inside), "the print ends beneath");
+}
+
+FindingWarning open_contours_warning(const PrintFindings& findings) {
+  std::vector<std::int32_t> open;
+  for (const CrackedLayer& each : findings.cracked_layers) {
+    if (each.cracks.open_chains > 0) open.push_back(each.layer);
+  }
+  return warning_about(
+      open, "crack",
+      fmt::format(
+          "the model is cracked: contours of {} ({}) did not close; the widest gap bridged is {:.3f} mm",
+          count_of(open.size(), "layer", "layers"), stretches(open), findings.cracks.widest_gap.count()));
+}
+
+FindingWarning turned_chains_warning(const PrintFindings& findings) {
+  std::vector<std::int32_t> turned;
+  for (const CrackedLayer& each : findings.cracked_layers) {
+    if (each.cracks.turned_chains > 0) turned.push_back(each.layer);
+  }
+  return warning_about(turned, "turned facets",
+                       fmt::format("facets of {} ({}) are turned against the others; they were turned back",
+                                   count_of(turned.size(), "layer", "layers"), stretches(turned)));
+}
+
+Json voids_json(const std::vector<PrintVoid>& voids) {
+  Json list = Json::array();
+  for (const PrintVoid& each : voids) {
+    list.push_back({{"first_layer", each.first_layer + 1},
+                    {"last_layer", each.last_layer + 1},
+                    {"widest_layer", each.widest_layer + 1},
+                    {"plate_mm", {each.plate_mm.x, each.plate_mm.y}},
+                    {"pixel", {each.pixel.x, each.pixel.y}},
+                    {"area_mm2", each.area_mm2},
+                    {"volume_mm3", each.volume_mm3},
+                    {"on_plate", each.on_plate}});
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string findings_line(const PrintFindings& findings) {
+  std::string text = count_of(findings.area_mm2.size(), "layer", "layers");
+  if (findings.layer_time > Duration{0}) text += fmt::format(" in {}", readable(findings.layer_time));
+  text += fmt::format(", {:.2f} ml of resin", findings.resin_ml());
+  if (findings.layers() > 0) {
+    text += fmt::format(", at most {:.2f} mm2 (layer {})", findings.largest_area_mm2,
+                        findings.largest_area_layer + 1);
+  }
+  text += fmt::format(", {}, {}", count_of(findings.island_count, "island", "islands"),
+                      count_of(findings.empty_layers.size(), "empty layer", "empty layers"));
+  if (const auto count = findings.suction_cup_count; count > 0)
+    text += ", " + count_of(count, "suction cup", "suction cups");
+  if (const auto count = findings.resin_trap_count; count > 0)
+    text += ", " + count_of(count, "resin trap", "resin traps");
+  return text;
+}
+
+std::vector<FindingWarning> findings_warnings(const PrintFindings& findings) {
+  std::vector<FindingWarning> warnings;
+  if (findings.island_count > 0) warnings.push_back(island_warning(findings));
+  add_void_warnings(findings, warnings);
+  add_empty_layers_warnings(findings, warnings);
+  if (const auto& abandoned = findings.abandoned_layers; !abandoned.empty()) {
+    warnings.push_back(warning_about(
+        abandoned, "no mask",
+        fmt::format("the mask of {} ({}) takes far longer than mask_budget_ms: the print will stop there",
+                    count_of(abandoned.size(), "layer", "layers"), stretches(abandoned))));
+  }
+  if (findings.cracks.open_chains > 0) warnings.push_back(open_contours_warning(findings));
+  if (findings.cracks.turned_chains > 0) warnings.push_back(turned_chains_warning(findings));
+  return warnings;
+}
+
+std::vector<std::string> warnings_about(const PrintFindings& findings) {
+  std::vector<std::string> sentences;
+  for (FindingWarning& warning : findings_warnings(findings))
+    sentences.push_back(std::move(warning.sentence));
+  return sentences;
+}
+
+Json findings_summary_json(const PrintFindings& findings) {
+  Json json;
+  json["layers"] = findings.layers();
+  json["layer_time_s"] = std::chrono::duration<double>(findings.layer_time).count();
+  json["resin_ml"] = findings.resin_ml();
+  json["largest_area_mm2"] = findings.largest_area_mm2;
+  json["largest_area_layer"] = findings.layers() > 0 ? Json(findings.largest_area_layer + 1) : Json();
+  json["islands"] = findings.island_count;
+  json["suction_cups"] = findings.suction_cup_count;
+  json["resin_traps"] = findings.resin_trap_count;
+  json["empty_layers"] = findings.empty_layers.size();
+  json["abandoned_layers"] = findings.abandoned_layers.size();
+  json["cracked_layers"] = findings.cracked_layers.size();
+  json["open_chains"] = findings.cracks.open_chains;
+  json["turned_chains"] = findings.cracks.turned_chains;
+  json["gaps_closed"] = findings.cracks.gaps_closed;
+  json["widest_gap_mm"] = findings.cracks.widest_gap.count();
+  json["warnings"] = warnings_about(findings);
+  return json;
+}
+
+Json findings_json(const PrintFindings& findings) {
+  Json json = findings_summary_json(findings);
+  Json islands = Json::array(), empty = Json::array(), cracked = Json::array();
+  for (const Island& island : findings.islands) {
+    islands.push_back({{"layer", island.layer + 1},
+                       {"plate_mm", {island.plate_mm.x, island.plate_mm.y}},
+                       {"pixel", {island.pixel.x, island.pixel.y}},
+                       {"area_mm2", island.area_mm2}});
+  }
+  for (const std::int32_t layer : findings.empty_layers)
+    empty.push_back(layer + 1);
+  for (const CrackedLayer& each : findings.cracked_layers) {
+    cracked.push_back({{"layer", each.layer + 1},
+                       {"open_chains", each.cracks.open_chains},
+                       {"turned_chains", each.cracks.turned_chains},
+                       {"gaps_closed", each.cracks.gaps_closed},
+                       {"widest_gap_mm", each.cracks.widest_gap.count()}});
+  }
+  json["island_list"] = std::move(islands);
+  json["suction_cup_list"] = voids_json(findings.suction_cups);
+  json["resin_trap_list"] = voids_json(findings.resin_traps);
+  json["empty_layer_list"] = std::move(empty);
+  json["cracked_layer_list"] = std::move(cracked);
+  return json;
+}
+
+}  // namespace contourd

@@ -1,0 +1,64 @@
+#include "daemon/report/print_record.hpp"
+
+#include <utility>
+
+namespace contourd {
+
+PrintRecord::PrintRecord(Machine& machine, Clock& clock, std::optional<std::filesystem::path> masks)
+    : machine_(machine),
+      clock_(clock),
+      masks_(std::move(masks)),
+      started_(clock.now()),
+      late_steps_then_(machine.z_axis().late_steps().count),
+      started_at_(std::chrono::system_clock::now()),
+      states_(started_) {}
+
+void PrintRecord::enter(PrintState state, std::int32_t layer) {
+  const bool stopped = activity_of(state) == PrintActivity::Stopped;
+  const bool was_stopped = activity_of(states_.state()) == PrintActivity::Stopped;
+  states_.enter(state, clock_.now());
+  if (stopped && !was_stopped) {
+    pause_known_ = stops_.pauses.size() < PrintStops::kMost;
+    if (pause_known_) {
+      stops_.pauses.push_back({layer, states_.total(), {}});
+    } else {
+      ++stops_.more_pauses;
+    }
+  }
+  if (was_stopped && pause_known_) stops_.pauses.back().lasted = states_.total() - stops_.pauses.back().at;
+}
+
+void PrintRecord::add_interruption(std::int32_t layer, const std::string& what) {
+  if (stops_.interruptions.size() < PrintStops::kMost) {
+    stops_.interruptions.push_back({layer, elapsed(), what});
+  } else {
+    ++stops_.more_interruptions;
+  }
+}
+
+void PrintRecord::add_lit_turn(const EventLoop::Turn& turn) {
+  if (turn.busy > busiest_lit_.busy) busiest_lit_ = turn;
+}
+
+PrintReport PrintRecord::take_report() {
+  PrintReport report;
+  report.layers = std::move(layers_);
+  enter(PrintState::Idle, 0);
+  report.stops = std::move(stops_);
+  report.print_time = states_.total();
+  report.states = std::move(states_);
+  report.started = started_at_;
+  report.ended = std::chrono::system_clock::now();
+  report.late_steps = late_steps();
+  report.busiest_lit = busiest_lit_;
+  report.masks = masks_;
+  return report;
+}
+
+// An axis that was lost and opened again counts anew.
+std::uint64_t PrintRecord::late_steps() const {
+  const std::uint64_t now = machine_.z_axis().late_steps().count;
+  return now >= late_steps_then_ ? now - late_steps_then_ : now;
+}
+
+}  // namespace contourd

@@ -1,0 +1,344 @@
+#include "daemon/report/print_report_html.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "daemon/prepare/print_findings.hpp"
+#include "daemon/prepare/supports_text.hpp"
+#include "daemon/report/html_page.hpp"
+#include "daemon/report/light_histogram.hpp"
+#include "daemon/report/report_page_style.hpp"
+#include "daemon/report/state_time_line.hpp"
+#include "daemon/system/base64.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+// Whatever a print was, its page has so many of each; report.json has all. The bytes are a sentence's.
+constexpr std::size_t kMaxItems = 50, kMaxModels = 20, kMaxSentence = 500;
+
+template <typename Value>
+std::string plot_of(const PrintReport& report, const std::string& title, Value&& value) {
+  std::vector<PlotPoint> points;
+  for (const LayerRecord& layer : report.layers) {
+    points.push_back({to_millimeters(layer.mask_height).count(), static_cast<double>(value(layer))});
+  }
+  return svg_plot(title, points);
+}
+
+std::string row(const std::string& name, const std::string& value) {
+  return fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, escaped(value));
+}
+
+std::string model_rows(const ModelSummary& model) {
+  std::string rows;
+  if (!model.file.empty()) rows += row("File", model.file);
+  rows += row("Size",
+              fmt::format("{:.2f} x {:.2f} x {:.2f} mm", model.size_x_mm, model.size_y_mm, model.size_z_mm));
+  rows += row("Model", fmt::format("{} facets, {}, {}", model.mesh.facets, model.format,
+                                   model.mesh.watertight ? "watertight" : "not watertight"));
+  if (model.centers.size() != 1) rows += row("Copies", std::to_string(model.centers.size()));
+  if (model.drain_holes > 0) rows += row("Drain holes", std::to_string(model.drain_holes));
+  const Scale& scale = model.scale;
+  if (!scale.uniform()) {
+    rows += row("Scale", fmt::format("{:.4g} x {:.4g} x {:.4g}", scale.x, scale.y, scale.z));
+  } else if (scale.x != 1) {
+    rows += row("Scale", fmt::format("{:.4g}", scale.x));
+  }
+  if (model.orientation) rows += row("Way up", describe(*model.orientation));
+  return rows;
+}
+
+std::string thickness_of(const JobSummary& summary) {
+  const double thinnest_um = to_millimeters(summary.layers.thinnest).count() * 1000;
+  if (!summary.layers.adaptive) return fmt::format("{:g} um each", thinnest_um);
+  return fmt::format("{:g} to {:g} um (cusp {:g} um)", thinnest_um,
+                     to_millimeters(summary.layers.thickest).count() * 1000,
+                     to_millimeters(summary.layers.adaptive->cusp).count() * 1000);
+}
+
+std::string settings_rows(const JobSummary& summary) {
+  std::string rows = row("Resin", describe_settings(summary));
+  const std::string correction = describe_correction(summary);
+  if (!correction.empty()) rows += row("Compensation", correction);
+  return rows;
+}
+
+std::string exposure_rows(const std::vector<LayerRecord>& layers) {
+  if (layers.empty()) return "";
+  Duration least{0}, most{0};
+  for (const LayerRecord& layer : layers) {
+    if (!layer.complete) continue;
+    least = std::min(least, layer.exposure_least - layer.exposure_asked);
+    most = std::max(most, layer.exposure_most - layer.exposure_asked);
+  }
+  return row("Exposure", fmt::format("{:.0f} ms first, {:.0f} ms last", in_ms(layers.front().exposure_asked),
+                                     in_ms(layers.back().exposure_asked))) +
+         row("Light", fmt::format("{:+.2f} to {:+.2f} ms from what was asked", in_ms(least), in_ms(most)));
+}
+
+std::string mask_row(const std::vector<LayerRecord>& layers) {
+  if (layers.empty()) return "";
+  Duration slowest{0}, sum{0};
+  for (const LayerRecord& layer : layers) {
+    slowest = std::max(slowest, layer.mask_time);
+    sum += layer.mask_time;
+  }
+  return row("Masks", fmt::format("{:.2f} ms each, the slowest {:.2f} ms",
+                                  in_ms(sum) / static_cast<double>(layers.size()), in_ms(slowest)));
+}
+
+// What did not go as it should beside stops and the model's own.
+std::string trouble_rows(const PrintReport& report) {
+  std::string rows;
+  if (report.late_steps > 0)
+    rows += row("Late steps", fmt::format("{}: the computer was too busy for them", report.late_steps));
+  if (report.busiest_lit.busy > kLongestLitTurn) {
+    rows += row("Late light", fmt::format("by up to {:.0f} ms: the event loop was busy with {}",
+                                          in_ms(report.busiest_lit.busy), report.busiest_lit.source));
+  }
+  return rows;
+}
+
+// What was exposed, and of how much in all.
+std::string resin_row(const PrintReport& report) {
+  std::string used = fmt::format("{:.2f} ml", exposed_volume_mm3(report.layers) / 1000);
+  if (report.findings && report.outcome != PrintOutcome::Done)
+    used += fmt::format(" of {:.2f} ml in all layers", report.findings->resin_ml());
+  return row("Resin used", used);
+}
+
+// A copy of a model is no other model, but a plate may hold hundreds of models.
+std::string models_rows(const std::vector<ModelSummary>& models) {
+  std::string rows;
+  for (std::size_t i = 0; i < std::min(models.size(), kMaxModels); ++i)
+    rows += model_rows(models[i]);
+  if (models.size() > kMaxModels)
+    rows += row("Models", fmt::format("and {} more", models.size() - kMaxModels));
+  return rows;
+}
+
+// Of each model whose way up was left to contourd, what else there was.
+std::string orientation_section(const std::vector<ModelSummary>& models) {
+  std::string html;
+  std::size_t told = 0;
+  for (const ModelSummary& model : models) {
+    if (!model.orientation || told == kMaxModels) continue;
+    ++told;
+    html += fmt::format("<h2>Ways up{}</h2>\n<table id=\"ways-up-{}\">\n",
+                        model.file.empty() ? "" : ": " + escaped(model.file), told);
+    for (const OrientationFigures& each : told_of(model.orientation->choice))
+      html += row(text_of(each.up), describe(each));
+    html += "</table>\n";
+  }
+  return html;
+}
+
+std::string facts(const PrintReport& report) {
+  const JobSummary& summary = report.summary;
+  std::string rows = row("Printer", report.printer);
+  rows += row("Started", iso_time(report.started));
+  rows += row("Print time", readable(report.print_time));
+  rows += row("Layers", fmt::format("{} of {} exposed, {}", layers_exposed(report.layers),
+                                    summary.layers.count, thickness_of(summary)));
+  rows += resin_row(report) + models_rows(summary.models);
+  if (summary.supports) rows += row("Supports", supports_line(counts_of(*summary.supports)));
+  rows += settings_rows(summary) + exposure_rows(report.layers) + trouble_rows(report);
+  rows += row("First mask", fmt::format("{:.1f} ms after its turn came", in_ms(report.first_mask_after)));
+  rows += mask_row(report.layers);
+  if (report.findings) rows += row("Analysis", findings_line(*report.findings));
+  return rows;
+}
+
+// --- what to look at
+
+// "<a href="#layer-8">layer 8</a>" for each of these that has a picture.
+std::string links_to(const PrintReport& report, std::span<const std::int32_t> layers) {
+  std::string links;
+  for (const std::int32_t layer : layers) {
+    if (std::ranges::find(report.layer_pictures, layer, &LayerPicture::layer) == report.layer_pictures.end())
+      continue;
+    links += fmt::format("{}<a href=\"#layer-{}\">layer {}</a>", links.empty() ? "; see " : ", ", layer + 1,
+                         layer + 1);
+  }
+  return links;
+}
+
+std::string item(const std::string& sentence, const std::string& links = "") {
+  return fmt::format("<li>{}{}</li>\n", escaped(shortened(sentence, kMaxSentence)), links);
+}
+
+std::string more_items(std::uint64_t more) {
+  return more > 0 ? item(fmt::format("and {} more", more)) : "";
+}
+
+std::string warning_list(const PrintReport& report) {
+  const std::vector<std::string>& of_model = report.summary.warnings;
+  const auto of_layers =
+      report.findings ? findings_warnings(*report.findings) : std::vector<FindingWarning>{};
+  if (of_model.empty() && of_layers.empty()) return "";
+  std::string list = "<h2>Warnings</h2>\n<ul class=\"notes warnings\">\n";
+  for (const FindingWarning& warning : of_layers)
+    list += item(warning.sentence, links_to(report, warning.layers));
+  const std::size_t told = std::min(of_model.size(), kMaxItems);
+  for (std::size_t i = 0; i < told; ++i)
+    list += item(of_model[i]);
+  return list + more_items(of_model.size() - told) + "</ul>\n";
+}
+
+std::string stop_list(const PrintReport& report) {
+  const PrintStops& stops = report.stops;
+  std::string list;
+  const std::size_t pauses = std::min(stops.pauses.size(), kMaxItems);
+  const std::size_t interruptions = std::min(stops.interruptions.size(), kMaxItems);
+  for (std::size_t i = 0; i < interruptions; ++i) {
+    const PrintInterruption& each = stops.interruptions[i];
+    const std::int32_t layers[]{each.layer};
+    list +=
+        item(fmt::format("After {}, layer {}: interrupted: {}", readable(each.at), each.layer + 1, each.what),
+             links_to(report, layers));
+  }
+  list += more_items(stops.interruptions.size() - interruptions + stops.more_interruptions);
+  for (std::size_t i = 0; i < pauses; ++i) {
+    const PrintPause& pause = stops.pauses[i];
+    list += item(fmt::format("After {}, layer {}: stopped for {}", readable(pause.at), pause.layer + 1,
+                             readable(pause.lasted)));
+  }
+  list += more_items(stops.pauses.size() - pauses + stops.more_pauses);
+  return list.empty() ? "" : "<ul class=\"notes\">\n" + list + "</ul>\n";
+}
+
+std::string time_section(const PrintReport& report) {
+  const std::string line = state_time_line(report);
+  if (line.empty()) return "";
+  return "<h2>Where the time went</h2>\n" + line + stop_list(report) + state_table(report.states);
+}
+
+std::string light_section(const PrintReport& report) {
+  const LightHistogram histogram = histogram_of_light(report.layers);
+  if (histogram.bins.empty()) return "";
+  std::string html = "<h2>Light given against asked, ms</h2>\n" + svg_of(histogram);
+  std::string text =
+      fmt::format("{}, by how much longer the light was on than was asked for.",
+                  histogram.layers == 1 ? "1 layer" : fmt::format("{} layers", histogram.layers));
+  if (std::abs(histogram.farthest_ms) >= LightHistogram::kFinest_ms) {
+    text +=
+        fmt::format(" The farthest is layer {}: {:+.2f} ms.", histogram.farthest + 1, histogram.farthest_ms);
+  }
+  if (histogram.left_out > 0)
+    text += fmt::format(" Not counted: {} whose light was not all given, or not confirmed off.",
+                        histogram.left_out);
+  html += "<p>" + text;
+  if (!histogram.exact) {
+    html +=
+        " What is known are bounds: <span class=\"swatch least\"></span>at the least, "
+        "<span class=\"swatch most\"></span>at the most.";
+  }
+  return html + "</p>\n";
+}
+
+struct Rings {
+  const std::vector<LayerMark>& marks;
+  std::string_view style_class, label;
+};
+
+std::string rings_on(const LayerPicture& picture, const Rings& rings) {
+  if (rings.marks.empty()) return "";
+  std::string html =
+      fmt::format("<svg class=\"{}\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">",
+                  rings.style_class, picture.width.count(), picture.height.count(), rings.label);
+  for (const LayerMark& mark : rings.marks) {
+    html += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\"/>", mark.middle.x, mark.middle.y,
+                        mark.radius);
+  }
+  return html + "</svg>";
+}
+
+std::string figure(const PrintReport& report, const LayerPicture& picture) {
+  const auto record = std::ranges::lower_bound(report.layers, picture.layer, {}, &LayerRecord::layer);
+  const std::string height = record == report.layers.end()
+                                 ? ""
+                                 : fmt::format(", {:.3f} mm, {:.2f} mm²",
+                                               to_millimeters(record->mask_height).count(), record->area_mm2);
+  std::string html = fmt::format(
+      "<figure id=\"layer-{0}\"><div class=\"shot\"><img alt=\"What the projector showed for layer {0}\" "
+      "width=\"{1}\" height=\"{2}\" src=\"data:image/png;base64,{3}\">",
+      picture.layer + 1, picture.width.count(), picture.height.count(), base64(picture.png));
+  html += rings_on(picture, {picture.islands, "islands", "Islands that begin here"});
+  html += rings_on(picture, {picture.voids, "voids", "Suction cups and resin traps that are widest here"});
+  return html + fmt::format("</div><figcaption>Layer {}{}{}</figcaption></figure>\n", picture.layer + 1,
+                            height, picture.why.empty() ? "" : ": " + escaped(picture.why));
+}
+
+std::string layer_section(const PrintReport& report) {
+  if (report.layer_pictures.empty()) return "";
+  std::string html = "<h2>Layers, as the projector showed them</h2>\n<div class=\"layers\">\n";
+  for (const LayerPicture& picture : report.layer_pictures)
+    html += figure(report, picture);
+  return html + "</div>\n";
+}
+
+std::string plots(const PrintReport& report) {
+  if (report.layers.empty()) return "";
+  return plot_of(report, "Exposed area, mm² by height", [](const LayerRecord& l) { return l.area_mm2; }) +
+         plot_of(report, "Time from height to mask, ms by height",
+                 [](const LayerRecord& l) { return in_ms(l.mask_time); }) +
+         plot_of(report, "Contour loops by height", [](const LayerRecord& l) { return l.loops; });
+}
+
+// The part, with a dot for each contact of its supports.
+std::string preview_figure(const PrintReport& report) {
+  if (!report.preview) return "";
+  const PartPreview& preview = *report.preview;
+  std::string html = fmt::format(
+      "<figure class=\"part\"><div class=\"shot\"><img alt=\"The part as far as it was printed{}\" "
+      "src=\"data:image/png;base64,{}\">",
+      report.outcome == PrintOutcome::Done ? "" : ", the rest faint", base64(preview.png));
+  if (preview.contacts.empty()) return html + "</div></figure>\n";
+  html += fmt::format(
+      "<svg class=\"contacts\" viewBox=\"0 0 {0} {0}\" role=\"img\" aria-label=\"The supports' contacts\">",
+      preview.side.count());
+  const double radius = preview.side.count() / (preview.contacts.size() > 200 ? 240.0 : 160.0);
+  for (const PartPreview::Contact& contact : preview.contacts) {
+    html += fmt::format("<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\"/>",
+                        name_of(contact.cause), contact.at.x, contact.at.y, radius);
+  }
+  html += "</svg></div><figcaption>The supports' contacts, in front and hidden:";
+  for (const ContactCause cause : {ContactCause::Island, ContactCause::Overhang, ContactCause::Peel}) {
+    const auto count = std::ranges::count(preview.contacts, cause, &PartPreview::Contact::cause);
+    if (count > 0)
+      html += fmt::format(" <span class=\"cause\"><span class=\"swatch {0}\"></span>{0} {1}</span>",
+                          name_of(cause), count);
+  }
+  return html + "</figcaption></figure>\n";
+}
+
+}  // namespace
+
+std::string report_as_html(const PrintReport& report) {
+  const std::string job = escaped(report.job);
+  const std::string outcome(name_of(report.outcome));
+  const std::string reason =
+      report.reason.empty() ? "" : ": " + escaped(shortened(report.reason, kMaxSentence));
+  // Nothing is fetched and nothing is run, whatever a name has in it.
+  std::string html = fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
+      "'unsafe-inline'; base-uri 'none'; form-action 'none'\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{0}: {1}</title>\n<style>{2}{3}</style>\n"
+      "<h1>{0}</h1>\n<div class=\"outcome {1}\">{1}{4}</div>\n<div class=\"top\">\n",
+      job, outcome, kPageStyle, kReportPageStyle, reason);
+  html += preview_figure(report) + "<table>\n" + facts(report) + "</table>\n</div>\n";
+  html += warning_list(report) + orientation_section(report.summary.models) + layer_section(report) +
+          time_section(report) + light_section(report);
+  return html + plots(report) + "</html>\n";
+}
+
+}  // namespace contourd

@@ -1,0 +1,200 @@
+#include "daemon/report/print_report_json.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/prepare/mesh_repair_text.hpp"
+#include "daemon/prepare/overrides_text.hpp"
+#include "daemon/prepare/print_findings.hpp"
+#include "daemon/prepare/supports_text.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json scale_json(const Scale& scale) {
+  if (scale.uniform()) return scale.x;
+  return {scale.x, scale.y, scale.z};
+}
+
+Json model_json(const ModelSummary& model) {
+  const MeshReport& mesh = model.mesh;
+  Json json;
+  if (!model.file.empty()) json["file"] = model.file;
+  json["format"] = model.format;
+  json["facets"] = mesh.facets;
+  json["size_mm"] = {model.size_x_mm, model.size_y_mm, model.size_z_mm};
+  json["scale"] = scale_json(model.scale);
+  if (model.up) {
+    json["up"] = {model.up->x, model.up->y, model.up->z};
+  } else {
+    json["rotation_deg"] = {model.rotation_deg.x, model.rotation_deg.y, model.rotation_deg.z};
+  }
+  json["drain_holes"] = model.drain_holes;
+  if (model.orientation) json["orientation"] = orientation_json(*model.orientation);
+  json["copies"] = model.centers.size();
+  Json centers = Json::array();
+  for (const Point& center : model.centers)
+    centers.push_back({center.x, center.y});
+  json["positions_mm"] = std::move(centers);
+  json["watertight"] = mesh.watertight;
+  json["open_edges"] = mesh.open_edges;
+  json["repairs"] = repairs_json(model.repairs);
+  return json;
+}
+
+// One model is told as it always was; a plate's are a list.
+void add_models(const JobSummary& summary, Json& json) {
+  if (summary.plate) {
+    json["models"] = Json::array();
+    for (const ModelSummary& model : summary.models)
+      json["models"].push_back(model_json(model));
+    json["warnings"] = summary.warnings;
+    return;
+  }
+  Json model = model_json(summary.models.front());
+  const std::vector<Point>& centers = summary.models.front().centers;
+  Point middle{};
+  for (const Point& center : centers) {
+    middle.x += center.x / static_cast<double>(centers.size());
+    middle.y += center.y / static_cast<double>(centers.size());
+  }
+  model["position_mm"] = {middle.x, middle.y};
+  model["warnings"] = summary.warnings;
+  json["model"] = std::move(model);
+}
+
+// What every layer's light follows from.
+Json exposure_json(const JobSummary& summary) {
+  const Scale& made_larger = summary.resin.shrinkage_factors;
+  const auto percent = [](double factor) { return 100 * (1 - 1 / factor); };
+  Json json{{"irradiance_mw_cm2", summary.irradiance_mw_cm2},
+            {"shrinkage_percent", {percent(made_larger.x), percent(made_larger.y), percent(made_larger.z)}},
+            {"support_grey", summary.resin.support.least_grey},
+            {"support_area_mm2", summary.resin.support.contact_area_mm2}};
+  if (const auto* fixed = std::get_if<FixedExposure>(&summary.resin.exposure)) {
+    json["exposure_ms"] = in_ms(fixed->exposure);
+    json["bottom_exposure_ms"] = in_ms(fixed->bottom_exposure);
+    return json;
+  }
+  const auto& curve = std::get<WorkingCurve>(summary.resin.exposure);
+  json["working_curve"] = {{"penetration_depth_um", curve.penetration_depth.count()},
+                           {"critical_energy_mj_cm2", curve.critical_energy_mj_cm2},
+                           {"overcure_um", curve.overcure.count()},
+                           {"bottom_overcure_um", curve.bottom_overcure.count()}};
+  return json;
+}
+
+void add_layer_figures(const LayerSummary& layers, Json& json) {
+  if (layers.adaptive) {
+    json["adaptive_layers"] = {{"cusp_um", in_mm(layers.adaptive->cusp) * 1000},
+                               {"min_um", in_mm(layers.adaptive->thinnest) * 1000},
+                               {"max_um", in_mm(layers.adaptive->thickest) * 1000}};
+  } else {
+    json["layer_height_um"] = in_mm(layers.thinnest) * 1000;
+  }
+  json["layers"] = layers.count;
+}
+
+// Where the print's time went.
+void add_stops(const PrintReport& report, Json& json) {
+  const PrintStops& stops = report.stops;
+  Json states = Json::object(), interruptions = Json::array(), pauses = Json::array();
+  for (std::size_t i = 0; i < kPrintStates; ++i) {
+    const auto state = static_cast<PrintState>(i);
+    if (report.states.in(state) > Duration{0})
+      states[std::string(name_of(state))] = in_seconds(report.states.in(state));
+  }
+  for (const PrintInterruption& each : stops.interruptions)
+    interruptions.push_back(fmt::format("layer {}: {}", each.layer + 1, each.what));
+  if (stops.more_interruptions > 0)
+    interruptions.push_back(fmt::format("and {} more", stops.more_interruptions));
+  for (const PrintPause& each : stops.pauses)
+    pauses.push_back(
+        {{"layer", each.layer + 1}, {"at_s", in_seconds(each.at)}, {"lasted_s", in_seconds(each.lasted)}});
+  json["states_s"] = std::move(states);
+  json["interruptions"] = std::move(interruptions);
+  json["pauses"] = std::move(pauses);
+  json["pause_count"] = stops.pauses.size() + stops.more_pauses;
+}
+
+Json layer_json(const LayerRecord& layer) {
+  return {{"layer", layer.layer + 1},
+          {"thickness_um", in_mm(layer.thickness) * 1000},
+          {"plate_height_mm", in_mm(layer.plate_height)},
+          {"mask_height_mm", in_mm(layer.mask_height)},
+          {"exposure_asked_ms", in_ms(layer.exposure_asked)},
+          {"exposure_least_ms", in_ms(layer.exposure_least)},
+          {"exposure_most_ms", in_ms(layer.exposure_most)},
+          {"exposure_parts", layer.exposure_parts},
+          {"complete", layer.complete},
+          {"dark_confirmed", layer.dark_confirmed},
+          {"shown_at_s", in_ms(layer.shown_at.time_since_epoch()) / 1000},  // by the machine's clock
+          {"mask_ms", in_ms(layer.mask_time)},
+          {"area_mm2", layer.area_mm2},
+          {"intersecting_facets", layer.intersecting_facets},
+          {"loops", layer.loops},
+          {"open_chains", layer.cracks.open_chains},
+          {"turned_chains", layer.cracks.turned_chains},
+          {"gaps_closed", layer.cracks.gaps_closed},
+          {"widest_gap_mm", layer.cracks.widest_gap.count()}};
+}
+
+}  // namespace
+
+std::string report_as_json(const PrintReport& report) {
+  const JobSummary& summary = report.summary;
+  Json json;
+  json["job"] = report.job;
+  json["printer"] = report.printer;
+  json["outcome"] = name_of(report.outcome);
+  if (!report.reason.empty()) json["reason"] = report.reason;
+  json["started"] = iso_time(report.started);
+  json["ended"] = iso_time(report.ended);
+  json["print_time_s"] = in_ms(report.print_time) / 1000;
+  add_models(summary, json);
+  json["resin"] = summary.resin.name;
+  json["settings"] = exposure_json(summary);
+  json["settings"].update(
+      Json{{"lift_mm", in_mm(summary.resin.lift)},
+           {"lift_speed_mm_s", summary.resin.lift_speed.count()},
+           {"retract_speed_mm_s", summary.resin.retract_speed.count()},
+           {"settle_ms", in_ms(summary.resin.settle)},
+           {"rest_ms", in_ms(summary.resin.rest)},
+           {"exposure_tolerance_ms", in_ms(summary.resin.tolerance.bounds)},
+           {"bottom_layers", summary.resin.bottom_layers},
+           {"fade_layers", summary.resin.fade_layers},
+           {"growth_um", summary.resin.compensation.growth.count()},
+           {"elephant_foot_um", summary.resin.compensation.elephant_foot.count()},
+           {"elephant_foot_height_um", in_mm(summary.resin.compensation.elephant_foot_height) * 1000},
+           {"lamp_mask", summary.uniformity_mask},
+           {"gamma", summary.tone.gamma},
+           {"threshold", summary.tone.threshold}});
+  if (summary.supports) json["settings"]["supports"] = support_settings_json(summary.resin.supports);
+  json["overrides"] = overrides_json(summary.overridden);
+  json["supports"] = summary.supports ? supports_json(*summary.supports) : Json();
+  add_layer_figures(summary.layers, json);
+  json["layers_exposed"] = layers_exposed(report.layers);
+  add_stops(report, json);
+  json["late_steps"] = report.late_steps;
+  json["loop_busy_ms_worst_lit"] = in_ms(report.busiest_lit.busy);
+  json["reading_ms"] = in_ms(summary.reading);
+  json["indexing_ms"] = in_ms(summary.indexing);
+  json["supporting_ms"] = in_ms(summary.supporting);
+  json["first_mask_ms"] = in_ms(summary.first_mask);
+  json["arrival_to_first_mask_ms"] = in_ms(report.first_mask_after);
+  json["exposed_volume_mm3"] = exposed_volume_mm3(report.layers);
+  if (report.masks) json["masks_folder"] = report.masks->string();
+  json["analysis"] = report.findings ? findings_json(*report.findings) : Json();
+  Json layers = Json::array();
+  for (const LayerRecord& layer : report.layers)
+    layers.push_back(layer_json(layer));
+  json["layer_records"] = std::move(layers);
+  // File names need not be UTF-8.
+  return json.dump(1, ' ', true, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace contourd

@@ -1,0 +1,70 @@
+// Keeps an inotify(7) watch on incoming/, whichever folder that is: it may be removed, renamed, replaced or
+// mounted over while it is watched. Then the one that is there instead is watched. Event loop's thread only.
+#pragma once
+
+#include <sys/inotify.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "daemon/system/event_loop.hpp"
+#include "daemon/system/worker.hpp"
+#include "hw/file_descriptor.hpp"
+
+namespace contourd {
+
+// Of a folder's files, that are watched.
+inline constexpr std::uint32_t kFolderChanges =
+    IN_CREATE | IN_CLOSE_WRITE | IN_MOVED_TO | IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR;
+
+class IncomingFolder {
+ public:
+  struct Calls {
+    // Makes it where it is not there; called by any thread, one at a time; throws std::runtime_error.
+    std::function<void()> make;
+    std::function<void()> left;                             // it is watched no more
+    std::function<void()> replaced;                         // another one is watched
+    std::function<void(const std::string& why)> not_there;  // there is none that can be; it is tried again
+  };
+  // The loop, the disk and the inotify descriptor must outlive it.
+  IncomingFolder(std::filesystem::path path, EventLoop& loop, Worker& disk, Calls calls);
+
+  // Throws std::runtime_error.
+  void watch_by(int inotify);
+  [[nodiscard]] bool is_watched_by(int watch) const { return watch == watch_; }
+  // Again and again, until one can be watched.
+  void watch_anew();
+
+ private:
+  // A folder by what it is, whatever its name.
+  struct Identity {
+    std::uint64_t device = 0, inode = 0;
+    bool operator==(const Identity&) const = default;
+  };
+  struct Opened {
+    FileDescriptor folder;
+    Identity identity;
+    std::string trouble;  // else why it could not be opened
+  };
+
+  [[nodiscard]] Opened open() const noexcept;
+  [[nodiscard]] Identity identity_now() const;
+  void watch(const Opened& opened);
+  void opened_anew(const Opened& opened);
+  void look_later();
+  void looked(const Identity& identity);
+
+  std::filesystem::path path_;
+  EventLoop& loop_;
+  Worker& disk_;
+  Calls calls_;
+  int inotify_ = -1, watch_ = -1;
+  Identity identity_;
+  bool opening_ = false;
+  bool missing_ = false;
+  EventLoop::SourcePtr watch_again_timer_, look_timer_;
+};
+
+}  // namespace contourd

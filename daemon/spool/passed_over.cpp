@@ -1,0 +1,131 @@
+#include "daemon/spool/passed_over.hpp"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+namespace contourd {
+namespace {
+
+// How many are named in the log before the rest is only counted, and how many are settled in a turn of the
+// event loop.
+constexpr std::size_t kMaxTold = 10, kMaxATurn = 50;
+
+constexpr std::array<std::string_view, 14> kUnfinished{
+    ".part",   ".partial", ".tmp",        ".temp",  ".crdownload", ".download", ".filepart",
+    ".upload", ".swp",     ".opdownload", ".aria2", ".!ut",        ".bak",      ".new"};
+constexpr std::array<std::string_view, 14> kModels{".3mf",  ".obj",  ".amf", ".ply",   ".step",
+                                                   ".stp",  ".iges", ".igs", ".blend", ".glb",
+                                                   ".gltf", ".fbx",  ".f3d", ".scad"};
+constexpr std::array<std::string_view, 20> kSliced{
+    ".gcode", ".gco",  ".g",    ".sl1",  ".sl1s", ".ctb", ".cbddlp", ".photon", ".photons", ".pws",
+    ".pw0",   ".pwmx", ".pwmo", ".pwmb", ".phz",  ".lgs", ".zcodex", ".cws",    ".goo",     ".prz"};
+constexpr std::array<std::string_view, 7> kArchives{".zip", ".gz", ".7z", ".rar", ".tar", ".xz", ".bz2"};
+
+bool is_one_of(std::string_view word, const auto& words) {
+  return std::ranges::find(words, word) != words.end();
+}
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return extension;
+}
+
+}  // namespace
+
+std::optional<WhyPassedOver> why_passed_over(const std::filesystem::path& path) {
+  const std::string name = path.filename().string(), extension = lower_extension(path);
+  if (name.empty() || name.starts_with('.') || name.ends_with('~')) return std::nullopt;
+  if (is_one_of(extension, kUnfinished)) return std::nullopt;
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) != 0) return std::nullopt;
+  if (!S_ISREG(status.st_mode)) return WhyPassedOver::NotAFile;
+  if (extension == ".json") return std::nullopt;
+  if (is_one_of(extension, kModels)) return WhyPassedOver::Model;
+  if (is_one_of(extension, kSliced)) return WhyPassedOver::Sliced;
+  return is_one_of(extension, kArchives) ? WhyPassedOver::Archive : WhyPassedOver::Other;
+}
+
+std::string_view sentence_for(WhyPassedOver why) {
+  switch (why) {
+    case WhyPassedOver::Folder:
+      return "a folder without plate.json is no plate: it wants one, or its STL files directly in incoming";
+    case WhyPassedOver::Model:
+      return "only STL files are printed: export the model as STL";
+    case WhyPassedOver::Sliced:
+      return "it is sliced for another printer: contourd wants the model itself, as an STL file";
+    case WhyPassedOver::Archive:
+      return "archives are not unpacked: contourd wants the STL files in it";
+    case WhyPassedOver::NotAFile:
+      return "it is a link, a pipe or a device: contourd wants the file itself";
+    case WhyPassedOver::Other:
+      break;
+  }
+  return "it is no STL file by its name: contourd wants NAME.stl, its ticket NAME.json, or a plate's folder";
+}
+
+PassedOver::PassedOver(EventLoop& loop, Telling tell, Duration settled)
+    : loop_(loop), tell_(std::move(tell)), settled_after_(settled) {}
+
+void PassedOver::saw(const std::string& file, WhyPassedOver why) {
+  if (const auto known = settled_.find(file); known != settled_.end() && known->second == why) return;
+  forget(file);
+  const TimePoint now = std::chrono::steady_clock::now();
+  unsettled_.emplace(file, Unsettled{why, now});
+  by_change_.emplace(now, file);
+  if (!timer_) wait();
+}
+
+void PassedOver::forget(const std::string& file) {
+  settled_.erase(file);
+  forget_unsettled(file);
+}
+
+void PassedOver::forget_unsettled(const std::string& file) {
+  const auto found = unsettled_.find(file);
+  if (found == unsettled_.end()) return;
+  by_change_.erase({found->second.changed, file});
+  unsettled_.erase(found);
+}
+
+void PassedOver::forget_all_but(const std::set<std::string>& files) {
+  std::erase_if(settled_, [&files](const auto& each) { return !files.contains(each.first); });
+  std::erase_if(unsettled_, [&files](const auto& each) { return !files.contains(each.first); });
+  std::erase_if(by_change_, [&files](const auto& each) { return !files.contains(each.second); });
+}
+
+void PassedOver::wait() {
+  timer_ =
+      loop_.at(by_change_.begin()->first + settled_after_, "the spool's timer", [this] { settle_some(); });
+}
+
+void PassedOver::settle_some() {
+  timer_.reset();
+  const TimePoint settled = std::chrono::steady_clock::now() - settled_after_;
+  for (std::size_t i = 0; i < kMaxATurn && !by_change_.empty() && by_change_.begin()->first <= settled; ++i) {
+    const std::string file = by_change_.begin()->second;
+    const WhyPassedOver why = unsettled_.at(file).why;
+    forget_unsettled(file);
+    settle(file, why);
+  }
+  if (!by_change_.empty()) return wait();
+  if (untold_ > 0) tell_.more(untold_);
+  told_ = untold_ = 0;
+}
+
+void PassedOver::settle(const std::string& file, WhyPassedOver why) {
+  settled_.emplace(file, why);
+  if (told_ == kMaxTold) {
+    ++untold_;
+    return;
+  }
+  ++told_;
+  tell_.one(file, why);
+}
+
+}  // namespace contourd

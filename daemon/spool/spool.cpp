@@ -1,0 +1,213 @@
+#include "daemon/spool/spool.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "daemon/spool/job_moves.hpp"
+#include "daemon/spool/left_in_printing.hpp"
+#include "daemon/spool/state_folder.hpp"
+#include "daemon/system/durable_file.hpp"
+#include "daemon/system/new_file.hpp"
+
+namespace contourd {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kCopied = "copied-originals";
+
+}  // namespace
+
+Spool::Spool(fs::path root, EventLoop& loop, SpoolObserver& observer)
+    : folders_(std::move(root)),
+      state_(state_folder_path(folders_.root())),
+      records_(state_),
+      originals_(state_ / kCopied),
+      copies_(folders_, records_, originals_),
+      watch_(
+          folders_, originals_, [this] { make_folders(); }, loop, disk_, observer),
+      disk_(loop, "contourd-spool") {
+  make_folders();
+  remove_leftovers();
+  originals_.settle(folder(Folder::Printing));
+}
+
+void Spool::make_folders() {
+  for (const Folder each : {Folder::Incoming, Folder::Printing, Folder::Done, Folder::Failed}) {
+    const fs::path path = folder(each);
+    std::error_code code;
+    fs::create_directories(path, code);
+    if (code)
+      throw std::runtime_error(fmt::format("cannot make {}: {}", path.string(), why_not_written(code)));
+    if (!fs::is_directory(fs::symlink_status(path, code)))
+      throw std::runtime_error(fmt::format("{} is a symbolic link, not a folder", path.string()));
+  }
+  make_state_folder(state_);
+  lock_.take(folders_.root());
+}
+
+void Spool::remove_leftovers() const {
+  for (const fs::path& each :
+       {folder(Folder::Printing), folder(Folder::Done), folder(Folder::Failed), state_})
+    remove_unfinished_files(each);
+  copies_.remove_leftovers();
+}
+
+Spool::~Spool() {
+  stop_copying();
+}
+
+void Spool::open() {
+  originals_.keep_those_in(folder(Folder::Incoming));
+  watch_.open();
+}
+
+bool Spool::is_unfinished(const std::string& file) const {
+  return contourd::is_unfinished(files_of(Folder::Incoming, file));
+}
+
+bool Spool::is_waiting(const std::string& file) const {
+  std::error_code code;
+  return fs::symlink_status(folder(Folder::Incoming) / file, code).type() != fs::file_type::not_found;
+}
+
+JobFiles Spool::begin(const std::string& file) {
+  const JobFiles from = files_of(Folder::Incoming, file);
+  const JobFiles to = folders_.named(Folder::Printing, folders_.unused_name(from.name), from);
+  records_.forget_end_of_print();
+  move_files(folders_, from, to);
+  watch_.moved_away(file);
+  return to;
+}
+
+bool Spool::end(const JobFiles& files, Folder where) const {
+  fs::create_directories(folder(where));
+  const bool there = fs::exists(fs::symlink_status(files.model));
+  if (there) move_files(folders_, files, folders_.named(where, files.name, files));
+  records_.forget_end_of_print();
+  return there;
+}
+
+void Spool::begin_with_copy(const std::string& file, std::function<void(const Copy&)> done) {
+  disk_.run([this, file] { return copies_.copy(file); },
+            [this, file, done = std::move(done)](const Copy& copy) {
+              if (copy.job && !copy.job->original.empty()) watch_.add_original(file);
+              done(copy);
+            });
+}
+
+bool Spool::is_immovable(const std::error_code& code) {
+  return code == std::errc::permission_denied || code == std::errc::operation_not_permitted ||
+         code == std::errc::cross_device_link || code == std::errc::device_or_resource_busy;
+}
+
+void Spool::give_back(const JobFiles& files) {
+  if (!files.original.empty()) {
+    copies_.take_back(files);
+    watch_.remove_original(files.original);
+    return;
+  }
+  const JobFiles to = folders_.unused_in_incoming(files);
+  try {
+    move_files(folders_, files, to);
+  } catch (const std::system_error& error) {
+    if (error.code() != std::errc::cross_device_link) throw;
+    copies_.give_back(files, to);
+  }
+}
+
+void Spool::reject(const std::string& file, const std::string& reason, Rejected done) {
+  using Result = std::pair<Rejection, std::string>;
+  disk_.run(
+      [this, file, reason]() -> Result {
+        try {
+          return {file_rejected(file, reason), ""};
+        } catch (const std::system_error& error) {
+          return {Rejection::Impossible, error.what()};
+        }
+      },
+      [this, file, done = std::move(done)](const Result& result) {
+        if (result.first == Rejection::LeftThere) watch_.add_original(file);
+        done(result.first, result.second);
+      });
+}
+
+// On the disk's thread.
+Spool::Rejection Spool::file_rejected(const std::string& file, const std::string& reason) {
+  if (is_unfinished(file)) return Rejection::Unfinished;
+  const JobFiles from = files_of(Folder::Incoming, file);
+  const JobFiles to = folders_.named(Folder::Failed, folders_.unused_name(from.name), from);
+  const std::int64_t changed = change_time(from.model);
+  write_beside(Folder::Failed, to.name, "reason.txt", reason);
+  // The disk took its time, and the owner wrote it anew meanwhile.
+  if (change_time(from.model) != changed) {
+    fs::remove(folder(Folder::Failed) / (to.name + ".reason.txt"));
+    return Rejection::Unfinished;
+  }
+  try {
+    move_files(folders_, from, to);
+    return Rejection::Filed;
+  } catch (const std::system_error& error) {
+    if (!is_immovable(error.code())) throw;
+    originals_.add(mark_of(from));
+    return Rejection::LeftThere;
+  }
+}
+
+void Spool::write_beside(Folder where, const std::string& name, const std::string& suffix,
+                         const std::string& text) const {
+  fs::create_directories(folder(where));
+  write_durably(folder(where) / (name + "." + suffix), text);
+}
+
+ReportFiles Spool::reports_of(Folder where, const std::string& name) const {
+  const auto report = [&](const char* suffix) {
+    std::error_code error;
+    const fs::path file = folder(where) / (name + suffix);
+    return fs::exists(fs::symlink_status(file, error)) ? file : fs::path();
+  };
+  return {.json = report(".report.json"), .html = report(".report.html")};
+}
+
+std::vector<JobFiles> Spool::interrupted() const {
+  return jobs_left_in_printing(folders_);
+}
+
+std::vector<std::string> Spool::order() const {
+  std::vector<std::string> files = records_.queue_order();
+  std::erase_if(files, [this](const std::string& file) {
+    return file.empty() || file.find('/') != std::string::npos || !is_waiting(file);
+  });
+  return files;
+}
+
+void Spool::keep(std::function<void(const StateRecords& records)> change,
+                 std::function<void(const std::string& trouble)> done) {
+  disk_.run(
+      [this, change = std::move(change)]() -> std::string {
+        try {
+          change(records_);
+          return "";
+        } catch (const std::system_error& error) {
+          return error.what();
+        }
+      },
+      std::move(done));
+}
+
+std::string Spool::trouble() const {
+  if (::access(folders_.root().c_str(), W_OK) == 0) return "";
+  return fmt::format("the spool {} cannot be written: {}", folders_.root().string(),
+                     why_not_written(std::error_code(errno, std::generic_category())));
+}
+
+std::uintmax_t Spool::free_bytes() const {
+  return fs::space(folders_.root()).available;
+}
+
+}  // namespace contourd

@@ -1,0 +1,98 @@
+#include "daemon/spool/state_records.hpp"
+
+#include <fstream>
+#include <system_error>
+
+#include "daemon/system/durable_file.hpp"
+
+namespace contourd {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kOccupied = "plate-occupied";
+constexpr const char* kHeld = "queue-held";
+constexpr const char* kEnded = "ended-print";
+constexpr const char* kOrder = "queue-order";
+constexpr const char* kAccepted = "accepted";
+
+}  // namespace
+
+std::optional<std::string> StateRecords::first_line_of(const char* name) const {
+  std::ifstream file(folder_ / name);
+  if (!file) return std::nullopt;
+  std::string line;
+  std::getline(file, line);
+  return line;
+}
+
+void StateRecords::keep_line(const char* name, const std::optional<std::string>& line) const {
+  if (first_line_of(name) == line) return;
+  if (line) {
+    write_durably(folder_ / name, *line + "\n");
+  } else {
+    fs::remove(folder_ / name);
+    sync_folder(folder_);
+  }
+}
+
+std::optional<std::string> StateRecords::plate_occupant() const {
+  return first_line_of(kOccupied);
+}
+void StateRecords::set_plate_occupant(const std::optional<std::string>& job) const {
+  keep_line(kOccupied, job);
+}
+
+std::optional<std::string> StateRecords::hold() const {
+  return first_line_of(kHeld);
+}
+void StateRecords::set_hold(const std::optional<std::string>& why) const {
+  keep_line(kHeld, why);
+}
+
+std::string StateRecords::end_of_print() const {
+  return first_line_of(kEnded).value_or("");
+}
+void StateRecords::keep_end_of_print(const std::string& text) const {
+  keep_line(kEnded, text);
+}
+void StateRecords::forget_end_of_print() const {
+  std::error_code ignored;
+  if (fs::remove(folder_ / kEnded, ignored)) sync_folder(folder_);
+}
+
+std::vector<std::string> StateRecords::texts_of(const char* name, char end) const {
+  std::vector<std::string> texts;
+  std::ifstream file(folder_ / name);
+  // A last one without its end was not written whole: none is.
+  for (std::string text; std::getline(file, text, end) && !file.eof();)
+    texts.push_back(text);
+  return texts;
+}
+
+void StateRecords::keep_texts(const char* name, const std::vector<std::string>& texts, char end) const {
+  if (texts.empty()) {
+    if (fs::remove(folder_ / name)) sync_folder(folder_);
+    return;
+  }
+  std::string all;
+  for (const std::string& each : texts)
+    all.append(each).push_back(end);
+  write_durably(folder_ / name, all);
+}
+
+std::vector<std::string> StateRecords::queue_order() const {
+  return texts_of(kOrder, '\0');
+}
+void StateRecords::keep_queue_order(const std::vector<std::string>& files) const {
+  keep_texts(kOrder, files, '\0');
+}
+
+std::vector<std::string> StateRecords::accepted() const {
+  return texts_of(kAccepted, '\n');
+}
+void StateRecords::keep_accepted(const std::vector<std::string>& lines) const {
+  keep_texts(kAccepted, lines, '\n');
+}
+
+}  // namespace contourd

@@ -1,0 +1,60 @@
+// The daemon's log. Under systemd every entry goes to journald with structured fields; otherwise it is a
+// readable line on stderr. One line an event: what, value, limit, consequence. Event loop's thread only.
+//
+// Nothing waits for whoever takes the entries: a light may be on. What is not taken at once is kept for a
+// while, and what is too much to keep is counted, which is told once there is room again.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "daemon/system/event_loop.hpp"
+
+namespace contourd {
+
+// Priorities of syslog(3).
+enum class LogLevel { Error = 3, Warning = 4, Info = 6 };
+
+// Journal fields besides the message; names as journald wants them (upper case): JOB_ID, LAYER, Z_NM, EVENT.
+using LogFields = std::vector<std::pair<std::string_view, std::string>>;
+// Those of an entry about a job, whatever its name is made of.
+[[nodiscard]] LogFields job_fields(const std::string& job);
+
+class Log {
+ public:
+  // Chooses journald when stderr is connected to it (JOURNAL_STREAM, systemd.exec(5)).
+  explicit Log(EventLoop& loop);
+  // What is still kept gets a second.
+  ~Log();
+  Log(const Log&) = delete;
+  Log& operator=(const Log&) = delete;
+
+  void write(LogLevel level, std::string_view event, const std::string& message,
+             const LogFields& fields = {}) const;
+
+  void error(std::string_view event, const std::string& message, const LogFields& fields = {}) const {
+    write(LogLevel::Error, event, message, fields);
+  }
+  void warning(std::string_view event, const std::string& message, const LogFields& fields = {}) const {
+    write(LogLevel::Warning, event, message, fields);
+  }
+  void info(std::string_view event, const std::string& message, const LogFields& fields = {}) const {
+    write(LogLevel::Info, event, message, fields);
+  }
+
+ private:
+  struct Entry {
+    LogLevel level = LogLevel::Info;
+    std::string text;  // as journald or a reader wants it
+    std::chrono::system_clock::time_point time{};
+  };
+  class Backlog;
+
+  std::unique_ptr<Backlog> backlog_;
+};
+
+}  // namespace contourd

@@ -1,0 +1,282 @@
+#include "daemon/control/control_server.hpp"
+
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/temporary_folder.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+using contourd::testing::TemporaryFolder;
+
+namespace {
+
+// A server whose every answer makes something of the machine due.
+class Bench {
+ public:
+  Bench() {
+    watch_ = watcher_.when_readable(machine_.get(), [this] {
+      eventfd_t count = 0;
+      ::eventfd_read(machine_.get(), &count);
+      order.emplace_back("machine");
+      if (requests == kWanted) loop.stop();
+    });
+  }
+
+  // The order of three answers and what was due to the machine, when a client asks for these at once.
+  void ask(std::string_view lines) {
+    const FileDescriptor client = connect();
+    REQUIRE(::write(client.get(), lines.data(), lines.size()) == static_cast<ssize_t>(lines.size()));
+    loop.run();
+  }
+
+  [[nodiscard]] FileDescriptor connect() const {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path_.string().copy(address.sun_path, sizeof address.sun_path - 1);
+    FileDescriptor client(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    REQUIRE(::connect(client.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+    return client;
+  }
+
+  EventLoop loop;
+  std::vector<std::string> order;
+  int requests = 0;
+  static constexpr int kWanted = 3;
+
+ private:
+  ControlServer::Json answer() {
+    ++requests;
+    order.emplace_back("request");
+    ::eventfd_write(machine_.get(), 1);
+    return true;
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_.path() / "control.sock";
+  EventLoopWatcher watcher_{loop};
+  FileDescriptor machine_{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
+  std::unique_ptr<DescriptorWatcher::Watch> watch_;
+  ControlServer server_{loop, path_, {{"ask", {[this](const ControlServer::Json&, const ControlCaller&) {
+                                         return answer();
+                                       }}}}};
+};
+
+// What a method gets that takes "height" and "speed", and says about its parameters.
+std::string reply_to(const std::string& parameters) {
+  EventLoop loop;
+  const TemporaryFolder folder;
+  const auto give_back = [](const ControlServer::Json& given, const ControlCaller&) {
+    if (given.contains("height") && given["height"] == 0) throw InvalidParameters("a height is above 0");
+    return given;
+  };
+  const ControlServer server(loop, folder.path() / "control.sock",
+                             {{"move", {give_back, {"height", "speed"}}}});
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  (folder.path() / "control.sock").string().copy(address.sun_path, sizeof address.sun_path - 1);
+  const FileDescriptor client(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  REQUIRE(::connect(client.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  const std::string request = R"({"jsonrpc":"2.0","method":"move","params":)" + parameters + ",\"id\":1}\n";
+  REQUIRE(::write(client.get(), request.data(), request.size()) > 0);
+  std::string reply(1000, '\0');
+  const auto answered = loop.on_ready(client.get(), EPOLLIN, "the test", [&](std::uint32_t) {
+    reply.resize(
+        static_cast<std::size_t>(std::max<ssize_t>(::read(client.get(), reply.data(), reply.size()), 0)));
+    loop.stop();
+  });
+  loop.run();
+  return reply;
+}
+
+const std::vector<std::string> kInTurns{"request", "machine", "request", "machine", "request", "machine"};
+
+}  // namespace
+
+TEST_CASE("Between two requests of a client the loop sees to the machine") {
+  Bench bench;
+  const std::string ask = R"({"jsonrpc":"2.0","method":"ask","id":1})"
+                          "\n";
+  bench.ask(ask + ask + ask);
+  CHECK(bench.order == kInTurns);
+}
+
+TEST_CASE("Between two requests of a batch the loop sees to the machine") {
+  Bench bench;
+  const std::string ask = R"({"jsonrpc":"2.0","method":"ask","id":1})";
+  bench.ask("[" + ask + "," + ask + "," + ask + "]\n");
+  CHECK(bench.order == kInTurns);
+}
+
+TEST_CASE(
+    "A connection for which there is no descriptor left keeps the loop from nothing, and is taken when there "
+    "is one") {
+  Bench bench;
+  const FileDescriptor client = bench.connect();
+  const std::string ask = R"({"jsonrpc":"2.0","method":"ask","id":1})"
+                          "\n";
+  REQUIRE(::write(client.get(), (ask + ask + ask).data(), 3 * ask.size()) > 0);
+  rlimit limit{};
+  REQUIRE(::getrlimit(RLIMIT_NOFILE, &limit) == 0);
+  const rlimit none{0, limit.rlim_max};
+  int turns = 0, turns_without = 0;
+  bench.loop.on_turn_over(
+      [&](const EventLoop::Turn& turn) { turns += turn.source == "the control socket" ? 1 : 0; });
+  const auto later = bench.loop.at(std::chrono::steady_clock::now() + 100ms, "the test", [&] {
+    turns_without = turns;
+    REQUIRE(::setrlimit(RLIMIT_NOFILE, &limit) == 0);
+  });
+  REQUIRE(::setrlimit(RLIMIT_NOFILE, &none) == 0);
+  bench.loop.run();
+  CHECK(turns_without == 1);
+  CHECK(bench.order == kInTurns);
+}
+
+TEST_CASE("A method gets the parameters that it takes, or none") {
+  CHECK(reply_to(R"({"height":3,"speed":1})") ==
+        "{\"jsonrpc\":\"2.0\",\"result\":{\"height\":3,\"speed\":1},\"id\":1}\n");
+  for (const char* none : {"{}", "[]", "null"})
+    CHECK(reply_to(none) == "{\"jsonrpc\":\"2.0\",\"result\":{},\"id\":1}\n");
+}
+
+TEST_CASE("Parameters that a method does not take are refused, as what it says is wrong with them") {
+  const auto refusal = [](const std::string& parameters) {
+    const auto reply = ControlServer::Json::parse(reply_to(parameters));
+    CHECK(reply["error"]["code"] == -32602);
+    return reply["error"]["message"].get<std::string>();
+  };
+  CHECK(refusal(R"({"height":3,"depth":1})") ==
+        R"(the method "move" has no parameter "depth"; there are height, speed)");
+  CHECK(refusal("[3]") == R"(the method "move" takes its parameters by name: height, speed)");
+  CHECK(refusal(R"({"height":0})") == "a height is above 0");
+}
+
+TEST_CASE("A connection that is no more is told once, by the number that its methods got") {
+  EventLoop loop;
+  const TemporaryFolder folder;
+  std::vector<std::uint64_t> calls, gone;
+  ControlServer server(loop, folder.path() / "control.sock",
+                       {{"ask", {[&](const ControlServer::Json&, const ControlCaller& caller) {
+                           calls.push_back(caller.connection);
+                           return ControlServer::Json(true);
+                         }}}});
+  server.on_disconnected([&](std::uint64_t connection) {
+    gone.push_back(connection);
+    loop.stop();
+  });
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  (folder.path() / "control.sock").string().copy(address.sun_path, sizeof address.sun_path - 1);
+  const FileDescriptor stays(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  REQUIRE(::connect(stays.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  {
+    const FileDescriptor goes(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    REQUIRE(::connect(goes.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+    const std::string ask = R"({"jsonrpc":"2.0","method":"ask","id":1})"
+                            "\n";
+    REQUIRE(::write(goes.get(), ask.data(), ask.size()) > 0);
+  }
+  loop.run();
+  CHECK(calls == std::vector<std::uint64_t>{2});
+  CHECK(gone == calls);
+}
+
+namespace {
+
+// A server that answers "past" when it is told to, and "now" at once; and a client.
+class SlowDesk {
+ public:
+  explicit SlowDesk(std::string_view lines) {
+    server_.on_disconnected([this](std::uint64_t) { disconnected = true; });
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path_.string().copy(address.sun_path, sizeof address.sun_path - 1);
+    REQUIRE(::connect(client.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+    REQUIRE(::write(client.get(), lines.data(), lines.size()) == static_cast<ssize_t>(lines.size()));
+  }
+  // What the client has read once this is so; to be called once.
+  template <typename Condition>
+  std::string run_until(Condition so) {
+    std::string read;
+    const auto end = std::chrono::steady_clock::now() + 20s;
+    const auto look = loop.when_idle("the test", [&] {
+      char buffer[4096];
+      const ssize_t bytes = ::recv(client.get(), buffer, sizeof buffer, MSG_DONTWAIT);
+      if (bytes > 0) read.append(buffer, static_cast<std::size_t>(bytes));
+      if (so(read) || std::chrono::steady_clock::now() > end) loop.stop();
+      return true;
+    });
+    loop.run();
+    return read;
+  }
+
+  EventLoop loop;
+  std::vector<ControlMethod::Later> waiting;
+  int answered_now = 0;
+  bool disconnected = false;
+  FileDescriptor client{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)};
+
+ private:
+  [[nodiscard]] ControlMethods methods() {
+    ControlMethod past;
+    past.call_later = [this](const ControlServer::Json&, const ControlCaller&, ControlMethod::Later later) {
+      waiting.push_back(std::move(later));
+      return std::nullopt;
+    };
+    return {{"past", past},
+            {"now", {[this](const ControlServer::Json&, const ControlCaller&) { return ++answered_now; }}}};
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_.path() / "control.sock";
+  ControlServer server_{loop, path_, methods()};
+};
+
+}  // namespace
+
+TEST_CASE("A client gets its answers in order, also those that come later, and alone or in a batch") {
+  SlowDesk desk(R"({"jsonrpc":"2.0","method":"past","id":1}
+{"jsonrpc":"2.0","method":"past"}
+[{"jsonrpc":"2.0","method":"past","id":2},{"jsonrpc":"2.0","method":"now","id":3}]
+{"jsonrpc":"2.0","method":"now","id":4}
+)");
+  int at_first = -1;
+  std::size_t answered = 0;
+  const std::string read = desk.run_until([&](const std::string& all) {
+    if (desk.waiting.size() > answered) {
+      if (at_first < 0) at_first = desk.answered_now;
+      desk.waiting[answered++]("so");
+    }
+    return std::ranges::count(all, '\n') == 3;
+  });
+  CHECK(at_first == 0);
+  CHECK(answered == 3);
+  CHECK(read == R"({"jsonrpc":"2.0","result":"so","id":1}
+[{"jsonrpc":"2.0","result":"so","id":2},{"jsonrpc":"2.0","result":1,"id":3}]
+{"jsonrpc":"2.0","result":2,"id":4}
+)");
+}
+
+TEST_CASE("A client that is no more is known at once, also while it waits for an answer") {
+  SlowDesk desk("{\"jsonrpc\":\"2.0\",\"method\":\"past\",\"id\":1}\n");
+  desk.run_until([&](const std::string&) {
+    if (!desk.waiting.empty() && desk.client.valid()) desk.client = FileDescriptor();
+    return desk.disconnected;
+  });
+  CHECK(desk.disconnected);
+  REQUIRE(desk.waiting.size() == 1);
+  desk.waiting[0]("so");  // to nobody
+}

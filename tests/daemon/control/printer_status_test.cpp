@@ -1,0 +1,102 @@
+#include "daemon/control/printer_status.hpp"
+
+#include <string>
+
+#include "tests/catch.hpp"
+#include "tests/daemon/jobs/current_job_fixture.hpp"
+
+using namespace contourd;
+
+namespace {
+
+class Desk : public testing::CurrentJobFixture {
+ public:
+  PrintQueue queue{log.log,
+                   {.check =
+                        [](const std::string&, JobReader::Keep, const auto& done) {
+                          done(JobRefusal{"it takes 900 MB", true});
+                        },
+                    .forget = [](const std::string&) {},
+                    .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
+                    .changed = [] {},
+                    .refused = [](const std::string&, const std::string&) {},
+                    .removed = [](const std::string&, const std::string&) {},
+                    .keep_order = [](const QueueOrder::Names&, const auto&) {}}};
+  JobScheduler scheduler{context,
+                         spool,
+                         queue,
+                         hold,
+                         {.has_job = [] { return true; },
+                          .prints = [] { return true; },
+                          .controlled_by_hand = [] { return false; },
+                          .begin = [](const ClaimedJob&) {},
+                          .copy_over = [] {}}};
+  JobHistory history;
+  ManualProcess manual{machine, clock, [] {}};
+  ReminderConfig reminder_config;
+  Reminders reminders{reminder_config};
+  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history, manual, reminders}};
+};
+
+}  // namespace
+
+TEST_CASE("An idle printer's status has all its keys, in their order") {
+  Desk desk;
+  std::string keys;
+  const auto status = desk.status.status();
+  for (const auto& [key, value] : status.items())
+    keys += key + " ";
+  CHECK(keys ==
+        "printer spool state job queued incomplete incomplete_more postponed postponed_more "
+        "unaccepted unaccepted_more passed_over "
+        "passed_over_more deletable deletable_more plate plate_job hindrance held waiting_for "
+        "reminders last dark manual ");
+  CHECK(status["state"] == "idle");
+  for (const char* nothing : {"job", "plate_job", "hindrance", "held", "waiting_for", "last"})
+    CHECK(status[nothing].is_null());
+  CHECK(status["plate"] == "clear");
+}
+
+TEST_CASE("A reply does not grow with the number of jobs") {
+  Desk desk;
+  for (int i = 0; i < 1'002; ++i) {
+    desk.queue.arrived(std::to_string(i) + ".stl");
+    desk.queue.check_next();
+  }
+  CHECK(desk.status.queue()["queue"].size() == 1'000);
+  CHECK(desk.status.queue()["queue"][0] == "0.stl");
+  CHECK(desk.status.queue()["more"] == 2);
+  const auto status = desk.status.status();
+  CHECK(status["queued"] == 1'002);
+  CHECK(status["postponed"].size() == 10);
+  CHECK(status["postponed"]["0.stl"] == "it takes 900 MB");
+  CHECK(status["postponed_more"] == 992);
+}
+
+TEST_CASE("A job is preparing, then its print's state, then finishing") {
+  Desk desk;
+  desk.begin();
+  CHECK(desk.status.status()["state"] == "preparing");
+  CHECK(desk.status.status()["job"].size() == 2);  // its name and its analysis
+  std::vector<std::string> states;
+  REQUIRE(desk.run_to_end([&] {
+    if (desk.job.job() == nullptr) return;
+    const auto status = desk.status.status();
+    const auto state = status["state"].get<std::string>();
+    if (state == "preparing") return;  // as long as the reader takes
+    if (states.empty() || states.back() != state) states.push_back(state);
+    if (state == "exposing" && status["job"]["layers_done"] == 0) {
+      CHECK(status["job"]["layer"] == 1);
+      CHECK(status["plate_job"] == "part");
+    }
+  }));
+  CHECK(states.front() == "warming up");
+  CHECK(states.back() == "finishing");
+}
+
+TEST_CASE("The status has the job that ended last, without its analysis") {
+  Desk desk;
+  desk.history.add({"one", "done", "", {{"layers", 3}}});
+  desk.history.add({"two", "failed", "no model"});
+  CHECK(desk.status.status()["last"].dump() == R"({"job":"two","outcome":"failed","reason":"no model"})");
+}

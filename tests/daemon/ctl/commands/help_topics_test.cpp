@@ -1,0 +1,63 @@
+#include "daemon/ctl/commands/help_topics.hpp"
+
+#include <array>
+
+#include "tests/catch.hpp"
+
+using namespace contourd::ctl;
+
+namespace {
+
+constexpr std::array kPages{
+    HelpPage{"after-print",
+             "# After a print\n\nIt is over.\n\n## Cleaning the vat\n\nTilt it. Peel nothing.\n\n"
+             "## Peel\n\nHow layers come off.\n"},
+    HelpPage{"glossary",
+             "# Glossary\n\n## The part\n\n| word | means | file |\n|---|---|---|\n"
+             "| peel, peeling | what it takes | `a` |\n| island | hangs in the air | `b` |\n"}};
+
+std::vector<std::string> found(const HelpTopics& topics, const char* words) {
+  std::vector<std::string> names;
+  for (const HelpTopic* topic : topics.find(words))
+    names.push_back(typed(*topic));
+  return names;
+}
+
+}  // namespace
+
+using Names = std::vector<std::string>;
+
+TEST_CASE("A topic is found by its page's name, its heading, or both") {
+  const HelpTopics topics(kPages);
+  CHECK(found(topics, "after-print").front() == "after-print");
+  CHECK(found(topics, "After a print").front() == "after-print");
+  CHECK(found(topics, "cleaning the VAT") == Names{"after-print cleaning the vat"});
+  CHECK(found(topics, "after-print peel").front() == "after-print peel");
+  CHECK(topics.find("peel").front()->text == "## Peel\n\nHow layers come off.\n");
+}
+
+TEST_CASE("What is called so comes before what is called nearly so, and that before what speaks of it") {
+  const HelpTopics topics(kPages);
+  CHECK(found(topics, "peel") == Names{"after-print peel", "glossary peel peeling", "glossary the part",
+                                       "after-print cleaning the vat"});
+  CHECK(found(topics, "clean") == Names{"after-print cleaning the vat"});
+  CHECK(found(topics, "tilt") == Names{"after-print cleaning the vat"});
+  CHECK(found(topics, "eel").empty());  // words begin like it, or not at all
+}
+
+TEST_CASE("A word of the glossary is a topic") {
+  const HelpTopics topics(kPages);
+  CHECK(topics.find("island").front()->text == "## island\n\n hangs in the air\n");
+  CHECK(found(topics, "word") == Names{"glossary the part"});  // its head
+}
+
+TEST_CASE("What there is none of has names that are nearly so") {
+  const HelpTopics topics(kPages);
+  CHECK(found(topics, "iland").empty());
+  CHECK(topics.nearest("iland", {}) == Names{"island"});
+  const std::vector<std::string> commands{"submit"};
+  CHECK(topics.nearest("submti", commands) == Names{"submit"});
+  CHECK(topics.nearest("something else", commands).empty());
+  CHECK(topics.find("").empty());
+  CHECK(topics.find("\x1b\n -").empty());
+}

@@ -1,0 +1,240 @@
+#include "daemon/ctl/terminal/terminal_picture.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "daemon/ctl/terminal/text_columns.hpp"
+#include "tests/broken_contract.hpp"
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using namespace contourd::ctl;
+using testing::contract_broken_by;
+
+namespace {
+
+using Rows = std::vector<std::vector<int>>;
+
+Mask picture_of(const Rows& rows) {
+  Mask mask(Pixels{static_cast<std::int32_t>(rows.front().size())},
+            Pixels{static_cast<std::int32_t>(rows.size())});
+  for (std::size_t y = 0; y < rows.size(); ++y)
+    std::ranges::transform(rows[y], mask.row(static_cast<std::int32_t>(y)).begin(),
+                           [](int grey) { return static_cast<std::uint8_t>(grey); });
+  return mask;
+}
+
+// Lit from this column and row on, so far.
+Mask picture_with(int width, int height, const MaskArea& lit) {
+  Mask mask{Pixels{width}, Pixels{height}};
+  for (std::int32_t y = lit.top; y < lit.top + lit.height; ++y)
+    std::ranges::fill(
+        mask.row(y).subspan(static_cast<std::size_t>(lit.left), static_cast<std::size_t>(lit.width)),
+        std::uint8_t{255});
+  return mask;
+}
+
+PictureTerminal terminal_of(PictureInk ink, int columns, int rows) {
+  PictureTerminal terminal;
+  terminal.ink = ink;
+  terminal.columns = columns;
+  terminal.rows = rows;
+  return terminal;
+}
+
+std::string drawn(const Rows& rows, PictureInk ink, int columns, int lines) {
+  const Mask mask = picture_of(rows);
+  return draw_picture(mask, whole_of(mask), terminal_of(ink, columns, lines));
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);)
+    lines.push_back(line);
+  return lines;
+}
+
+// What a terminal shows of it: without SGR.
+std::string without_colors(const std::string& text) {
+  std::string plain;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (text[at] == '\x1B')
+      at = text.find('m', at);
+    else
+      plain += text[at];
+  }
+  return plain;
+}
+
+}  // namespace
+
+TEST_CASE("Characters show greys by their density, and what is lit at all is seen") {
+  // A character is twice as high as a pixel is wide: two rows are one line.
+  const std::vector<int> row{0, 1, 64, 128, 191, 255};
+  CHECK(drawn({row, row}, PictureInk::Characters, 6, 1) == " \u2591\u2591\u2592\u2593\u2588\n");
+  CHECK(drawn({{255, 0, 0}, {255, 0, 0}}, PictureInk::Characters, 3, 1) ==
+        "\u2588\n");  // no blanks at the end
+  CHECK(drawn({{0, 0}, {0, 0}}, PictureInk::Characters, 2, 1) == "\n");
+}
+
+TEST_CASE("Half blocks show two rows a line, each pixel in its grey") {
+  CHECK(drawn({{0, 255}, {128, 255}}, PictureInk::TrueColor, 2, 1) ==
+        "\x1B[48;2;128;128;128m\x1B[38;2;0;0;0m\u2580\x1B[48;2;255;255;255m \x1B[0m\n");
+  CHECK(drawn({{0, 255}, {128, 255}}, PictureInk::Greys, 2, 1) ==
+        "\x1B[48;5;244m\x1B[38;5;16m\u2580\x1B[48;5;231m \x1B[0m\n");
+}
+
+TEST_CASE("The lower half of a last line that has only an upper row is left to the terminal") {
+  CHECK(drawn({{255}, {255}, {255}}, PictureInk::TrueColor, 1, 2) ==
+        "\x1B[48;2;255;255;255m \x1B[0m\n\x1B[38;2;255;255;255m\u2580\x1B[0m\n");
+}
+
+TEST_CASE("The greys of 256 colours are the nearest that there are") {
+  for (int grey = 0; grey < 256; ++grey) {
+    CAPTURE(grey);
+    const std::string text = drawn({{grey}, {grey}}, PictureInk::Greys, 1, 1);
+    const int color = std::stoi(text.substr(text.find("48;5;") + 5));
+    const int shown = color == 16 ? 0 : color == 231 ? 255 : 8 + 10 * (color - 232);
+    CHECK((color == 16 || color >= 231));
+    for (int other = 0; other <= 255; other == 0 ? other = 8 : other == 238 ? other = 255 : other += 10)
+      CHECK(std::abs(shown - grey) <= std::abs(other - grey));
+  }
+}
+
+TEST_CASE("What is drawn smaller is averaged as light") {
+  // Half of the light of 255 is the grey 188 (sRGB).
+  CHECK(drawn({{0, 255}, {255, 0}, {0, 255}, {255, 0}}, PictureInk::TrueColor, 1, 1) ==
+        "\x1B[48;2;188;188;188m \x1B[0m\n");
+  // One of four: 137.
+  CHECK(drawn({{0, 255}, {0, 0}, {0, 0}, {255, 0}}, PictureInk::TrueColor, 1, 1) ==
+        "\x1B[48;2;137;137;137m \x1B[0m\n");
+  // Three columns on two: the middle one belongs to both by half, a third of each. 156 is a third of the
+  // light.
+  const std::vector<int> row{0, 255, 0};
+  CHECK(drawn({row, row, row, row}, PictureInk::TrueColor, 2, 1).find("48;2;156;156;156m") !=
+        std::string::npos);
+}
+
+TEST_CASE("An even grey stays what it is at every size") {
+  for (const int grey : {0, 1, 60, 128, 254, 255}) {
+    const Mask mask = picture_of(Rows(7, std::vector<int>(11, grey)));
+    for (const int columns : {1, 2, 3, 5, 11, 13, 47}) {
+      CAPTURE(grey, columns);
+      const std::string text =
+          draw_picture(mask, whole_of(mask), terminal_of(PictureInk::TrueColor, columns, 50));
+      const std::string color = "8;2;" + std::to_string(grey) + ";" + std::to_string(grey) + ";";
+      for (std::size_t at = text.find("8;2;"); at != std::string::npos; at = text.find("8;2;", at + 1))
+        CHECK(text.substr(at, color.size()) == color);
+    }
+  }
+}
+
+TEST_CASE("A picture keeps its shape, and fits into every terminal") {
+  const Mask mask = picture_with(1920, 1080, {0, 0, 1920, 1080});
+  for (const PictureInk ink : {PictureInk::TrueColor, PictureInk::Characters}) {
+    for (const auto& [columns, rows, wide, high] : {std::tuple{80, 40, 80, 22.5},
+                                                    {200, 60, 200, 56.25},
+                                                    {40, 40, 40, 11.25},
+                                                    {80, 10, 36, 10.0},
+                                                    {1, 1, 1, 1.0},
+                                                    {1000, 500, 1000, 281.25}}) {
+      CAPTURE(static_cast<int>(ink), columns, rows);
+      const auto lines =
+          lines_of(without_colors(draw_picture(mask, whole_of(mask), terminal_of(ink, columns, rows))));
+      CHECK(std::abs(static_cast<double>(lines.size()) - high) <= 1);  // half a line, rounded
+      for (const std::string& line : lines)
+        CHECK(std::abs(static_cast<int>(columns_of(line)) - wide) <= 1);
+      CHECK(columns_of(lines.front()) <= static_cast<std::size_t>(columns));
+      CHECK(lines.size() <= static_cast<std::size_t>(rows));
+    }
+  }
+  // Nothing is lost of what is a thousand times as long as it is high.
+  CHECK(lines_of(drawn({std::vector<int>(5000, 255)}, PictureInk::Characters, 80, 24)).size() == 1);
+  CHECK(lines_of(drawn(Rows(5000, {255}), PictureInk::Characters, 80, 24)).size() == 24);
+}
+
+TEST_CASE("A small picture is made larger by whole factors") {
+  const std::string text = drawn({{255, 0}, {0, 255}}, PictureInk::TrueColor, 9, 100);
+  const auto lines = lines_of(without_colors(text));
+  REQUIRE(lines.size() == 4);  // 4 times
+  CHECK(columns_of(lines.front()) == 8);
+  CHECK(lines_of(drawn({{255, 0}, {0, 255}}, PictureInk::Characters, 9, 100)) ==
+        std::vector<std::string>{"\u2588\u2588\u2588\u2588", "\u2588\u2588\u2588\u2588",
+                                 "    \u2588\u2588\u2588\u2588", "    \u2588\u2588\u2588\u2588"});
+}
+
+TEST_CASE("Sixels have the size of the room, and a palette of the greys that there are") {
+  const std::string text = drawn({{0, 255}, {128, 255}}, PictureInk::Sixels, 1, 1);
+  CHECK(text.starts_with(
+      "\x1BPq\"1;1;10;10#0;2;0;0;0#1;2;50;50;50#2;2;100;100;100#"));  // five times, 10x20 a cell
+  CHECK(text.ends_with("\x1B\\\n"));
+  const Mask mask = picture_with(1920, 1080, {10, 10, 500, 500});
+  PictureTerminal terminal = terminal_of(PictureInk::Sixels, 80, 24);
+  CHECK(draw_picture(mask, whole_of(mask), terminal).starts_with("\x1BPq\"1;1;800;450#"));
+  terminal.cell_width = 7;
+  CHECK(draw_picture(mask, {0, 0, 1080, 1080}, terminal).starts_with("\x1BPq\"1;1;480;480#"));
+}
+
+TEST_CASE("What is lit is shown with a margin where it is seen larger then") {
+  const PictureTerminal terminal = terminal_of(PictureInk::Characters, 80, 40);
+  CHECK(area_to_show(picture_with(1920, 1080, {900, 500, 100, 50}), terminal) == MaskArea{893, 493, 114, 64});
+  CHECK(area_to_show(picture_with(1920, 1080, {0, 0, 1, 1}), terminal) == MaskArea{0, 0, 3, 3});
+  CHECK(area_to_show(picture_with(1920, 1080, {1919, 1079, 1, 1}), terminal) == MaskArea{1917, 1077, 3, 3});
+  CHECK(area_to_show(picture_with(1920, 1080, {0, 0, 1920, 1080}), terminal) == MaskArea{0, 0, 1920, 1080});
+  CHECK(area_to_show(picture_with(1920, 1080, {100, 100, 1500, 900}), terminal) ==
+        MaskArea{0, 0, 1920, 1080});
+  CHECK(area_to_show(picture_with(1920, 1080, {}), terminal) == MaskArea{0, 0, 1920, 1080});
+  CHECK(lit_area(picture_with(720, 720, {50, 100, 620, 500})) == MaskArea{17, 67, 686, 566});
+  // Nothing is won where the picture is as large as it will be.
+  CHECK(area_to_show(picture_with(20, 20, {8, 8, 4, 4}), terminal_of(PictureInk::Characters, 20, 10)) ==
+        MaskArea{6, 6, 8, 8});
+  CHECK(area_to_show(picture_with(20, 20, {3, 3, 14, 14}), terminal_of(PictureInk::Characters, 20, 10)) ==
+        MaskArea{0, 0, 20, 20});
+}
+
+TEST_CASE("Only the area is drawn") {
+  const Mask mask = picture_with(100, 100, {40, 40, 10, 10});
+  const PictureTerminal terminal = terminal_of(PictureInk::Characters, 10, 5);
+  for (const std::string& line : lines_of(draw_picture(mask, {40, 40, 10, 10}, terminal)))
+    CHECK(line == "\u2588\u2588\u2588\u2588\u2588\u2588\u2588\u2588\u2588\u2588");
+  CHECK(draw_picture(mask, {50, 50, 10, 10}, terminal) == "\n\n\n\n\n");
+}
+
+TEST_CASE("Text above a picture takes its room as long as there is some") {
+  PictureTerminal terminal = terminal_of(PictureInk::Greys, 80, 24);
+  leave_lines(terminal, 4);
+  CHECK(terminal.rows == 20);
+  leave_lines(terminal, 1'000'000'000);
+  CHECK(terminal.rows == 6);
+}
+
+TEST_CASE("A terminal's answer says whether it has sixels") {
+  CHECK(sixels_in_answer("\x1B[?62;4;22c") == true);
+  CHECK(sixels_in_answer("\x1B[?63;1;2;4c") == true);
+  CHECK(sixels_in_answer("\x1B[?1;2c") == false);
+  CHECK(sixels_in_answer("\x1B[?6c") == false);
+  CHECK(sixels_in_answer("\x1B[?4;6c") == false);  // a VT132
+  CHECK(sixels_in_answer("\x1B[?62;14;44;40c") == false);
+  CHECK(sixels_in_answer("xy\x1B[A\x1B[?\x1B[?62;4c") == true);
+  CHECK(sixels_in_answer("\x1B[?62;4u\x1B[?1;2c") == false);  // the first is another answer
+  CHECK(sixels_in_answer("\x1B[?c") == false);
+  CHECK(sixels_in_answer("\x1B[?;;;4;c") == true);
+  for (const char* none :
+       {"", "c", "abc", "\x1B", "\x1B[?", "\x1B[?62;4", "\x1B[62;4c", "\x1B[>0;95;0c", "\x1B[?62 4c"})
+    CHECK_FALSE(sixels_in_answer(none));
+}
+
+TEST_CASE("A picture has pixels, and an area within them") {
+  const Mask none, mask = picture_with(10, 10, {});
+  CHECK(contract_broken_by([&] { (void)area_to_show(none, {}); }) == "the mask has pixels");
+  CHECK(contract_broken_by([&] { (void)lit_area(none); }) == "the mask has pixels");
+  const std::string broken = "the area is one of the mask's, with pixels";
+  for (const MaskArea& area :
+       {MaskArea{}, {0, 0, 11, 1}, {5, 5, 6, 1}, {0, 9, 1, 2}, {-1, 0, 5, 5}, {0, -1, 5, 5}, {0, 0, 5, 0}})
+    CHECK(contract_broken_by([&] { (void)draw_picture(mask, area, {}); }) == broken);
+}

@@ -1,0 +1,214 @@
+#include "daemon/history/history_database.hpp"
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/temporary_folder.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+using std::chrono::system_clock;
+
+namespace {
+
+const system_clock::time_point kThen = system_clock::time_point(1'700'000'000s);
+
+EndedJob ended(const std::string& name, const std::string& outcome = "done", const std::string& reason = "") {
+  EndedJob job{.name = name, .outcome = outcome, .reason = reason};
+  job.began = kThen;
+  job.ended = kThen + 1h;
+  return job;
+}
+
+JobFigures used(const std::string& resin, double lit_s) {
+  JobFigures figures;
+  figures.resin = resin;
+  figures.layers_exposed = 2;
+  figures.lit_s = lit_s;
+  figures.resin_ml = lit_s / 10;
+  return figures;
+}
+
+class Bench {
+ public:
+  std::vector<std::string> names(const HistoryQuery& query = {}) {
+    std::vector<std::string> found;
+    for (const auto& job : database.list(query).jobs)
+      found.push_back(job["job"].get<std::string>() + " " + job["outcome"].get<std::string>());
+    return found;
+  }
+
+ private:
+  testing::TemporaryFolder folder_;
+
+ public:
+  const std::filesystem::path file = folder_.path() / "history.sqlite";
+  HistoryDatabase database{file};
+};
+
+using Names = std::vector<std::string>;
+
+}  // namespace
+
+TEST_CASE("A job in the history comes back with all that is known of it, also after it was opened anew") {
+  Bench bench;
+  EndedJob job = ended("part \xff", "failed", "the lid was opened");
+  job.analysis = {{"layers", 3}};
+  job.figures = {.resin = "grey",
+                 .settings = "slow",
+                 .warnings = {"an island", "another \"one\""},
+                 .height_mm = 1.5,
+                 .layer_height_um = 50,
+                 .layers = 30,
+                 .layers_exposed = 7,
+                 .print_time_s = 12.5,
+                 .lit_s = 3.25,
+                 .light_asked_s = 3,
+                 .most_light_over_ms = 4,
+                 .resin_ml = 0.5,
+                 .interruptions = 1,
+                 .late_steps = 2};
+  bench.database.begin(1, job.name, kThen);
+  CHECK(bench.names().empty());
+  bench.database.end(1, job);
+  const auto found = HistoryDatabase(bench.file).list({}).jobs;
+  REQUIRE(found.size() == 1);
+  CHECK(found[0] == history_json(job));
+}
+
+TEST_CASE("A change of the history that is made twice is made once") {
+  Bench bench;
+  for (int i = 0; i < 2; ++i)
+    bench.database.begin(1, "part", kThen);
+  for (int i = 0; i < 2; ++i)
+    bench.database.end(1, ended("part"));
+  bench.database.end(1, ended("part", "failed"));
+  bench.database.forget(1);
+  CHECK(bench.names() == Names{"part done"});
+}
+
+TEST_CASE("A job that is begun another time is not in the history") {
+  Bench bench;
+  bench.database.begin(1, "part", kThen);
+  bench.database.forget(1);
+  bench.database.adopt({}, std::nullopt);
+  CHECK(bench.names().empty());
+}
+
+TEST_CASE("A job under way when contourd died ends as its files and the last record tell") {
+  Bench bench;
+  bench.database.begin(1, "left", kThen);
+  bench.database.note(1, used("grey", 36));
+  bench.database.begin(2, "filed\x1b", kThen);
+  bench.database.begin(3, "lost", kThen);
+  bench.database.adopt({ended("left", "failed", "interrupted"), ended("unknown", "failed", "interrupted")},
+                       ended("filed?", "done"));
+  CHECK(bench.names() == Names{"left failed", "filed\x1b done", "lost failed", "unknown failed"});
+  const auto jobs = bench.database.list({}).jobs;
+  CHECK(jobs[0]["reason"] == "interrupted");
+  CHECK(jobs[0]["lit_s"] == 36);
+  CHECK(jobs[2]["reason"] == HistoryDatabase::kEndNotNoted);
+  // It could not be moved, and is there at the next start too.
+  bench.database.adopt({ended("unknown", "failed", "interrupted")}, std::nullopt);
+  CHECK(bench.names().size() == 4);
+}
+
+TEST_CASE(
+    "A print whose beginning was not noted yet when contourd died is told once, by the record of its end") {
+  Bench bench;
+  EndedJob job = ended("part");
+  job.key = 7;
+  // Left in printing/, then filed, and the record is still there at the next start.
+  bench.database.adopt({job}, job);
+  bench.database.end(8, ended("other", "failed", "why"));
+  bench.database.adopt({}, job);
+  CHECK(bench.names() == Names{"part done", "other failed"});
+}
+
+TEST_CASE("The history is filtered by time, outcome, resin and a part of the name") {
+  Bench bench;
+  EndedJob old = ended("old gear");
+  old.ended -= 24h;
+  bench.database.end(1, old);
+  bench.database.end(2, ended("clip", "failed", "why"));
+  EndedJob grey = ended("Gear");
+  grey.figures.resin = "grey";
+  bench.database.end(3, grey);
+  HistoryQuery query;
+  query.since = kThen;
+  CHECK(bench.names(query) == Names{"clip failed", "Gear done"});
+  query.outcome = "done";
+  CHECK(bench.names(query) == Names{"Gear done"});
+  CHECK(bench.names({.resin = "grey"}) == Names{"Gear done"});
+  CHECK(bench.names({.name = "gear"}) == Names{"old gear done"});
+  CHECK(bench.names({.name = "%"}).empty());
+}
+
+TEST_CASE("A page of the history is bounded in jobs and in bytes, and says where the next one begins") {
+  Bench bench;
+  for (int i = 1; i <= 40; ++i) {
+    EndedJob job = ended(std::to_string(i), "failed", std::string(5'000, 'x'));
+    job.figures.settings = std::string(5'000, 'y');
+    job.figures.warnings = std::vector<std::string>(100, std::string(5'000, 'z'));
+    bench.database.end(i, job);
+  }
+  Names all;
+  HistoryQuery query;
+  int pages = 0;
+  do {
+    const HistoryPage page = bench.database.list(query);
+    CHECK(page.jobs.dump().size() < 100'000);
+    Names names;
+    for (const auto& job : page.jobs)
+      names.push_back(job["job"]);
+    all.insert(all.begin(), names.begin(), names.end());
+    query.before = page.before;
+    REQUIRE(++pages < 40);
+  } while (query.before);
+  REQUIRE(all.size() == 40);
+  CHECK(all.front() == "1");
+  CHECK(all.back() == "40");
+  CHECK(pages > 2);
+  CHECK(bench.names({.last = 2}) == Names{"39 failed", "40 failed"});
+}
+
+TEST_CASE("Of the oldest jobs what they used is kept, and nothing else") {
+  testing::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "history.sqlite";
+  (void)HistoryDatabase(file);
+  {
+    SqliteDatabase raw(file, 0ms);
+    raw.execute(
+        "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i+1 FROM n WHERE i<10002) "
+        "INSERT INTO job(key,name,outcome,began_ms,resin,layers_exposed,lit_s,resin_ml) "
+        "SELECT i,'job '||i,'done',i,'grey',2,1,0.5 FROM n");
+  }
+  HistoryDatabase database(file);
+  EndedJob last = ended("last");
+  last.figures = used("clear", 100);
+  database.end(20'000, last);
+  CHECK(SqliteDatabase(file, 0ms).integer("SELECT count(*) FROM job") == HistoryDatabase::kMostJobs);
+  CHECK(SqliteDatabase(file, 0ms).text("SELECT name FROM job ORDER BY id LIMIT 1") == "job 4");
+  const Usage all = database.usage();
+  CHECK(all.jobs == 10'003);
+  CHECK(all.layers == 2 * 10'003);
+  CHECK(all.lit_s == 10'102);
+  const std::vector<Usage> by_resin = database.usage_by_resin();
+  REQUIRE(by_resin.size() == 2);
+  CHECK(by_resin[0].resin == "grey");
+  CHECK(by_resin[0].jobs == 10'002);
+  CHECK(by_resin[1].resin_ml == 10);
+  const std::vector<WearPartUse> wear = database.wear();
+  REQUIRE(wear.size() == 3);
+  CHECK(wear[1].prints == 10'003);
+  CHECK(wear[1].layers == 2 * 10'003);
+}
+
+TEST_CASE("A history of a later contourd is left as it is") {
+  Bench bench;
+  SqliteDatabase(bench.file, 0ms).execute("PRAGMA user_version=99");
+  CHECK_THROWS_AS(HistoryDatabase(bench.file), NewerHistory);
+  CHECK(SqliteDatabase(bench.file, 0ms).integer("PRAGMA user_version") == 99);
+}

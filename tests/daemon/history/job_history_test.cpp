@@ -1,0 +1,22 @@
+#include "daemon/history/job_history.hpp"
+
+#include "tests/catch.hpp"
+
+using namespace contourd;
+
+TEST_CASE("The latest ended jobs are remembered, the oldest first") {
+  JobHistory history;
+  for (std::size_t i = 0; i <= JobHistory::kLongest; ++i)
+    history.add({std::to_string(i), "done", ""});
+  REQUIRE(history.jobs().size() == JobHistory::kLongest);
+  CHECK(history.jobs().front().name == "1");
+  CHECK(history.jobs().back().name == std::to_string(JobHistory::kLongest));
+}
+
+TEST_CASE("Of all jobs that have ended, it is known how many ended in which way") {
+  JobHistory history;
+  CHECK(history.counts() == JobHistory::Counts{{"done", 0}, {"cancelled", 0}, {"failed", 0}});
+  for (int i = 0; i < 250; ++i)
+    history.add({"part", i % 5 == 0 ? "failed" : "done", ""});
+  CHECK(history.counts() == JobHistory::Counts{{"done", 200}, {"cancelled", 0}, {"failed", 50}});
+}

@@ -1,0 +1,57 @@
+// Each header of daemon/jobs checks what it requires.
+#include <string>
+
+#include "daemon/jobs/print_queue.hpp"
+#include "daemon/jobs/unfiled_jobs.hpp"
+#include "tests/broken_contract.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/jobs/current_job_fixture.hpp"
+
+using namespace contourd;
+using testing::contract_broken_by;
+
+namespace {
+
+const std::string kJob = "there is a job", kWaits = "a job waits";
+
+}  // namespace
+
+TEST_CASE("CurrentJob begins one job at a time, and ends one that there is") {
+  testing::CurrentJobFixture desk;
+  CHECK(contract_broken_by([&] { desk.job.cancel(); }) == kJob);
+  CHECK(contract_broken_by([&] { (void)desk.job.name(); }) == kJob);
+  CHECK(contract_broken_by([&] { desk.job.give_back(); }) == "there is a job that has not begun");
+  desk.begin();
+  CHECK(contract_broken_by([&] { desk.begin("other.stl"); }) == "there is no job yet");
+  REQUIRE(desk.run_until([&] { return desk.job.print().state() != PrintState::Idle; }));
+  CHECK(contract_broken_by([&] { desk.job.give_back(); }) == "there is a job that has not begun");
+}
+
+TEST_CASE("PrintQueue has a first job while one waits") {
+  EventLoop loop;
+  testing::LogText log{loop};
+  PrintQueue queue(log.log, {.check = [](const std::string&, JobReader::Keep, const auto&) {},
+                             .forget = [](const std::string&) {},
+                             .reject = [](const std::string&, const std::string&, const auto&) {},
+                             .changed = [] {},
+                             .refused = [](const std::string&, const std::string&) {},
+                             .removed = [](const std::string&, const std::string&) {},
+                             .keep_order = [](const QueueOrder::Names&, const auto&) {}});
+  CHECK(contract_broken_by([&] { (void)queue.first_may_begin(); }) == kWaits);
+  CHECK(contract_broken_by([&] { queue.keep_first_waiting(); }) == kWaits);
+  CHECK(contract_broken_by([&] { (void)queue.take_first(); }) == kWaits);
+  CHECK(contract_broken_by([&] { queue.refuse_first("no"); }) == kWaits);
+  CHECK(contract_broken_by([&] { queue.remove("part.stl", "no"); }) == "the job waits");
+  CHECK(contract_broken_by([&] { queue.move("part.stl", 0); }) == "the job waits");
+  queue.arrived("part.stl");
+  CHECK(contract_broken_by([&] { queue.move("part.stl", 0); }).empty());
+  CHECK(contract_broken_by([&] { (void)queue.take_first(); }).empty());
+  queue.remove("part.stl", "no");
+  CHECK(contract_broken_by([&] { queue.remove("part.stl", "no"); }) == "the job waits");
+}
+
+TEST_CASE("UnfiledJobs has a last job while there is one") {
+  testing::PrinterFixture desk;
+  const UnfiledJobs jobs(desk.spool, desk.log.log, nullptr);
+  CHECK(contract_broken_by([&] { (void)jobs.last(); }) == kJob);
+}

@@ -1,0 +1,53 @@
+// The job under way, with all that it works with and an observer that writes down what it is told. Not
+// thread-safe.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/jobs/current_job.hpp"
+#include "tests/daemon/jobs/printer_fixture.hpp"
+
+namespace contourd::testing {
+
+class CurrentJobFixture : public PrinterFixture, private JobObserver {
+ public:
+  CurrentJobFixture() { hold.load(); }
+
+  // Claims a model, or what is called one.
+  void begin(const std::string& file = "part.stl") {
+    if (!has("incoming/" + file)) put(Spool::Folder::Incoming, file);
+    const JobFiles files = spool.begin(file);
+    job.begin({files, read_settings(files, config), std::chrono::steady_clock::now()});
+  }
+  // Runs until the job has ended; `look` is called after every step.
+  bool run_to_end(const std::function<void()>& look = [] {}) {
+    return run_until([&] {
+      look();
+      return !ended.empty();
+    });
+  }
+
+  std::vector<EndedJob> ended;
+  std::vector<std::string> told;  // other calls of the observer
+
+ private:
+  void print_state_changed(PrintState state) override {
+    told.push_back("state: " + std::string(name_of(state)));
+  }
+  void job_changed(const std::string& what) override { told.push_back("changed: " + what); }
+  void light_gone() override { told.emplace_back("light gone"); }
+  void memory_freed() override { told.emplace_back("memory freed"); }
+  std::shared_future<void> print_over(EndedJob& /*job*/) override { return {}; }
+  void job_ended(EndedJob end) override { ended.push_back(std::move(end)); }
+  void may_stop() override { told.emplace_back("may stop"); }
+
+ public:
+  JobReader reader{config, spool, loop};
+  QueueHold hold{
+      context, spool, {.light_may_be_on = [this] { return job.print().light_may_be_on(); }, .retry = [] {}}};
+  CurrentJob job{context, spool, reader, hold, *this};
+};
+
+}  // namespace contourd::testing

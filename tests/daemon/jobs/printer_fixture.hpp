@@ -1,0 +1,122 @@
+// What the printer's parts work with, for their tests: a spool in a folder of its own, a simulated machine
+// whose time goes on as fast as it can, and the log as text. Not thread-safe.
+#pragma once
+
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/config/printer_config.hpp"
+#include "daemon/jobs/printer_context.hpp"
+#include "daemon/spool/spool.hpp"
+#include "hw/simulated_printer.hpp"
+#include "hw/virtual_clock.hpp"
+#include "tests/models/models.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace contourd::testing {
+
+// The shipped simulated printer, which keeps no masks, asks for no room on the disk and holds nothing.
+inline PrinterConfig simulated_config(const std::filesystem::path& folder) {
+  PrinterConfig config = load_printer_config(std::filesystem::path(CONTOURD_CONFIG_DIR) / "simulated.json");
+  config.spool_folder = folder / "spool";
+  config.control_socket = folder / "control.sock";
+  config.min_free_disk_bytes = 0;
+  config.simulated.display.masks.reset();
+  config.supports = SupportPolicy::Off;
+  return config;
+}
+
+// Log entries as lines: "warning: ...".
+class LogText {
+ public:
+  explicit LogText(EventLoop& loop) : log(loop) {
+    auto logger =
+        std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_st>(text_));
+    logger->set_pattern("%l: %v");
+    spdlog::set_default_logger(std::move(logger));
+  }
+
+  [[nodiscard]] bool has(std::string_view what) const { return text_.str().find(what) != std::string::npos; }
+  [[nodiscard]] int count(std::string_view what) const {
+    const std::string text = text_.str();
+    int found = 0;
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1))
+      ++found;
+    return found;
+  }
+
+ private:
+  std::ostringstream text_;
+
+ public:
+  Log log;
+};
+
+class NoSpoolObserver : public SpoolObserver {
+  void model_arrived(const std::string&) override {}
+  void model_withdrawn(const std::string&) override {}
+  void plate_waits(const std::string&, const std::vector<std::string>&) override {}
+  void passed_over(const std::string&, WhyPassedOver) override {}
+  void more_passed_over(std::size_t) override {}
+  void incoming_lost(const std::string&) override {}
+  void incoming_replaced() override {}
+};
+
+class PrinterFixture {
+ public:
+  // Puts a model 0.2 mm high into a folder of the spool.
+  void put(Spool::Folder where, const std::string& file) const {
+    models::write_binary_stl(spool.folder(where) / file, models::box({0, 0, 0}, {3, 2, 0.2F}));
+  }
+  void put_text(Spool::Folder where, const std::string& file, std::string_view text) const {
+    std::ofstream(spool.folder(where) / file) << text;
+  }
+  // By its path in the spool's folder.
+  [[nodiscard]] bool has(const std::string& path) const {
+    return std::filesystem::exists(config.spool_folder / path);
+  }
+  [[nodiscard]] bool has_record(const std::string& name) const {
+    return std::filesystem::exists(state() / name);
+  }
+  [[nodiscard]] std::filesystem::path state() const { return folder.path() / "spool.state"; }
+
+  // Runs the loop, and the machine's time with it, until this is so. To be called once: an event loop does
+  // not run again.
+  bool run_until(const std::function<bool()>& so) {
+    using namespace std::chrono_literals;
+    bool reached = false;
+    const auto given_up =
+        loop.at(std::chrono::steady_clock::now() + 20s, "the test", [this] { loop.stop(); });
+    const auto steps = loop.when_idle("the test's clock", [&] {
+      reached = so();
+      if (reached) loop.stop();
+      (void)clock.run_next();
+      return !reached;
+    });
+    loop.run();
+    return reached;
+  }
+
+  TemporaryFolder folder;
+  PrinterConfig config = simulated_config(folder.path());
+  EventLoop loop;
+  VirtualClock clock;
+  LogText log{loop};
+  Supervisor supervisor{loop};
+  SimulatedPrinter machine{clock, config.simulated};
+  PrinterContext context{config, loop, clock, machine, log.log, supervisor};
+  NoSpoolObserver observer;
+  Spool spool{config.spool_folder, loop, observer};
+};
+
+}  // namespace contourd::testing

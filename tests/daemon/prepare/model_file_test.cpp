@@ -1,0 +1,59 @@
+#include "daemon/prepare/model_file.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "daemon/prepare/plate_arrangement.hpp"
+#include "tests/catch.hpp"
+#include "tests/models/models.hpp"
+#include "tests/temporary_folder.hpp"
+
+using namespace contourd;
+namespace fs = std::filesystem;
+
+namespace {
+
+const models::Facets kCube = models::box({0, 0, 0}, {20, 20, 20});
+
+std::string refusal_of(const fs::path& path, const std::string& name = "") {
+  try {
+    (void)ModelFile(path, name, Links::Refuse).read();
+  } catch (const JobRefused& refusal) {
+    return refusal.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("A model is read as it was when it was looked at, whatever lies under its name by now") {
+  const testing::TemporaryFolder folder;
+  const fs::path path = folder.path() / "part.stl";
+  models::write_binary_stl(path, kCube);
+  ModelFile replaced(path, "", Links::Refuse);
+  CHECK(replaced.outline().most_facets == 12);
+  fs::rename(folder.write("other.stl", "no model"), path);
+  CHECK(replaced.read().facets.size() == 12);
+}
+
+TEST_CASE("A model that grew since it was looked at is read no further than it went") {
+  const testing::TemporaryFolder folder;
+  const fs::path path = folder.path() / "part.stl";
+  models::write_binary_stl(path, kCube);
+  ModelFile grown(path, "", Links::Refuse);
+  fs::resize_file(path, fs::file_size(path) + 50'000'000);
+  const Model model = grown.read();
+  CHECK(model.facets.size() == 12);
+  CHECK(model.warnings.empty());
+}
+
+TEST_CASE("What is wrong with a model is told with its name where there are several") {
+  const testing::TemporaryFolder folder;
+  CHECK(refusal_of(folder.write("bad.stl", "no model")).starts_with("not a usable model: "));
+  CHECK(refusal_of(folder.write("bad.stl", "no model"), "bad.stl")
+            .starts_with("bad.stl: not a usable model: "));
+  models::write_binary_stl(folder.path() / "none.stl", {});
+  CHECK(refusal_of(folder.path() / "none.stl") == "the file holds no facets");
+  CHECK(refusal_of(folder.path() / "gone.stl").ends_with("gone.stl: there is no such file"));
+}

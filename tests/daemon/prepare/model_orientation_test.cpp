@@ -1,0 +1,90 @@
+#include "daemon/prepare/model_orientation.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "tests/broken_contract.hpp"
+#include "tests/catch.hpp"
+#include "tests/models/models.hpp"
+
+using namespace contourd;
+
+namespace {
+
+constexpr Millimeters kAny{1000};
+
+ModelOrientation found(const models::Facets& facets, const OrientationTicket& asked = {}) {
+  ModelTicket ticket;
+  ticket.orientation = asked;
+  return find_orientation(facets, ticket, {{kAny, kAny, kAny}, Scale{}, {}, Millimeters{5}}).value();
+}
+
+models::Facets on_its_point() {
+  models::Facets cone = models::cone(6, 20, 48);
+  orient(cone, {.up = Direction{0, 0, -1}});
+  return cone;
+}
+
+}  // namespace
+
+TEST_CASE("What points up is told with its figures, and those of the model as it is drawn") {
+  CHECK(describe(found(on_its_point())) ==
+        "0, 0, -1 points up (auto): nothing hangs over, 20.00 mm high, 111 mm2 at most, stands by itself; as "
+        "drawn: about 1 contact, 0.01 ml of supports, 20.00 mm high, 111 mm2 at most");
+  CHECK(describe(found(models::box({0, 0, 0}, {10, 10, 10}), {OrientationPreset::Clean, {}})) ==
+        "stays as it is drawn (clean): nothing hangs over, 10.00 mm high, 100 mm2 at most, stands by itself");
+}
+
+TEST_CASE("Surfaces that are touched all the same, and what does not fit, are told") {
+  OrientationFigures figures;
+  figures.contacts = 1.2;
+  figures.touched_mm2 = 12;
+  figures.fits = false;
+  CHECK(describe(figures) ==
+        "about 2 contacts, 0.00 ml of supports, 0.00 mm high, 0 mm2 at most, 12 mm2 touched of what is to be "
+        "kept "
+        "clean, does not fit into the machine");
+}
+
+TEST_CASE("A direction is told in thousandths, without a minus in front of 0") {
+  CHECK(text_of({0.70710678, -0.0001, -1}) == "0.707, 0, -1");
+}
+
+TEST_CASE("The report has the best ways up, the chosen one first") {
+  const ModelOrientation orientation = found(on_its_point());
+  const nlohmann::ordered_json json = orientation_json(orientation);
+  CHECK(json["preset"] == "auto");
+  CHECK(json["as_drawn"] == false);
+  REQUIRE(json["alternatives"].size() == kAlternativesTold);
+  CHECK(json["alternatives"][0]["up"] == nlohmann::ordered_json{0, 0, -1});
+  CHECK(json["alternatives"][0]["stands"] == true);
+}
+
+TEST_CASE("A model that fills the display fits, however large its file has it") {
+  ModelTicket ticket;
+  ticket.orientation.emplace();
+  ticket.fit = true;
+  const Millimeters small{1};
+  const auto fitted = find_orientation(on_its_point(), ticket, {{small, small, small}, Scale{}, {}});
+  CHECK(fitted.value().choice.chosen().fits);
+  ticket.fit = false;
+  CHECK_FALSE(find_orientation(on_its_point(), ticket, {{small, small, small}, Scale{}, {}})
+                  .value()
+                  .choice.chosen()
+                  .fits);
+}
+
+TEST_CASE("Nothing is found once it is told to stop") {
+  std::stop_source stop;
+  stop.request_stop();
+  ModelTicket ticket;
+  ticket.orientation.emplace();
+  CHECK_FALSE(find_orientation(on_its_point(), ticket, {{kAny, kAny, kAny}, Scale{}, {}}, stop.get_token())
+                  .has_value());
+}
+
+TEST_CASE("A way up is found only where a ticket leaves it to contourd") {
+  const models::Facets cone = on_its_point();
+  CHECK(testing::contract_broken_by([&] {
+          (void)find_orientation(cone, ModelTicket{}, {{kAny, kAny, kAny}, Scale{}, {}});
+        }) == "a model's ticket leaves its way up to contourd");
+}

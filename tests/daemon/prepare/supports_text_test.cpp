@@ -1,0 +1,65 @@
+#include "daemon/prepare/supports_text.hpp"
+
+#include "tests/catch.hpp"
+
+using namespace contourd;
+
+namespace {
+
+SupportContact contact(ContactCause cause, double z) {
+  return {{1, -2, z}, {0, 0, -1}, cause, 0.25};
+}
+
+Supports some() {
+  Supports supports;
+  supports.contacts = {contact(ContactCause::Island, 1), contact(ContactCause::Overhang, 2),
+                       contact(ContactCause::Overhang, 3), contact(ContactCause::Peel, 4)};
+  supports.branches = 3;
+  supports.feet = 1;
+  supports.volume_mm3 = 330;
+  return supports;
+}
+
+}  // namespace
+
+TEST_CASE("Supports are told by cause, and by what holds") {
+  Supports supports = some();
+  CHECK(supports_line(counts_of(supports)) ==
+        "4 contacts (1 island, 2 overhangs, 1 peel), 3 branches, 1 foot, 0.33 ml");
+  supports.feet_on_models = 2;
+  CHECK(supports_line(counts_of(supports)) ==
+        "4 contacts (1 island, 2 overhangs, 1 peel), 3 branches, 1 foot, 2 on the model, 0.33 ml");
+  SupportCounts counts = counts_of(supports);
+  counts.unheld = 1;
+  CHECK(supports_line(counts) ==
+        "4 contacts (1 island, 2 overhangs, 1 peel), 3 branches, 1 foot, 2 on the model, 0.33 ml; 1 place "
+        "not held");
+  CHECK(supports_in_summary(supports_summary_json(counts)) == counts);
+  CHECK(supports_line({}) == "nothing has to be held");
+}
+
+TEST_CASE("Places that are not held are named, the first three of them") {
+  std::vector<UnheldPlace> places{{contact(ContactCause::Island, 1), "no path leads to the plate"}};
+  CHECK(unheld_sentence({}).empty());
+  CHECK(unheld_sentence(places) ==
+        "1 place cannot be held: at 1.00, -2.00 mm from the plate's centre, 1.00 mm above the plate (island, "
+        "0.25 mm2): no path leads to the plate");
+  places.resize(5, {contact(ContactCause::Peel, 2), "there is no room"});
+  const std::string sentence = unheld_sentence(places);
+  CHECK(sentence.find("5 places cannot be held: at 1.00") == 0);
+  CHECK(sentence.find("(peel, 0.25 mm2): there is no room; and 2 more") != std::string::npos);
+}
+
+TEST_CASE("Supports as JSON have every contact and every place that is not held") {
+  Supports supports = some();
+  supports.unheld = {{contact(ContactCause::Island, 9), "no way"}};
+  const auto json = supports_json(supports);
+  CHECK(json["contacts"] == 4);
+  CHECK(json["overhangs"] == 2);
+  CHECK(json["unheld"] == 1);
+  CHECK(json["contact_list"].size() == 4);
+  CHECK(json["contact_list"][3]["cause"] == "peel");
+  CHECK(json["contact_list"][3]["plate_mm"] == nlohmann::ordered_json{1.0, -2.0, 4.0});
+  CHECK(json["unheld_list"][0]["why"] == "no way");
+  CHECK(support_settings_json(SupportSettings{})["tip_holds_mm2"] == 11.1);
+}

@@ -1,0 +1,30 @@
+// Each header of daemon/report checks what it requires.
+#include <chrono>
+
+#include "daemon/report/html_page.hpp"
+#include "daemon/report/light_histogram.hpp"
+#include "daemon/report/state_times.hpp"
+#include "tests/broken_contract.hpp"
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using testing::contract_broken_by;
+
+TEST_CASE("A plot's heights rise") {
+  if (testing::costly_checks_are_off()) return;
+  const PlotPoint rising[] = {{1, 5}, {1, 6}, {2, 4}}, falling[] = {{1, 5}, {0.5, 6}};
+  CHECK(contract_broken_by([&] { (void)svg_plot("area", rising); }).empty());
+  CHECK(contract_broken_by([&] { (void)svg_plot("area", falling); }) == "heights rise");
+}
+
+TEST_CASE("StateTimes goes forwards only") {
+  const TimePoint start{std::chrono::hours(1)};
+  StateTimes times(start);
+  CHECK(contract_broken_by([&] { times.enter(PrintState::Homing, start - std::chrono::nanoseconds(1)); }) ==
+        "times do not fall");
+  CHECK(contract_broken_by([&] { times.enter(PrintState::Homing, start); }).empty());
+}
+
+TEST_CASE("A histogram of light is drawn when it has bins") {
+  CHECK(contract_broken_by([] { (void)svg_of(LightHistogram{}); }) == "a histogram has bins");
+}

@@ -1,0 +1,128 @@
+#include "daemon/report/print_record.hpp"
+
+#include <string>
+#include <vector>
+
+#include "hw/simulated_printer.hpp"
+#include "hw/virtual_clock.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/print/late_machine.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+
+namespace {
+
+class Desk {
+ public:
+  Desk() { machine.axis.late.count = 5; }
+  [[nodiscard]] PrintRecord begin() { return {machine, clock, "masks/part"}; }
+
+  VirtualClock clock;
+  SimulatedPrinter printer{clock, {}};
+  testing::LateMachine machine{printer};
+};
+
+LayerRecord layer(std::int32_t number) {
+  LayerRecord record;
+  record.layer = number;
+  return record;
+}
+
+}  // namespace
+
+TEST_CASE("A record counts the late steps of its print, and no others") {
+  Desk desk;
+  PrintRecord record = desk.begin();
+  desk.machine.axis.late.count = 12;
+  CHECK(record.take_report().late_steps == 7);
+}
+
+TEST_CASE("A record has all late steps of an axis that was opened again and counts anew") {
+  Desk desk;
+  PrintRecord record = desk.begin();
+  desk.machine.axis.late.count = 2;
+  CHECK(record.take_report().late_steps == 2);
+}
+
+TEST_CASE("A record keeps the longest turn with light") {
+  Desk desk;
+  PrintRecord record = desk.begin();
+  record.add_lit_turn({"a client", 3ms, 1ms});
+  record.add_lit_turn({"the spool", 9ms, 2ms});
+  record.add_lit_turn({"a timer", 4ms, 4ms});
+  const PrintReport report = record.take_report();
+  CHECK(report.busiest_lit.source == "the spool");
+  CHECK(report.busiest_lit.busy == 9ms);
+}
+
+TEST_CASE("A record tells layers and interruptions in their order") {
+  Desk desk;
+  PrintRecord record = desk.begin();
+  record.add(layer(0));
+  record.add_interruption(1, "the lid was opened");
+  record.add(layer(1));
+  record.add_interruption(1, "the display was lost");
+  CHECK(record.layers().size() == 2);
+  const PrintReport report = record.take_report();
+  REQUIRE(report.layers.size() == 2);
+  CHECK(report.layers[1].layer == 1);
+  REQUIRE(report.stops.interruptions.size() == 2);
+  CHECK(report.stops.interruptions[0].layer == 1);
+  CHECK(report.stops.interruptions[0].what == "the lid was opened");
+  CHECK(report.stops.interruptions[1].what == "the display was lost");
+  CHECK(report.masks == "masks/part");
+}
+
+TEST_CASE("A record's time is the machine's") {
+  Desk desk;
+  PrintRecord record = desk.begin();
+  const auto timer = desk.clock.call_at(desk.clock.now() + 90s, [] {});
+  CHECK(desk.clock.run_next());
+  CHECK(record.elapsed() == 90s);
+  CHECK(record.take_report().print_time == 90s);
+}
+
+TEST_CASE("A record has each pause with its layer, its time and how long it lasted") {
+  Desk desk;
+  PrintRecord record = desk.begin();
+  const auto go_on_for = [&](Duration duration) {
+    const auto timer = desk.clock.call_at(desk.clock.now() + duration, [] {});
+    REQUIRE(desk.clock.run_next());
+  };
+  record.enter(PrintState::Exposing, 6);
+  go_on_for(20s);
+  record.enter(PrintState::Paused, 6);
+  go_on_for(60s);
+  record.enter(PrintState::Paused, 6);  // interrupted there
+  go_on_for(30s);
+  record.enter(PrintState::AwaitingDark, 6);
+  go_on_for(10s);
+  record.enter(PrintState::Held, 7);
+  go_on_for(5s);
+  const PrintReport report = record.take_report();
+  REQUIRE(report.stops.pauses.size() == 2);
+  CHECK(report.stops.pauses[0].layer == 6);
+  CHECK(report.stops.pauses[0].at == 20s);
+  CHECK(report.stops.pauses[0].lasted == 90s);
+  CHECK(report.stops.pauses[1].layer == 7);
+  CHECK(report.stops.pauses[1].lasted == 5s);
+  CHECK(report.states.in(PrintState::Exposing) == 20s);
+  CHECK(report.states.in(PrintState::Paused) == 90s);
+  CHECK(report.states.total() == 125s);
+}
+
+TEST_CASE("A record of endless stops keeps the first ones and counts the others") {
+  Desk desk;
+  PrintRecord record = desk.begin();
+  for (std::size_t i = 0; i < PrintStops::kMost + 7; ++i) {
+    record.add_interruption(2, "the lid was opened");
+    record.enter(PrintState::Paused, 2);
+    record.enter(PrintState::AwaitingDark, 2);
+  }
+  const PrintStops stops = record.take_report().stops;
+  CHECK(stops.interruptions.size() == PrintStops::kMost);
+  CHECK(stops.more_interruptions == 7);
+  CHECK(stops.pauses.size() == PrintStops::kMost);
+  CHECK(stops.more_pauses == 7);
+}

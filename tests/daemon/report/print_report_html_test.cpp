@@ -1,0 +1,148 @@
+#include "daemon/report/print_report_html.hpp"
+
+#include <string>
+
+#include "core/image/thumbnail.hpp"
+#include "daemon/report/layer_pictures.hpp"
+#include "hw/png_file.hpp"
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+
+namespace {
+
+// What docs/printing.md says.
+constexpr std::size_t kLargestPage = 3'000'000;
+
+PrintReport report_of(std::int32_t layers) {
+  PrintReport report;
+  report.job = "part";
+  report.outcome = PrintOutcome::Done;
+  report.summary.models.resize(1);
+  report.summary.models.front().centers = {{0, 0}};
+  report.summary.layers = {layers, Nanometers{50'000}, Nanometers{50'000}, std::nullopt};
+  report.summary.irradiance_mw_cm2 = 5;
+  const TimePoint start{1h};
+  report.states = StateTimes(start);
+  for (std::int32_t i = 0; i < layers; ++i) {
+    LayerRecord& layer = report.layers.emplace_back();
+    layer.layer = i;
+    layer.thickness = Nanometers{50'000};
+    layer.mask_height = Nanometers{std::int64_t{50'000} * i + 25'000};
+    layer.exposure_asked = layer.exposure_least = layer.exposure_most = 2s;
+    layer.complete = true;
+    layer.area_mm2 = i % 97;
+    report.states.enter(i % 2 == 0 ? PrintState::Exposing : PrintState::Lifting, start + i * 5s);
+  }
+  return report;
+}
+
+LayerPicture picture_of(std::int32_t layer, const Mask& mask) {
+  return {layer, "", mask.width(), mask.height(), encode_png(mask), {}, {}};
+}
+
+// No two pixels beside each other are alike, which is the most that a picture takes.
+Mask noise(Pixels side) {
+  Mask mask(side, side);
+  std::uint32_t state = 1;
+  for (std::int32_t y = 0; y < side.count(); ++y) {
+    for (std::uint8_t& pixel : mask.row(y))
+      pixel = static_cast<std::uint8_t>((state = state * 1664525U + 1013904223U) >> 24U);
+  }
+  return mask;
+}
+
+std::size_t count(const std::string& text, const std::string& what) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1))
+    ++found;
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("A warning links to those of its layers that have a picture, and to no others") {
+  PrintReport report = report_of(30);
+  PrintFindings& findings = report.findings.emplace();
+  findings.area_mm2.assign(30, 1);
+  findings.islands = {{4, {1, 2}, {0, 0}, 3}, {9, {1, 2}, {0, 0}, 2}};
+  findings.island_count = 2;
+  report.layer_pictures.push_back(picture_of(9, Mask(Pixels{20}, Pixels{10})));
+  const std::string page = report_as_html(report);
+  CHECK(count(page, "<a href=\"#layer-10\">layer 10</a>") == 1);
+  CHECK(count(page, "<a href=") == 1);
+  CHECK(count(page, "<figure id=\"layer-10\">") == 1);
+  CHECK(count(page, "2 islands begin") == 1);
+}
+
+TEST_CASE("What others have written into names is text on the page, and nothing else") {
+  const std::string hostile = "\"><script>alert(1)</script><img src=//x onerror='y'>\x1b[31m\xff";
+  PrintReport report = report_of(3);
+  report.job = report.printer = report.reason = hostile;
+  report.summary.resin.name = hostile;
+  report.summary.warnings = {hostile};
+  report.summary.models.front().file = hostile;
+  report.stops.interruptions = {{1, 1s, hostile}};
+  report.busiest_lit = {hostile, 1s, 1s};
+  report.layer_pictures.push_back(picture_of(1, Mask(Pixels{20}, Pixels{10})));
+  report.layer_pictures.back().why = hostile;
+  const std::string page = report_as_html(report);
+  CHECK(count(page, "<script") == 0);
+  CHECK(count(page, "<img src=//") == 0);
+  CHECK(count(page, "\x1b") == 0);
+  CHECK(count(page, "\xff") == 0);
+  CHECK(count(page, "&lt;script&gt;alert(1)") >= 8);
+}
+
+TEST_CASE("A page allows no request and no script") {
+  const std::string page = report_as_html(report_of(3));
+  CHECK(count(page, "content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'") == 1);
+}
+
+TEST_CASE("The page of a print with everything that can be wrong is as large as is said at the most") {
+  PrintReport report = report_of(100'000);
+  report.reason = std::string(1'000'000, '<');
+  report.summary.warnings.assign(5000, std::string(5000, '<'));
+  report.summary.models.resize(5000, report.summary.models.front());
+  for (ModelSummary& model : report.summary.models)
+    model.file = std::string(255, '<');
+  report.stops.interruptions.assign(PrintStops::kMost, {7, 1s, std::string(5000, '<')});
+  report.stops.pauses.assign(PrintStops::kMost, {7, 1s, 1s});
+  report.stops.more_pauses = 4000;
+  report.preview = PartPreview{
+      Pixels{720}, encode_png(noise(Pixels{720})),
+      std::vector<PartPreview::Contact>(kMostContacts, {{719.99, 719.99}, ContactCause::Overhang})};
+  for (std::size_t i = 0; i < kMaxLayerPictures; ++i)
+    report.layer_pictures.push_back(picture_of(static_cast<std::int32_t>(i), noise(kLayerPictureSide)));
+  const std::string page = report_as_html(report);
+  CHECK(page.size() < kLargestPage);
+  CHECK(page.size() > kLargestPage / 2);
+  CHECK(count(page, "<li>and 4950 more</li>") == 2);  // warnings, and pauses with those that are not kept
+  CHECK(count(page, "<li>and 950 more</li>") == 1);   // interruptions
+}
+
+TEST_CASE("The picture of a part shows the contacts of its supports by their cause") {
+  PrintReport report = report_of(3);
+  report.preview = PartPreview{Pixels{720}, encode_png(noise(Pixels{720})), {}};
+  CHECK(count(report_as_html(report), "class=\"contacts\"") == 0);
+  report.preview->contacts = {{{100.26, 200}, ContactCause::Island},
+                              {{300, 400}, ContactCause::Peel},
+                              {{300, 410}, ContactCause::Peel}};
+  const std::string page = report_as_html(report);
+  CHECK(count(page, "<circle class=\"island\" cx=\"100.3\" cy=\"200.0\"") == 1);
+  CHECK(count(page, "<circle class=\"peel\"") == 2);
+  CHECK(count(page, "</span>island 1</span>") == 1);
+  CHECK(count(page, "</span>peel 2</span>") == 1);
+  CHECK(count(page, "</span>overhang") == 0);
+}
+
+TEST_CASE("A print that ended before its first layer has a page without pictures and plots") {
+  PrintReport report = report_of(0);
+  report.outcome = PrintOutcome::Canceled;
+  const std::string page = report_as_html(report);
+  CHECK(count(page, "<figure") == 0);
+  CHECK(count(page, "<svg") == 0);
+  CHECK(count(page, "<h2>") == 0);
+  CHECK(count(page, "nan") == 0);
+}

@@ -1,0 +1,92 @@
+#include "daemon/report/state_times.hpp"
+
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr TimePoint kStart{std::chrono::hours(1000)};
+
+Duration sum_of(const StateTimes& times, PrintActivity activity) {
+  Duration sum{};
+  for (const StateTimes::Slice& slice : times.slices())
+    sum += slice[static_cast<std::size_t>(activity)];
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("Each state has the time between it and the next one") {
+  StateTimes times(kStart);
+  times.enter(PrintState::WarmingUp, kStart);
+  times.enter(PrintState::Homing, kStart + 5s);
+  times.enter(PrintState::Homing, kStart + 6s);
+  times.enter(PrintState::Exposing, kStart + 8s);
+  times.enter(PrintState::Idle, kStart + 11s);
+  CHECK(times.in(PrintState::WarmingUp) == 5s);
+  CHECK(times.in(PrintState::Homing) == 3s);
+  CHECK(times.in(PrintState::Exposing) == 3s);
+  CHECK(times.in(PrintState::Idle) == 0s);
+  CHECK(times.total() == 11s);
+}
+
+TEST_CASE("Slices follow each other without a gap, and a state that spans many is in all of them") {
+  StateTimes times(kStart);
+  times.enter(PrintState::Exposing, kStart);
+  times.enter(PrintState::Paused, kStart + 250ms);
+  times.enter(PrintState::Idle, kStart + 420ms);
+  REQUIRE(times.slice_width() == 100ms);
+  REQUIRE(times.slices().size() == 5);
+  const auto in = [&](std::size_t slice, PrintActivity activity) {
+    return times.slices()[slice][static_cast<std::size_t>(activity)];
+  };
+  CHECK(in(1, PrintActivity::Exposing) == 100ms);
+  CHECK(in(2, PrintActivity::Exposing) == 50ms);
+  CHECK(in(2, PrintActivity::Stopped) == 50ms);
+  CHECK(in(3, PrintActivity::Stopped) == 100ms);
+  CHECK(in(4, PrintActivity::Stopped) == 20ms);
+}
+
+TEST_CASE("A print of a week has no more slices than one of a minute, and no time of it is lost") {
+  StateTimes times(kStart);
+  TimePoint now = kStart;
+  Duration exposing{}, moving{};
+  for (int layer = 0; layer < 100'000; ++layer) {
+    times.enter(PrintState::Exposing, now);
+    now += 2'100ms;
+    exposing += 2'100ms;
+    times.enter(PrintState::Lifting, now);
+    now += 3'700ms;
+    moving += 3'700ms;
+  }
+  times.enter(PrintState::Idle, now);
+  CHECK(times.slices().size() <= StateTimes::kMaxSlices);
+  CHECK(times.slices().size() > StateTimes::kMaxSlices / 2);
+  CHECK(sum_of(times, PrintActivity::Exposing) == exposing);
+  CHECK(sum_of(times, PrintActivity::Moving) == moving);
+  CHECK(times.in(PrintState::Exposing) == exposing);
+  for (std::size_t i = 0; i + 1 < times.slices().size(); ++i) {
+    Duration sum{};
+    for (const Duration part : times.slices()[i])
+      sum += part;
+    CHECK(sum == times.slice_width());
+  }
+}
+
+TEST_CASE("A wait of a year between two states takes no more slices") {
+  StateTimes times(kStart);
+  times.enter(PrintState::Paused, kStart + 1s);
+  times.enter(PrintState::Idle, kStart + std::chrono::hours(8766));
+  CHECK(times.slices().size() <= StateTimes::kMaxSlices);
+  CHECK(sum_of(times, PrintActivity::Stopped) == std::chrono::hours(8766) - 1s);
+}
+
+TEST_CASE("Every state is drawn as something, and those in which nothing goes on as a stop") {
+  for (std::size_t state = 0; state < kPrintStates; ++state)
+    CHECK(name_of(activity_of(static_cast<PrintState>(state))) != "?");
+  CHECK(activity_of(PrintState::Paused) == PrintActivity::Stopped);
+  CHECK(activity_of(PrintState::Held) == PrintActivity::Stopped);
+  CHECK(activity_of(PrintState::Exposing) == PrintActivity::Exposing);
+}

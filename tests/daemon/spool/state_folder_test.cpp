@@ -1,0 +1,59 @@
+#include "daemon/spool/state_folder.hpp"
+
+#include <sys/stat.h>
+
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+#include "tests/catch.hpp"
+#include "tests/temporary_folder.hpp"
+
+using namespace contourd;
+namespace fs = std::filesystem;
+
+namespace {
+
+unsigned mode_of(const fs::path& path) {
+  struct stat status {};
+  REQUIRE(::stat(path.c_str(), &status) == 0);
+  return status.st_mode & 07777U;
+}
+
+}  // namespace
+
+TEST_CASE("The state is kept in the service manager's folder, and without one beside the spool") {
+  ::unsetenv("STATE_DIRECTORY");
+  CHECK(state_folder_path("/a/spool") == "/a/spool.state");
+  CHECK(state_folder_path("/a/spool/") == "/a/spool.state");
+  ::setenv("STATE_DIRECTORY", "/var/lib/contourd:/var/lib/other", 1);
+  CHECK(state_folder_path("/a/spool") == "/var/lib/contourd");
+  ::unsetenv("STATE_DIRECTORY");
+}
+
+TEST_CASE("Nobody else may write in the state's folder, whoever made it") {
+  const contourd::testing::TemporaryFolder folder;
+  const fs::path state = folder.path() / "state";
+  make_state_folder(state);
+  CHECK(mode_of(state) == 0700);
+  REQUIRE(::chmod(state.c_str(), 0777) == 0);
+  make_state_folder(state);
+  CHECK(mode_of(state) == 0700);
+}
+
+TEST_CASE("A state's folder that is a link, a file or cannot be made is refused with its path") {
+  const contourd::testing::TemporaryFolder folder;
+  fs::create_directory(folder.path() / "real");
+  fs::create_directory_symlink("real", folder.path() / "link");
+  (void)folder.write("file", "");
+  for (const fs::path& path :
+       {folder.path() / "link", folder.path() / "file", folder.path() / "no" / "state"}) {
+    CAPTURE(path);
+    try {
+      make_state_folder(path);
+      FAIL("it should have thrown");
+    } catch (const std::runtime_error& error) {
+      CHECK(std::string(error.what()).starts_with("cannot keep a state in " + path.string() + ": "));
+    }
+  }
+}

@@ -1,0 +1,74 @@
+#include "daemon/spool/state_records.hpp"
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+#include "tests/catch.hpp"
+#include "tests/temporary_folder.hpp"
+
+using namespace contourd;
+namespace fs = std::filesystem;
+
+TEST_CASE("A record is what it was set to, for the next process too, until it is taken away") {
+  const testing::TemporaryFolder folder;
+  const StateRecords records(folder.path());
+  CHECK_FALSE(records.plate_occupant());
+  CHECK_FALSE(records.hold());
+  CHECK(records.end_of_print().empty());
+  records.set_plate_occupant("part");
+  records.set_hold("part failed");
+  records.keep_end_of_print("{}");
+  const StateRecords next(folder.path());
+  CHECK(next.plate_occupant() == "part");
+  CHECK(next.hold() == "part failed");
+  CHECK(next.end_of_print() == "{}");
+  next.set_plate_occupant(std::nullopt);
+  next.set_hold(std::nullopt);
+  next.forget_end_of_print();
+  CHECK(fs::is_empty(folder.path()));
+}
+
+TEST_CASE("What a record says already is not written again") {
+  const testing::TemporaryFolder folder;
+  const StateRecords records(folder.path());
+  records.set_hold("part failed");
+  const fs::path file = folder.path() / "queue-held";
+  const auto long_ago = fs::last_write_time(file) - std::chrono::hours{1};
+  fs::last_write_time(file, long_ago);
+  records.set_hold("part failed");
+  CHECK(fs::last_write_time(file) == long_ago);
+  records.set_hold("another failed");
+  CHECK(fs::last_write_time(file) != long_ago);
+}
+
+TEST_CASE("A record that the disk does not take is an error, and one that is not there is none to forget") {
+  const testing::TemporaryFolder folder;
+  const StateRecords records(folder.path() / "gone");
+  CHECK_THROWS_AS(records.set_hold("part failed"), std::system_error);
+  CHECK_NOTHROW(records.set_hold(std::nullopt));
+  CHECK_NOTHROW(records.forget_end_of_print());
+}
+
+TEST_CASE("The queue's order is there for the next process, whatever its files are called") {
+  const testing::TemporaryFolder folder;
+  const StateRecords records(folder.path());
+  CHECK(records.queue_order().empty());
+  const std::vector<std::string> files{"b.stl", "two\nlines.stl", "\xff .stl"};
+  records.keep_queue_order(files);
+  CHECK(StateRecords(folder.path()).queue_order() == files);
+  records.keep_queue_order({});
+  CHECK(fs::is_empty(folder.path()));
+  CHECK_NOTHROW(records.keep_queue_order({}));
+}
+
+TEST_CASE("What was accepted is there for the next process") {
+  const testing::TemporaryFolder folder;
+  const StateRecords records(folder.path());
+  CHECK(records.accepted().empty());
+  records.keep_accepted({"a1 islands", "a1 cracks"});
+  CHECK(StateRecords(folder.path()).accepted() == std::vector<std::string>{"a1 islands", "a1 cracks"});
+  records.keep_accepted({});
+  CHECK(fs::is_empty(folder.path()));
+}

@@ -1,0 +1,118 @@
+#include "daemon/system/memory_room.hpp"
+
+#include <string>
+
+#include "tests/catch.hpp"
+#include "tests/temporary_folder.hpp"
+
+using namespace contourd;
+
+namespace {
+
+// What a kernel would say: 1,000,000 kB available, 20,000 kB held by this process, no control group's limit.
+class Kernel {
+ public:
+  Kernel() {
+    write("proc/meminfo", "MemTotal:        2000000 kB\nMemFree:  5 kB\nMemAvailable:    1000000 kB\n");
+    write("proc/self/status",
+          "Name:\tcontourd\nVmRSS:\t  30000 kB\nRssAnon:\t   18000 kB\nVmSwap:\t 2000 kB\n");
+    write("proc/self/cgroup", "0::/system.slice/contourd.service\n");
+  }
+  void write(const std::string& file, const std::string& text) { folder_.write(file, text); }
+  [[nodiscard]] MemoryRoom room(std::optional<std::uint64_t> limit = {}) const {
+    return memory_room(limit, {folder_.path() / "proc", folder_.path() / "cgroup"});
+  }
+
+ private:
+  testing::TemporaryFolder folder_;
+};
+
+constexpr std::uint64_t kReserve = 64'000'000;
+
+}  // namespace
+
+TEST_CASE("Without any limit there is room for what the machine has available, but for a reserve") {
+  const MemoryRoom room = Kernel().room();
+  CHECK(room.bytes == 1'024'000'000 - kReserve);
+  CHECK(room.held == 20'480'000);
+  CHECK(room.reason == "1024 MB are available on this computer, of which 64 MB stay free");
+}
+
+TEST_CASE("A limit is the whole process': what it holds counts") {
+  const MemoryRoom room = Kernel().room(100'000'000);
+  CHECK(room.bytes == 100'000'000 - 20'480'000);
+  CHECK(room.reason == "memory_limit_mb is 100, and contourd holds 20 MB");
+  CHECK(Kernel().room(10'000'000).bytes == 0);
+  CHECK(Kernel().room(10'000'000).held == 10'000'000);
+}
+
+TEST_CASE("A control group's limit counts where it leaves less than the machine, less what it has taken") {
+  Kernel kernel;
+  kernel.write("cgroup/system.slice/contourd.service/memory.max", "900000000\n");
+  kernel.write("cgroup/system.slice/contourd.service/memory.high", "max\n");
+  kernel.write("cgroup/system.slice/contourd.service/memory.current", "300000000\n");
+  CHECK(kernel.room().bytes == 600'000'000 - kReserve);
+  CHECK(kernel.room().reason == "600 MB are available in the control group, of which 64 MB stay free");
+}
+
+TEST_CASE("Pages of files that a control group holds are given back when they are needed") {
+  Kernel kernel;
+  kernel.write("cgroup/system.slice/contourd.service/memory.max", "900000000\n");
+  kernel.write("cgroup/system.slice/contourd.service/memory.current", "880000000\n");
+  kernel.write("cgroup/system.slice/contourd.service/memory.stat",
+               "anon 80000000\nfile 800000000\ninactive_anon 1\nactive_anon 2\ninactive_file 500000000\n"
+               "active_file 100000000\n");
+  CHECK(kernel.room().bytes == 620'000'000 - kReserve);
+}
+
+TEST_CASE("The limit beyond which a control group is slowed down is a limit") {
+  Kernel kernel;
+  kernel.write("cgroup/system.slice/contourd.service/memory.max", "900000000\n");
+  kernel.write("cgroup/system.slice/contourd.service/memory.high", "500000000\n");
+  kernel.write("cgroup/system.slice/contourd.service/memory.current", "300000000\n");
+  CHECK(kernel.room().bytes == 200'000'000 - kReserve);
+}
+
+TEST_CASE("The control group that leaves least counts, however far up it is") {
+  Kernel kernel;
+  kernel.write("cgroup/system.slice/contourd.service/memory.max", "max\n");
+  kernel.write("cgroup/system.slice/contourd.service/memory.current", "1\n");
+  kernel.write("cgroup/system.slice/memory.max", "700000000\n");
+  kernel.write("cgroup/system.slice/memory.current", "400000000\n");
+  CHECK(kernel.room().bytes == 300'000'000 - kReserve);
+  // In a container, the root has a limit.
+  kernel.write("cgroup/memory.max", "250000000\n");
+  kernel.write("cgroup/memory.current", "50000000\n");
+  CHECK(kernel.room().bytes == 200'000'000 - kReserve);
+}
+
+TEST_CASE(
+    "Control groups of the first version are known, and one that cannot be seen from here is passed over") {
+  Kernel kernel;
+  kernel.write("proc/self/cgroup", "9:name=systemd:/x\n5:cpu,memory:/printers/one\n0::/\n");
+  kernel.write("cgroup/memory/printers/memory.limit_in_bytes", "400000000\n");
+  kernel.write("cgroup/memory/printers/memory.usage_in_bytes", "350000000\n");
+  kernel.write("cgroup/memory/printers/memory.stat",
+               "inactive_file 7\nactive_file 7\ntotal_inactive_file 150000000\ntotal_active_file 0\n");
+  kernel.write("cgroup/memory/memory.limit_in_bytes", "9223372036854771712\n");
+  kernel.write("cgroup/memory/memory.usage_in_bytes", "900000000\n");
+  CHECK(kernel.room().bytes == 200'000'000 - kReserve);
+}
+
+TEST_CASE("More taken than there is leaves no room, and what the kernel does not say limits nothing") {
+  Kernel kernel;
+  kernel.write("cgroup/memory.max", "100\n");
+  kernel.write("cgroup/memory.current", "200\n");
+  CHECK(kernel.room().bytes == 0);
+  kernel.write("cgroup/memory.max", "nonsense\n");
+  CHECK(kernel.room().bytes == 1'024'000'000 - kReserve);
+  kernel.write("proc/self/cgroup", "");
+  kernel.write("proc/meminfo", "");
+  CHECK(kernel.room().bytes > 1'000'000'000'000);
+}
+
+TEST_CASE("This computer's own kernel is understood") {
+  const MemoryRoom room = memory_room(std::nullopt);
+  CHECK(room.bytes < machine_memory().value());
+  CHECK(room.held > 0);
+}

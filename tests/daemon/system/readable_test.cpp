@@ -1,0 +1,14 @@
+#include "daemon/system/readable.hpp"
+
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+
+TEST_CASE("Durations read as a person says them") {
+  CHECK(readable(0s) == "0.0 s");
+  CHECK(readable(4'200ms) == "4.2 s");
+  CHECK(readable(12min + 30s) == "12 min 30 s");
+  CHECK(readable(12min + 5s) == "12 min 05 s");
+  CHECK(readable(3h + 5min + 20s) == "3 h 05 min");
+}

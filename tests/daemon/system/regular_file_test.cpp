@@ -1,0 +1,63 @@
+#include "daemon/system/regular_file.hpp"
+
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+
+#include <cstring>
+#include <string>
+
+#include "tests/catch.hpp"
+#include "tests/temporary_folder.hpp"
+
+using namespace contourd;
+namespace fs = std::filesystem;
+
+namespace {
+
+// Empty when it could be opened.
+std::string complaint(const fs::path& path, Links links) {
+  try {
+    return open_regular_file(path, links).valid() ? "" : "no descriptor";
+  } catch (const UnreadableFile& error) {
+    return error.what();
+  }
+}
+
+}  // namespace
+
+TEST_CASE("A regular file is opened, also by a link where links are followed") {
+  const contourd::testing::TemporaryFolder folder;
+  const fs::path file = folder.write("a", "text");
+  fs::create_symlink("a", folder.path() / "link");
+  CHECK(complaint(file, Links::Follow).empty());
+  CHECK(complaint(file, Links::Refuse).empty());
+  CHECK(complaint(folder.path() / "link", Links::Follow).empty());
+  CHECK(complaint(folder.path() / "link", Links::Refuse) == "it is a symbolic link, not a file");
+}
+
+TEST_CASE("A file in a folder that is a link is refused where links are") {
+  const contourd::testing::TemporaryFolder folder;
+  (void)folder.write("real/a", "text");
+  fs::create_directory_symlink("real", folder.path() / "link");
+  CHECK(complaint(folder.path() / "link" / "a", Links::Follow).empty());
+  CHECK(complaint(folder.path() / "link" / "a", Links::Refuse) == "it cannot be read: Not a directory");
+}
+
+TEST_CASE("What is no file is refused, and nobody is waited for") {
+  const contourd::testing::TemporaryFolder folder;
+  REQUIRE(::mkfifo((folder.path() / "fifo").c_str(), 0600) == 0);
+  const FileDescriptor socket(::socket(AF_UNIX, SOCK_STREAM, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strcpy(address.sun_path, (folder.path() / "socket").c_str());
+  REQUIRE(::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  for (const Links links : {Links::Follow, Links::Refuse}) {
+    CHECK(complaint(folder.path() / "fifo", links) == "it is not a regular file");
+    CHECK(complaint(folder.path() / "socket", links) == "it is not a regular file");
+    CHECK(complaint("/dev/null", links) == "it is not a regular file");
+    CHECK(complaint(folder.path(), links) == "it is a folder, not a file");
+    CHECK(complaint(folder.path() / "none", links) == "there is no such file");
+    CHECK(complaint(folder.path() / "none" / "a", links) == "there is no such file");
+  }
+}
