@@ -15,7 +15,7 @@ inline Mask mask_of(std::int64_t width, std::int64_t height, int grey) {
   return mask;
 }
 
-// Returns a mask of random greys, the same ones for the same seed.
+// Returns a mask of random greys that depend only on the seed.
 inline Mask noise(std::int64_t width, std::int64_t height, std::uint64_t seed = 1) {
   Mask mask = mask_of(width, height, 0);
   for (std::int32_t y = 0; y < height; ++y) {

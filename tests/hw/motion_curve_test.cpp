@@ -32,6 +32,26 @@ DrawnCurve draw_curve() {
 // root.
 constexpr double kRounding = 1e-9;
 
+// Samples the curve and asserts that speed, acceleration and jerk do not exceed the limits.
+void assert_within_limits(const MotionCurve& curve, const MotionLimits& limits) {
+  constexpr int kSamples = 400;
+  const double step = curve.duration_s() / kSamples;
+  double last_acceleration = 0, last_speed = 0;
+  for (int i = 1; i <= kSamples; ++i) {
+    // Mean values over a sample's time: those of quantities within limits are within the limits, too.
+    const double speed = curve.speed_at(i * step), acceleration = (speed - last_speed) / step;
+    const double noise = kRounding * limits.speed / step;
+    RC_ASSERT(speed <= limits.speed * (1 + kRounding));
+    RC_ASSERT(std::fabs(acceleration) <= limits.acceleration + noise);
+    if (i > 1 && std::isfinite(limits.jerk)) {
+      RC_ASSERT(std::fabs(acceleration - last_acceleration) / step <=
+                limits.jerk * (1 + kRounding) + 2 * noise / step);
+    }
+    last_speed = speed;
+    last_acceleration = acceleration;
+  }
+}
+
 }  // namespace
 
 TEST_CASE("A jerk-limited ramp that reaches its acceleration takes v/A + A/J") {
@@ -78,24 +98,10 @@ TEST_CASE("A curve keeps within its speed, its acceleration and its jerk") {
   CHECK(rc::check([] {
     const DrawnCurve move = draw_curve();
     const MotionCurve curve = move.curve();
+    assert_within_limits(curve, move.limits);
     constexpr int kSamples = 400;
-    const double step = curve.duration_s() / kSamples;
-    double last_acceleration = 0, last_speed = 0;
-    for (int i = 1; i <= kSamples; ++i) {
-      const double speed = curve.speed_at(i * step);
-      RC_ASSERT(speed >= -kRounding * move.limits.speed);
-      RC_ASSERT(speed <= move.limits.speed * (1 + kRounding));
-      // Mean values over a sample's time: those of quantities within limits are within the limits, too.
-      const double acceleration = (speed - last_speed) / step;
-      const double noise = kRounding * move.limits.speed / step;
-      RC_ASSERT(std::fabs(acceleration) <= move.limits.acceleration + noise);
-      if (i > 1 && std::isfinite(move.limits.jerk)) {
-        RC_ASSERT(std::fabs(acceleration - last_acceleration) / step <=
-                  move.limits.jerk * (1 + kRounding) + 2 * noise / step);
-      }
-      last_speed = speed;
-      last_acceleration = acceleration;
-    }
+    for (int i = 1; i <= kSamples; ++i)
+      RC_ASSERT(curve.speed_at(i * curve.duration_s() / kSamples) >= -kRounding * move.limits.speed);
   }));
 }
 
@@ -142,20 +148,6 @@ TEST_CASE("A stop comes to rest within the limits and not beyond the end") {
     RC_ASSERT(std::fabs(curve.position_at(at) - whole.position_at(at)) <= kRounding * move.distance);
     RC_ASSERT(curve.distance() <= move.distance * (1 + kRounding));
     RC_ASSERT(curve.duration_s() <= whole.duration_s() * (1 + kRounding));
-    constexpr int kSamples = 400;
-    const double step = curve.duration_s() / kSamples;
-    double last_acceleration = 0, last_speed = 0;
-    for (int i = 1; i <= kSamples; ++i) {
-      const double speed = curve.speed_at(i * step), acceleration = (speed - last_speed) / step;
-      const double noise = kRounding * move.limits.speed / step;
-      RC_ASSERT(speed <= move.limits.speed * (1 + kRounding));
-      RC_ASSERT(std::fabs(acceleration) <= move.limits.acceleration + noise);
-      if (i > 1 && std::isfinite(move.limits.jerk)) {
-        RC_ASSERT(std::fabs(acceleration - last_acceleration) / step <=
-                  move.limits.jerk * (1 + kRounding) + 2 * noise / step);
-      }
-      last_speed = speed;
-      last_acceleration = acceleration;
-    }
+    assert_within_limits(curve, move.limits);
   }));
 }

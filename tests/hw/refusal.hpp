@@ -1,7 +1,6 @@
 // The message of the exception that a call throws.
 #pragma once
 
-#include <stdexcept>
 #include <string>
 
 #include "hw/hardware_error.hpp"

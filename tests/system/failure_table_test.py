@@ -19,7 +19,7 @@ def _rows():
 
 def _unit_tests():
     for path in (_SOURCE / "tests").rglob("*_test.cpp"):
-        for literals in re.findall(r'TEST_CASE\(\s*((?:"[^"]*"\s*)+)', path.read_text()):
+        for literals in re.findall(r'TEST_CASE(?:_METHOD\(\s*[\w:]+,|\()\s*((?:"[^"]*"\s*)+)', path.read_text()):
             yield "".join(re.findall(r'"([^"]*)"', literals))
 
 

@@ -37,7 +37,7 @@ class PrintTest(FolderTest):
 
 
 class MaskBudget(PrintTest):
-    def test_a_soup_of_facets_is_refused_because_of_its_masks_time(self):
+    def test_a_soup_of_facets_is_refused_if_its_masks_take_too_long(self):
         dice = random.Random(4)
         soup = [[[dice.uniform(0, 20) for _ in range(3)] for _ in range(3)] for _ in range(6000)]
         daemon = self.daemon({"mask_budget_ms": 100}, NIMBLE_RESIN, masks=False)

@@ -397,7 +397,7 @@ TEST_CASE("A part grows and shrinks by its compensation on every side") {
   for (const double um : {-500.0, -130.0, -10.0, 10.0, 130.0, 500.0}) {
     CAPTURE(um);
     const double d = um / 1000;
-    ContourEngine engine = engine_with(with_compensation({.growth = Micrometers{um}}), slab_and_post());
+    ContourEngine engine = square_engine(slab_and_post(), with_compensation({.growth = Micrometers{um}}));
     const auto exact = [d](double side) {
       return d < 0 ? (side + 2 * d) * (side + 2 * d) : side * side + 4 * side * d + std::numbers::pi * d * d;
     };
@@ -411,7 +411,7 @@ TEST_CASE("A part grows and shrinks by its compensation on every side") {
 
 TEST_CASE("The elephant foot is removed at the plate, and nothing above its height") {
   const Compensation foot{{}, Micrometers{200}, Nanometers{2'000'000}};
-  ContourEngine engine = engine_with(with_compensation(foot), slab_and_post());
+  ContourEngine engine = square_engine(slab_and_post(), with_compensation(foot));
   CHECK(near(area(engine.mask_at(Nanometers{0})), 19.6 * 19.6));
   CHECK(near(area(engine.mask_at(Nanometers{1'000'000})), 19.8 * 19.8));
   ContourEngine plain = square_engine(slab_and_post());
@@ -427,7 +427,7 @@ TEST_CASE("A compensated 1-bit mask lights the pixels whose centres are within t
   for (const double um : {-180.0, -60.0, 60.0, 180.0}) {
     CAPTURE(um);
     ContourEngine engine =
-        engine_with(with_compensation({.growth = Micrometers{um}}, AntiAliasing::Off), facets);
+        square_engine(facets, with_compensation({.growth = Micrometers{um}}, AntiAliasing::Off));
     const Mask& mask = engine.mask_at(height);
     std::int64_t lit = 0, wrong = 0;
     for (std::int32_t row = 0; row < mask.height().count(); row += 3) {
@@ -456,7 +456,7 @@ TEST_CASE("A compensated grey mask's light is the moved contours' area") {
     Contours moved;
     ContourOffset().offset(contours, Millimeters{um / 1000}, moved);
     const double exact = testing::signed_area(moved);
-    ContourEngine engine = engine_with(with_compensation({.growth = Micrometers{um}}), facets);
+    ContourEngine engine = square_engine(facets, with_compensation({.growth = Micrometers{um}}));
     CHECK(near(area(engine.mask_at(height)), exact, exact * 1e-4));
   }
 }

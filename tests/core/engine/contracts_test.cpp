@@ -9,7 +9,7 @@ using testing::contract_broken_by;
 
 namespace {
 
-const EngineSettings kSettings{.display = {Pixels{8}, Pixels{6}, Micrometers{50.0}}};
+const EngineSettings kEngineSettings{.display = {Pixels{8}, Pixels{6}, Micrometers{50.0}}};
 
 PlateModel unit_box_model() {
   return {{std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {1, 1, 1}))}, {}};
@@ -19,13 +19,13 @@ PlateModel unit_box_model() {
 
 TEST_CASE("ContourEngine requires models that are not null") {
   CHECK(contract_broken_by([] {
-          ContourEngine({unit_box_model(), PlateModel{}}, kSettings);
+          ContourEngine({unit_box_model(), PlateModel{}}, kEngineSettings);
         }) == "no model is null");
 }
 
 TEST_CASE("ContourEngine returns the model, and cuts at its z, if there is only one") {
   for (const std::size_t models : {std::size_t{0}, std::size_t{2}}) {
-    ContourEngine engine(std::vector(models, unit_box_model()), kSettings);
+    ContourEngine engine(std::vector(models, unit_box_model()), kEngineSettings);
     CHECK(contract_broken_by([&] { (void)engine.model(); }) == "there is one model");
     CHECK(contract_broken_by([&] { (void)engine.mask_at_z(Millimeters{0.5}); }) == "there is one model");
   }

@@ -12,7 +12,7 @@ using namespace contourd::testing;
 
 namespace {
 
-constexpr std::int32_t kColumns = kMillimeterDisplay.width.count();
+constexpr std::int32_t kEllipseColumns = kMillimeterDisplay.width.count();
 
 PixelEllipse draw_pixel_ellipse() {
   return pixel_ellipse(draw_ellipse(), PixelMap::true_scale(kMillimeterDisplay, {0, 0}));
@@ -26,8 +26,8 @@ TEST_CASE("Row ends are the same with wide vectors and with the instructions of 
     const auto top = static_cast<std::int32_t>(std::floor(ellipse.middle.y - ellipse.reach_y));
     const auto rows = static_cast<std::size_t>(2 * ellipse.reach_y + 2);
     std::vector<std::int32_t> first(rows), end(rows), baseline_first(rows), baseline_end(rows);
-    find_row_ends(ellipse, top, kColumns, {first, end});
-    find_row_ends_baseline(ellipse, top, kColumns, {baseline_first, baseline_end});
+    find_row_ends(ellipse, top, kEllipseColumns, {first, end});
+    find_row_ends_baseline(ellipse, top, kEllipseColumns, {baseline_first, baseline_end});
     RC_ASSERT(first == baseline_first);
     RC_ASSERT(end == baseline_end);
   }));

@@ -22,7 +22,7 @@ DisplayGeometry display(int width, int height, double pitch_um = 50) {
   return {Pixels{width}, Pixels{height}, Micrometers{pitch_um}};
 }
 
-Bounds rectangle(double min_x, double min_y, double max_x, double max_y) {
+Bounds flat_bounds(double min_x, double min_y, double max_x, double max_y) {
   return {min_x, min_y, 0, max_x, max_y, 1};
 }
 
@@ -43,7 +43,7 @@ TEST_CASE("Fit to display follows the thesis's equations, with row 0 at the larg
   CHECK(rc::check([] {
     const auto width = static_cast<int>(draw(2, 4000)), height = static_cast<int>(draw(2, 4000));
     const double x = draw_real(-100, 100), y = draw_real(-100, 100);
-    const Bounds bounds = rectangle(x, y, x + draw_real(1, 200), y + draw_real(1, 200));
+    const Bounds bounds = flat_bounds(x, y, x + draw_real(1, 200), y + draw_real(1, 200));
     const Point p{draw_real(bounds.min_x, bounds.max_x), draw_real(bounds.min_y, bounds.max_y)};
     const PixelMap map = PixelMap::fit(display(width, height), bounds);
     const PixelPoint expected = by_the_thesis(width, height, bounds, p);
@@ -61,27 +61,27 @@ TEST_CASE("Fit to display follows the thesis's equations, with row 0 at the larg
 }
 
 TEST_CASE("A wide model fills the display's width and a tall one its height") {
-  const PixelMap wide = PixelMap::fit(display(1920, 1080), rectangle(-10, 0, 30, 5));
+  const PixelMap wide = PixelMap::fit(display(1920, 1080), flat_bounds(-10, 0, 30, 5));
   CHECK(near(wide.to_pixels({-10, 5}).x, 0));
   CHECK(near(wide.to_pixels({-10, 5}).y, 0));
   CHECK(near(wide.to_pixels({30, 0}).x, 1919));
   CHECK(near(wide.to_pixels({30, 0}).y, 1919.0 * 5 / 40));
-  const PixelMap tall = PixelMap::fit(display(1920, 1080), rectangle(0, -10, 5, 30));
+  const PixelMap tall = PixelMap::fit(display(1920, 1080), flat_bounds(0, -10, 5, 30));
   CHECK(near(tall.to_pixels({5, -10}).y, 1079));
   CHECK(near(tall.to_pixels({5, -10}).x, 1079.0 * 5 / 40));
   // A model with the display's aspect ratio: by equation 3.8, fitted to the width.
-  CHECK(near(PixelMap::fit(display(200, 100), rectangle(0, 0, 2, 1)).to_pixels({2, 0}).x, 199));
+  CHECK(near(PixelMap::fit(display(200, 100), flat_bounds(0, 0, 2, 1)).to_pixels({2, 0}).x, 199));
 }
 
 TEST_CASE("A model without width or height keeps the scale of its other side") {
-  const PixelMap line = PixelMap::fit(display(100, 50), rectangle(3, 4, 3, 14));
+  const PixelMap line = PixelMap::fit(display(100, 50), flat_bounds(3, 4, 3, 14));
   CHECK(near(line.to_pixels({3, 14}).y, 0));
   CHECK(near(line.to_pixels({3, 4}).y, 49));
   CHECK(near(line.to_pixels({3, 4}).x, 0));
-  const PixelMap flat = PixelMap::fit(display(100, 50), rectangle(3, 4, 13, 4));
+  const PixelMap flat = PixelMap::fit(display(100, 50), flat_bounds(3, 4, 13, 4));
   CHECK(near(flat.to_pixels({13, 4}).x, 99));
   CHECK(near(flat.to_pixels({13, 4}).y, 0));
-  const PixelPoint point = PixelMap::fit(display(100, 50), rectangle(3, 4, 3, 4)).to_pixels({3, 4});
+  const PixelPoint point = PixelMap::fit(display(100, 50), flat_bounds(3, 4, 3, 4)).to_pixels({3, 4});
   CHECK(point.x == 0);
   CHECK(point.y == 0);
 }
@@ -110,7 +110,7 @@ TEST_CASE("Larger y lies higher and row 0 is the top") {
 TEST_CASE("Mirrors exchange left and right or top and bottom") {
   CHECK(rc::check([] {
     DisplayGeometry geometry = display(static_cast<int>(draw(2, 4000)), static_cast<int>(draw(2, 4000)));
-    const Bounds bounds = rectangle(0, 0, draw_real(1, 100), draw_real(1, 100));
+    const Bounds bounds = flat_bounds(0, 0, draw_real(1, 100), draw_real(1, 100));
     const Point p{draw_real(0, 100), draw_real(0, 100)};
     for (const bool fitted : {false, true}) {
       const auto pixel_of = [&](bool mirror_x, bool mirror_y) {

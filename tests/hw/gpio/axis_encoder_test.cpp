@@ -10,7 +10,7 @@ namespace {
 
 using Policy = EncoderConfig::Policy;
 
-// 800 steps and 400 counts a mm; 0.05 mm are 40 steps, or 20 counts.
+// Returns an axis with 800 steps and 400 counts a mm: its tolerance of 0.05 mm is 40 steps, or 20 counts.
 GpioAxisConfig fine_encoder_axis(Policy policy = Policy::Fault) {
   GpioAxisConfig config;
   config.encoder = testing::encoder_config(400);

@@ -13,7 +13,7 @@ using testing::Plant;
 
 namespace {
 
-// An index mark every 0.5 mm.
+// Returns an axis with an encoder whose index, if it has one, is marked every 0.5 mm.
 GpioAxisConfig corrected_config(EncoderConfig::Policy policy = EncoderConfig::Policy::Correct,
                                 bool index = false) {
   GpioAxisConfig config = testing::with_encoder(policy);

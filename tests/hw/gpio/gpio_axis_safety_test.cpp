@@ -23,7 +23,7 @@ namespace {
 using Kind = MachineEvent::Kind;
 using Sentences = std::vector<std::string>;
 
-// An axis that has all inputs, with 5 ms of debouncing each.
+// Returns an axis that has all inputs, with 5 ms of debouncing each.
 GpioAxisConfig guarded_config() {
   GpioAxisConfig config = testing::with_second_switch();
   config.emergency_stop = GpioInputConfig{{"gpiochip0", "5", false}};

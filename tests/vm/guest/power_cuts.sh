@@ -13,7 +13,7 @@ DISK=/disk
 SPOOL=$DISK/spool
 OUT=/run/out
 
-# within SECONDS WHAT COMMAND...: repeats the command until it succeeds, for so many seconds by the clock.
+# within SECONDS WHAT COMMAND...: repeats the command until it succeeds, for at most SECONDS by the clock.
 within() {
   end=$(($(date +%s) + $1))
   what=$2
