@@ -33,14 +33,14 @@ void log_command(const Log& log, const std::string& method, const ControlServer:
 PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clock& clock, Machine& machine,
                                const Log& log, Supervisor& supervisor)
     : context_{config, loop, clock, machine, log, supervisor},
-      incoming_log_(log, queue_),
-      spool_(config.spool_folder, loop, incoming_log_),
+      incoming_router_(log, queue_),
+      spool_(config.spool_folder, loop, incoming_router_),
       reader_(config, spool_, loop),
       hold_(context_, spool_, calls_of_hold()),
       queue_(log, calls_of_queue()),
       job_(context_, spool_, reader_, hold_, *this),
       scheduler_(context_, spool_, queue_, hold_, calls_of_scheduler()),
-      kept_history_(loop, log, state_folder_path(config.spool_folder) / "history.sqlite"),
+      history_worker_(loop, log, state_folder_path(config.spool_folder) / "history.sqlite"),
       notices_(loop, log, config.job_ended_socket, config.name),
       manual_(machine, clock, [this] { manual_changed(); }),
       reminders_(config.reminders),
@@ -49,7 +49,7 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       queue_control_(queue_, job_, status_),
       picture_worker_(loop, "contourd-picture", kPictureNiceness),
       manual_control_(context_, {hold_, job_, scheduler_, status_}, manual_, picture_worker_),
-      history_control_(kept_history_, history_, reminders_, [this](WearPart part) { part_replaced(part); }),
+      history_control_(history_worker_, history_, reminders_, [this](WearPart part) { part_replaced(part); }),
       screen_control_(loop, picture_worker_, job_, manual_) {}
 
 PrinterService::~PrinterService() {
@@ -84,15 +84,15 @@ PrintQueue::Calls PrinterService::calls_of_queue() {
                         std::move(done));
           }};
   calls.questions.changed = [this] { notify("question", ControlServer::Delivery::Lossy); };
-  calls.questions.asked = [this](const JobScreening& screening) {
-    return asked_findings(screening, context_.config);
+  calls.questions.asked = [this](const PreprintAnalysis& analysis) {
+    return asked_findings(analysis, context_.config);
   };
   calls.questions.keep_accepted = [this](const RecordKeeper::Lines& lines, auto done) {
     spool_.keep([lines](const StateRecords& records) { records.keep_accepted(lines); }, std::move(done));
   };
   if (context_.config.ask_before.empty()) return calls;
-  calls.questions.screen = [this](const std::string& file, JobReader::Keep keep, auto done) {
-    reader_.screen(file, keep, std::move(done));
+  calls.questions.analyze = [this](const std::string& file, JobReader::Keep keep, auto done) {
+    reader_.analyze(file, keep, std::move(done));
   };
   return calls;
 }
@@ -104,7 +104,7 @@ JobScheduler::Calls PrinterService::calls_of_scheduler() {
           .begin =
               [this](ClaimedJob job) {
                 manual_.give_way();
-                job.key = kept_history_.begin(job.files.name);
+                job.key = history_worker_.begin(job.files.name);
                 job_.begin(std::move(job));
               },
           .copy_over = [this] { may_stop(); }};
@@ -162,7 +162,7 @@ void PrinterService::adopt_left_jobs() {
   for (const auto& [name, end] :
        hold_.adopt_left_jobs([this](const JobFiles& files) { return reader_.take_ended(files); }))
     left.push_back(ended(name, end));
-  kept_history_.adopt(std::move(left), std::move(last_end));
+  history_worker_.adopt(std::move(left), std::move(last_end));
   remind();
 }
 
@@ -174,7 +174,7 @@ void PrinterService::part_replaced(WearPart part) {
 // Where the history cannot be asked, that is told already.
 void PrinterService::remind() {
   if (!reminders_.wanted()) return;
-  kept_history_.wear([this](const std::optional<std::vector<WearPartUse>>& uses, const std::string&) {
+  history_worker_.wear([this](const std::optional<std::vector<WearPartUse>>& uses, const std::string&) {
     if (!uses) return;
     reminders_.update(*uses);
     if (reminders_.due().empty()) return;
@@ -232,7 +232,7 @@ void PrinterService::may_stop() {
   if (scheduler_.copying()) return spool_.stop_copying();  // the end comes back here
   // Still being read: nothing was printed, so it waits for the next start.
   if (job_.job() != nullptr) {
-    kept_history_.forget();
+    history_worker_.forget();
     job_.give_back();
   }
   if (hold_.due()) hold_.keep();
@@ -312,7 +312,7 @@ void PrinterService::print_state_changed(PrintState state) {
 void PrinterService::job_changed(const std::string& what) {
   if (what == "layer") {
     lit_ += job_.job()->record->layers().back().exposure_most;
-    kept_history_.note([this] { return job_.figures(); });
+    history_worker_.note([this] { return job_.figures(); });
   }
   notify(what, ControlServer::Delivery::Lossy);
 }
@@ -322,12 +322,12 @@ void PrinterService::light_gone() {
 }
 
 std::shared_future<void> PrinterService::print_over(EndedJob& job) {
-  return kept_history_.end(job);
+  return history_worker_.end(job);
 }
 
 void PrinterService::job_ended(EndedJob job) {
   const bool was_refused = job.ended == std::chrono::system_clock::time_point{};
-  if (was_refused) kept_history_.end(job);
+  if (was_refused) history_worker_.end(job);
   queue_.questions().ended();
   note_end(std::move(job));
   if (!was_refused) remind();
@@ -335,7 +335,7 @@ void PrinterService::job_ended(EndedJob job) {
 }
 
 void PrinterService::note_refusal(EndedJob job) {
-  kept_history_.refuse(job);
+  history_worker_.refuse(job);
   note_end(std::move(job));
 }
 

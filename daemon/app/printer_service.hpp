@@ -20,11 +20,11 @@
 #include "daemon/control/queue_control.hpp"
 #include "daemon/control/screen_control.hpp"
 #include "daemon/history/ended_job_notices.hpp"
+#include "daemon/history/history_worker.hpp"
 #include "daemon/history/job_history.hpp"
-#include "daemon/history/kept_history.hpp"
 #include "daemon/history/reminders.hpp"
 #include "daemon/jobs/current_job.hpp"
-#include "daemon/jobs/incoming_log.hpp"
+#include "daemon/jobs/incoming_router.hpp"
 #include "daemon/jobs/job_reader.hpp"
 #include "daemon/jobs/job_scheduler.hpp"
 #include "daemon/jobs/print_queue.hpp"
@@ -98,7 +98,7 @@ class PrinterService final : private JobObserver {
   void stop_waiting_for_filing();
 
   PrinterContext context_;
-  IncomingLog incoming_log_;
+  IncomingRouter incoming_router_;
   Spool spool_;
   JobReader reader_;
   QueueHold hold_;
@@ -106,7 +106,7 @@ class PrinterService final : private JobObserver {
   CurrentJob job_;
   JobScheduler scheduler_;
   JobHistory history_;
-  KeptHistory kept_history_;
+  HistoryWorker history_worker_;
   EndedJobNotices notices_;
   ManualProcess manual_;
   Reminders reminders_;

@@ -71,8 +71,9 @@ struct PrinterConfig {
   std::string
       light_record;  // what is to be left for `--light-off`; see light_config.hpp. Real machines' only
 
-  std::vector<std::string> ask_before{};  // findings of which a job's owner is asked; see job_screening.hpp
-  double tiny_first_layer_percent = 0;    // of the largest layer's area: a first layer below that is one
+  std::vector<std::string>
+      ask_before{};                     // findings of which a job's owner is asked; see preprint_analysis.hpp
+  double tiny_first_layer_percent = 0;  // of the largest layer's area: a first layer below that is one
   SupportPolicy supports = SupportPolicy::Off;  // of jobs whose tickets say nothing of it
 };
 

@@ -174,7 +174,7 @@ std::optional<Json> HistoryControl::history(const Json& given, const ControlCall
   return std::nullopt;
 }
 
-Json HistoryControl::usage_reply(const std::optional<KeptHistory::AllUsage>& usage,
+Json HistoryControl::usage_reply(const std::optional<HistoryWorker::AllUsage>& usage,
                                  const std::string& trouble) const {
   const Usage all = usage ? usage->all : Usage{};
   Json resins = Json::array(), parts = Json::array();
@@ -197,7 +197,7 @@ Json HistoryControl::usage_reply(const std::optional<KeptHistory::AllUsage>& usa
 }
 
 std::optional<Json> HistoryControl::usage(const ControlCaller& caller, ControlMethod::Later later) {
-  kept_.usage(caller, [this, later = std::move(later)](const std::optional<KeptHistory::AllUsage>& usage,
+  kept_.usage(caller, [this, later = std::move(later)](const std::optional<HistoryWorker::AllUsage>& usage,
                                                        const std::string& trouble) {
     if (!usage && trouble.empty()) return later(ControlRefusal(kAskerHasGone));
     later(usage_reply(usage, trouble));
@@ -210,7 +210,7 @@ std::optional<Json> HistoryControl::replace(const Json& given, const ControlCall
   const WearPart part = part_of(given);
   kept_.replace(
       part, caller,
-      [this, part, later = std::move(later)](const std::optional<KeptHistory::AllUsage>& usage,
+      [this, part, later = std::move(later)](const std::optional<HistoryWorker::AllUsage>& usage,
                                              const std::string& trouble) {
         if (!usage)
           return later(ControlRefusal(trouble.empty() ? kAskerHasGone : trouble + "; nothing is noted"));

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "daemon/control/control_method.hpp"
+#include "daemon/history/history_worker.hpp"
 #include "daemon/history/job_history.hpp"
-#include "daemon/history/kept_history.hpp"
 #include "daemon/history/reminders.hpp"
 
 namespace contourd {
@@ -22,7 +22,7 @@ class HistoryControl {
 
   // All must outlive the control. `recent` is asked where the kept one cannot be; `replaced` is called when a
   // part was.
-  HistoryControl(KeptHistory& kept, const JobHistory& recent, Reminders& reminders,
+  HistoryControl(HistoryWorker& kept, const JobHistory& recent, Reminders& reminders,
                  std::function<void(WearPart)> replaced)
       : kept_(kept), recent_(recent), reminders_(reminders), replaced_(std::move(replaced)) {}
 
@@ -35,10 +35,10 @@ class HistoryControl {
   std::optional<Json> history(const Json& given, const ControlCaller& caller, ControlMethod::Later later);
   std::optional<Json> usage(const ControlCaller& caller, ControlMethod::Later later);
   std::optional<Json> replace(const Json& given, const ControlCaller& caller, ControlMethod::Later later);
-  [[nodiscard]] Json usage_reply(const std::optional<KeptHistory::AllUsage>& usage,
+  [[nodiscard]] Json usage_reply(const std::optional<HistoryWorker::AllUsage>& usage,
                                  const std::string& trouble) const;
 
-  KeptHistory& kept_;
+  HistoryWorker& kept_;
   const JobHistory& recent_;
   Reminders& reminders_;
   std::function<void(WearPart)> replaced_;

@@ -75,7 +75,7 @@ Json PrinterStatus::queue(std::optional<std::size_t> number) const {
 std::string_view PrinterStatus::state_of(const WaitingJob& job) const {
   if (!job.asks.empty() && job.check == WaitingJob::Check::Passed) return "unaccepted";
   if (job.check != WaitingJob::Check::Passed || !parts_.queue.questions().wanted()) return name_of(job.check);
-  return job.screened ? "ready" : "screening";
+  return job.analyzed ? "ready" : "analyzing";
 }
 
 Json PrinterStatus::waiting_job(std::size_t number) const {
@@ -88,10 +88,10 @@ Json PrinterStatus::waiting_job(std::size_t number) const {
   for (const char* key : {"bytes", "parts", "resin", "overrides", "layers", "thinnest_layer_um",
                           "thickest_layer_um", "height_mm", "print_time_s", "supports"})
     job[key] = nullptr;
-  const bool has_resin = waiting.screened && waiting.screened->screening.resin_ml;
-  job["resin_ml"] = has_resin ? Json(*waiting.screened->screening.resin_ml) : Json();
+  const bool has_resin = waiting.analyzed && waiting.analyzed->analysis.resin_ml;
+  job["resin_ml"] = has_resin ? Json(*waiting.analyzed->analysis.resin_ml) : Json();
   job["asks"] = waiting.asks;
-  job["warnings"] = waiting.screened ? Json(waiting.screened->screening.warnings) : Json::array();
+  job["warnings"] = waiting.analyzed ? Json(waiting.analyzed->analysis.warnings) : Json::array();
   if (!waiting.outlook) return job;
   const JobOutlook& outlook = *waiting.outlook;
   job["bytes"] = outlook.bytes;
@@ -218,11 +218,11 @@ void PrinterStatus::add_incoming(Json& status) const {
   status["incomplete_more"] = beyond(incomplete.size(), kMaxIncomplete);
   add_postponed(status);
   add_unaccepted(status);
-  const auto& passed_over = parts_.spool.incoming().passed_over();
-  status["passed_over"] = Json::object();
-  for_first(passed_over, kMaxIncomplete,
-            [&](const auto& each) { status["passed_over"][each.first] = sentence_for(each.second); });
-  status["passed_over_more"] = beyond(passed_over.size(), kMaxIncomplete);
+  const auto& ignored = parts_.spool.incoming().ignored();
+  status["ignored"] = Json::object();
+  for_first(ignored, kMaxIncomplete,
+            [&](const auto& each) { status["ignored"][each.first] = sentence_for(each.second); });
+  status["ignored_more"] = beyond(ignored.size(), kMaxIncomplete);
   const auto& originals = parts_.spool.incoming().originals();
   status["deletable"] = Json::array();
   for_first(originals, kMaxIncomplete, [&](const std::string& file) { status["deletable"].push_back(file); });
@@ -253,7 +253,7 @@ void PrinterStatus::add_reasons_to_wait(Json& status) const {
   const QueueHold& hold = parts_.hold;
   status["plate"] = hold.plate_occupant() ? "occupied" : "clear";
   status["plate_job"] = hold.plate_occupant() ? Json(*hold.plate_occupant()) : Json();
-  status["hindrance"] = text_or_null(context_.machine.why_not_ready());
+  status["not_ready_reason"] = text_or_null(context_.machine.why_not_ready());
   status["held"] = text_or_null(hold.sentence());
   status["waiting_for"] = text_or_null(parts_.scheduler.waiting_for());
 }

@@ -87,7 +87,7 @@ Json QueueControl::accept(const Json& given, const ControlCaller& caller) {
   if (job.asks.empty() && !queue_.questions().wanted())
     throw ControlRefusal(
         fmt::format("{} needs no word: this printer's ask_before names nothing", in_quotes(job.file)));
-  if (!job.screened)
+  if (!job.analyzed)
     throw ControlRefusal(fmt::format("{} is not looked through yet: nobody knows what there is to accept",
                                      in_quotes(job.file)));
   if (job.asks.empty()) throw ControlRefusal(fmt::format("{} waits for nobody's word", in_quotes(job.file)));

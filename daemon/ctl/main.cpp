@@ -49,15 +49,15 @@ namespace contourd::ctl {
 namespace {
 
 // What the user typed, before it has a unit.
-struct DisplayWords {
+struct DisplayArgs {
   double pixel_pitch_um = 50;
   std::string display = "1920x1080";
 };
 
-struct SliceWords {
+struct SliceArgs {
   std::optional<double> z_mm, layer_height_um, cusp_um;
   double min_layer_um = 25, max_layer_um = 100;
-  DisplayWords display;
+  DisplayArgs display;
   std::string anti_aliasing = "on";
   std::string mask, masks, csv, contours;
   double grow_um = 0, elephant_foot_um = 0, elephant_foot_height_um = 0, gamma = 1;
@@ -68,10 +68,10 @@ struct SliceWords {
   std::optional<std::string> up;
 };
 
-struct AnalyzeWords {
+struct AnalyzeArgs {
   double layer_height_um = 50;
   double layer_time_s = 10;
-  DisplayWords display;
+  DisplayArgs display;
   std::string anti_aliasing = "on";
   std::string html, printer, ticket;
   std::optional<std::string> supports;
@@ -79,15 +79,15 @@ struct AnalyzeWords {
   std::optional<std::string> up;
 };
 
-struct SupportWords {
-  DisplayWords display;
+struct SupportArgs {
+  DisplayArgs display;
   double layer_height_um = 50;
   std::optional<double> scale;
   std::optional<std::string> up;
   std::string stl;
 };
 
-DisplayGeometry parse_display(const DisplayWords& words) {
+DisplayGeometry parse_display(const DisplayArgs& words) {
   DisplayGeometry display;
   int width = 0, height = 0, used = 0;
   const int parts = std::sscanf(words.display.c_str(), "%dx%d%n", &width, &height, &used);
@@ -107,7 +107,7 @@ DisplayGeometry parse_display(const DisplayWords& words) {
 }
 
 // What is done to masks beyond slicing, as a resin's and a printer's profiles have it.
-void parse_corrections(EngineSettings& engine, const SliceWords& words) {
+void parse_corrections(EngineSettings& engine, const SliceArgs& words) {
   const auto check = [](const char* name, double value, double least, double most) {
     // Not the other way round: nan is none of the two.
     if (!(value >= least && value <= most))
@@ -164,7 +164,7 @@ Nanometers parse_um(const char* option, double um, double least) {
   return *length;
 }
 
-AdaptiveLayers parse_adaptive(const SliceWords& words) {
+AdaptiveLayers parse_adaptive(const SliceArgs& words) {
   const AdaptiveLayers layers{parse_um("--min-layer-um", words.min_layer_um, 1),
                               parse_um("--max-layer-um", words.max_layer_um, 1),
                               parse_um("--cusp-um", *words.cusp_um, 0.1)};
@@ -183,7 +183,7 @@ std::optional<double> parse_scale(const std::optional<double>& scale) {
   return scale;
 }
 
-SliceOptions parse_slice(SliceOptions options, const SliceWords& words) {
+SliceOptions parse_slice(SliceOptions options, const SliceArgs& words) {
   options.supports = words.supports == "auto";
   options.scale = parse_scale(words.scale);
   // A picture that fills the display has no millimetres.
@@ -224,7 +224,7 @@ SliceOptions parse_slice(SliceOptions options, const SliceWords& words) {
 
 constexpr double kLongestLayerS = 3600;
 
-SupportOptions parse_support(SupportOptions options, const SupportWords& words) {
+SupportOptions parse_support(SupportOptions options, const SupportArgs& words) {
   if (words.up) options.up = parse_up(*words.up);
   options.display = parse_display(words.display);
   options.layer_height = parse_um("--layer-height-um", words.layer_height_um, 1);
@@ -235,7 +235,7 @@ SupportOptions parse_support(SupportOptions options, const SupportWords& words) 
   return options;
 }
 
-AnalyzeOptions parse_analyze(AnalyzeOptions options, const AnalyzeWords& words) {
+AnalyzeOptions parse_analyze(AnalyzeOptions options, const AnalyzeArgs& words) {
   if (words.up) options.up = parse_up(*words.up);
   options.display = parse_display(words.display);
   options.anti_aliasing = parse_anti_aliasing(words.anti_aliasing);
@@ -255,12 +255,12 @@ AnalyzeOptions parse_analyze(AnalyzeOptions options, const AnalyzeWords& words) 
 }
 
 // What the user typed for orient.
-struct OrientWords {
+struct OrientArgs {
   std::string preset = "auto";
   std::string printer, resin, html, pictures;
 };
 
-OrientOptions parse_orient(OrientOptions options, const OrientWords& words) {
+OrientOptions parse_orient(OrientOptions options, const OrientArgs& words) {
   options.preset = orientation_preset(words.preset).value_or(OrientationPreset::Auto);
   // As a ticket may have it. Not the other way round: nan is none of the two.
   if (options.scale && !(*options.scale >= 0.001 && *options.scale <= 1000))
@@ -280,13 +280,13 @@ SubmitOptions parse_submit(SubmitOptions options, const std::optional<std::strin
 }
 
 // What the user typed for the commands by hand.
-struct ManualWords {
+struct ManualArgs {
   std::optional<double> to_mm, by_mm, speed_mm_s, seconds;
   bool plate_is_clear = false, in_resin = false, confirm = false, unhomed = false;
   ShowOptions show{.what = {}, .seconds = {}, .at_z_mm = {}, .printer = kDefaultConfig, .ticket = {}};
 };
 
-Request manual_request(const char* method, const ManualWords& words) {
+Request manual_request(const char* method, const ManualArgs& words) {
   Request request{method};
   const auto set = [&request](const char* name, const auto& word) {
     if (word) request.parameters[name] = *word;
@@ -305,7 +305,7 @@ Request manual_request(const char* method, const ManualWords& words) {
 }
 
 // Where the plate is to go, and how.
-void add_way(CLI::App& move, ManualWords& words) {
+void add_way(CLI::App& move, ManualArgs& words) {
   CLI::Option* to = move.add_option("--to", words.to_mm, "Height above the film, mm");
   CLI::Option* by = move.add_option("--by", words.by_mm, "Upwards, downwards if below 0, mm")->excludes(to);
   CLI::Option* speed = move.add_option("--speed", words.speed_mm_s,
@@ -317,7 +317,7 @@ void add_way(CLI::App& move, ManualWords& words) {
 }
 
 // What the user typed for the commands by which a printer is wired and brought up.
-struct WiringWords {
+struct WiringArgs {
   JogOptions jog;
   LevelOptions level;
   SetupOptions setup;
@@ -325,33 +325,33 @@ struct WiringWords {
 };
 
 // What the user typed for history, watch and replaced.
-struct EndedWords {
+struct EndedArgs {
   HistoryOptions history;
   std::optional<std::string> job;
   std::string part;
 };
 
 // What the user typed for the queue's commands.
-struct QueueWords {
+struct QueueArgs {
   std::string job;
   int to = 1;
   bool first = false, last = false;
 };
 
-nlohmann::ordered_json place_in_queue(const QueueWords& words) {
+nlohmann::ordered_json place_in_queue(const QueueArgs& words) {
   if (words.last) return "last";
   return words.first ? 1 : words.to;
 }
 
 // What the user typed for the commands that put models into the spool.
-struct SpoolWords {
+struct SpoolArgs {
   SubmitOptions submit;
   std::optional<std::string> up;
   OfferOptions offer;
 };
 
 // What the user typed for help, and for the commands about contourd's computer.
-struct ComputerWords {
+struct ComputerArgs {
   std::vector<std::string> help_topic;
   LogsOptions logs;
   ConfigOptions config;
@@ -891,20 +891,20 @@ class CommandLine {
   InspectOptions inspect_;
   SliceOptions slice_;
   AnalyzeOptions analyze_;
-  AnalyzeWords analyze_words_;
+  AnalyzeArgs analyze_words_;
   SupportOptions support_;
-  SupportWords support_words_;
-  SliceWords words_;
+  SupportArgs support_words_;
+  SliceArgs words_;
   OrientOptions orient_;
-  OrientWords orient_words_;
+  OrientArgs orient_words_;
   PreviewOptions preview_;
-  SpoolWords spool_;
-  ManualWords manual_;
-  WiringWords wiring_;
-  QueueWords queue_;
-  ComputerWords computer_;
+  SpoolArgs spool_;
+  ManualArgs manual_;
+  WiringArgs wiring_;
+  QueueArgs queue_;
+  ComputerArgs computer_;
   ClientOptions client_;
-  EndedWords ended_;
+  EndedArgs ended_;
   std::function<int()> chosen_;
 };
 
@@ -935,7 +935,7 @@ int main(int argc, char** argv) {
     return complain(kBadConfig, error.what());
   } catch (const contourd::ProfileTrouble& error) {
     return complain(kBadConfig, error.sentence().c_str());
-  } catch (const DaemonError& error) {
+  } catch (const contourd::DaemonError& error) {
     return complain(kUnavailable, error.what());
   } catch (const std::system_error& error) {
     return complain(kNoInput, error.what());

@@ -35,23 +35,23 @@ JobQuestions::JobQuestions(const Log& log, Calls calls)
                                             printable(trouble)));
       }) {}
 
-void JobQuestions::screen(const std::string& file, JobReader::Keep keep,
-                          std::function<void(const JobScreened&)> done) const {
+void JobQuestions::analyze(const std::string& file, JobReader::Keep keep,
+                           std::function<void(const JobAnalysisOutcome&)> done) const {
   expects(wanted(), "somebody is to be asked");
-  calls_.screen(file, keep, std::move(done));
+  calls_.analyze(file, keep, std::move(done));
 }
 
-std::vector<std::string> JobQuestions::about(const ScreenedJob& job) const {
-  std::vector<std::string> asked = calls_.asked(job.screening);
+std::vector<std::string> JobQuestions::about(const AnalyzedJob& job) const {
+  std::vector<std::string> asked = calls_.asked(job.analysis);
   std::erase_if(asked, [&](const std::string& finding) { return acceptances_.has(job.content, finding); });
   return asked;
 }
 
-void JobQuestions::accept(const ScreenedJob& job, const std::vector<std::string>& findings) {
+void JobQuestions::accept(const AnalyzedJob& job, const std::vector<std::string>& findings) {
   acceptances_.add(job.content, findings);
 }
 
-bool JobQuestions::knows(const std::optional<ScreenedJob>& job, const JobFiles& files,
+bool JobQuestions::knows(const std::optional<AnalyzedJob>& job, const JobFiles& files,
                          const std::optional<JobSettings>& settings) const {
   if (!wanted() && !job) return true;
   return job && settings && job->settings == *settings && !job->content.empty() &&

@@ -113,37 +113,38 @@ CheckedJob JobReader::check_now(const JobFiles& files, Keep keep, const std::sto
   if (auto* refusal = std::get_if<JobRefusal>(&job)) return std::move(*refusal);
   auto& prepared = std::get<PreparedJob>(job);
   JobOutlook outlook = outlook_of(prepared, files, config_);
-  if (std::optional<JobScreening> found = screening_of_preparation(prepared.summary))
-    outlook.question = ScreenedJob{std::move(*found), content, prepared.settings};
+  if (std::optional<PreprintAnalysis> found = analysis_of_preparation(prepared.summary))
+    outlook.question = AnalyzedJob{std::move(*found), content, prepared.settings};
   if (keep == Keep::Prepared) kept_.keep(files, mark, std::move(prepared));
   return outlook;
 }
 
-void JobReader::screen(const std::string& file, Keep keep, std::function<void(const JobScreened&)> done) {
+void JobReader::analyze(const std::string& file, Keep keep,
+                        std::function<void(const JobAnalysisOutcome&)> done) {
   look_at(
       file,
       [this, keep](const JobFiles& files, const std::stop_token& stop) {
-        return screen_now(files, keep, stop);
+        return analyze_now(files, keep, stop);
       },
       std::move(done));
 }
 
-JobScreened JobReader::screen_now(const JobFiles& files, Keep keep, const std::stop_token& stop) {
+JobAnalysisOutcome JobReader::analyze_now(const JobFiles& files, Keep keep, const std::stop_token& stop) {
   if (stop.stop_requested()) return ReadingGivenUp{};
   const std::string mark = mark_of(files), content = content_mark(files);
   ReadJob read = keep == Keep::Prepared ? take_or_read(files, stop) : read_now(files, std::nullopt, stop);
   if (std::holds_alternative<ReadingGivenUp>(read)) return ReadingGivenUp{};
   if (auto* refusal = std::get_if<JobRefusal>(&read)) return std::move(*refusal);
   auto& job = std::get<PreparedJob>(read);
-  std::optional<JobScreening> screening;
+  std::optional<PreprintAnalysis> analysis;
   {
     const ReadingRecord::Reading under_way(record_, files);
-    screening = screen_job(job, config_, stop);
+    analysis = analyze_before_print(job, config_, stop);
   }
-  if (!screening) return ReadingGivenUp{};
-  ScreenedJob screened{std::move(*screening), content, job.settings};
+  if (!analysis) return ReadingGivenUp{};
+  AnalyzedJob analyzed{std::move(*analysis), content, job.settings};
   if (keep == Keep::Prepared) kept_.keep(files, mark, std::move(job));
-  return screened;
+  return analyzed;
 }
 
 // As its check has kept it, or anew.

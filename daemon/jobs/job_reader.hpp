@@ -11,10 +11,10 @@
 #include <variant>
 
 #include "daemon/config/printer_config.hpp"
-#include "daemon/jobs/kept_job.hpp"
+#include "daemon/jobs/prepared_job_cache.hpp"
 #include "daemon/prepare/job_outlook.hpp"
-#include "daemon/prepare/job_screening.hpp"
 #include "daemon/prepare/job_settings.hpp"
+#include "daemon/prepare/preprint_analysis.hpp"
 #include "daemon/prepare/print_job.hpp"
 #include "daemon/spool/reading_record.hpp"
 #include "daemon/spool/spool.hpp"
@@ -32,7 +32,7 @@ struct ReadingGivenUp {};
 using ReadJob = std::variant<PreparedJob, JobRefusal, ReadingGivenUp>;
 // What is known of a job that waits.
 using CheckedJob = std::variant<JobOutlook, JobRefusal, ReadingGivenUp>;
-using JobScreened = std::variant<ScreenedJob, JobRefusal, ReadingGivenUp>;
+using JobAnalysisOutcome = std::variant<AnalyzedJob, JobRefusal, ReadingGivenUp>;
 
 class JobReader {
  public:
@@ -56,7 +56,7 @@ class JobReader {
   void check(const std::string& file, Keep keep, std::function<void(const CheckedJob&)> done);
   // Looks through all layers of incoming/`file`, which takes as long as their masks; keeps the job as check()
   // does, and ends as that. One at a time.
-  void screen(const std::string& file, Keep keep, std::function<void(const JobScreened&)> done);
+  void analyze(const std::string& file, Keep keep, std::function<void(const JobAnalysisOutcome&)> done);
   // Keeps nothing of incoming/`file` any more.
   void forget(const std::string& file);
   // Has the job's contents written to the disk, behind what is being read.
@@ -91,7 +91,7 @@ class JobReader {
   [[nodiscard]] ReadJob prepare(const JobFiles& files, const std::optional<JobSettings>& settings,
                                 const std::stop_token& stop);
   [[nodiscard]] CheckedJob check_now(const JobFiles& files, Keep keep, const std::stop_token& stop);
-  [[nodiscard]] JobScreened screen_now(const JobFiles& files, Keep keep, const std::stop_token& stop);
+  [[nodiscard]] JobAnalysisOutcome analyze_now(const JobFiles& files, Keep keep, const std::stop_token& stop);
   [[nodiscard]] ReadJob take_or_read(const JobFiles& files, const std::stop_token& stop);
 
   const PrinterConfig& config_;
@@ -99,8 +99,8 @@ class JobReader {
   ReadingRecord record_;
   std::stop_source reading_;  // of the last one
   Looks looks_;
-  KeptJob kept_;   // of the worker's thread
-  Worker worker_;  // last: its thread ends before what its tasks use
+  PreparedJobCache kept_;  // of the worker's thread
+  Worker worker_;          // last: its thread ends before what its tasks use
 };
 
 // What is told of why a job is refused, in some lines: it goes into the log, a file and each answer to a

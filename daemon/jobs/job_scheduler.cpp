@@ -81,11 +81,11 @@ std::string JobScheduler::reason_to_wait() const {
                        needed / 1'000'000);
   }
   if (!queue_.has_first()) return question_about(queue_.jobs().front().file, queue_.jobs().front().asks);
-  return queue_.first_unscreened();
+  return queue_.first_unanalyzed();
 }
 
 bool JobScheduler::waits_for_profile() const {
-  return queue_.has_first() && queue_.jobs()[queue_.first()].screening == WaitingJob::Screening::Blocked;
+  return queue_.has_first() && queue_.jobs()[queue_.first()].analysis == WaitingJob::Analysis::Blocked;
 }
 
 void JobScheduler::claim_next() {
@@ -107,7 +107,7 @@ void JobScheduler::claim_next() {
     }
     const JobFiles there = spool_.files_of(Spool::Folder::Incoming, claimed.job.file);
     if (spool_.is_waiting(claimed.job.file) &&
-        !queue_.questions().knows(claimed.job.screened, there, claimed.settings)) {
+        !queue_.questions().knows(claimed.job.analyzed, there, claimed.settings)) {
       claimed.job.check_again();
       queue_.put_first(std::move(claimed.job));
       return run_soon();
@@ -142,8 +142,8 @@ std::optional<JobSettings> JobScheduler::settings_of(const WaitingJob& job) cons
 void JobScheduler::begin(CopiedJob claimed, const JobFiles& files) {
   const WaitingJob& job = claimed.job;
   queue_.claimed(job.file);
-  const bool unheld_accepted = queue_.questions().has_accepted(job.screened, std::string(kUnheldPlaces));
-  queue_.questions().begun(job.screened);
+  const bool unheld_accepted = queue_.questions().has_accepted(job.analyzed, std::string(kUnheldPlaces));
+  queue_.questions().begun(job.analyzed);
   // For this one, whatever happens to the queue until it ends.
   if (queue_.has_first()) queue_.keep_first_waiting();
   calls_.begin({.files = files,

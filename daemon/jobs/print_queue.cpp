@@ -24,21 +24,21 @@ void tell_question(const Log& log, const WaitingJob& job) {
   const std::string file = printable(job.file);
   const LogFields fields = file_fields(job.file);
   log.warning("unaccepted", fmt::format("{} waits: {}", file, question_about(job.file, job.asks)), fields);
-  for (const std::string& warning : job.screened->screening.warnings)
+  for (const std::string& warning : job.analyzed->analysis.warnings)
     log.warning("unaccepted", fmt::format("{}: {}", file, printable(warning)), fields);
 }
 
 }  // namespace
 
-void WaitingJob::screen_again() {
-  screening = Screening::Wanted;
-  screened.reset();
+void WaitingJob::analyze_again() {
+  analysis = Analysis::Wanted;
+  analyzed.reset();
   asks.clear();
 }
 
 void WaitingJob::check_again() {
   check = Check::Wanted;
-  screen_again();
+  analyze_again();
 }
 
 PrintQueue::PrintQueue(const Log& log, Calls calls)
@@ -116,7 +116,7 @@ void PrintQueue::remove_withdrawn(const Position& job) {
 
 void PrintQueue::check_next() {
   const Position wanted = std::ranges::find(jobs_, WaitingJob::Check::Wanted, &WaitingJob::check);
-  if (wanted == jobs_.end()) return screen_next();
+  if (wanted == jobs_.end()) return analyze_next();
   wanted->check = WaitingJob::Check::Running;
   const std::uint64_t number = wanted->check_number = ++checks_begun_;
   const auto keep = wanted == jobs_.begin() + static_cast<std::ptrdiff_t>(first()) ? JobReader::Keep::Prepared
@@ -172,64 +172,65 @@ void PrintQueue::postpone(WaitingJob& job, const std::string& why) {
 void PrintQueue::check_postponed() {
   for (WaitingJob& job : jobs_) {
     if (job.check == WaitingJob::Check::Postponed) job.check = WaitingJob::Check::Wanted;
-    if (job.screening == WaitingJob::Screening::Blocked) job.screening = WaitingJob::Screening::Wanted;
+    if (job.analysis == WaitingJob::Analysis::Blocked) job.analysis = WaitingJob::Analysis::Wanted;
   }
 }
 
 // Behind all checks, and one at a time: what is wrong with a job is to be heard of before.
-void PrintQueue::screen_next() {
+void PrintQueue::analyze_next() {
   using Check = WaitingJob::Check;
-  using Screening = WaitingJob::Screening;
+  using Analysis = WaitingJob::Analysis;
   if (!questions_.wanted()) return;
   const bool busy = std::ranges::any_of(jobs_, [](const WaitingJob& job) {
-    return job.check == Check::Running || job.screening == Screening::Running;
+    return job.check == Check::Running || job.analysis == Analysis::Running;
   });
   if (busy) return;
   const Position wanted = std::ranges::find_if(jobs_, [](const WaitingJob& job) {
-    return job.check == Check::Passed && job.screening == Screening::Wanted;
+    return job.check == Check::Passed && job.analysis == Analysis::Wanted;
   });
   if (wanted == jobs_.end()) return;
-  wanted->screening = Screening::Running;
+  wanted->analysis = Analysis::Running;
   const std::uint64_t number = wanted->check_number = ++checks_begun_;
   const auto keep = wanted == jobs_.begin() + static_cast<std::ptrdiff_t>(first()) ? JobReader::Keep::Prepared
                                                                                    : JobReader::Keep::Nothing;
-  questions_.screen(wanted->file, keep, [this, file = wanted->file, number](const JobScreened& found) {
-    screened(file, number, found);
-  });
+  questions_.analyze(wanted->file, keep,
+                     [this, file = wanted->file, number](const JobAnalysisOutcome& found) {
+                       analyzed(file, number, found);
+                     });
 }
 
-void PrintQueue::screened(const std::string& file, std::uint64_t number, const JobScreened& found) {
+void PrintQueue::analyzed(const std::string& file, std::uint64_t number, const JobAnalysisOutcome& found) {
   const Position job = find(file);
-  if (job != jobs_.end() && job->screening == WaitingJob::Screening::Running && job->check_number == number) {
-    job->screening = WaitingJob::Screening::Wanted;
+  if (job != jobs_.end() && job->analysis == WaitingJob::Analysis::Running && job->check_number == number) {
+    job->analysis = WaitingJob::Analysis::Wanted;
     const auto* const refusal = std::get_if<JobRefusal>(&found);
     const bool is_leaving = job->check == WaitingJob::Check::Refused;
     if (refusal != nullptr && !refusal->for_now && refusal->profile.empty() && !is_leaving)
       return leave(*job, refusal->reason, Leaving::Refused);
-    if (!is_leaving) note_screening(*job, found);
+    if (!is_leaving) note_analysis(*job, found);
   }
   calls_.changed();
 }
 
 // Of a job that stays.
-void PrintQueue::note_screening(WaitingJob& job, const JobScreened& found) {
+void PrintQueue::note_analysis(WaitingJob& job, const JobAnalysisOutcome& found) {
   if (const auto* const refusal = std::get_if<JobRefusal>(&found)) {
     if (refusal->for_now) return postpone(job, refusal->reason);
-    job.screening = WaitingJob::Screening::Blocked;
+    job.analysis = WaitingJob::Analysis::Blocked;
     const std::string trouble =
         fmt::format("{}; the queue goes on when it is mended", printable(refusal->profile));
     if (std::exchange(job.trouble, trouble) != trouble)
       log_.error("profile", fmt::format("{} waits: {}", printable(job.file), trouble), file_fields(job.file));
-  } else if (const auto* const screened = std::get_if<ScreenedJob>(&found)) {
-    job.screening = WaitingJob::Screening::Done;
+  } else if (const auto* const analyzed = std::get_if<AnalyzedJob>(&found)) {
+    job.analysis = WaitingJob::Analysis::Done;
     job.trouble.clear();
-    note_question(job, *screened);
+    note_question(job, *analyzed);
   }
 }
 
-void PrintQueue::note_question(WaitingJob& job, const ScreenedJob& screened) {
-  job.asks = questions_.about(screened);
-  job.screened = screened;
+void PrintQueue::note_question(WaitingJob& job, const AnalyzedJob& analyzed) {
+  job.asks = questions_.about(analyzed);
+  job.analyzed = analyzed;
   if (job.asks.empty()) return;
   tell_question(log_, job);
   questions_.tell_change();
@@ -237,8 +238,8 @@ void PrintQueue::note_question(WaitingJob& job, const ScreenedJob& screened) {
 
 void PrintQueue::accept(const std::string& file, const std::string& who) {
   const Position job = find(file);
-  expects(job != jobs_.end() && !job->asks.empty() && job->screened, "the job waits for its owner's word");
-  questions_.accept(*job->screened, job->asks);
+  expects(job != jobs_.end() && !job->asks.empty() && job->analyzed, "the job waits for its owner's word");
+  questions_.accept(*job->analyzed, job->asks);
   log_.info("accepted",
             fmt::format("{}: {} accepts it with {}", printable(file), who, findings_text(job->asks)),
             file_fields(file));
@@ -253,10 +254,10 @@ std::size_t PrintQueue::first() const {
       std::ranges::find_if(jobs_, [](const WaitingJob& job) { return job.asks.empty(); }) - jobs_.begin());
 }
 
-std::string PrintQueue::first_unscreened() const {
+std::string PrintQueue::first_unanalyzed() const {
   expects(has_first(), "a job waits");
   const WaitingJob& job = jobs_[first()];
-  if (!questions_.wanted() || job.screened || job.check == WaitingJob::Check::Refused) return "";
+  if (!questions_.wanted() || job.analyzed || job.check == WaitingJob::Check::Refused) return "";
   if (!job.postponed.empty()) return job.postponed;
   if (!job.trouble.empty()) return job.trouble;
   return "its layers are looked through first, as ask_before demands";
@@ -357,7 +358,7 @@ void PrintQueue::not_rejected(const Position& job) {
   if (job != jobs_.end()) {
     if (job->withdrawn) return remove_withdrawn(job);
     job->check = job->seen_again ? WaitingJob::Check::Wanted : WaitingJob::Check::Passed;
-    if (job->seen_again) job->screen_again();
+    if (job->seen_again) job->analyze_again();
     job->seen_again = false;
   }
   calls_.changed();

@@ -36,14 +36,14 @@ struct WaitingJob {
     Postponed,  // there is no room for it in memory beside what is there now
     Refused,    // on its way to failed/, or removed and on its way there
   } check = Check::Wanted;
-  std::uint64_t check_number = 0;  // of the one that is running, or of the screening
-  enum class Screening {
+  std::uint64_t check_number = 0;  // of the one that is running, or of the analysis
+  enum class Analysis {
     Wanted,
     Running,
     Blocked,  // the resin's profile cannot be used
     Done,
-  } screening = Screening::Wanted;  // where the printer's owner is to be asked
-  std::optional<ScreenedJob> screened{};
+  } analysis = Analysis::Wanted;  // where the printer's owner is to be asked
+  std::optional<AnalyzedJob> analyzed{};
   std::vector<std::string> asks{};  // findings that its owner has not accepted
   // On its way to failed/ it went, by the owner's hand or by the spool's; or was seen to be whole again.
   bool withdrawn = false, seen_again = false;
@@ -55,11 +55,9 @@ struct WaitingJob {
   int interruptions = 0;                // of a look at it, since it was written again
 
   // For its check, or through its layers.
-  [[nodiscard]] bool is_looked_at() const {
-    return check == Check::Running || screening == Screening::Running;
-  }
+  [[nodiscard]] bool is_looked_at() const { return check == Check::Running || analysis == Analysis::Running; }
   // What was found is about other files or settings.
-  void screen_again();
+  void analyze_again();
   // What its check has found, too.
   void check_again();
 };
@@ -114,7 +112,7 @@ class PrintQueue {
   // The place of the next job; jobs().size() when there is none.
   [[nodiscard]] std::size_t first() const;
   // Why it is not to begin before it is looked through; empty when it may. REQUIRES: has_first().
-  [[nodiscard]] std::string first_unscreened() const;
+  [[nodiscard]] std::string first_unanalyzed() const;
   // False while its check is being made, or a refused file looks for a name: changed() comes then. REQUIRES:
   // has_first().
   [[nodiscard]] bool first_may_begin() const;
@@ -157,10 +155,10 @@ class PrintQueue {
   void checked(const std::string& file, std::uint64_t number, const CheckedJob& found);
   void note_check(WaitingJob& job, const CheckedJob& found);
   void postpone(WaitingJob& job, const std::string& why);
-  void screen_next();
-  void screened(const std::string& file, std::uint64_t number, const JobScreened& found);
-  void note_screening(WaitingJob& job, const JobScreened& found);
-  void note_question(WaitingJob& job, const ScreenedJob& screened);
+  void analyze_next();
+  void analyzed(const std::string& file, std::uint64_t number, const JobAnalysisOutcome& found);
+  void note_analysis(WaitingJob& job, const JobAnalysisOutcome& found);
+  void note_question(WaitingJob& job, const AnalyzedJob& analyzed);
   void leave(WaitingJob& job, const std::string& reason, Leaving how);
   struct Reject {
     std::string file, reason;

@@ -8,7 +8,7 @@
 
 #include "core/geometry/units.hpp"
 #include "daemon/config/printer_config.hpp"
-#include "daemon/prepare/job_screening.hpp"
+#include "daemon/prepare/preprint_analysis.hpp"
 #include "daemon/prepare/print_job.hpp"
 #include "daemon/prepare/support_counts.hpp"
 #include "daemon/spool/job_files.hpp"
@@ -26,7 +26,7 @@ struct JobOutlook {
   double height_mm = 0;
   Duration print_time{};                    // of its layers
   std::optional<SupportCounts> supports{};  // nothing where none are wanted
-  std::optional<ScreenedJob> question{};    // which is asked whatever the printer's file names
+  std::optional<AnalyzedJob> question{};    // which is asked whatever the printer's file names
 };
 
 // Looks at the files' sizes. Thread-safe.

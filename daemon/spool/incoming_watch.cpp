@@ -37,9 +37,9 @@ IncomingWatch::IncomingWatch(const SpoolFolders& folders, const CopiedOriginals&
       loop_(loop),
       disk_(disk),
       observer_(observer),
-      passed_over_(loop, {.one = [this](const std::string& file,
-                                        WhyPassedOver why) { observer_.passed_over(file, why); },
-                          .more = [this](std::size_t files) { observer_.more_passed_over(files); }}),
+      ignored_(loop,
+               {.one = [this](const std::string& file, WhyIgnored why) { observer_.ignored(file, why); },
+                .more = [this](std::size_t files) { observer_.more_ignored(files); }}),
       folder_(folders.path(SpoolFolder::Incoming), loop, disk,
               {.make = std::move(make_folders),
                .left = [this] { stop_watching_plates(); },
@@ -117,7 +117,7 @@ void IncomingWatch::take_event(const inotify_event& event) {
   if (event.mask != IN_CREATE) consider_models_of(file);
   if ((event.mask & (IN_DELETE | IN_MOVED_FROM)) == 0) return consider(file, Look::Event);
   looks_.erase(file);
-  passed_over_.forget(file);
+  ignored_.forget(file);
   seen_to_be_gone(file);
 }
 
@@ -153,7 +153,7 @@ std::vector<std::string> IncomingWatch::names_in_folder() const {
 void IncomingWatch::consider_all() {
   disk_.run([this] { return names_in_folder(); },
             [this](const std::vector<std::string>& names) {
-              passed_over_.forget_all_but({names.begin(), names.end()});
+              ignored_.forget_all_but({names.begin(), names.end()});
               // What is not there any more may have gone without a word.
               std::set<std::string> others = arrived_;
               others.insert(originals_.begin(), originals_.end());
@@ -203,9 +203,9 @@ IncomingWatch::Seen IncomingWatch::look_at(const std::string& file) const noexce
     seen.upload = upload_state(folders_, file);
     if (seen.upload.is_there) {
       seen.taken = copied_.contains(folders_.files_of(SpoolFolder::Incoming, file));
-      if (seen.upload.missing == std::vector<std::string>{kPlateTicket}) seen.why = WhyPassedOver::Folder;
+      if (seen.upload.missing == std::vector<std::string>{kPlateTicket}) seen.why = WhyIgnored::Folder;
     } else if (!is_model_name(file)) {
-      seen.why = why_passed_over(folders_.path(SpoolFolder::Incoming) / file);
+      seen.why = why_ignored(folders_.path(SpoolFolder::Incoming) / file);
     }
   } catch (const std::exception&) {
     seen.upload.is_there = seen.upload.being_written = true;  // cannot be looked at now: looked at again
@@ -223,7 +223,7 @@ void IncomingWatch::seen_to_be_gone(const std::string& file) {
 
 void IncomingWatch::seen(const std::string& file, Look look, const Seen& seen) {
   const UploadState& upload = seen.upload;
-  note_passed_over(file, seen.why);
+  note_ignored(file, seen.why);
   if (!upload.is_there) return seen_to_be_gone(file);
   if (seen.taken) {
     candidates_.erase(file);
@@ -256,11 +256,11 @@ void IncomingWatch::seen(const std::string& file, Look look, const Seen& seen) {
   look_later(file);
 }
 
-void IncomingWatch::note_passed_over(const std::string& file, const std::optional<WhyPassedOver>& why) {
+void IncomingWatch::note_ignored(const std::string& file, const std::optional<WhyIgnored>& why) {
   if (why) {
-    passed_over_.saw(file, *why);
+    ignored_.saw(file, *why);
   } else {
-    passed_over_.forget(file);
+    ignored_.forget(file);
   }
 }
 
@@ -302,7 +302,7 @@ void IncomingWatch::look_again() {
   consider_soon(std::move(files), Look::Timer);
 }
 
-// A folder without plate.json is none of ours, or not yet: see PassedOver.
+// A folder without plate.json is none of ours, or not yet: see IgnoredFiles.
 void IncomingWatch::note_missing(const std::string& file, const std::vector<std::string>& missing) {
   if (missing.empty()) {
     incomplete_.erase(file);

@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "daemon/spool/copied_originals.hpp"
+#include "daemon/spool/ignored_files.hpp"
 #include "daemon/spool/incoming_folder.hpp"
-#include "daemon/spool/passed_over.hpp"
 #include "daemon/spool/spool_folders.hpp"
 #include "daemon/spool/upload_state.hpp"
 #include "daemon/system/event_loop.hpp"
@@ -44,8 +44,8 @@ class SpoolObserver {
   // Told when it changes.
   virtual void plate_waits(const std::string& file, const std::vector<std::string>& missing) = 0;
   // incoming/`file` will not be printed as it is; or so many more than were named.
-  virtual void passed_over(const std::string& file, WhyPassedOver why) = 0;
-  virtual void more_passed_over(std::size_t files) = 0;
+  virtual void ignored(const std::string& file, WhyIgnored why) = 0;
+  virtual void more_ignored(std::size_t files) = 0;
   // There is no folder incoming/ that can be watched, `why` says why: nothing arrives until there is.
   virtual void incoming_lost(const std::string& why) = 0;
   // Another folder is there than before, and is watched.
@@ -77,9 +77,7 @@ class IncomingWatch {
   // Models and plates that are not whole yet, or that many of them.
   [[nodiscard]] std::vector<std::string> arriving(std::size_t most) const;
   // What else is there and will not be printed as it is.
-  [[nodiscard]] const std::map<std::string, WhyPassedOver>& passed_over() const {
-    return passed_over_.files();
-  }
+  [[nodiscard]] const std::map<std::string, WhyIgnored>& ignored() const { return ignored_.files(); }
   // What was taken by copy, or refused there: it may be deleted.
   [[nodiscard]] const std::set<std::string>& originals() const { return originals_; }
   void add_original(const std::string& file) { originals_.insert(file); }
@@ -94,8 +92,8 @@ class IncomingWatch {
 
   struct Seen {
     UploadState upload;
-    bool taken = false;                // by copy: what lies there is not wanted any more
-    std::optional<WhyPassedOver> why;  // of what will not be printed as it is
+    bool taken = false;             // by copy: what lies there is not wanted any more
+    std::optional<WhyIgnored> why;  // of what will not be printed as it is
   };
 
   enum class Look { Event, Timer };
@@ -117,7 +115,7 @@ class IncomingWatch {
   void consider(const std::string& file, Look look);
   [[nodiscard]] Seen look_at(const std::string& file) const noexcept;
   void seen(const std::string& file, Look look, const Seen& seen);
-  void note_passed_over(const std::string& file, const std::optional<WhyPassedOver>& why);
+  void note_ignored(const std::string& file, const std::optional<WhyIgnored>& why);
   void seen_to_be_gone(const std::string& file);
   void look_later(const std::string& file);
   Candidate& candidate(const std::string& file);
@@ -137,7 +135,7 @@ class IncomingWatch {
   std::map<std::string, int> watch_of_plate_;
   std::map<std::string, Candidate> candidates_;  // not known to be whole yet
   std::map<std::string, std::vector<std::string>> incomplete_;
-  PassedOver passed_over_;
+  IgnoredFiles ignored_;
   IncomingFolder folder_;
   std::set<std::string> arrived_;  // and told
   std::set<std::string> originals_;

@@ -67,8 +67,8 @@ class Protocol(ControlTest):
         result = self.client.call("status")["result"]
         self.assertEqual(result, {
             "printer": "Simulated printer", "spool": self.daemon.spool, "state": "idle", "job": None, "queued": 0, "incomplete": {},
-            "incomplete_more": 0, "postponed": {}, "postponed_more": 0, "unaccepted": {}, "unaccepted_more": 0, "passed_over": {}, "passed_over_more": 0, "deletable": [],
-            "deletable_more": 0, "plate": "clear", "plate_job": None, "hindrance": None, "held": None, "waiting_for": None,
+            "incomplete_more": 0, "postponed": {}, "postponed_more": 0, "unaccepted": {}, "unaccepted_more": 0, "ignored": {}, "ignored_more": 0, "deletable": [],
+            "deletable_more": 0, "plate": "clear", "plate_job": None, "not_ready_reason": None, "held": None, "waiting_for": None,
             "reminders": [],
             "last": None,
             "dark": True,

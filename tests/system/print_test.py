@@ -528,7 +528,7 @@ class Fault(PrintTest):
         self.assertEqual((status["job"]["interruption"], status["job"]["layer"]), ("the display was unplugged", 13))
         self.assertEqual(status["job"]["layers_done"], 12)
         # The display is back after a simulated minute, which passes at once.
-        status = wait_until(lambda: (lambda s: None if s["hindrance"] else s)(daemon.status()), "the display to be back")
+        status = wait_until(lambda: (lambda s: None if s["not_ready_reason"] else s)(daemon.status()), "the display to be back")
         self.assertEqual((status["state"], status["job"]["interruption"]), ("paused", "the display was unplugged"))
         self.assertIn(b"stopped   the display was unplugged", daemon.ctl("status").stdout)
         self.assertEqual(daemon.ctl("resume").returncode, OK)
@@ -542,7 +542,7 @@ class Fault(PrintTest):
 
     def test_a_print_is_not_resumed_while_the_display_is_gone_and_can_be_cancelled(self):
         daemon, status = self.interrupted({"display_lost_after_frames": 0})
-        self.assertEqual(status["hindrance"], "the display is unplugged")
+        self.assertEqual(status["not_ready_reason"], "the display is unplugged")
         refused = daemon.ctl("resume")
         self.assertNotEqual(refused.returncode, OK)
         self.assertIn(b"the print cannot go on: the display is unplugged", refused.stderr)
@@ -560,7 +560,7 @@ class Fault(PrintTest):
         # Layers 1 to 5 have the bottom's 30 s each: the lid opens 18 s into the second.
         daemon, status = self.interrupted({"lid_opened_after_light_s": 48})
         self.assertEqual((status["job"]["interruption"], status["job"]["layer"]), ("the lid was opened", 2))
-        wait_until(lambda: not daemon.status()["hindrance"], "the lid to be closed")
+        wait_until(lambda: not daemon.status()["not_ready_reason"], "the lid to be closed")
         self.assertEqual(daemon.rpc("resume")["result"]["job"]["interruption"], None)
         report = daemon.wait_done("part")
         daemon.stop()

@@ -196,12 +196,12 @@ class Degraded(RealHardwareTest):
         status = daemon.status()
         self.assertEqual(status["state"], "idle")
         for device in (MISSING_CHIP, "card-missing", "tty-missing"):
-            self.assertIn(device, status["hindrance"])
+            self.assertIn(device, status["not_ready_reason"])
         self.assertIn("the printer cannot print: ", daemon.log())
         self.assertIn(b"machine   the serial port", daemon.ctl("status").stdout)
         daemon.drop("part.stl", binary_stl(box((0, 0, 0), (10, 5, 1))))
         status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the job to wait")
-        self.assertEqual((status["waiting_for"], status["queued"]), (status["hindrance"], 1))
+        self.assertEqual((status["waiting_for"], status["queued"]), (status["not_ready_reason"], 1))
         # A model that cannot be printed is refused even now.
         daemon.drop("bad.stl", b"no model")
         daemon.wait_refused("bad")
@@ -214,7 +214,7 @@ class Degraded(RealHardwareTest):
         daemon.start()
         daemon.drop("part.stl", binary_stl(box((0, 0, 0), (10, 5, 1))))
         self.assertEqual(daemon.wait_done("part")["layers_exposed"], 20)
-        self.assertIsNone(daemon.status()["hindrance"])
+        self.assertIsNone(daemon.status()["not_ready_reason"])
         daemon.stop()
 
 
@@ -256,7 +256,7 @@ class LightWatchdog(RealHardwareTest):
         self.assertIn("the light watchdog has died; no light is turned on without it", daemon.log())
         (another,) = light_watchdogs(daemon)
         self.assertNotEqual(another, watchdog)
-        self.assertNotIn("watchdog", daemon.status()["hindrance"])
+        self.assertNotIn("watchdog", daemon.status()["not_ready_reason"])
         daemon.stop()
         wait_until(lambda: command_name(another) is None, "the light watchdog to end")
 

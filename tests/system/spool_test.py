@@ -969,11 +969,11 @@ class Profiles(SpoolTest):
         daemon.stop()
 
 
-class PassedOver(SpoolTest):
+class IgnoredFiles(SpoolTest):
     """Files in incoming/ that will never be printed."""
 
     def listed(self, daemon, *names):
-        return wait_until(lambda: (lambda s: s if set(s["passed_over"]) == set(names) else None)(daemon.status()), names)
+        return wait_until(lambda: (lambda s: s if set(s["ignored"]) == set(names) else None)(daemon.status()), names)
 
     def test_unprintable_files_are_logged_once_and_listed_until_they_are_removed(self):
         daemon = self.daemon()
@@ -996,13 +996,13 @@ class PassedOver(SpoolTest):
         daemon.wait_done("renamed")
         status = self.listed(daemon, *files, "folder", "link")
         for name, word in files.items():
-            self.assertIn(word, status["passed_over"][name])
-        self.assertIn("plate.json", status["passed_over"]["folder"])
-        self.assertEqual((status["passed_over_more"], status["queued"]), (0, 0))
+            self.assertIn(word, status["ignored"][name])
+        self.assertIn("plate.json", status["ignored"]["folder"])
+        self.assertEqual((status["ignored_more"], status["queued"]), (0, 0))
         shown = daemon.ctl("status").stdout.decode()
         for name in (*files, "folder", "link"):
             self.assertIn(f"unprinted {name} in incoming: ", shown)
-            self.assertEqual(daemon.log().count(f"{name}: is passed over"), 1)
+            self.assertEqual(daemon.log().count(f"{name}: is ignored"), 1)
         self.assertEqual(len(daemon.names_in("incoming")), 12)
         # Each file is logged once, even if others change.
         daemon.drop("good.stl", SMALL)
@@ -1013,7 +1013,7 @@ class PassedOver(SpoolTest):
         self.write("spool/incoming/folder/plate.json", json.dumps({"models": [{"file": "part.stl"}]}))
         daemon.wait_done("folder")
         self.listed(daemon)
-        self.assertEqual(daemon.log().count("is passed over"), 8)
+        self.assertEqual(daemon.log().count("is ignored"), 8)
         self.assertNotIn("upload", daemon.log())
         daemon.stop()
 
@@ -1021,10 +1021,10 @@ class PassedOver(SpoolTest):
         daemon = self.daemon().start()
         for number in range(1000):
             self.write(f"spool/incoming/{number}\x1b\n.3mf", b"something")
-        status = wait_until(lambda: (lambda s: s if s["passed_over_more"] == 990 else None)(daemon.status()), "all files to be counted")
-        self.assertEqual(len(status["passed_over"]), 10)
-        wait_until(lambda: "more in incoming are passed over" in daemon.log(), "the summary in the log")
-        self.assertLess(daemon.log().count("passed over"), 40)
+        status = wait_until(lambda: (lambda s: s if s["ignored_more"] == 990 else None)(daemon.status()), "all files to be counted")
+        self.assertEqual(len(status["ignored"]), 10)
+        wait_until(lambda: "more in incoming are ignored" in daemon.log(), "the summary in the log")
+        self.assertLess(daemon.log().count("ignored"), 40)
         self.assertNotIn(b"\x1b", daemon.ctl("status").stdout)
         daemon.drop("good.stl", SMALL)
         daemon.wait_done("good")

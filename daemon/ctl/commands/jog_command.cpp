@@ -20,7 +20,7 @@ namespace {
 
 using Json = DaemonConnection::Json;
 
-enum Question { kWatch = 1, kStatus, kRequest };
+enum JogQuestion { kJogWatch = 1, kJogStatus, kJogRequest };
 
 constexpr std::string_view kHelp =
     "up, down (or k, j)  move by the step     h  home       m  motor off\n"
@@ -71,7 +71,7 @@ class Jog {
       return;
     }
     const Json& status = message.contains("params") ? message["params"] : message["result"];
-    if (message.value("id", 0) == kRequest) asked_ = false;
+    if (message.value("id", 0) == kJogRequest) asked_ = false;
     if (!status.is_object() || !status.contains("manual")) return;
     const Json problem = status["manual"]["problem"];
     if (problem.is_string() && problem != manual_.value("problem", Json())) tell(problem.get<std::string>());
@@ -146,7 +146,7 @@ class Jog {
     send("light_on", parameters);
   }
   void send(const char* method, const Json& parameters = Json::object()) {
-    connection_.send(method, kRequest, parameters);
+    connection_.send(method, kJogRequest, parameters);
     asked_ = true;
   }
 
@@ -176,8 +176,8 @@ struct LineEnd {
 int jog(const ClientOptions& client, const JogOptions& options) {
   KeyInput keys("jog");
   DaemonConnection connection(client.socket);
-  connection.send("watch", kWatch);
-  connection.send("status", kStatus);
+  connection.send("watch", kJogWatch);
+  connection.send("status", kJogStatus);
   Jog state(connection, options);
   fmt::print("{}", terminal_columns() < kHelpColumns ? kNarrowHelp : kHelp);
   const LineEnd line_end;

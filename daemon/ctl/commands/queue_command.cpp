@@ -58,7 +58,7 @@ std::string_view state_of(const Json& job) {
   if (state == "checking") return "is being checked";
   if (state == "postponed") return "is checked later";
   if (state == "leaving") return "on its way to failed";
-  if (state == "screening") return "is being looked through";
+  if (state == "analyzing") return "is being analyzed";
   if (state == "unaccepted") return "waits to be accepted";
   return "ready";
 }

@@ -21,7 +21,7 @@ using Json = DaemonConnection::Json;
 // Edges are counted by the daemon: none is missed in between.
 constexpr auto kAskInterval = std::chrono::milliseconds(100);
 
-std::string state_of(const Json& input) {
+std::string switch_state(const Json& input) {
   const Json& active = input["active"];
   if (!active.is_boolean()) return "cannot be read";
   const std::string name = input.value("name", "");
@@ -32,7 +32,7 @@ std::string state_of(const Json& input) {
 }
 
 std::string line_of(const Json& input) {
-  return fmt::format("{:<15} {:<14} {:>6} edges  {}", printable(input.value("name", "")), state_of(input),
+  return fmt::format("{:<15} {:<14} {:>6} edges  {}", printable(input.value("name", "")), switch_state(input),
                      input.value("edges", std::uint64_t{0}), printable(input.value("line", "")));
 }
 

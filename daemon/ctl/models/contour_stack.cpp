@@ -69,7 +69,7 @@ class Stacker {
   [[nodiscard]] ContourStack take() { return std::move(stack_); }
 
  private:
-  // How many layers are passed over where supports are looked at for how far they reach.
+  // How many layers are ignored where supports are looked at for how far they reach.
   static constexpr std::size_t kFeetSteps = 8;
 
   void include_supports(Nanometers height, Bounds& bounds) {

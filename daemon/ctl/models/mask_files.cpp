@@ -17,7 +17,7 @@
 namespace contourd::ctl {
 namespace {
 
-void write_mask(const std::filesystem::path& path, const Mask& mask, MaskPngEncoder& encoder) {
+void encode_mask(const std::filesystem::path& path, const Mask& mask, MaskPngEncoder& encoder) {
   try {
     write_png(path, mask, encoder);
   } catch (const std::system_error& error) {
@@ -64,7 +64,7 @@ class LayerQueue {
 
 void write_mask(const std::filesystem::path& path, const Mask& mask) {
   MaskPngEncoder encoder;
-  write_mask(path, mask, encoder);
+  encode_mask(path, mask, encoder);
 }
 
 std::vector<LayerCracks> write_masks(const std::filesystem::path& folder, std::span<const Nanometers> layers,
@@ -76,7 +76,7 @@ std::vector<LayerCracks> write_masks(const std::filesystem::path& folder, std::s
     MaskPngEncoder encoder;
     queue.serve([&](std::size_t layer) {
       if (!engine) engine.emplace(make_engine());
-      write_mask(folder / layer_file(layer + 1, ".png"), engine->mask_at(layers[layer]), encoder);
+      encode_mask(folder / layer_file(layer + 1, ".png"), engine->mask_at(layers[layer]), encoder);
       cracks[layer] = engine->cracks();
     });
   };

@@ -16,8 +16,8 @@
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/prepare/job_outlook.hpp"
-#include "daemon/prepare/job_screening.hpp"
 #include "daemon/prepare/job_settings.hpp"
+#include "daemon/prepare/preprint_analysis.hpp"
 #include "daemon/prepare/print_job.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/print/layer_durations.hpp"
@@ -79,8 +79,8 @@ class Look {
       outlook_.json["supports"] = supports_summary_json(counts_of(*job.summary.supports));
     const std::string text = fmt::format("{} layer{} in {}", job.summary.layers.count,
                                          job.summary.layers.count == 1 ? "" : "s", readable(time));
-    const std::optional<JobScreening> screening = screening_within(job, durations);
-    if (!screening) {
+    const std::optional<PreprintAnalysis> analysis = analysis_within(job, durations);
+    if (!analysis) {
       tell(model, fmt::format("{}, {}; resin not known", text, printable(job.summary.resin.name)));
       for (const std::string& warning : job.summary.warnings)
         warn(warning);
@@ -88,22 +88,22 @@ class Look {
           fmt::format("not all layers were looked through in {:.0f} s", milliseconds(kLongestLook) / 1000);
       return note(outlook_.json["unknown"].get<std::string>());
     }
-    outlook_.json["resin_ml"] = screening->resin_ml.value();
-    tell(model, fmt::format("{}, {:.2f} ml of {}", text, screening->resin_ml.value(),
+    outlook_.json["resin_ml"] = analysis->resin_ml.value();
+    tell(model, fmt::format("{}, {:.2f} ml of {}", text, analysis->resin_ml.value(),
                             printable(job.summary.resin.name)));
     if (job.summary.supports && counts_of(*job.summary.supports).any())
       note("supports: " + supports_line(counts_of(*job.summary.supports)));
-    for (const std::string& warning : screening->warnings)
+    for (const std::string& warning : analysis->warnings)
       warn(warning);
-    const std::vector<std::string> asked = asked_findings(*screening, *printer_.config);
+    const std::vector<std::string> asked = asked_findings(*analysis, *printer_.config);
     outlook_.json["asks"] = asked;
     if (!asked.empty())
       note(fmt::format("the printer will ask before it prints this: {}", findings_text(asked)));
   }
 
   // Nothing when the time was over before the layers were.
-  [[nodiscard]] std::optional<JobScreening> screening_within(const PreparedJob& job,
-                                                             const std::vector<Duration>& durations) const {
+  [[nodiscard]] std::optional<PreprintAnalysis> analysis_within(
+      const PreparedJob& job, const std::vector<Duration>& durations) const {
     std::stop_source stop;
     // It is asked for each layer, before its mask is made.
     const auto duration_of = [&](std::int32_t layer) {
@@ -113,7 +113,7 @@ class Look {
     const auto findings = analyze_print(*job.analysis_engine, job.display, job.plan.expected_layers,
                                         duration_of, stop.get_token(), job.analysis);
     if (!findings || stop.stop_requested()) return std::nullopt;
-    return screening_of(job.summary, *findings, *printer_.config);
+    return preprint_analysis_of(job.summary, *findings, *printer_.config);
   }
 
   void tell(const fs::path& model, const std::string& what) {

@@ -66,12 +66,12 @@ void print_status(const Json& status) {
   for (const Json& file : status["deletable"])
     fmt::print("deletable {} in incoming: it had its turn, and cannot be moved\n",
                printable(file.get<std::string>()));
-  for (const auto& [file, why] : status["passed_over"].items())
+  for (const auto& [file, why] : status["ignored"].items())
     fmt::print("unprinted {} in incoming: {}\n", printable(file), printable(why.get<std::string>()));
-  if (const auto more = status.value("passed_over_more", std::size_t{0}); more > 0)
+  if (const auto more = status.value("ignored_more", std::size_t{0}); more > 0)
     fmt::print("unprinted {} more in incoming\n", more);
-  if (status["hindrance"].is_string())
-    print_wrapped("machine   ", printable(status["hindrance"].get<std::string>()));
+  if (status["not_ready_reason"].is_string())
+    print_wrapped("machine   ", printable(status["not_ready_reason"].get<std::string>()));
   if (status["held"].is_string()) print_wrapped("held      ", printable(status["held"].get<std::string>()));
   if (status["waiting_for"].is_string() && status["waiting_for"] != status["held"] &&
       !is_value_in(status["unaccepted"], status["waiting_for"]))

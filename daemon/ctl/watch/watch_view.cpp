@@ -33,7 +33,7 @@ enum Rank {
   kNext,
   kWarning,
   kWait,
-  kQueue,
+  kQueueBlock,
   kResin,
   kByHand,
   kLast,
@@ -305,20 +305,20 @@ class View {
 
   void add_waits() {
     const std::string held = text_of(status_, "held"), waiting = text_of(status_, "waiting_for");
-    const std::string hindrance = text_of(status_, "hindrance");
-    add_if("machine", hindrance, kStopped, Ink::Warning);
-    if (held != hindrance) add_if("held", held, kStopped, Ink::Warning);
+    const std::string not_ready_reason = text_of(status_, "not_ready_reason");
+    add_if("machine", not_ready_reason, kStopped, Ink::Warning);
+    if (held != not_ready_reason) add_if("held", held, kStopped, Ink::Warning);
     const Json& unaccepted = part_of(status_, "unaccepted");
     const bool is_question = std::ranges::find(unaccepted, Json(waiting)) != unaccepted.end();
-    if (waiting != held && waiting != hindrance && !is_question)
+    if (waiting != held && waiting != not_ready_reason && !is_question)
       add_if("waiting", waiting, kWait, Ink::Warning);
   }
 
   void add_queue() {
     const auto queued = status_.value("queued", std::size_t{0});
     add_blank();
-    add("queue", queued == 0 ? "empty" : fmt::format("{} {}", queued, queued == 1 ? "job" : "jobs"), kQueue);
-    Block names{kQueue, {}};
+    add("queue", queued == 0 ? "empty" : fmt::format("{} {}", queued, queued == 1 ? "job" : "jobs"), kQueueBlock);
+    Block names{kQueueBlock, {}};
     const Json& queue = part_of(printer_.queue, "queue");
     for (std::size_t i = 0; i < std::min(queue.size(), kMostListed); ++i) {
       if (queue[i].is_string())
@@ -334,7 +334,7 @@ class View {
 
   void add_files() {
     for (const auto& [what, name] : {std::pair("unaccepted", "accept"), std::pair("postponed", "postponed"),
-                                     std::pair("passed_over", "unprinted")}) {
+                                     std::pair("ignored", "unprinted")}) {
       for (const auto& [file, why] : part_of(status_, what).items())
         if (why.is_string())
           add(name, fmt::format("{}: {}", printable(file), printable(why.get<std::string>())), kUnprinted,

@@ -65,7 +65,7 @@ class Desk : public testing::PrinterFixture {
   const std::filesystem::path file = folder_.path() / "history.sqlite";
   std::vector<Json> replies;          // of a refusal its words
   std::vector<std::size_t> answered;  // their numbers, as they came
-  KeptHistory kept{loop, log.log, file};
+  HistoryWorker kept{loop, log.log, file};
   JobHistory recent;
   ReminderConfig limits{.lamp = {.lamp_h = 0.5}, .film = {.layers = 10, .prints = 3}, .vat = {}};
   Reminders reminders{limits};

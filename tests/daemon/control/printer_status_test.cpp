@@ -48,11 +48,11 @@ TEST_CASE("An idle printer's status has all its keys, in their order") {
     keys += key + " ";
   CHECK(keys ==
         "printer spool state job queued incomplete incomplete_more postponed postponed_more "
-        "unaccepted unaccepted_more passed_over "
-        "passed_over_more deletable deletable_more plate plate_job hindrance held waiting_for "
+        "unaccepted unaccepted_more ignored "
+        "ignored_more deletable deletable_more plate plate_job not_ready_reason held waiting_for "
         "reminders last dark manual ");
   CHECK(status["state"] == "idle");
-  for (const char* nothing : {"job", "plate_job", "hindrance", "held", "waiting_for", "last"})
+  for (const char* nothing : {"job", "plate_job", "not_ready_reason", "held", "waiting_for", "last"})
     CHECK(status[nothing].is_null());
   CHECK(status["plate"] == "clear");
 }

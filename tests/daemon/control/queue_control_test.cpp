@@ -54,17 +54,17 @@ class Desk : public testing::CurrentJobFixture {
         .removed = [](const std::string&, const std::string&) {},
         .keep_order = [](const QueueOrder::Names&, const auto&) {}};
     if (!asking) return calls;
-    calls.questions.screen = [this](const std::string& file, JobReader::Keep,
-                                    const std::function<void(const JobScreened&)>& done) {
-      ScreenedJob found;
-      found.screening.resin_ml = 1.5;
-      found.screening.findings = findings;
-      found.screening.warnings = findings;
+    calls.questions.analyze = [this](const std::string& file, JobReader::Keep,
+                                     const std::function<void(const JobAnalysisOutcome&)>& done) {
+      AnalyzedJob found;
+      found.analysis.resin_ml = 1.5;
+      found.analysis.findings = findings;
+      found.analysis.warnings = findings;
       found.content = file;
       done(found);
     };
     calls.questions.changed = [] {};
-    calls.questions.asked = [](const JobScreening& screening) { return screening.findings; };
+    calls.questions.asked = [](const PreprintAnalysis& analysis) { return analysis.findings; };
     calls.questions.keep_accepted = [](const Acceptances::Lines&, const auto& done) { done(""); };
     return calls;
   }
@@ -199,7 +199,7 @@ TEST_CASE("A job that asks is told with what was found, and is accepted by whoev
   Desk desk({"a.stl", "b.stl"}, true);
   desk.findings = {"islands"};
   desk.queue.check_next();
-  CHECK(desk.call("queue")["jobs"][0]["state"] == "screening");
+  CHECK(desk.call("queue")["jobs"][0]["state"] == "analysis");
   desk.queue.check_next();
   desk.queue.check_next();
   const Json job = desk.call("queue", {{"job", "a"}})["jobs"][0];

@@ -203,13 +203,13 @@ TEST_CASE("The text of a refusal is bounded and fit for a terminal, and keeps it
 namespace {
 
 // Looks through this file in incoming/, which waits for `before`.
-JobScreened screened(
+JobAnalysisOutcome analyzed(
     Started& desk, const std::string& file, const std::function<void()>& before = [] {}) {
-  std::optional<JobScreened> found;
-  desk.reader->screen(file, JobReader::Keep::Nothing, [&](const JobScreened& said) { found = said; });
+  std::optional<JobAnalysisOutcome> found;
+  desk.reader->analyze(file, JobReader::Keep::Nothing, [&](const JobAnalysisOutcome& said) { found = said; });
   before();
   CHECK(desk.run_until([&] { return found.has_value(); }));
-  return found.value_or(JobScreened{ReadingGivenUp{}});
+  return found.value_or(JobAnalysisOutcome{ReadingGivenUp{}});
 }
 
 }  // namespace
@@ -218,12 +218,12 @@ TEST_CASE("A job that is looked through is told with its resin, its files and it
   Started desk;
   desk.put(Spool::Folder::Incoming, "part.stl");
   const JobFiles files = desk.spool.files_of(Spool::Folder::Incoming, "part.stl");
-  const JobScreened found = screened(desk, "part.stl");
-  REQUIRE(std::holds_alternative<ScreenedJob>(found));
-  const auto& job = std::get<ScreenedJob>(found);
-  CHECK(job.screening.findings.empty());
+  const JobAnalysisOutcome found = analyzed(desk, "part.stl");
+  REQUIRE(std::holds_alternative<AnalyzedJob>(found));
+  const auto& job = std::get<AnalyzedJob>(found);
+  CHECK(job.analysis.findings.empty());
   // 3 x 2 x 0.2 mm.
-  CHECK(job.screening.resin_ml == Approx(0.0012).epsilon(0.01));
+  CHECK(job.analysis.resin_ml == Approx(0.0012).epsilon(0.01));
   CHECK(job.content == content_mark(files));
   CHECK(job.settings == read_settings(files, desk.config));
 }
@@ -231,7 +231,7 @@ TEST_CASE("A job that is looked through is told with its resin, its files and it
 TEST_CASE("What is no model is refused when it is looked through, too") {
   Started desk;
   desk.put_text(Spool::Folder::Incoming, "part.stl", "no model");
-  CHECK(std::holds_alternative<JobRefusal>(screened(desk, "part.stl")));
+  CHECK(std::holds_alternative<JobRefusal>(analyzed(desk, "part.stl")));
 }
 
 TEST_CASE("A job whose turn has come, and one that is forgotten, end a look through layers") {
@@ -241,14 +241,14 @@ TEST_CASE("A job whose turn has come, and one that is forgotten, end a look thro
                            models::box({0, 0, 0}, {90, 50, 100}));
   desk.put(Spool::Folder::Printing, "next.stl");
   SECTION("a turn") {
-    const JobScreened found = screened(desk, "part.stl", [&] {
+    const JobAnalysisOutcome found = analyzed(desk, "part.stl", [&] {
       desk.reader->read(desk.spool.files_of(Spool::Folder::Printing, "next.stl"), std::nullopt,
                         [](const auto&) {});
     });
     CHECK(std::holds_alternative<ReadingGivenUp>(found));
   }
   SECTION("a forgotten one") {
-    const JobScreened found = screened(desk, "part.stl", [&] { desk.reader->forget("part.stl"); });
+    const JobAnalysisOutcome found = analyzed(desk, "part.stl", [&] { desk.reader->forget("part.stl"); });
     CHECK(std::holds_alternative<ReadingGivenUp>(found));
   }
 }

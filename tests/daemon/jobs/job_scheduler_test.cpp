@@ -47,18 +47,18 @@ class Desk : public testing::PrinterFixture {
   [[nodiscard]] JobOutlook unheld(const std::string& file) const {
     const JobFiles files = spool.files_of(Spool::Folder::Incoming, file);
     JobOutlook outlook;
-    outlook.question = ScreenedJob{{.resin_ml = {}, .findings = {"unheld_places"}, .warnings = {}},
+    outlook.question = AnalyzedJob{{.resin_ml = {}, .findings = {"unheld_places"}, .warnings = {}},
                                    content_mark(files),
                                    read_settings(files, config)};
     return outlook;
   }
-  std::vector<std::function<void(const JobScreened&)>> screenings;  // under way, by when they were begun
+  std::vector<std::function<void(const JobAnalysisOutcome&)>> analyses;  // under way, by when they were begun
   // The last one ends: the job as it is now has these.
   void find(const std::string& file, const Names& findings) {
     const JobFiles files = spool.files_of(Spool::Folder::Incoming, file);
-    JobScreening screening;
-    screening.findings = findings;
-    screenings.back()(ScreenedJob{screening, content_mark(files), read_settings(files, config)});
+    PreprintAnalysis analysis;
+    analysis.findings = findings;
+    analyses.back()(AnalyzedJob{analysis, content_mark(files), read_settings(files, config)});
   }
   PrintQueue::Calls queue_calls() {
     PrintQueue::Calls calls{.check =
@@ -74,11 +74,11 @@ class Desk : public testing::PrinterFixture {
                             .removed = [](const std::string&, const std::string&) {},
                             .keep_order = [](const QueueOrder::Names&, const auto&) {}};
     calls.questions.changed = [] {};
-    calls.questions.asked = [](const JobScreening& screening) { return screening.findings; };
+    calls.questions.asked = [](const PreprintAnalysis& analysis) { return analysis.findings; };
     calls.questions.keep_accepted = [](const Acceptances::Lines&, const auto& done) { done(""); };
     if (!asking) return calls;
-    calls.questions.screen = [this](const std::string&, JobReader::Keep, const auto& done) {
-      screenings.push_back(done);
+    calls.questions.analyze = [this](const std::string&, JobReader::Keep, const auto& done) {
+      analyses.push_back(done);
     };
     return calls;
   }
@@ -313,7 +313,7 @@ TEST_CASE("A job at an idle printer that asks is looked through first, and begin
   desk.arrive("part.stl");
   CHECK(desk.begun().empty());
   CHECK(desk.scheduler.waiting_for() == "its layers are looked through first, as ask_before demands");
-  REQUIRE(desk.screenings.size() == 1);
+  REQUIRE(desk.analyses.size() == 1);
   desk.find("part.stl", {});
   CHECK(desk.begun() == Names{"part"});
   CHECK(desk.scheduler.waiting_for().empty());
@@ -327,7 +327,7 @@ TEST_CASE("Jobs behind one that asks go on in their order, and it is the next on
   CHECK(desk.begun().empty());
   desk.find("b.stl", {});
   CHECK(desk.begun() == Names{"b"});
-  CHECK(desk.run_until([&] { return desk.screenings.size() == 3; }));  // beside the print
+  CHECK(desk.run_until([&] { return desk.analyses.size() == 3; }));  // beside the print
   desk.find("c.stl", {});
   desk.queue.accept("a.stl", "user me");
   desk.end_job();
@@ -351,7 +351,7 @@ TEST_CASE("A job that is still looked through keeps those behind it waiting") {
   Desk desk(true);
   desk.arrive("a.stl");
   desk.arrive("b.stl");
-  REQUIRE(desk.screenings.size() == 1);
+  REQUIRE(desk.analyses.size() == 1);
   desk.scheduler.run();
   CHECK(desk.begun().empty());
 }
@@ -371,7 +371,7 @@ TEST_CASE("A job that is not as it was looked through is looked through again") 
   desk.has_job = false;
   desk.scheduler.run();
   CHECK(desk.begun().empty());
-  CHECK(desk.run_until([&] { return desk.screenings.size() == 2; }));
+  CHECK(desk.run_until([&] { return desk.analyses.size() == 2; }));
   desk.find("part.stl", {});
   CHECK(desk.begun() == Names{"part"});
 }

@@ -77,10 +77,10 @@ class Desk {
 // there by hand.
 class AskingDesk {
  public:
-  struct RunningScreening {
+  struct RunningAnalysis {
     std::string file;
     JobReader::Keep keep;
-    std::function<void(const JobScreened&)> done;
+    std::function<void(const JobAnalysisOutcome&)> done;
   };
 
   void arrive(const Names& files) {
@@ -90,25 +90,25 @@ class AskingDesk {
       queue.check_next();
     }
   }
-  // The screening under way ends.
+  // The analysis under way ends.
   void find(const Names& findings, const std::string& content = "a1") {
-    REQUIRE_FALSE(screenings.empty());
-    JobScreening screening;
-    screening.findings = findings;
+    REQUIRE_FALSE(analyses.empty());
+    PreprintAnalysis analysis;
+    analysis.findings = findings;
     for (const std::string& each : findings)
-      screening.warnings.push_back("it has " + each);
-    screenings.back().done(ScreenedJob{screening, content, {}});
+      analysis.warnings.push_back("it has " + each);
+    analyses.back().done(AnalyzedJob{analysis, content, {}});
   }
   // Each in its turn; in the queue's order.
   void look_through(const std::vector<Names>& findings) {
     for (const Names& each : findings) {
       queue.check_next();
-      find(each, std::to_string(screenings.size()));
+      find(each, std::to_string(analyses.size()));
     }
   }
 
   // Of a printer whose file names no finding, where a check finds this.
-  [[nodiscard]] PrintQueue::Calls calls_without_screening(const JobOutlook& outlook) {
+  [[nodiscard]] PrintQueue::Calls calls_without_analysis(const JobOutlook& outlook) {
     PrintQueue::Calls calls{
         .check = [outlook](const std::string&, JobReader::Keep, const auto& done) { done(outlook); },
         .forget = [](const std::string&) {},
@@ -117,7 +117,7 @@ class AskingDesk {
         .refused = [](const std::string&, const std::string&) {},
         .removed = [](const std::string&, const std::string&) {},
         .keep_order = [](const QueueOrder::Names&, const auto&) {}};
-    calls.questions.asked = [](const JobScreening& screening) { return screening.findings; };
+    calls.questions.asked = [](const PreprintAnalysis& analysis) { return analysis.findings; };
     calls.questions.keep_accepted = [](const Acceptances::Lines&, const auto& done) { done(""); };
     calls.questions.changed = [] {};
     return calls;
@@ -125,7 +125,7 @@ class AskingDesk {
 
   EventLoop loop;
   testing::LogText log{loop};
-  std::vector<RunningScreening> screenings;
+  std::vector<RunningAnalysis> analyses;
   std::vector<Acceptances::Lines> kept;
   Names refused;
   bool check_ends = true;
@@ -142,13 +142,13 @@ class AskingDesk {
                     .refused = [](const std::string&, const std::string&) {},
                     .removed = [](const std::string&, const std::string&) {},
                     .keep_order = [](const QueueOrder::Names&, const auto&) {},
-                    .questions = {.screen =
+                    .questions = {.analyze =
                                       [this](const std::string& file, JobReader::Keep keep, auto done) {
-                                        screenings.push_back({file, keep, std::move(done)});
+                                        analyses.push_back({file, keep, std::move(done)});
                                       },
                                   .asked =
-                                      [](const JobScreening& screening) {
-                                        Names asked = screening.findings;
+                                      [](const PreprintAnalysis& analysis) {
+                                        Names asked = analysis.findings;
                                         std::erase(asked, "empty_layers");
                                         return asked;
                                       },
@@ -602,7 +602,7 @@ TEST_CASE("Where nobody is to be asked, no job is looked through") {
   Desk desk;
   desk.arrive({"a.stl"});
   CHECK_FALSE(desk.queue.questions().wanted());
-  CHECK(desk.queue.first_unscreened().empty());
+  CHECK(desk.queue.first_unanalyzed().empty());
   CHECK(desk.queue.questions().knows(std::nullopt, {}, std::nullopt));
 }
 
@@ -611,27 +611,27 @@ TEST_CASE("Jobs are looked through one after the other, behind all checks, and t
   desk.check_ends = false;
   desk.arrive({"a.stl"});
   desk.queue.check_next();
-  CHECK(desk.screenings.empty());
+  CHECK(desk.analyses.empty());
   desk.check_ends = true;
   desk.arrive({"b.stl", "c.stl"});
-  CHECK(desk.screenings.empty());  // the first's check has not ended
+  CHECK(desk.analyses.empty());  // the first's check has not ended
   desk.queue.arrived("a.stl");
   desk.queue.check_next();
   for (int i = 0; i < 3; ++i)
     desk.queue.check_next();
-  REQUIRE(desk.screenings.size() == 1);
-  CHECK(desk.screenings[0].file == "a.stl");
-  CHECK(desk.screenings[0].keep == JobReader::Keep::Prepared);
-  CHECK(desk.queue.first_unscreened() == "its layers are looked through first, as ask_before demands");
+  REQUIRE(desk.analyses.size() == 1);
+  CHECK(desk.analyses[0].file == "a.stl");
+  CHECK(desk.analyses[0].keep == JobReader::Keep::Prepared);
+  CHECK(desk.queue.first_unanalyzed() == "its layers are looked through first, as ask_before demands");
   desk.find({});
-  CHECK(desk.queue.first_unscreened().empty());
+  CHECK(desk.queue.first_unanalyzed().empty());
   desk.queue.check_next();
-  REQUIRE(desk.screenings.size() == 2);
-  CHECK(desk.screenings[1].file == "b.stl");
-  CHECK(desk.screenings[1].keep == JobReader::Keep::Nothing);
+  REQUIRE(desk.analyses.size() == 2);
+  CHECK(desk.analyses[1].file == "b.stl");
+  CHECK(desk.analyses[1].keep == JobReader::Keep::Nothing);
 }
 
-TEST_CASE("A job that asks is passed over and keeps its place") {
+TEST_CASE("A job that asks is ignored and keeps its place") {
   AskingDesk desk;
   desk.arrive({"a.stl", "b.stl"});
   desk.look_through({{"islands", "empty_layers"}, {}});
@@ -678,9 +678,9 @@ TEST_CASE("A job that was checked and has places that cannot be held waits for i
   AskingDesk desk;
   JobOutlook outlook;
   outlook.question =
-      ScreenedJob{{.resin_ml = {}, .findings = {"unheld_places"}, .warnings = {"1 place"}}, "a1", {}};
+      AnalyzedJob{{.resin_ml = {}, .findings = {"unheld_places"}, .warnings = {"1 place"}}, "a1", {}};
   SECTION("where nothing else is asked about") {
-    PrintQueue queue(desk.log.log, desk.calls_without_screening(outlook));
+    PrintQueue queue(desk.log.log, desk.calls_without_analysis(outlook));
     queue.arrived("a.stl");
     queue.check_next();
     CHECK_FALSE(queue.has_first());
@@ -689,7 +689,7 @@ TEST_CASE("A job that was checked and has places that cannot be held waits for i
     CHECK(desk.log.has("warning: a.stl: 1 place"));
     queue.accept("a.stl", "user me");
     CHECK(queue.has_first());
-    CHECK(queue.questions().has_accepted(queue.jobs()[0].screened, "unheld_places"));
+    CHECK(queue.questions().has_accepted(queue.jobs()[0].analyzed, "unheld_places"));
   }
   SECTION("where its layers are looked through, by what that finds") {
     desk.arrive({"a.stl"});
@@ -704,7 +704,7 @@ TEST_CASE("What was accepted is forgotten when the job has ended, and not when i
   desk.arrive({"a.stl"});
   desk.find({"islands"}, "a1");
   desk.queue.accept("a.stl", "user me");
-  desk.queue.questions().begun(desk.queue.take_first().screened);
+  desk.queue.questions().begun(desk.queue.take_first().analyzed);
   CHECK(desk.kept.back() == Acceptances::Lines{"a1 islands"});
   desk.queue.questions().ended();
   CHECK(desk.kept.back().empty());
@@ -713,27 +713,27 @@ TEST_CASE("What was accepted is forgotten when the job has ended, and not when i
 TEST_CASE("A job that is written again while it asks, or is looked through, is looked through again") {
   AskingDesk desk;
   desk.arrive({"a.stl"});
-  const auto late = desk.screenings[0].done;
+  const auto late = desk.analyses[0].done;
   desk.queue.arrived("a.stl");
-  late(ScreenedJob{});
-  CHECK_FALSE(desk.queue.jobs()[0].screened);
+  late(AnalyzedJob{});
+  CHECK_FALSE(desk.queue.jobs()[0].analyzed);
   desk.queue.check_next();
   desk.queue.check_next();
-  REQUIRE(desk.screenings.size() == 2);
+  REQUIRE(desk.analyses.size() == 2);
   desk.find({"islands"});
   CHECK_FALSE(desk.queue.has_first());
   desk.queue.arrived("a.stl");
   CHECK(desk.queue.has_first());
-  CHECK_FALSE(desk.queue.first_unscreened().empty());
+  CHECK_FALSE(desk.queue.first_unanalyzed().empty());
 }
 
-TEST_CASE("A screening that was given up is made again, and one that finds a mistake refuses the job") {
+TEST_CASE("A analysis that was given up is made again, and one that finds a mistake refuses the job") {
   AskingDesk desk;
   desk.arrive({"a.stl"});
-  desk.screenings[0].done(ReadingGivenUp{});
+  desk.analyses[0].done(ReadingGivenUp{});
   desk.queue.check_next();
-  REQUIRE(desk.screenings.size() == 2);
-  desk.screenings[1].done(JobRefusal{"no model"});
+  REQUIRE(desk.analyses.size() == 2);
+  desk.analyses[1].done(JobRefusal{"no model"});
   CHECK(desk.refused == Names{"a.stl: no model\n"});
 }
 
@@ -741,27 +741,27 @@ TEST_CASE("Without room in memory, or with a broken profile, a job is looked thr
   AskingDesk desk;
   desk.arrive({"a.stl"});
   SECTION("no room") {
-    desk.screenings[0].done(JobRefusal{"100 MB", true});
+    desk.analyses[0].done(JobRefusal{"100 MB", true});
     CHECK(desk.queue.jobs()[0].check == Check::Postponed);
-    CHECK(desk.queue.first_unscreened() == "100 MB");
+    CHECK(desk.queue.first_unanalyzed() == "100 MB");
   }
   SECTION("a broken profile") {
-    desk.screenings[0].done(JobRefusal{"wrong", false, "the resin profile x cannot be used"});
-    CHECK(desk.queue.jobs()[0].screening == WaitingJob::Screening::Blocked);
-    CHECK(desk.queue.first_unscreened() ==
+    desk.analyses[0].done(JobRefusal{"wrong", false, "the resin profile x cannot be used"});
+    CHECK(desk.queue.jobs()[0].analysis == WaitingJob::Analysis::Blocked);
+    CHECK(desk.queue.first_unanalyzed() ==
           "the resin profile x cannot be used; the queue goes on when it is mended");
   }
   desk.queue.check_next();
-  CHECK(desk.screenings.size() == 1);
+  CHECK(desk.analyses.size() == 1);
   desk.queue.check_postponed();
   desk.queue.check_next();
   desk.queue.check_next();
-  REQUIRE(desk.screenings.size() == 2);
+  REQUIRE(desk.analyses.size() == 2);
   desk.find({});
-  CHECK(desk.queue.first_unscreened().empty());
+  CHECK(desk.queue.first_unanalyzed().empty());
 }
 
-TEST_CASE("A removed job that asks is filed, whatever its screening says later") {
+TEST_CASE("A removed job that asks is filed, whatever its analysis says later") {
   AskingDesk desk;
   desk.arrive({"a.stl"});
   desk.queue.remove("a.stl", "removed by me");

@@ -66,8 +66,8 @@ class NoSpoolObserver : public SpoolObserver {
   void model_arrived(const std::string&) override {}
   void model_withdrawn(const std::string&) override {}
   void plate_waits(const std::string&, const std::vector<std::string>&) override {}
-  void passed_over(const std::string&, WhyPassedOver) override {}
-  void more_passed_over(std::size_t) override {}
+  void ignored(const std::string&, WhyIgnored) override {}
+  void more_ignored(std::size_t) override {}
   void incoming_lost(const std::string&) override {}
   void incoming_replaced() override {}
 };

@@ -86,8 +86,7 @@ TEST_CASE("The control group that leaves least counts, however far up it is") {
   CHECK(kernel.room().bytes == 200'000'000 - kReserve);
 }
 
-TEST_CASE(
-    "Control groups of the first version are known, and one that cannot be seen from here is passed over") {
+TEST_CASE("Control groups of the first version are known, and one that cannot be seen from here is ignored") {
   Kernel kernel;
   kernel.write("proc/self/cgroup", "9:name=systemd:/x\n5:cpu,memory:/printers/one\n0::/\n");
   kernel.write("cgroup/memory/printers/memory.limit_in_bytes", "400000000\n");

@@ -24,11 +24,11 @@ Json idle() {
       {"queued", 0},
       {"incomplete", Json::object()},
       {"postponed", Json::object()},
-      {"passed_over", Json::object()},
+      {"ignored", Json::object()},
       {"deletable", Json::array()},
       {"plate", "clear"},
       {"plate_job", nullptr},
-      {"hindrance", nullptr},
+      {"not_ready_reason", nullptr},
       {"held", nullptr},
       {"waiting_for", nullptr},
       {"reminders", Json::array()},
@@ -71,13 +71,13 @@ WatchedPrinter printer(Json status) {
 WatchedPrinter hostile() {
   const std::string name = "\x1B[2J\n\u202E\u90E8\u54C1\xFF" + std::string(200, 'x');
   Json status = printing();
-  for (const char* const key : {"printer", "held", "hindrance", "waiting_for", "state"})
+  for (const char* const key : {"printer", "held", "not_ready_reason", "waiting_for", "state"})
     status[key] = name;
   status["job"]["name"] = status["job"]["interruption"] = status["job"]["pause"] = name;
   status["job"]["analysis"]["warnings"] = Json::array({name, name, name});
   status["job"]["layers_done"] = 1e9;
   status["job"]["time_left_s"] = 1e18;
-  status["passed_over"][name] = name;
+  status["ignored"][name] = name;
   status["incomplete"][name] = {name};
   status["deletable"] = {name};
   WatchedPrinter all = printer(status);

@@ -12,16 +12,16 @@
 
 namespace contourd {
 
-class IncomingLog final : public SpoolObserver {
+class IncomingRouter final : public SpoolObserver {
  public:
   // Both must outlive it; the queue need not be made before something is there.
-  IncomingLog(const Log& log, PrintQueue& queue) : log_(log), queue_(queue) {}
+  IncomingRouter(const Log& log, PrintQueue& queue) : log_(log), queue_(queue) {}
 
   void model_arrived(const std::string& file) override { queue_.arrived(file); }
   void model_withdrawn(const std::string& file) override { queue_.withdrawn(file); }
   void plate_waits(const std::string& file, const std::vector<std::string>& missing) override;
-  void passed_over(const std::string& file, WhyPassedOver why) override;
-  void more_passed_over(std::size_t files) override;
+  void ignored(const std::string& file, WhyIgnored why) override;
+  void more_ignored(std::size_t files) override;
   void incoming_lost(const std::string& why) override;
   void incoming_replaced() override;
 

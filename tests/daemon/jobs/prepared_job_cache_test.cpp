@@ -1,4 +1,4 @@
-#include "daemon/jobs/kept_job.hpp"
+#include "daemon/jobs/prepared_job_cache.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -273,7 +273,7 @@ TEST_CASE("A model behind a symbolic link is not kept, as a change of it would n
   fs::rename(model, elsewhere);
   fs::create_symlink(elsewhere, model);
   const JobFiles files = desk.incoming("plate");
-  KeptJob kept;
+  PreparedJobCache kept;
   kept.keep(files, mark_of(files), PreparedJob{});
   CHECK(kept.empty());
 }
@@ -283,7 +283,7 @@ TEST_CASE("A job whose files change while they are read is not kept") {
   desk.put(Spool::Folder::Incoming, "part.stl");
   const JobFiles files = desk.incoming("part.stl");
   const std::string mark = mark_of(files);
-  KeptJob kept;
+  PreparedJobCache kept;
   kept.keep(files, mark, PreparedJob{});
   CHECK_FALSE(kept.empty());
   desk.rewrite("part.stl", 0.6F);
@@ -295,7 +295,7 @@ TEST_CASE("A job without settings, as its ticket is a reason to refuse it, is pr
   Desk desk;
   desk.put(Spool::Folder::Incoming, "part.stl");
   const JobFiles files = desk.incoming("part.stl");
-  KeptJob kept;
+  PreparedJobCache kept;
   kept.keep(files, mark_of(files), PreparedJob{});
   CHECK_FALSE(kept.take(files, std::nullopt));
   CHECK(kept.empty());

@@ -1,4 +1,4 @@
-#include "daemon/jobs/kept_job.hpp"
+#include "daemon/jobs/prepared_job_cache.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -24,13 +24,14 @@ bool has_links(const JobFiles& files) {
 
 }  // namespace
 
-void KeptJob::keep(const JobFiles& files, const std::string& mark, PreparedJob job) {
+void PreparedJobCache::keep(const JobFiles& files, const std::string& mark, PreparedJob job) {
   kept_.reset();
   if (mark.empty() || mark != mark_of(files) || has_links(files)) return;
   kept_ = Kept{files.model, mark, std::move(job)};
 }
 
-std::optional<PreparedJob> KeptJob::take(const JobFiles& files, const std::optional<JobSettings>& settings) {
+std::optional<PreparedJob> PreparedJobCache::take(const JobFiles& files,
+                                                  const std::optional<JobSettings>& settings) {
   auto kept = std::exchange(kept_, std::nullopt);
   if (!kept || !settings || kept->job.settings != *settings || kept->mark != mark_of(files))
     return std::nullopt;
@@ -41,7 +42,7 @@ std::optional<PreparedJob> KeptJob::take(const JobFiles& files, const std::optio
   return job;
 }
 
-void KeptJob::forget(const JobFiles& files) {
+void PreparedJobCache::forget(const JobFiles& files) {
   if (kept_ && kept_->model == files.model) kept_.reset();
 }
 

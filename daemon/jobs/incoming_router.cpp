@@ -1,4 +1,4 @@
-#include "daemon/jobs/incoming_log.hpp"
+#include "daemon/jobs/incoming_router.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 
 namespace contourd {
 
-void IncomingLog::plate_waits(const std::string& file, const std::vector<std::string>& missing) {
+void IncomingRouter::plate_waits(const std::string& file, const std::vector<std::string>& missing) {
   std::string names;
   for (const std::string& name : missing)
     names += (names.empty() ? "" : ", ") + printable(name);
@@ -16,21 +16,21 @@ void IncomingLog::plate_waits(const std::string& file, const std::vector<std::st
             file_fields(file));
 }
 
-void IncomingLog::passed_over(const std::string& file, WhyPassedOver why) {
-  log_.warning("passed-over", fmt::format("{}: is passed over: {}", printable(file), sentence_for(why)),
+void IncomingRouter::ignored(const std::string& file, WhyIgnored why) {
+  log_.warning("passed-over", fmt::format("{}: is ignored: {}", printable(file), sentence_for(why)),
                file_fields(file));
 }
 
-void IncomingLog::more_passed_over(std::size_t files) {
-  log_.warning("passed-over", fmt::format("{} more in incoming are passed over", files));
+void IncomingRouter::more_ignored(std::size_t files) {
+  log_.warning("passed-over", fmt::format("{} more in incoming are ignored", files));
 }
 
-void IncomingLog::incoming_lost(const std::string& why) {
+void IncomingRouter::incoming_lost(const std::string& why) {
   log_.error("spool",
              fmt::format("nothing arrives until there is an incoming folder again: {}", printable(why)));
 }
 
-void IncomingLog::incoming_replaced() {
+void IncomingRouter::incoming_replaced() {
   log_.warning("spool", "incoming was removed, replaced or mounted over; the new folder is watched");
 }
 

@@ -1,4 +1,4 @@
-#include "daemon/jobs/incoming_log.hpp"
+#include "daemon/jobs/incoming_router.hpp"
 
 #include <string>
 
@@ -21,7 +21,7 @@ class Desk {
                     .refused = [](const std::string&, const std::string&) {},
                     .removed = [](const std::string&, const std::string&) {},
                     .keep_order = [](const QueueOrder::Names&, const auto&) {}}};
-  IncomingLog log{text.log, queue};
+  IncomingRouter log{text.log, queue};
 };
 
 }  // namespace
@@ -38,11 +38,10 @@ TEST_CASE("What will not be printed as it is is told, and names do nothing to a 
   Desk desk;
   desk.log.plate_waits("plate\x1b[2J", {"a.stl", "b\x1b.stl"});
   CHECK(desk.text.has("info: plate?[2J: waits for a.stl, b?.stl, which its plate.json names"));
-  desk.log.passed_over("old\x1b.zip", WhyPassedOver::Archive);
-  CHECK(desk.text.has("warning: old?.zip: is passed over: " +
-                      std::string(sentence_for(WhyPassedOver::Archive))));
-  desk.log.more_passed_over(7);
-  CHECK(desk.text.has("warning: 7 more in incoming are passed over"));
+  desk.log.ignored("old\x1b.zip", WhyIgnored::Archive);
+  CHECK(desk.text.has("warning: old?.zip: is ignored: " + std::string(sentence_for(WhyIgnored::Archive))));
+  desk.log.more_ignored(7);
+  CHECK(desk.text.has("warning: 7 more in incoming are ignored"));
   CHECK(desk.queue.empty());
 }
 

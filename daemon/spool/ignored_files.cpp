@@ -1,4 +1,4 @@
-#include "daemon/spool/passed_over.hpp"
+#include "daemon/spool/ignored_files.hpp"
 
 #include <sys/stat.h>
 
@@ -38,41 +38,41 @@ std::string lower_extension(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::optional<WhyPassedOver> why_passed_over(const std::filesystem::path& path) {
+std::optional<WhyIgnored> why_ignored(const std::filesystem::path& path) {
   const std::string name = path.filename().string(), extension = lower_extension(path);
   if (name.empty() || name.starts_with('.') || name.ends_with('~')) return std::nullopt;
   if (is_one_of(extension, kUnfinished)) return std::nullopt;
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0) return std::nullopt;
-  if (!S_ISREG(status.st_mode)) return WhyPassedOver::NotAFile;
+  if (!S_ISREG(status.st_mode)) return WhyIgnored::NotAFile;
   if (extension == ".json") return std::nullopt;
-  if (is_one_of(extension, kModels)) return WhyPassedOver::Model;
-  if (is_one_of(extension, kSliced)) return WhyPassedOver::Sliced;
-  return is_one_of(extension, kArchives) ? WhyPassedOver::Archive : WhyPassedOver::Other;
+  if (is_one_of(extension, kModels)) return WhyIgnored::Model;
+  if (is_one_of(extension, kSliced)) return WhyIgnored::Sliced;
+  return is_one_of(extension, kArchives) ? WhyIgnored::Archive : WhyIgnored::Other;
 }
 
-std::string_view sentence_for(WhyPassedOver why) {
+std::string_view sentence_for(WhyIgnored why) {
   switch (why) {
-    case WhyPassedOver::Folder:
+    case WhyIgnored::Folder:
       return "a folder without plate.json is no plate: it wants one, or its STL files directly in incoming";
-    case WhyPassedOver::Model:
+    case WhyIgnored::Model:
       return "only STL files are printed: export the model as STL";
-    case WhyPassedOver::Sliced:
+    case WhyIgnored::Sliced:
       return "it is sliced for another printer: contourd wants the model itself, as an STL file";
-    case WhyPassedOver::Archive:
+    case WhyIgnored::Archive:
       return "archives are not unpacked: contourd wants the STL files in it";
-    case WhyPassedOver::NotAFile:
+    case WhyIgnored::NotAFile:
       return "it is a link, a pipe or a device: contourd wants the file itself";
-    case WhyPassedOver::Other:
+    case WhyIgnored::Other:
       break;
   }
   return "it is no STL file by its name: contourd wants NAME.stl, its ticket NAME.json, or a plate's folder";
 }
 
-PassedOver::PassedOver(EventLoop& loop, Telling tell, Duration settled)
+IgnoredFiles::IgnoredFiles(EventLoop& loop, Telling tell, Duration settled)
     : loop_(loop), tell_(std::move(tell)), settled_after_(settled) {}
 
-void PassedOver::saw(const std::string& file, WhyPassedOver why) {
+void IgnoredFiles::saw(const std::string& file, WhyIgnored why) {
   if (const auto known = settled_.find(file); known != settled_.end() && known->second == why) return;
   forget(file);
   const TimePoint now = std::chrono::steady_clock::now();
@@ -81,35 +81,35 @@ void PassedOver::saw(const std::string& file, WhyPassedOver why) {
   if (!timer_) wait();
 }
 
-void PassedOver::forget(const std::string& file) {
+void IgnoredFiles::forget(const std::string& file) {
   settled_.erase(file);
   forget_unsettled(file);
 }
 
-void PassedOver::forget_unsettled(const std::string& file) {
+void IgnoredFiles::forget_unsettled(const std::string& file) {
   const auto found = unsettled_.find(file);
   if (found == unsettled_.end()) return;
   by_change_.erase({found->second.changed, file});
   unsettled_.erase(found);
 }
 
-void PassedOver::forget_all_but(const std::set<std::string>& files) {
+void IgnoredFiles::forget_all_but(const std::set<std::string>& files) {
   std::erase_if(settled_, [&files](const auto& each) { return !files.contains(each.first); });
   std::erase_if(unsettled_, [&files](const auto& each) { return !files.contains(each.first); });
   std::erase_if(by_change_, [&files](const auto& each) { return !files.contains(each.second); });
 }
 
-void PassedOver::wait() {
+void IgnoredFiles::wait() {
   timer_ =
       loop_.at(by_change_.begin()->first + settled_after_, "the spool's timer", [this] { settle_some(); });
 }
 
-void PassedOver::settle_some() {
+void IgnoredFiles::settle_some() {
   timer_.reset();
   const TimePoint settled = std::chrono::steady_clock::now() - settled_after_;
   for (std::size_t i = 0; i < kMaxATurn && !by_change_.empty() && by_change_.begin()->first <= settled; ++i) {
     const std::string file = by_change_.begin()->second;
-    const WhyPassedOver why = unsettled_.at(file).why;
+    const WhyIgnored why = unsettled_.at(file).why;
     forget_unsettled(file);
     settle(file, why);
   }
@@ -118,7 +118,7 @@ void PassedOver::settle_some() {
   told_ = untold_ = 0;
 }
 
-void PassedOver::settle(const std::string& file, WhyPassedOver why) {
+void IgnoredFiles::settle(const std::string& file, WhyIgnored why) {
   settled_.emplace(file, why);
   if (told_ == kMaxTold) {
     ++untold_;

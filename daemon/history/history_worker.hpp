@@ -22,13 +22,13 @@
 
 namespace contourd {
 
-class KeptHistory {
+class HistoryWorker {
  public:
   // How often what a print has used is noted; a power cut forgets no more.
   static constexpr Duration kNoteInterval = std::chrono::seconds(30);
 
   // Opens the file on its thread. Loop and log must outlive it.
-  KeptHistory(EventLoop& loop, const Log& log, const std::filesystem::path& file);
+  HistoryWorker(EventLoop& loop, const Log& log, const std::filesystem::path& file);
 
   // At the start: see HistoryDatabase::adopt().
   void adopt(std::vector<EndedJob> left, std::optional<EndedJob> last_end);

@@ -1,4 +1,4 @@
-#include "daemon/history/kept_history.hpp"
+#include "daemon/history/history_worker.hpp"
 
 #include <algorithm>
 #include <random>
@@ -21,13 +21,13 @@ std::int64_t new_key() {
   return static_cast<std::int64_t>(std::uint64_t{chance()} << 32 | chance());
 }
 
-KeptHistory::AllUsage usage_of(HistoryDatabase& database) {
+HistoryWorker::AllUsage usage_of(HistoryDatabase& database) {
   return {database.usage(), database.usage_by_resin(), database.wear()};
 }
 
 }  // namespace
 
-KeptHistory::KeptHistory(EventLoop& loop, const Log& log, const std::filesystem::path& file)
+HistoryWorker::HistoryWorker(EventLoop& loop, const Log& log, const std::filesystem::path& file)
     : loop_(loop),
       log_(log),
       store_(std::make_shared<HistoryStore>(file)),
@@ -35,25 +35,25 @@ KeptHistory::KeptHistory(EventLoop& loop, const Log& log, const std::filesystem:
 
 // --- what happens
 
-void KeptHistory::adopt(std::vector<EndedJob> left, std::optional<EndedJob> last_end) {
+void HistoryWorker::adopt(std::vector<EndedJob> left, std::optional<EndedJob> last_end) {
   change([left = std::move(left), last_end = std::move(last_end)](HistoryDatabase& database) {
     database.adopt(left, last_end);
   });
 }
 
-std::int64_t KeptHistory::begin(const std::string& name) {
+std::int64_t HistoryWorker::begin(const std::string& name) {
   under_way_ = UnderWay{new_key(), name, std::chrono::system_clock::now(), std::nullopt};
   change([job = *under_way_](HistoryDatabase& database) { database.begin(job.key, job.name, job.began); });
   return under_way_->key;
 }
 
-void KeptHistory::note(const std::function<JobFigures()>& figures) {
+void HistoryWorker::note(const std::function<JobFigures()>& figures) {
   const TimePoint now = std::chrono::steady_clock::now();
   if (!under_way_ || (under_way_->noted && now - *under_way_->noted < kNoteInterval)) return;
   note_now(figures());
 }
 
-void KeptHistory::note_now(const JobFigures& figures) {
+void HistoryWorker::note_now(const JobFigures& figures) {
   if (!under_way_) return;
   under_way_->noted = std::chrono::steady_clock::now();
   worker_.run(
@@ -64,29 +64,29 @@ void KeptHistory::note_now(const JobFigures& figures) {
       [this](const Health& health) { tell(health); });
 }
 
-void KeptHistory::forget() {
+void HistoryWorker::forget() {
   if (!under_way_) return;
   change([key = under_way_->key](HistoryDatabase& database) { database.forget(key); });
   under_way_.reset();
 }
 
-std::shared_future<void> KeptHistory::end(EndedJob& job) {
+std::shared_future<void> HistoryWorker::end(EndedJob& job) {
   if (!under_way_) return change_for(new_key(), job);
   job.began = under_way_->began;
   return change_for(std::exchange(under_way_, std::nullopt)->key, job);
 }
 
-void KeptHistory::refuse(EndedJob& job) {
+void HistoryWorker::refuse(EndedJob& job) {
   (void)change_for(new_key(), job);
 }
 
-std::shared_future<void> KeptHistory::change_for(std::int64_t key, EndedJob& job) {
+std::shared_future<void> HistoryWorker::change_for(std::int64_t key, EndedJob& job) {
   job.ended = std::chrono::system_clock::now();
   if (job.began == std::chrono::system_clock::time_point{}) job.began = job.ended;
   return change([key, job](HistoryDatabase& database) { database.end(key, job); });
 }
 
-std::shared_future<void> KeptHistory::change(HistoryStore::Call call) {
+std::shared_future<void> HistoryWorker::change(HistoryStore::Call call) {
   const auto made = std::make_shared<std::promise<void>>();
   worker_.run(
       [store = store_, call = std::move(call), made] {
@@ -98,11 +98,11 @@ std::shared_future<void> KeptHistory::change(HistoryStore::Call call) {
   return made->get_future().share();
 }
 
-KeptHistory::Health KeptHistory::health_of(HistoryStore& store) {
+HistoryWorker::Health HistoryWorker::health_of(HistoryStore& store) {
   return {store.trouble(), store.take_notes(), store.waits()};
 }
 
-void KeptHistory::tell(const Health& health) {
+void HistoryWorker::tell(const Health& health) {
   for (const std::string& note : health.notes)
     log_.error("history", printable(note));
   if (const bool well = health.trouble.empty(); std::exchange(told_well_, well) != well) {
@@ -126,7 +126,7 @@ void KeptHistory::tell(const Health& health) {
 // --- what is asked
 
 template <typename Answer, typename Question>
-void KeptHistory::ask(const ControlCaller& asker, Question question, Done<Answer> done) {
+void HistoryWorker::ask(const ControlCaller& asker, Question question, Done<Answer> done) {
   struct Told {
     std::optional<Answer> answer;
     std::string trouble;
@@ -156,7 +156,7 @@ void KeptHistory::ask(const ControlCaller& asker, Question question, Done<Answer
   ask_next();
 }
 
-void KeptHistory::ask_next() {
+void HistoryWorker::ask_next() {
   if (asking_ || questions_.empty()) return;
   asking_ = true;
   const auto next = next_question();
@@ -167,7 +167,7 @@ void KeptHistory::ask_next() {
 }
 
 // What nobody waits for takes no time. Else users take turns.
-std::deque<KeptHistory::Waiting>::iterator KeptHistory::next_question() {
+std::deque<HistoryWorker::Waiting>::iterator HistoryWorker::next_question() {
   auto found = std::ranges::find(questions_, true, &Waiting::gone);
   if (found == questions_.end())
     found = std::ranges::find_if(
@@ -175,26 +175,26 @@ std::deque<KeptHistory::Waiting>::iterator KeptHistory::next_question() {
   return found == questions_.end() ? questions_.begin() : found;
 }
 
-void KeptHistory::disconnected(std::uint64_t connection) {
+void HistoryWorker::disconnected(std::uint64_t connection) {
   for (Waiting& question : questions_)
     question.gone = question.gone || question.asker.connection == connection;
 }
 
-void KeptHistory::list(const HistoryQuery& query, const ControlCaller& asker, Done<HistoryPage> done) {
+void HistoryWorker::list(const HistoryQuery& query, const ControlCaller& asker, Done<HistoryPage> done) {
   ask<HistoryPage>(
       asker, [query](HistoryDatabase& database) { return database.list(query); }, std::move(done));
 }
 
-void KeptHistory::usage(const ControlCaller& asker, Done<AllUsage> done) {
+void HistoryWorker::usage(const ControlCaller& asker, Done<AllUsage> done) {
   ask<AllUsage>(asker, usage_of, std::move(done));
 }
 
-void KeptHistory::wear(Done<std::vector<WearPartUse>> done) {
+void HistoryWorker::wear(Done<std::vector<WearPartUse>> done) {
   ask<std::vector<WearPartUse>>(
       {}, [](HistoryDatabase& database) { return database.wear(); }, std::move(done));
 }
 
-void KeptHistory::replace(WearPart part, const ControlCaller& asker, Done<AllUsage> done) {
+void HistoryWorker::replace(WearPart part, const ControlCaller& asker, Done<AllUsage> done) {
   ask<AllUsage>(
       asker,
       [part, when = std::chrono::system_clock::now()](HistoryDatabase& database) {

@@ -14,7 +14,7 @@
 
 namespace contourd {
 
-struct JobScreening {
+struct PreprintAnalysis {
   std::optional<double> resin_ml{};   // nothing where the layers were not looked through
   std::vector<std::string> findings;  // their names, as ask_before has them
   std::vector<std::string> warnings;  // about the models, then about the layers; a sentence each
@@ -27,25 +27,26 @@ inline constexpr std::string_view kNotAnalyzed = "not_analyzed";
 inline constexpr std::string_view kUnheldPlaces = "unheld_places";
 
 // A job of whose findings its owner may be asked, as it was then.
-struct ScreenedJob {
-  JobScreening screening;
+struct AnalyzedJob {
+  PreprintAnalysis analysis;
   std::string content;  // as content_mark() has it
   JobSettings settings;
 };
 
 // What its preparation alone has found of which its owner is asked; nothing when there is none.
-[[nodiscard]] std::optional<JobScreening> screening_of_preparation(const JobSummary& job);
+[[nodiscard]] std::optional<PreprintAnalysis> analysis_of_preparation(const JobSummary& job);
 
-[[nodiscard]] JobScreening screening_of(const JobSummary& job, const PrintFindings& findings,
-                                        const PrinterConfig& printer);
+[[nodiscard]] PreprintAnalysis preprint_analysis_of(const JobSummary& job, const PrintFindings& findings,
+                                                    const PrinterConfig& printer);
 
 // Computes the mask of every layer, by the job's analysis engine. What goes wrong there is a finding. Nothing
 // when `stop` was asked for meanwhile. Blocks.
-[[nodiscard]] std::optional<JobScreening> screen_job(const PreparedJob& job, const PrinterConfig& printer,
-                                                     const std::stop_token& stop);
+[[nodiscard]] std::optional<PreprintAnalysis> analyze_before_print(const PreparedJob& job,
+                                                                   const PrinterConfig& printer,
+                                                                   const std::stop_token& stop);
 
 // Those of a job's findings that the printer's owner wants to be asked about.
-[[nodiscard]] std::vector<std::string> asked_findings(const JobScreening& screening,
+[[nodiscard]] std::vector<std::string> asked_findings(const PreprintAnalysis& analysis,
                                                       const PrinterConfig& printer);
 
 // For people: "islands, tiny first layer".

@@ -12,7 +12,7 @@
 
 namespace contourd {
 
-class KeptJob {
+class PreparedJobCache {
  public:
   // Replaces what was kept. `mark` is what mark_of() said of the files before they were read. Nothing is kept
   // when they have changed since, or when a later change would not show: a file behind a symbolic link.

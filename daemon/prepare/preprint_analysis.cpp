@@ -1,4 +1,4 @@
-#include "daemon/prepare/job_screening.hpp"
+#include "daemon/prepare/preprint_analysis.hpp"
 
 #include <fmt/format.h>
 
@@ -44,18 +44,19 @@ double first_layer_percent(const PrintFindings& findings) {
 
 }  // namespace
 
-std::optional<JobScreening> screening_of_preparation(const JobSummary& job) {
+std::optional<PreprintAnalysis> analysis_of_preparation(const JobSummary& job) {
   if (!has_unheld_places(job)) return std::nullopt;
-  JobScreening screening{.resin_ml = {}, .findings = {std::string(kUnheldPlaces)}, .warnings = job.warnings};
-  bound(screening.warnings);
-  return screening;
+  PreprintAnalysis analysis{
+      .resin_ml = {}, .findings = {std::string(kUnheldPlaces)}, .warnings = job.warnings};
+  bound(analysis.warnings);
+  return analysis;
 }
 
-JobScreening screening_of(const JobSummary& job, const PrintFindings& findings,
-                          const PrinterConfig& printer) {
-  JobScreening screening{.resin_ml = findings.resin_ml(), .findings = {}, .warnings = job.warnings};
-  const auto note = [&screening](bool found, std::string_view name) {
-    if (found) screening.findings.emplace_back(name);
+PreprintAnalysis preprint_analysis_of(const JobSummary& job, const PrintFindings& findings,
+                                      const PrinterConfig& printer) {
+  PreprintAnalysis analysis{.resin_ml = findings.resin_ml(), .findings = {}, .warnings = job.warnings};
+  const auto note = [&analysis](bool found, std::string_view name) {
+    if (found) analysis.findings.emplace_back(name);
   };
   const double percent = first_layer_percent(findings);
   const bool tiny = percent < printer.tiny_first_layer_percent;
@@ -71,18 +72,18 @@ JobScreening screening_of(const JobSummary& job, const PrintFindings& findings,
   note(!findings.empty_layers.empty(), "empty_layers");
   note(!findings.abandoned_layers.empty(), "abandoned_layers");
   if (tiny)
-    screening.warnings.push_back(fmt::format(
+    analysis.warnings.push_back(fmt::format(
         "layer 1 is tiny: it covers {:.2f} mm2, {:.1f} % of layer {}, the largest: the part may come off "
         "the plate",
         findings.area_mm2.front(), percent, findings.largest_area_layer + 1));
   for (std::string& warning : warnings_about(findings))
-    screening.warnings.push_back(std::move(warning));
-  bound(screening.warnings);
-  return screening;
+    analysis.warnings.push_back(std::move(warning));
+  bound(analysis.warnings);
+  return analysis;
 }
 
-std::optional<JobScreening> screen_job(const PreparedJob& job, const PrinterConfig& printer,
-                                       const std::stop_token& stop) {
+std::optional<PreprintAnalysis> analyze_before_print(const PreparedJob& job, const PrinterConfig& printer,
+                                                     const std::stop_token& stop) {
   try {
     const std::vector<Duration> durations = layer_durations(job.plan, printer);
     const auto findings = analyze_print(
@@ -90,20 +91,20 @@ std::optional<JobScreening> screen_job(const PreparedJob& job, const PrinterConf
         [&durations](std::int32_t layer) { return durations[static_cast<std::size_t>(layer)]; }, stop,
         job.analysis);
     if (!findings) return std::nullopt;
-    return screening_of(job.summary, *findings, printer);
+    return preprint_analysis_of(job.summary, *findings, printer);
   } catch (const std::exception& error) {
-    JobScreening screening{.resin_ml = {}, .findings = {std::string(kNotAnalyzed)}, .warnings = {}};
-    if (has_unheld_places(job.summary)) screening.findings.emplace_back(kUnheldPlaces);
-    screening.warnings = job.summary.warnings;
-    screening.warnings.push_back(
+    PreprintAnalysis analysis{.resin_ml = {}, .findings = {std::string(kNotAnalyzed)}, .warnings = {}};
+    if (has_unheld_places(job.summary)) analysis.findings.emplace_back(kUnheldPlaces);
+    analysis.warnings = job.summary.warnings;
+    analysis.warnings.push_back(
         fmt::format("the layers could not be looked through: {}", printable(error.what())));
-    bound(screening.warnings);
-    return screening;
+    bound(analysis.warnings);
+    return analysis;
   }
 }
 
-std::vector<std::string> asked_findings(const JobScreening& screening, const PrinterConfig& printer) {
-  std::vector<std::string> asked = screening.findings;
+std::vector<std::string> asked_findings(const PreprintAnalysis& analysis, const PrinterConfig& printer) {
+  std::vector<std::string> asked = analysis.findings;
   std::erase_if(asked, [&](const std::string& name) {
     if (name == kNotAnalyzed || name == kUnheldPlaces) return false;
     return std::ranges::find(printer.ask_before, name) == printer.ask_before.end();

@@ -1,4 +1,4 @@
-#include "daemon/prepare/job_screening.hpp"
+#include "daemon/prepare/preprint_analysis.hpp"
 
 #include <algorithm>
 #include <string>
@@ -26,40 +26,40 @@ struct Job {
     findings.volume_mm3 = 1000;
     summary.models.emplace_back().mesh.watertight = true;
   }
-  [[nodiscard]] JobScreening screening() const {
-    return screening_of(summary, findings, printer_that_asks({}));
+  [[nodiscard]] PreprintAnalysis analysis() const {
+    return preprint_analysis_of(summary, findings, printer_that_asks({}));
   }
   PrintFindings findings;
   JobSummary summary;
 };
 
-bool warns(const JobScreening& screening, const std::string& of) {
+bool warns(const PreprintAnalysis& analysis, const std::string& of) {
   return std::ranges::any_of(
-      screening.warnings, [&](const std::string& warning) { return warning.find(of) != std::string::npos; });
+      analysis.warnings, [&](const std::string& warning) { return warning.find(of) != std::string::npos; });
 }
 
 }  // namespace
 
 TEST_CASE("A sound job has no finding") {
-  const JobScreening screening = Job().screening();
-  CHECK(screening.findings.empty());
-  CHECK(screening.warnings.empty());
-  CHECK(screening.resin_ml == Approx(1));
+  const PreprintAnalysis analysis = Job().analysis();
+  CHECK(analysis.findings.empty());
+  CHECK(analysis.warnings.empty());
+  CHECK(analysis.resin_ml == Approx(1));
 }
 
 TEST_CASE("Places that cannot be held are asked about whatever the printer's file names") {
   Job job;
   job.summary.supports.emplace().unheld = {{{{1, 2, 3}, {0, 0, -1}, ContactCause::Island, 0.5}, "no way"}};
-  const JobScreening screening = job.screening();
-  CHECK(screening.findings == Names{"unheld_places"});
-  CHECK(asked_findings(screening, printer_that_asks({})) == Names{"unheld_places"});
-  const auto without_masks = screening_of_preparation(job.summary);
+  const PreprintAnalysis analysis = job.analysis();
+  CHECK(analysis.findings == Names{"unheld_places"});
+  CHECK(asked_findings(analysis, printer_that_asks({})) == Names{"unheld_places"});
+  const auto without_masks = analysis_of_preparation(job.summary);
   REQUIRE(without_masks);
   CHECK(without_masks->findings == Names{"unheld_places"});
   CHECK_FALSE(without_masks->resin_ml);
   job.summary.supports->unheld.clear();
-  CHECK(job.screening().findings.empty());
-  CHECK_FALSE(screening_of_preparation(job.summary));
+  CHECK(job.analysis().findings.empty());
+  CHECK_FALSE(analysis_of_preparation(job.summary));
 }
 
 TEST_CASE("Each finding has its name, and its sentence is among the warnings") {
@@ -67,76 +67,76 @@ TEST_CASE("Each finding has its name, and its sentence is among the warnings") {
   SECTION("islands") {
     job.findings.island_count = 1;
     job.findings.islands = {{1, {1, 2}, {0, 0}, 2}};
-    CHECK(job.screening().findings == Names{"islands"});
-    CHECK(warns(job.screening(), "island"));
+    CHECK(job.analysis().findings == Names{"islands"});
+    CHECK(warns(job.analysis(), "island"));
   }
   SECTION("suction cups") {
     job.findings.suction_cup_count = 1;
     job.findings.suction_cups = {{0, 9, 4, {1, 2}, {0, 0}, 81, 800, false}};
-    CHECK(job.screening().findings == Names{"suction_cups"});
-    CHECK(warns(job.screening(), "suction cup"));
+    CHECK(job.analysis().findings == Names{"suction_cups"});
+    CHECK(warns(job.analysis(), "suction cup"));
   }
   SECTION("resin traps") {
     job.findings.resin_trap_count = 1;
     job.findings.resin_traps = {{0, 9, 4, {1, 2}, {0, 0}, 81, 800, false}};
-    CHECK(job.screening().findings == Names{"resin_traps"});
-    CHECK(warns(job.screening(), "closed hollow"));
+    CHECK(job.analysis().findings == Names{"resin_traps"});
+    CHECK(warns(job.analysis(), "closed hollow"));
   }
   SECTION("a first layer that is tiny") {
     job.findings.area_mm2[0] = 0.49;
-    CHECK(job.screening().findings == Names{"tiny_first_layer"});
-    CHECK(warns(job.screening(), "layer 1 is tiny: it covers 0.49 mm2, 4.9 % of layer 1"));
+    CHECK(job.analysis().findings == Names{"tiny_first_layer"});
+    CHECK(warns(job.analysis(), "layer 1 is tiny: it covers 0.49 mm2, 4.9 % of layer 1"));
     job.findings.area_mm2[0] = 0.5;
-    CHECK(job.screening().findings.empty());
+    CHECK(job.analysis().findings.empty());
   }
   SECTION("contours that do not close") {
     job.findings.cracks.open_chains = 1;
-    CHECK(job.screening().findings == Names{"cracks"});
+    CHECK(job.analysis().findings == Names{"cracks"});
   }
   SECTION("contours that were turned") {
     job.findings.cracks.turned_chains = 1;
-    CHECK(job.screening().findings == Names{"cracks"});
+    CHECK(job.analysis().findings == Names{"cracks"});
   }
   SECTION("facets that were turned") {
     job.summary.models[0].repairs.turned = 1;
-    CHECK(job.screening().findings == Names{"cracks"});
+    CHECK(job.analysis().findings == Names{"cracks"});
   }
   SECTION("a mesh with open edges") {
     job.summary.models[0].mesh.watertight = false;
-    CHECK(job.screening().findings == Names{"not_watertight"});
+    CHECK(job.analysis().findings == Names{"not_watertight"});
   }
   SECTION("layers without light") {
     job.findings.empty_layers = {0};
-    CHECK(job.screening().findings == Names{"empty_layers"});
+    CHECK(job.analysis().findings == Names{"empty_layers"});
   }
   SECTION("masks that take too long") {
     job.findings.abandoned_layers = {1};
-    CHECK(job.screening().findings == Names{"abandoned_layers"});
+    CHECK(job.analysis().findings == Names{"abandoned_layers"});
   }
 }
 
 TEST_CASE("What is there twice in a mesh is no crack") {
   Job job;
   job.summary.models[0].repairs.doubled = 3;
-  CHECK(job.screening().findings.empty());
+  CHECK(job.analysis().findings.empty());
 }
 
 TEST_CASE("An owner is asked about what the printer's file names, and about what nobody knows") {
-  JobScreening screening;
-  screening.findings = {"islands", "cracks"};
-  CHECK(asked_findings(screening, printer_that_asks({})).empty());
-  CHECK(asked_findings(screening, printer_that_asks({"cracks", "empty_layers"})) == Names{"cracks"});
-  screening.findings = {std::string(kNotAnalyzed)};
-  CHECK(asked_findings(screening, printer_that_asks({"cracks"})) == screening.findings);
+  PreprintAnalysis analysis;
+  analysis.findings = {"islands", "cracks"};
+  CHECK(asked_findings(analysis, printer_that_asks({})).empty());
+  CHECK(asked_findings(analysis, printer_that_asks({"cracks", "empty_layers"})) == Names{"cracks"});
+  analysis.findings = {std::string(kNotAnalyzed)};
+  CHECK(asked_findings(analysis, printer_that_asks({"cracks"})) == analysis.findings);
 }
 
 TEST_CASE("Of very many warnings the first are told, and each in bounds") {
   Job job;
   job.summary.warnings.assign(1000, std::string(10'000, 'x'));
-  const JobScreening screening = job.screening();
-  REQUIRE(screening.warnings.size() == 20);
-  CHECK(screening.warnings.back() == "and 981 more warnings");
-  CHECK(screening.warnings.front().size() < 600);
+  const PreprintAnalysis analysis = job.analysis();
+  REQUIRE(analysis.warnings.size() == 20);
+  CHECK(analysis.warnings.back() == "and 981 more warnings");
+  CHECK(analysis.warnings.front().size() < 600);
 }
 
 TEST_CASE("Findings are told as people say them") {
