@@ -14,14 +14,14 @@
 namespace contourd {
 namespace {
 
-// A reader that does not read is not waited for.
-void say(const BrokenContract& broken) noexcept {
+// Writes the line to stderr; drops it if that would block, because no one reads stderr.
+void report(const BrokenContract& broken) noexcept {
   std::array<char, 512> line{};
-  const int length =
-      std::snprintf(line.data(), line.size(),
-                    "contourd has made a mistake and ends, light told to be off, motor still: broken "
-                    "contract in %s, line %d: %s\n",
-                    broken.file(), broken.line, broken.requirement);
+  const int length = std::snprintf(
+      line.data(), line.size(),
+      "contourd aborts because of a bug, light off sent, motor still: broken contract in %s, line "
+      "%d: %s\n",
+      broken.file(), broken.line, broken.requirement);
   pollfd stderr_now{STDERR_FILENO, POLLOUT, 0};
   if (::poll(&stderr_now, 1, 0) != 1) return;
   const auto bytes = std::min(static_cast<std::size_t>(std::max(length, 0)), line.size() - 1);
@@ -30,7 +30,7 @@ void say(const BrokenContract& broken) noexcept {
 
 void end_safely(const BrokenContract& broken) noexcept {
   make_safe_at_once();
-  say(broken);
+  report(broken);
 }
 
 }  // namespace

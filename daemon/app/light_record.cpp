@@ -9,7 +9,7 @@ std::filesystem::path light_record_path(const std::filesystem::path& control_soc
   constexpr const char* kName = "light.json";
   const char* const folders = std::getenv("RUNTIME_DIRECTORY");
   if (folders == nullptr || *folders == '\0') return control_socket.parent_path() / kName;
-  const std::string_view all(folders);  // separated by colons
+  const std::string_view all(folders);  // folders, separated by colons
   return std::filesystem::path(all.substr(0, all.find(':'))) / kName;
 }
 

@@ -19,7 +19,7 @@ LoginBus::LoginBus(EventLoop& loop) : loop_(loop), mailbox_(loop) {
   connect();
 }
 
-// The bus may have been started anew since.
+// Connects unless the connection is still open: the bus may have been restarted since.
 void LoginBus::connect() {
   if (bus_ && sd_bus_is_open(bus_.get()) > 0) return;
   sd_bus* bus = nullptr;
@@ -31,7 +31,7 @@ void LoginBus::connect() {
                                        prepare_for_sleep, nullptr, this);
   }
   if (result >= 0) return;
-  why_no_bus_ = std::string("the system's message bus: ") + std::strerror(-result);
+  why_no_bus_ = std::string("the system message bus: ") + std::strerror(-result);
   bus_.reset();
 }
 
@@ -50,7 +50,7 @@ void LoginBus::take(Lock lock, Taken taken) {
   const auto request = requests_.insert(requests_.end(), Request{*this, std::move(taken)});
   const int result =
       bus_ ? sd_bus_call_method_async(bus_.get(), nullptr, kService, kPath, kInterface, "Inhibit", answered,
-                                      &*request, "ssss", "sleep", "contourd", "A print is under way",
+                                      &*request, "ssss", "sleep", "contourd", "A print is running",
                                       lock == Lock::Block ? "block" : "delay")
            : -ENOTCONN;
   if (result < 0) answer(request, FileDescriptor(), bus_ ? std::strerror(-result) : why_no_bus_);
@@ -60,7 +60,7 @@ int LoginBus::answered(sd_bus_message* message, void* request, sd_bus_error*) {
   LoginBus& bus = static_cast<Request*>(request)->bus;
   const auto place =
       std::ranges::find(bus.requests_, request, [](const Request& each) -> const void* { return &each; });
-  int lock = -1;  // the message's
+  int lock = -1;  // owned by the message
   if (const sd_bus_error* error = sd_bus_message_get_error(message)) {
     bus.answer(place, FileDescriptor(), error->message != nullptr ? error->message : error->name);
   } else if (const int result = sd_bus_message_read(message, "h", &lock); result < 0) {
@@ -72,7 +72,7 @@ int LoginBus::answered(sd_bus_message* message, void* request, sd_bus_error*) {
 }
 
 void LoginBus::answer(std::list<Request>::iterator request, FileDescriptor lock, const std::string& refusal) {
-  // A function that is posted can be copied, a descriptor cannot.
+  // A posted function must be copyable; a descriptor is not.
   auto shared = std::make_shared<FileDescriptor>(std::move(lock));
   mailbox_.post([taken = std::move(request->taken), shared, refusal] { taken(std::move(*shared), refusal); });
   requests_.erase(request);

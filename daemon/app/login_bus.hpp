@@ -1,5 +1,5 @@
-// logind's locks over the system's message bus (sd-bus; org.freedesktop.login1(5)). Never blocks. A bus that
-// is not there refuses every lock. Event loop's thread only.
+// Takes logind's inhibitor locks over the system message bus (sd-bus; org.freedesktop.login1(5)). Never
+// blocks. Without a bus every lock is refused. Event loop's thread only.
 #pragma once
 
 #include <systemd/sd-bus.h>
@@ -15,7 +15,7 @@ namespace contourd {
 
 class LoginBus final : public SleepAuthority {
  public:
-  // The loop must outlive it.
+  // The loop must outlive the object.
   explicit LoginBus(EventLoop& loop);
 
   void take(Lock lock, Taken taken) override;
@@ -36,7 +36,7 @@ class LoginBus final : public SleepAuthority {
   void answer(std::list<Request>::iterator request, FileDescriptor lock, const std::string& refusal);
 
   EventLoop& loop_;
-  // What the bus calls goes on from the event loop: no exception passes through the library.
+  // Defers all callbacks of the bus to the event loop, so that no exception passes through the library.
   Mailbox mailbox_;
   std::unique_ptr<sd_bus, Closer> bus_;
   std::string why_no_bus_;

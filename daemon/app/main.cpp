@@ -1,4 +1,4 @@
-// contourd: wires the machine, the printer service and the event loop, and nothing else.
+// contourd: parses the command line and wires the machine, the printer service and the event loop.
 #include <fmt/format.h>
 #include <malloc.h>
 #include <signal.h>
@@ -39,11 +39,12 @@
 namespace contourd {
 namespace {
 
-// Exit codes of BSD's sysexits.h, with kBadUsage and kCannotCreate; systemd does not restart after 78 (see
-// contourd.service).
+// Exit codes of BSD's sysexits.h, besides kBadUsage and kCannotCreate. systemd does not restart contourd
+// after 78 (see contourd.service).
 constexpr int kMissingDevice = 69, kFailed = 70, kRestart = 75, kBadConfig = 78;
 
-// The clock of the machine: the monotonic one, or for the simulated printer one that skips all waiting.
+// The clock of the machine: the monotonic clock, or, for a simulated printer at a fast pace, a clock that
+// skips all waiting.
 class MachineClock {
  public:
   MachineClock(EventLoop& loop, Pace pace) {
@@ -65,7 +66,8 @@ class MachineClock {
   std::unique_ptr<Clock> clock_;
 };
 
-// The machine, with what only a real one has: somebody who turns its light off when this process does not.
+// The machine, simulated or real. A real one has a light watchdog, a process that turns the light off if this
+// process does not.
 class PrinterMachine {
  public:
   PrinterMachine(const PrinterConfig& config, Clock& clock, DescriptorWatcher& watcher, const Log& log) {
@@ -114,10 +116,10 @@ class PrintWake {
   SleepInhibitor inhibitor_;
 };
 
-// Prints a line a device. Every device is looked at, whatever is wrong with the others.
+// Checks every device, even if others are bad, prints one line for each, and returns the exit code.
 int check_hardware(const PrinterConfig& config) {
   if (!config.real) {
-    fmt::print("{}: the hardware is simulated, there is nothing to look at\n", printable(config.name));
+    fmt::print("{}: the hardware is simulated, there is nothing to check\n", printable(config.name));
     return EXIT_SUCCESS;
   }
   EventLoop loop;
@@ -134,15 +136,16 @@ int check_hardware(const PrinterConfig& config) {
       [&] { loop.stop(); });
   loop.run();
   if (problems == 0) return EXIT_SUCCESS;
-  fmt::print("{} of these keep{} it from printing\n", problems, problems == 1 ? "s" : "");
+  fmt::print("{}\n", problems == 1 ? "1 problem prevents printing"
+                                   : fmt::format("{} problems prevent printing", problems));
   return kMissingDevice;
 }
 
-void say_light_may_be_on(const std::string& why) {
+void warn_light_may_be_on(const std::string& why) {
   fmt::print(stderr, "the light may be on: {}\n", printable(why));
 }
 
-// What there is of the record; nothing when there is none, or none that can be read, which is said.
+// Returns the recorded light; nullopt if there is no record, or if it cannot be read (reported on stderr).
 std::optional<LightConfig> recorded_light(const std::filesystem::path& record) {
   std::error_code error;
   if (!std::filesystem::exists(record, error)) return std::nullopt;
@@ -154,7 +157,8 @@ std::optional<LightConfig> recorded_light(const std::filesystem::path& record) {
   }
 }
 
-// By the record of the daemon that ran last, else by the configuration, as far as that can be read.
+// Turns the light off as recorded by the last daemon, or else as configured, as far as the configuration can
+// be read. Returns the exit code.
 int light_off(const std::string& config_file) {
   FoundLight found = find_light(config_file);
   const std::filesystem::path record = light_record_path(found.control_socket.value_or(kDefaultSocket));
@@ -163,7 +167,7 @@ int light_off(const std::string& config_file) {
   for (const Violation& violation : found.elsewhere)
     fmt::print(stderr, "{}\n", ConfigError({violation}).what());
   for (const Violation& violation : found.problems)
-    say_light_may_be_on(ConfigError({violation}).what());
+    warn_light_may_be_on(ConfigError({violation}).what());
 
   EventLoop loop;
   EventLoopClock clock(loop);
@@ -176,7 +180,7 @@ int light_off(const std::string& config_file) {
   });
   loop.run();
   for (const std::string& problem : problems)
-    say_light_may_be_on(problem);
+    warn_light_may_be_on(problem);
   if (!found.problems.empty()) return kBadConfig;
   std::error_code ignored;
   if (problems.empty()) {
@@ -184,27 +188,30 @@ int light_off(const std::string& config_file) {
     return EXIT_SUCCESS;
   }
   if (recorded)
-    fmt::print(stderr, "that is by {}, which the last contourd left\n", printable(record.string()));
+    fmt::print(stderr, "the light is as described in {}, which the last contourd left\n",
+               printable(record.string()));
   return kMissingDevice;
 }
 
+// Stores the light's record for `contourd --light-off`, if the machine is real; logs why it cannot.
 void leave_light_record(const PrinterConfig& config, const std::string& record, const Log& log) {
   if (!config.real) return;
   try {
     write_durably(light_record_path(config.control_socket), record);
   } catch (const std::system_error& error) {
     log.warning("machine",
-                fmt::format("{}: if contourd dies, --light-off uses the configuration as it is then",
+                fmt::format("{}: if contourd crashes, --light-off uses the configuration as it is then",
                             printable(error.what())));
   }
 }
 
 int run(const PrinterConfig& config) {
-  // What is larger goes back to the system as soon as it is free: a model's facets leave room for the next.
-  constexpr int kKeptBytes = 1 << 20;
-  ::mallopt(M_MMAP_THRESHOLD, kKeptBytes);
+  // Larger blocks are returned to the system when they are freed, so that the memory of one model's facets is
+  // available to the next.
+  constexpr int kMmapThreshold = 1 << 20;
+  ::mallopt(M_MMAP_THRESHOLD, kMmapThreshold);
   EventLoop loop;
-  // Before any thread is made: signals come through the loop alone. SIGIO would come from a lease (see
+  // Must precede the first thread: only the loop receives signals. A file lease would send SIGIO (see
   // upload_state.cpp).
   ::signal(SIGPIPE, SIG_IGN);
   ::signal(SIGIO, SIG_IGN);
@@ -221,7 +228,7 @@ int run(const PrinterConfig& config) {
   const auto interrupted = loop.on_signal(SIGINT, [&] { stop("SIGINT"); });
   const auto hung_up = loop.on_signal(SIGHUP, [&] { stop("SIGHUP"); });
   const auto reloaded = loop.on_signal(SIGUSR1, [&] {
-    if (running == nullptr) return;  // it stops already
+    if (running == nullptr) return;  // already stopping
     ended = kRestart;
     running->hand_over_when_idle();
   });
@@ -236,7 +243,7 @@ int run(const PrinterConfig& config) {
   std::optional<PrintWake> wake;
   if (config.real) wake.emplace(loop, clock.get(), machine, service, log);
   service.start();
-  leave_light_record(config, config.light_record, log);  // nothing is lit before the loop runs
+  leave_light_record(config, config.light_record, log);  // no light before the loop runs
   log.info("ready", fmt::format("contourd {} is ready: {}, spool {}, socket {}", CONTOURD_VERSION,
                                 printable(config.name), printable(config.spool_folder.string()),
                                 printable(config.control_socket.string())));
@@ -255,24 +262,21 @@ int run(const PrinterConfig& config) {
 
 int start(int argc, char** argv) {
   make_safe_on_broken_contract();
-  CLI::App app{"Makes a resin printer of a computer, a projector and a Z stage."};
+  CLI::App app{"Turns a computer, a projector and a Z stage into a resin printer."};
   app.set_version_flag("--version", CONTOURD_VERSION);
   std::string config_file = kDefaultConfig, checked_file, pace;
   bool print_states = false, look_at_hardware = false, only_light_off = false;
   app.add_option("--config", config_file, "Printer configuration")->capture_default_str();
   CLI::Option* const check =
-      app.add_option("--check-config", checked_file, "Say what is wrong with a configuration, and exit");
-  CLI::Option* const look = app.add_flag(
-      "--check-hardware", look_at_hardware,
-      "Open the configuration's devices, say what is there, and exit; moves nothing, lights nothing");
-  CLI::Option* const dark =
-      app.add_flag("--light-off", only_light_off,
-                   "Turn off the light that a process which has died may have left on, and exit");
-  app.add_option("--pace", pace, "Overrides the configuration's simulation.pace")
+      app.add_option("--check-config", checked_file, "Check a configuration, report its errors, and exit");
+  CLI::Option* const look = app.add_flag("--check-hardware", look_at_hardware,
+                                         "Check the configured devices without motion or light, and exit");
+  CLI::Option* const dark = app.add_flag(
+      "--light-off", only_light_off, "Turn off a light that a crashed contourd may have left on, and exit");
+  app.add_option("--pace", pace, "Override simulation.pace of the configuration")
       ->check(CLI::IsMember({"realtime", "fast"}));
   CLI::Option* const draw =
-      app.add_flag("--print-states", print_states,
-                   "Print the states of a print, of homing and of a projector as a Graphviz graph, and exit");
+      app.add_flag("--print-states", print_states, "Print all state machines as a Graphviz graph, and exit");
   check->excludes(look, dark, draw);
   look->excludes(dark, draw);
   dark->excludes(draw);
@@ -305,7 +309,7 @@ int start(int argc, char** argv) {
 }  // namespace contourd
 
 int main(int argc, char** argv) {
-  // Nothing before it takes memory or time; an owner has no use for the option.
+  // First, so that the watchdog process takes little memory and time. The option is internal.
   if (argc == 3 && std::strcmp(argv[1], contourd::kLightWatchdogOption) == 0)
     return contourd::serve_light_watchdog(std::atoi(argv[2]));
   const auto complain = [](int code, const std::string& why) {

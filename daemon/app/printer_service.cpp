@@ -16,15 +16,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// How long a stop waits for a print to be filed; the service manager waits for longer (contourd.service).
+// Time that a stop waits for a print to be filed; the service manager waits longer (contourd.service).
 constexpr Duration kLongestFiling = 15s;
-// Pictures for those who ask give way to all else.
+// Encoding pictures for clients is less urgent than all other work.
 constexpr int kPictureNiceness = 10;
 
-// Who gave a command.
+// Logs the command with the user and the process of its caller.
 void log_command(const Log& log, const std::string& method, const ControlServer::Peer& peer) {
   log.info("command",
-           fmt::format("{}, says user {} (process {})", method, user_name(peer.user), peer.process),
+           fmt::format("{} requested by user {} (process {})", method, user_name(peer.user), peer.process),
            {{"PEER_UID", std::to_string(peer.user)}, {"PEER_PID", std::to_string(peer.process)}});
 }
 
@@ -171,11 +171,10 @@ void PrinterService::part_replaced(WearPart part) {
   notify("reminders", ControlServer::Delivery::Lossy);
 }
 
-// Where the history cannot be asked, that is told already.
 void PrinterService::remind() {
   if (!reminders_.wanted()) return;
   history_worker_.wear([this](const std::optional<std::vector<WearPartUse>>& uses, const std::string&) {
-    if (!uses) return;
+    if (!uses) return;  // the worker has reported why
     reminders_.update(*uses);
     if (reminders_.due().empty()) return;
     for (const std::string& sentence : reminders_.due())
@@ -193,10 +192,10 @@ std::string PrinterService::metrics() const {
 std::string PrinterService::readiness() const {
   const std::string not_ready = context_.machine.why_not_ready();
   if (!not_ready.empty()) return "Cannot print: " + printable(not_ready);
-  return hold_.reason() ? "Waits for its owner: " + hold_.sentence() : "Ready";
+  return hold_.reason() ? "Waiting for the user: " + hold_.sentence() : "Ready";
 }
 
-// --- the end
+// --- shutdown
 
 void PrinterService::shut_down(const std::string& reason) {
   ending_ = Ending::ShutDown;
@@ -218,10 +217,10 @@ void PrinterService::hand_over_when_idle() {
   may_stop();
 }
 
-// Behind a print under way: as long as that ends, the loop must turn for its light.
+// Does nothing until the current print has ended: the loop must run to turn its light off.
 void PrinterService::may_stop() {
   if (ending_ == Ending::No || job_.print().state() != PrintState::Idle || controlled_by_hand()) return;
-  if (ending_ == Ending::HandOver && job_.finishing()) return;  // its filing comes back here
+  if (ending_ == Ending::HandOver && job_.finishing()) return;  // called again after filing
   job_.stop_analysis();
   if (job_.is_being_filed()) {
     if (!stop_timer_)
@@ -229,8 +228,8 @@ void PrinterService::may_stop() {
                                      [this] { stop_waiting_for_filing(); });
     return;
   }
-  if (scheduler_.copying()) return spool_.stop_copying();  // the end comes back here
-  // Still being read: nothing was printed, so it waits for the next start.
+  if (scheduler_.copying()) return spool_.stop_copying();  // called again after it
+  // The job is still being read and nothing was printed: it waits for the next start.
   if (job_.job() != nullptr) {
     history_worker_.forget();
     job_.give_back();
@@ -239,7 +238,7 @@ void PrinterService::may_stop() {
   context_.loop.stop();
 }
 
-// What the archivist is at it still brings to its end, or the next start does.
+// The archivist still completes the filing that has begun, or the next start does.
 void PrinterService::stop_waiting_for_filing() {
   const std::string& name = job_.name();
   context_.log.error(
@@ -271,7 +270,7 @@ void PrinterService::handle_event(const MachineEvent& event) {
   const bool bad = event.kind != MachineEvent::Kind::Recovery;
   const bool of_print =
       event.kind == MachineEvent::Kind::Fault || event.kind == MachineEvent::Kind::Interlock;
-  // What happens to a print is told with the print.
+  // An event that ends or interrupts a print is logged with the print.
   if (!of_print || !printing)
     context_.log.write(bad ? LogLevel::Warning : LogLevel::Info, "machine", printable(event.what));
   for (const std::string& warning : event.warnings)
@@ -282,7 +281,7 @@ void PrinterService::handle_event(const MachineEvent& event) {
   scheduler_.run_soon();
 }
 
-// --- by hand
+// --- manual control
 
 void PrinterService::manual_changed() {
   if (manual_.state() == ManualState::Idle &&
@@ -347,7 +346,7 @@ void PrinterService::note_end(EndedJob job) {
   notify("ended", ControlServer::Delivery::Certain);
 }
 
-// Whatever is wrong with the socket, a print does not suffer from it.
+// Logs a failure of the socket: it must not disturb a print.
 void PrinterService::notify(const std::string& what, ControlServer::Delivery delivery) {
   try {
     if (server_ && server_->is_watched()) server_->notify(what, status_.status(), delivery);

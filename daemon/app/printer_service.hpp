@@ -1,5 +1,5 @@
-// The printer: wires the parts that take jobs from the spool, one after the other, have them prepared, print
-// them and file what came of it; and the control socket. Event loop's thread only.
+// The printer service: wires the parts that take jobs from the spool one after the other, prepare, print and
+// file them, and the control socket. Event loop's thread only.
 //
 // It has more members than other classes: each is one of the parts that it wires.
 #pragma once
@@ -38,28 +38,28 @@ namespace contourd {
 
 class PrinterService final : private JobObserver {
  public:
-  // All must outlive the service.
+  // All arguments must outlive the service.
   PrinterService(const PrinterConfig& config, EventLoop& loop, Clock& clock, Machine& machine, const Log& log,
                  Supervisor& supervisor);
   ~PrinterService() override;
 
-  // Files interrupted prints, opens the spool and the socket: after this, jobs are taken. Throws
+  // Files interrupted prints and opens the spool and the socket; from then on jobs are taken. Throws
   // std::runtime_error.
   void start();
 
-  // Ends a print under way (light off, its files to failed/), takes no more jobs, and stops the loop when the
-  // light is off and the print filed, or after some seconds.
+  // Ends the current print (light off, its files to failed/), takes no more jobs, and stops the loop when the
+  // light is off and the print is filed, or after some seconds.
   void shut_down(const std::string& reason);
 
-  // Takes no more jobs, and stops the loop once no print is under way and the last one is filed: a new
-  // program or configuration is to take over.
+  // Takes no more jobs, and stops the loop when the current print is over and filed, so that a new program or
+  // configuration can take over.
   void hand_over_when_idle();
 
-  // Something happened to the machine, or is about to.
+  // Reacts to an event that happened to the machine or is about to happen.
   void handle_event(const MachineEvent& event);
 
-  // `call` gets true when a print or something by hand begins, and false when neither is under way any more;
-  // also again.
+  // Calls `call` with true when a print or a manual operation begins, and with false when neither is running
+  // any more. The same value may be passed several times.
   void on_printing(std::function<void(bool)> call) { printing_ = std::move(call); }
 
  private:
@@ -76,23 +76,23 @@ class PrinterService final : private JobObserver {
   [[nodiscard]] QueueHold::Calls calls_of_hold();
   [[nodiscard]] PrintQueue::Calls calls_of_queue();
   [[nodiscard]] JobScheduler::Calls calls_of_scheduler();
-  // Something is done by hand, or a picture is shown.
+  // True if a manual operation is running or a picture is shown.
   [[nodiscard]] bool controlled_by_hand() const {
     return manual_.state() != ManualState::Idle || !manual_.picture().empty();
   }
   void manual_changed();
   void end_manual_control();
-  // For the service manager's status line.
+  // Returns the text of the service manager's status line.
   [[nodiscard]] std::string readiness() const;
   [[nodiscard]] std::string metrics() const;
-  // Has the history know what the last process left.
+  // Passes the jobs that the previous process left, and its last end, to the history.
   void adopt_left_jobs();
-  // Asks the history what is due, and tells it.
+  // Queries the history for parts that are due to be replaced, and reports them.
   void remind();
   void part_replaced(WearPart part);
-  // Of a job whose turn never came.
+  // Records the end of a job that was refused or removed before its turn.
   void note_refusal(EndedJob job);
-  // Into what is remembered, and to all who watch.
+  // Adds the job to the recent history and notifies all watching clients.
   void note_end(EndedJob job);
   void notify(const std::string& what, ControlServer::Delivery delivery);
   void stop_waiting_for_filing();
@@ -120,7 +120,7 @@ class PrinterService final : private JobObserver {
   std::unique_ptr<ControlServer> server_;
   std::optional<MetricsFile> metrics_file_;
   std::uint64_t manual_operations_logged_ = 0;
-  Duration lit_{};  // light that prints have given, at most
+  Duration lit_{};  // upper bound of the light in all prints so far
   Ending ending_ = Ending::No;
   std::function<void(bool)> printing_;
   EventLoop::SourcePtr stop_timer_;

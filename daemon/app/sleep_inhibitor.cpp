@@ -24,7 +24,7 @@ void SleepInhibitor::take() {
   for (const auto& [lock, kept] :
        {std::pair{SleepAuthority::Lock::Block, &block_}, std::pair{SleepAuthority::Lock::Delay, &delay_}}) {
     if (kept->valid()) continue;
-    ++asked_;
+    ++pending_;
     authority_.take(lock, [this, kept = kept](FileDescriptor descriptor, const std::string& refusal) {
       taken(*kept, std::move(descriptor), refusal);
     });
@@ -32,10 +32,10 @@ void SleepInhibitor::take() {
 }
 
 void SleepInhibitor::taken(FileDescriptor& kept, FileDescriptor lock, const std::string& refusal) {
-  --asked_;
+  --pending_;
   if (wanted_) kept = std::move(lock);
-  const bool unguarded = wanted_ && asked_ == 0 && !block_.valid() && !delay_.valid();
-  if (unguarded && !std::exchange(told_, true)) print_.unguarded(refusal);
+  const bool unguarded = wanted_ && pending_ == 0 && !block_.valid() && !delay_.valid();
+  if (unguarded && !std::exchange(reported_, true)) print_.unguarded(refusal);
 }
 
 void SleepInhibitor::sleep() {

@@ -1,6 +1,6 @@
 // Keeps the computer awake while a print runs: in suspend nothing turns a light off, and the monotonic clock
-// stands still. Where the computer is suspended all the same, the print is interrupted first, and the
-// computer waits until it is dark. Event loop's thread only.
+// stands still. If the computer is suspended all the same, the print is interrupted first, and the computer
+// waits until the light is off. Event loop's thread only.
 #pragma once
 
 #include <functional>
@@ -12,14 +12,14 @@
 
 namespace contourd {
 
-// Who puts the computer to sleep: logind (org.freedesktop.login1.Manager), or a test's idea of it.
+// The service that puts the computer to sleep: logind (org.freedesktop.login1.Manager), or a test's fake.
 class SleepAuthority {
  public:
   enum class Lock {
     Block,  // no suspend at all
-    Delay,  // suspend waits until the lock is given up, some seconds at most
+    Delay,  // suspend waits until the lock is released, at most some seconds
   };
-  // The lock, which is given up when it is closed; or why there is none.
+  // Receives the lock, which is released when it is closed, or the reason why it was refused.
   using Taken = std::function<void(FileDescriptor lock, const std::string& refusal)>;
 
   SleepAuthority() = default;
@@ -36,16 +36,17 @@ class SleepAuthority {
 class SleepInhibitor {
  public:
   struct Print {
-    std::function<void()> interrupt;                    // the computer is about to sleep
-    std::function<bool()> dark;                         // no light is on
-    std::function<void(const std::string&)> unguarded;  // nobody keeps the computer awake, and why; once
+    std::function<void()> interrupt;                    // called when the computer is about to sleep
+    std::function<bool()> dark;                         // returns true if no light is on
+    std::function<void(const std::string&)> unguarded;  // called once if no lock is granted, with the reason
   };
-  // Both must outlive it.
+  // Authority and clock must outlive the inhibitor.
   SleepInhibitor(SleepAuthority& authority, Clock& clock, Print print);
 
-  // Whether a print runs.
+  // Takes the locks if a print runs (`wanted`), else releases them.
   void hold(bool wanted);
 
+  // Interval of the checks for darkness while the computer waits to sleep.
   static constexpr Duration kLook{std::chrono::milliseconds{20}};
 
  private:
@@ -58,8 +59,8 @@ class SleepInhibitor {
   Clock& clock_;
   Print print_;
   bool wanted_ = false;
-  bool told_ = false;
-  int asked_ = 0;  // and not answered
+  bool reported_ = false;  // `unguarded` was called
+  int pending_ = 0;        // requests without an answer yet
   FileDescriptor block_, delay_;
   std::unique_ptr<Timer> look_;
 };

@@ -24,71 +24,75 @@ namespace fs = std::filesystem;
 
 constexpr const char* kServiceUser = "contourd";
 
-// This process with the rights of another user, and root's again at the end.
-class Guise {
+// Gives this process another user's rights; the destructor restores root's.
+class ActingUser {
  public:
-  explicit Guise(const SystemUser& user) : group_(::getegid()) {
+  explicit ActingUser(const SystemUser& user) : group_(::getegid()) {
     const int groups = ::getgroups(0, nullptr);
     groups_.resize(groups > 0 ? static_cast<std::size_t>(groups) : 0);
     if (groups < 0 || ::getgroups(groups, groups_.data()) != groups) return;
-    worn_ = ::initgroups(user.name.c_str(), user.group) == 0 && ::setegid(user.group) == 0 &&
-            ::seteuid(user.user) == 0;
+    active_ = ::initgroups(user.name.c_str(), user.group) == 0 && ::setegid(user.group) == 0 &&
+              ::seteuid(user.user) == 0;
   }
-  Guise(const Guise&) = delete;
-  Guise& operator=(const Guise&) = delete;
-  ~Guise() {
+  ActingUser(const ActingUser&) = delete;
+  ActingUser& operator=(const ActingUser&) = delete;
+  ~ActingUser() {
     (void)!::seteuid(0);
     (void)!::setegid(group_);
     (void)!::setgroups(groups_.size(), groups_.data());
   }
 
-  [[nodiscard]] bool worn() const { return worn_; }
+  // True if the process got the user's rights.
+  [[nodiscard]] bool active() const { return active_; }
 
  private:
   gid_t group_;
   std::vector<gid_t> groups_;
-  bool worn_ = false;
+  bool active_ = false;
 };
 
-// Why it cannot be accessed so; empty when it can.
-std::string why_out_of_reach(const fs::path& path, int mode) {
+// Returns why the path cannot be accessed in this mode (R_OK, ...); empty if it can.
+std::string access_problem(const fs::path& path, int mode) {
   if (::faccessat(AT_FDCWD, path.c_str(), mode, AT_EACCESS) == 0) return "";
   return std::generic_category().message(errno);
 }
 
-// What the unit hides or gives an own copy of, whatever the permissions (ProtectHome, PrivateTmp).
+// True if the systemd unit hides the path from the service or replaces it with a private copy, whatever its
+// permissions (ProtectHome, PrivateTmp).
 bool is_hidden_by_unit(const fs::path& path) {
   constexpr std::array<std::string_view, 5> kHidden{"/home/", "/root/", "/run/user/", "/tmp/", "/var/tmp/"};
   const std::string text = path.string() + "/";
   return std::ranges::any_of(kHidden, [&](std::string_view folder) { return text.starts_with(folder); });
 }
 
-class Reach {
+// Checks paths and collects the violations.
+class AccessCheck {
  public:
-  explicit Reach(const SystemUser& user) : user_(user) {}
+  explicit AccessCheck(const SystemUser& user) : user_(user) {}
 
-  void check(const fs::path& path, int mode, const char* what) {
+  // `action` completes the sentence "the service's user contourd cannot ...".
+  void check(const fs::path& path, int mode, const char* action) {
     if (is_hidden_by_unit(path)) {
-      missed_.push_back(
+      violations_.push_back(
           {path.string(), "", "the unit hides home folders and temporary files from the service"});
-    } else if (const std::string why = why_out_of_reach(path, mode); !why.empty()) {
-      missed_.push_back(
-          {path.string(), "", fmt::format("the service's user {} cannot {}: {}", user_.name, what, why)});
+    } else if (const std::string why = access_problem(path, mode); !why.empty()) {
+      violations_.push_back(
+          {path.string(), "", fmt::format("the service's user {} cannot {}: {}", user_.name, action, why)});
     }
   }
-  [[nodiscard]] std::vector<Violation> take() { return std::move(missed_); }
+  [[nodiscard]] std::vector<Violation> take() { return std::move(violations_); }
 
  private:
   const SystemUser& user_;
-  std::vector<Violation> missed_;
+  std::vector<Violation> violations_;
 };
 
-void check_spool(const fs::path& spool, Reach& reach) {
+void check_spool(const fs::path& spool, AccessCheck& access) {
   const fs::path base = nearest_existing(spool);
-  if (base != spool) return reach.check(base, W_OK | X_OK, "make the spool in it");
-  reach.check(spool, R_OK | W_OK | X_OK, "write in it");
+  if (base != spool) return access.check(base, W_OK | X_OK, "create the spool in it");
+  access.check(spool, R_OK | W_OK | X_OK, "write to it");
   for (const char* name : {"incoming", "printing", "done", "failed"}) {
-    if (fs::exists(spool / name)) reach.check(spool / name, R_OK | W_OK | X_OK, "write in it");
+    if (fs::exists(spool / name)) access.check(spool / name, R_OK | W_OK | X_OK, "write to it");
   }
 }
 
@@ -102,18 +106,18 @@ std::optional<SystemUser> service_user() {
 }
 
 std::vector<Violation> out_of_reach(const SystemUser& user, const PrinterConfig& printer) {
-  expects(::geteuid() == 0, "this process is root's");
-  const Guise guise(user);
-  if (!guise.worn()) return {};
-  Reach reach(user);
+  expects(::geteuid() == 0, "this process runs as root");
+  const ActingUser acting(user);
+  if (!acting.active()) return {};
+  AccessCheck access(user);
   for (const fs::path& file : printer.files)
-    reach.check(file, R_OK, "read it");
-  reach.check(printer.resins_folder, R_OK | X_OK, "look into it");
-  check_spool(printer.spool_folder, reach);
+    access.check(file, R_OK, "read it");
+  access.check(printer.resins_folder, R_OK | X_OK, "list its files");
+  check_spool(printer.spool_folder, access);
   const fs::path sockets = printer.control_socket.parent_path();
-  // What lies in /run itself is made for the service when it starts.
-  if (sockets.parent_path() != "/run") reach.check(sockets, W_OK | X_OK, "make the socket in it");
-  return reach.take();
+  // systemd creates a folder in /run itself when it starts the service.
+  if (sockets.parent_path() != "/run") access.check(sockets, W_OK | X_OK, "create the socket in it");
+  return access.take();
 }
 
 }  // namespace contourd

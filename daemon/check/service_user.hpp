@@ -1,5 +1,5 @@
-// As whom the service runs (contourd.service), and what that user cannot reach of what a printer's file
-// names. For root, who can read everything and would find it good.
+// Finds the files and folders named in a printer's file that the service's user (contourd.service) cannot
+// access. For checks run by root, which can read everything and would miss them.
 #pragma once
 
 #include <sys/types.h>
@@ -12,17 +12,19 @@
 
 namespace contourd {
 
+// A user of the system, with the primary group.
 struct SystemUser {
   std::string name;
   uid_t user = 0;
   gid_t group = 0;
 };
 
-// Nothing when this process is not root's, or there is no such user.
+// Returns the service's user; nullopt if this process does not run as root or the user does not exist.
 [[nodiscard]] std::optional<SystemUser> service_user();
 
-// One for each file or folder. Not thread-safe: this process is that user meanwhile. Empty when it cannot be.
-// REQUIRES: this process is root's.
+// Returns one violation for each file or folder that the user cannot access. Empty if this process cannot
+// take on the user's rights. Not thread-safe: this process has the user's rights during the call. REQUIRES:
+// this process runs as root.
 [[nodiscard]] std::vector<Violation> out_of_reach(const SystemUser& user, const PrinterConfig& printer);
 
 }  // namespace contourd

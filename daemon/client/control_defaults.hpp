@@ -1,4 +1,4 @@
-// What contourd and contourctl agree on without being told.
+// Default paths that contourd and contourctl share.
 #pragma once
 
 namespace contourd {

@@ -16,11 +16,12 @@
 namespace contourd {
 namespace {
 
-// And what to do about it.
+// Returns a sentence that says why contourd cannot be reached and what to do.
 std::string why_unreachable(const std::string& path, int error) {
   const char* const advice =
-      error == EACCES ? "it answers root and the group contourd: sudo adduser NAME contourd, then log in anew"
-                      : "systemctl status contourd says whether it runs";
+      error == EACCES
+          ? "only root and the group contourd may connect: sudo adduser NAME contourd, then log in again"
+          : "systemctl status contourd shows whether it is running";
   return fmt::format("cannot reach contourd on {}: {}; {}", path, std::strerror(error), advice);
 }
 

@@ -1,4 +1,4 @@
-// A client's connection to contourd: one JSON message a line (docs/control-api.md). Not thread-safe.
+// A client's connection to contourd: one JSON message per line (docs/control-api.md). Not thread-safe.
 #pragma once
 
 #include <chrono>
@@ -12,7 +12,7 @@
 
 namespace contourd {
 
-// A call of one of contourd's methods; the parameters by name.
+// A call of one of contourd's methods, with parameters by name.
 struct Request {
   std::string method;
   nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
@@ -23,24 +23,25 @@ class DaemonConnection {
   using Json = nlohmann::ordered_json;
   using Time = std::chrono::steady_clock::time_point;
 
-  // Throws DaemonError when it cannot be made, as the calls below do when it breaks. A daemon that is too
-  // busy to take it, or what is sent, is given up after so long; without that it is waited for.
+  // Connects to the daemon's socket. Throws DaemonError if that fails; the calls below throw it if the
+  // connection breaks. `patience` is the timeout for connecting, and for each send, while the daemon is too
+  // busy to accept; without it both block.
   explicit DaemonConnection(const std::filesystem::path& path,
                             std::optional<std::chrono::seconds> patience = std::nullopt);
 
-  // The parameters by name.
+  // Sends a request with parameters by name.
   void send(const std::string& method, int id, const Json& parameters = Json::object());
-  // Blocks.
+  // Returns the next message. Blocks until it is there.
   Json receive() { return *receive_until(Time::max()); }
   // Sends the request and returns the response, which has a "result" or an "error". Blocks.
   Json ask(const Request& request);
-  // Readable while a message may be there.
+  // Returns the socket, for poll(): readable if a message may have arrived.
   [[nodiscard]] int descriptor() const { return socket_.get(); }
-  // Nothing when none comes until then.
+  // Returns the next message, or nullopt if none is complete by `time`. Blocks until then.
   std::optional<Json> receive_until(Time time);
 
  private:
-  // False when the time has come before.
+  // Returns true once the socket is readable, false if `time` comes first.
   bool wait_until(Time time);
 
   std::string path_;

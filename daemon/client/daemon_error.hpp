@@ -5,7 +5,7 @@
 
 namespace contourd {
 
-// contourd cannot be reached, or the connection to it breaks. what() is a sentence for the user.
+// Thrown if contourd cannot be reached or the connection to it breaks. what() is a sentence for the user.
 class DaemonError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// What stands there once; nothing when it is there never, or more often.
+// Returns the match of `wanted` if the text contains exactly one, else nullopt.
 std::optional<std::smatch> only_match(const std::string& text, const std::regex& wanted) {
   std::smatch match, other;
   if (!std::regex_search(text, match, wanted)) return std::nullopt;
@@ -43,7 +43,8 @@ std::string read_all(const fs::path& file) {
   throw std::system_error(errno, std::generic_category(), what + " " + file.string());
 }
 
-// A file beside another, of its owner and rights, until it takes its place.
+// A new version of the file `of`, with the same owner and permissions, in a file beside it until place()
+// replaces `of`.
 class Replacement {
  public:
   explicit Replacement(fs::path of) : of_(std::move(of)), path_(of_.string() + ".new") {}
@@ -82,7 +83,7 @@ class Replacement {
   bool placed_ = false;
 };
 
-// Another name for what is in the file, as nobody has one yet.
+// Links the file to an unused backup name and returns that name.
 fs::path keep_aside(const fs::path& file) {
   constexpr int kMost = 1000;
   for (int i = 1; i <= kMost; ++i) {
@@ -99,8 +100,8 @@ std::string with_number(const std::string& text, std::string_view section, std::
                         double number) {
   const std::string pointer = fmt::format("/{}/{}", section, key);
   const auto by_hand = [&] {
-    return std::runtime_error(
-        fmt::format("{} cannot be set in its place: write {} there yourself", pointer, number));
+    return std::runtime_error(fmt::format(
+        "{} cannot be changed in this file automatically: set it to {} by hand", pointer, number));
   };
   Json wanted = Json::parse(text);
   wanted[Json::json_pointer(pointer)] = number;
@@ -116,7 +117,7 @@ std::string with_number(const std::string& text, std::string_view section, std::
     changed.insert(static_cast<std::size_t>(begin->position(1)),
                    fmt::format(R"({}"{}": {}{})", begin->str(1), key, number, empty ? "" : ","));
   }
-  // Whatever the text is like: only what means the same otherwise is taken.
+  // The regular expressions may misread unusual text: accept the result only if the parsed JSON is as wanted.
   const Json read = Json::parse(changed, nullptr, false);
   if (read.is_discarded() || nlohmann::json(read) != nlohmann::json(wanted)) throw by_hand();
   return changed;

@@ -1,4 +1,4 @@
-// One figure of a configuration changed, and all else left as its owner has written it. Thread-safe.
+// Changes one number of a configuration file and leaves the rest as the user wrote it. Thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -8,29 +8,28 @@
 
 namespace contourd {
 
-// The text of a JSON object with the number `key` of its object `section` set, put there if it is missing.
-// Throws std::runtime_error, fit for a person, where the text is written so that this cannot be done in
-// place.
+// Returns the text of a JSON object with the number `key` of its object `section` set, adding the key if it
+// is missing. Throws std::runtime_error with a readable message if the text is formatted so that it cannot be
+// edited in place.
 [[nodiscard]] std::string with_number(const std::string& text, std::string_view section, std::string_view key,
                                       double number);
 
-// The same for a printer's configuration, with owner and rights of the file before; the new one takes its
-// place only when it is good. Blocks until the disk has it. Throws ConfigError for what is wrong with either,
-// std::runtime_error as above and std::system_error.
+// Sets a number in a printer's configuration file. The new file has the owner and permissions of the old one
+// and replaces it only if it is valid. Blocks until the data is on the disk. Throws ConfigError if the old or
+// the new file is invalid, std::runtime_error as with_number() does, and std::system_error.
 void set_config_number(const std::filesystem::path& file, std::string_view section, std::string_view key,
                        double number);
 
-// What becomes of the file that was there.
+// The treatment of the previous file.
 enum class FileBefore {
-  Kept,  // beside the new one, as FILE.before-setup, or FILE.before-setup-2 where there is one already, and
-         // so on
+  Kept,  // beside the new one as FILE.before-setup; if that exists, as FILE.before-setup-2, and so on
   Gone,
 };
 
-// The text becomes the file, if it is good as a printer's configuration. Returns the name by which the one
-// before is kept, if there was one. A file that is there keeps its owner and rights; a new one can be read by
-// all. Nobody sees half of it, after a power cut neither. Blocks until the disk has it. Throws ConfigError
-// and std::system_error; then the file is as it was.
+// Replaces the file with the text if it is a valid printer's configuration. Returns the path of the previous
+// file if it was kept. The new file has the previous one's owner and permissions; without a previous file,
+// everyone can read it. The file is never partly written, not even after a power cut. Blocks until the data
+// is on the disk. Throws ConfigError and std::system_error; then the file is unchanged.
 std::optional<std::filesystem::path> replace_config(const std::filesystem::path& file,
                                                     const std::string& text, FileBefore before);
 

@@ -6,9 +6,9 @@
 namespace contourd {
 namespace {
 
-// Projectors' pictures lie: 5:4 to 21:9.
+// Projectors' pictures are wider than high: 5:4 to 21:9.
 constexpr double kMinAspect = 1.2, kMaxAspect = 2.4;
-// As they are focused on a film, their pixels have 47 to 100 um.
+// Projectors focused on a film have pixels of 47 to 100 um.
 constexpr double kMinPitchUm = 10, kMaxPitchUm = 200;
 
 std::string whole_number(double whole) {
@@ -23,7 +23,7 @@ void warn_of_implausible_display(JsonDocument& printer) {
   if (width && height && *height > *width) {
     printer.add_warning("/display/height_px",
                         whole_number(*height) + " is more than width_px, " + whole_number(*width) +
-                            ": projectors' pictures are wider than high, are the two exchanged?");
+                            ": projectors' pictures are wider than high; are the two swapped?");
   } else if (width && height && (*width < kMinAspect * *height || *width > kMaxAspect * *height)) {
     printer.add_warning("/display/width_px",
                         whole_number(*width) + " by " + whole_number(*height) +

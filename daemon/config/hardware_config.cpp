@@ -23,7 +23,7 @@ GpioInputConfig read_input(const JsonSection& input) {
               input.text("contact") == "normally_closed" ? Contact::NormallyClosed : Contact::NormallyOpen};
 }
 
-// What `read` makes of that section, where it is there.
+// Returns read(section) if the section exists, else nullopt.
 template <typename Read>
 auto read_if_there(const JsonSection& parent, std::string_view key, Read read) {
   return parent.has(key) ? std::optional(read(parent.section(key))) : std::nullopt;
@@ -105,7 +105,7 @@ RealMachineConfig read_real_machine(const JsonSection& printer, std::optional<Pr
   config.warm_up = projector.duration("warm_up_s");
   config.light = read_if_there(projector, "light", read_gpio_line);
   if (!table) return config;
-  // The longer of the two.
+  // The longer warm-up counts.
   table->warm_up = std::max(table->warm_up, config.warm_up);
   config.projector =
       SerialProjectorConfig{.port = projector.text("port"), .table = std::move(*table), .brightness = {}};

@@ -1,4 +1,4 @@
-// Reads what a real machine is made of from a printer's file. Pure functions of the document.
+// Reads the hardware of a real machine from a printer's file. Pure functions of the document.
 #pragma once
 
 #include <optional>
@@ -8,11 +8,11 @@
 
 namespace contourd {
 
-// Throws ConfigError, also where the section lacks a default.
+// Reads a GPIO line. Throws ConfigError, also if a key that has a default is missing.
 [[nodiscard]] GpioLineConfig read_gpio_line(const JsonSection& line);
 
-// `table` is that of the projector's section, where it names one. What printer_schema() and the rules of
-// hardware_rules.hpp look at is not looked at again. Throws ConfigError where a key is missing.
+// Reads the hardware. `table` is the one that the projector's section names, if any. Does not
+// repeat the checks of printer_schema() and hardware_rules.hpp. Throws ConfigError if a key is missing.
 [[nodiscard]] RealMachineConfig read_real_machine(const JsonSection& printer,
                                                   std::optional<ProjectorTable> table);
 

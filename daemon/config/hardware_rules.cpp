@@ -19,35 +19,36 @@ namespace {
 
 using Pointer = nlohmann::json::json_pointer;
 
-// A switch at the bottom closes about where the plate touches the film. One that is said to lie elsewhere is
-// more likely one at the top, to which homing downwards would drive the plate through the film.
+// The largest plausible height of a switch at the bottom, which closes about where the plate touches the
+// film. A switch farther away is more likely at the top, and homing downwards to it would drive the plate
+// through the film.
 constexpr double kFarthestBottomSwitchMm = 10;
 
 bool has(const JsonDocument& printer, const std::string& pointer) {
   return printer.value().contains(Pointer(pointer));
 }
 
-// "25" and "25.5", as an owner writes them.
+// Formats a number as a person writes it: "25" and "25.5".
 std::string plain(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.9g", value);
   return text;
 }
 
-// "z_axis/step" for "/z_axis/step".
+// Returns "z_axis/step" for "/z_axis/step".
 std::string key_of(const std::string& pointer) {
   return pointer.substr(1);
 }
 
 void require(JsonDocument& printer, const std::string& section, const std::string& key) {
   const std::string pointer = section + "/" + key;
-  // A section that is none is wrong enough.
+  // A section that is not an object is a violation already.
   if (!printer.value().at(Pointer(section)).is_object() || has(printer, pointer)) return;
   printer.add_violation(pointer, "this key is missing, and \"hardware\" is \"real\": " +
                                      printer_schema().at(Pointer(pointer)).description_here());
 }
 
-void check_what_is_needed(JsonDocument& printer) {
+void check_required_keys(JsonDocument& printer) {
   for (const char* section : {"/z_axis", "/projector"}) {
     if (!has(printer, section)) return;
   }
@@ -66,13 +67,14 @@ struct UsedLine {
   std::string pointer, chip, line;
 };
 
-// "gpiochip0" for "/dev/gpiochip0".
+// Returns "gpiochip0" for "/dev/gpiochip0".
 std::string chip_name(const std::string& chip) {
   constexpr std::string_view kFolder = "/dev/";
   return chip.starts_with(kFolder) ? chip.substr(kFolder.size()) : chip;
 }
 
-// Digits of a number, however it is written.
+// Returns the line's name or its number without leading zeros, whether the number is given as JSON number or
+// text.
 std::string line_name(const JsonDocument& printer, const std::string& pointer) {
   if (const auto number = printer.valid_number(pointer)) return plain(*number);
   std::string text = printer.valid_text(pointer).value_or("");
@@ -95,15 +97,15 @@ std::vector<UsedLine> used_lines(const JsonDocument& printer) {
   return lines;
 }
 
-// A chip has a name and a label, and so have its lines: that two of these are one line can only be known with
-// the chip at hand.
+// Rejects a line that is used twice under the same name. A chip can also be given by its label and a line by
+// its name; that two such names mean the same line is only known once the chip is open.
 void check_double_use(JsonDocument& printer) {
   std::map<std::pair<std::string, std::string>, std::string> users;
   for (const UsedLine& used : used_lines(printer)) {
     const auto [first, is_new] = users.try_emplace({used.chip, used.line}, used.pointer);
     if (is_new) continue;
     printer.add_violation(used.pointer, "line " + in_quotes(used.line) + " of " + in_quotes(used.chip) +
-                                            " is " + key_of(first->second) + " already");
+                                            " is already used for " + key_of(first->second));
   }
 }
 
@@ -124,12 +126,11 @@ void check_speeds(JsonDocument& printer) {
   const std::chrono::duration<double, std::micro> pulse_width(*pulse_us);
   const double most = std::min(kMaxStepsPerSecond, most_steps_per_second(pulse_width));
   if (rate <= most) return;
-  printer.add_violation(
-      "/z_axis/top_speed_mm_s",
-      plain(*top) + " mm/s at " + plain(*microsteps) + " microsteps per mm are " + plain(rate) +
-          " steps a second; the limit is " + plain(most) +
-          (most < kMaxStepsPerSecond ? ", which z_axis/pulse_width_us leaves room for" : "") + ", that is " +
-          plain(most / *microsteps) + " mm/s");
+  printer.add_violation("/z_axis/top_speed_mm_s",
+                        plain(*top) + " mm/s at " + plain(*microsteps) + " microsteps per mm are " +
+                            plain(rate) + " steps a second; the limit is " + plain(most) +
+                            (most < kMaxStepsPerSecond ? " with this z_axis/pulse_width_us" : "") +
+                            ", that is " + plain(most / *microsteps) + " mm/s");
 }
 
 void check_homing(JsonDocument& printer) {
@@ -163,7 +164,7 @@ void check_corrections(JsonDocument& printer, double tolerance_um) {
   if (move_um <= tolerance_um) {
     printer.add_violation("/z_axis/encoder/most_correction_um",
                           plain(move_um) + " is not more than tolerance_um, " + plain(tolerance_um) +
-                              " um: nothing would ever be made good");
+                              " um: no move would ever be corrected");
   }
   if (sum_um < move_um) {
     printer.add_violation(
@@ -182,7 +183,7 @@ void check_index(JsonDocument& printer, double tolerance_um) {
   const auto every_mm = printer.valid_number(kEvery);
   if (!every_mm || *every_mm * 1000 > 2 * tolerance_um) return;
   printer.add_violation(kEvery, plain(*every_mm) + " mm are not more than twice tolerance_um, " +
-                                    plain(tolerance_um) + " um: no count would ever be found wrong");
+                                    plain(tolerance_um) + " um: a wrong count would never be detected");
 }
 
 void check_encoder(JsonDocument& printer) {
@@ -222,15 +223,15 @@ void check_projector_table(JsonDocument& printer, const ProjectorTable& table) {
   if (!table.brightness) {
     printer.add_violation("/projector/brightness", "the table " + name + " has no brightness");
   } else if (*brightness < table.brightness->least || *brightness > table.brightness->most) {
-    printer.add_violation("/projector/brightness", plain(*brightness) + " is not within what the table " +
-                                                       name + " has, " +
+    printer.add_violation("/projector/brightness", plain(*brightness) +
+                                                       " is outside the range of the table " + name + ", " +
                                                        std::to_string(table.brightness->least) + " to " +
                                                        std::to_string(table.brightness->most));
   }
 }
 
 void check_hardware_rules(JsonDocument& printer) {
-  if (printer.valid_text("/hardware") == "real") check_what_is_needed(printer);
+  if (printer.valid_text("/hardware") == "real") check_required_keys(printer);
   check_double_use(printer);
   check_speeds(printer);
   check_homing(printer);

@@ -1,4 +1,4 @@
-// Rules for a real machine that no schema can say: what it cannot do without, and what would collide. Not
+// Rules for a real machine that a schema cannot express: required keys and conflicts between keys. Not
 // thread-safe while the document is being checked.
 #pragma once
 
@@ -7,11 +7,11 @@
 
 namespace contourd {
 
-// Adds what is wrong to the printer's document. Keys that only a real machine needs are missed only where
-// "hardware" says "real"; where they stand they are checked whatever it says, so that one file serves both.
-// Behind printer_schema(): says nothing of what that found wrong.
+// Adds violations to the printer's document. Keys that only a real machine needs are required only if
+// "hardware" is "real", but are checked whenever they are present, so that one file serves both. Call it
+// after printer_schema(); it ignores values that the schema has already rejected.
 void check_hardware_rules(JsonDocument& printer);
-// The same for what depends on the projector's table.
+// Adds the violations that depend on the projector's table.
 void check_projector_table(JsonDocument& printer, const ProjectorTable& table);
 
 }  // namespace contourd

@@ -8,7 +8,7 @@ namespace {
 
 struct Input {
   const char* pointer;
-  const char* consequence;  // of a broken wire that is not noticed
+  const char* consequence;  // the effect of a broken wire that goes unnoticed
 };
 
 constexpr std::array kInputs{
@@ -18,18 +18,20 @@ constexpr std::array kInputs{
     Input{"/z_axis/lid", "the light stays on under an open lid"},
 };
 
-// What leaves a broken wire unnoticed, up to what follows from that; empty when nothing does.
+// Returns why a broken wire would go unnoticed, as the start of a sentence that the consequence completes;
+// empty if it would be noticed.
 std::string warning(const std::string& contact, const std::string& bias, bool active_low) {
-  if (contact == "normally_open") return "the contact is normally open, so a broken wire is silent: then ";
+  if (contact == "normally_open")
+    return "the contact is normally open, so a broken wire goes unnoticed: then ";
   const std::string good = active_low ? "pull_up" : "pull_down", bad = active_low ? "pull_down" : "pull_up";
   if (bias == good) return {};
   if (bias == bad) {
     return "the bias " + in_quotes(bias) +
-           " pulls the line to the level that it has at rest, so a broken wire is silent: then ";
+           " pulls the line to its level at rest, so a broken wire goes unnoticed: then ";
   }
   return "the bias " + in_quotes(bias) +
          " leaves a broken wire's level to chance where no resistor is fitted (" + in_quotes(good) +
-         " makes it noticed): at worst ";
+         " would make it noticed): at worst ";
 }
 
 }  // namespace

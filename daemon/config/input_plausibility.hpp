@@ -5,7 +5,7 @@
 
 namespace contourd {
 
-// Adds warnings. Says nothing of contacts without their defaults: they come from printer_schema().
+// Adds the warnings. Ignores contacts without defaults; run printer_schema() first, which sets them.
 void warn_of_implausible_contacts(JsonDocument& printer);
 
 }  // namespace contourd

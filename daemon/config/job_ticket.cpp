@@ -7,7 +7,7 @@
 namespace contourd {
 namespace {
 
-// A direction that points nowhere is none.
+// Rejects the zero vector, which has no direction.
 void check_direction(JsonDocument& document, const std::string& place) {
   const auto component = [&](const char* axis) { return document.valid_number(place + "/" + axis); };
   if (component("x") == 0.0 && component("y") == 0.0 && component("z") == 0.0)
@@ -114,7 +114,7 @@ SupportTicket read_supports(const JsonSection& root) {
   return {root.text("supports") == "auto" ? SupportPolicy::Auto : SupportPolicy::Off, {}};
 }
 
-// What holds for the whole job.
+// Reads the settings of the whole job.
 JobTicket read_job(const JsonSection& root) {
   JobTicket ticket;
   if (root.has("resin")) ticket.resin = root.text("resin");

@@ -1,4 +1,4 @@
-// How a job is to be printed, as its owner says: the file beside a model, or a plate's. Value types;
+// The user's settings for a job: a ticket, the JSON file beside a model or in a plate's folder. Value types;
 // thread-safe.
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace contourd {
 
-// About the x axis first, then y, then z; right-handed.
+// Right-handed rotations about the x axis first, then y, then z.
 struct RotationDegrees {
   double x = 0.0;
   double y = 0.0;
@@ -25,44 +25,44 @@ struct RotationDegrees {
   bool operator==(const RotationDegrees&) const = default;
 };
 
-// Of the model's centre from the plate's centre.
+// The offset of the model's centre from the plate's centre.
 struct PlateOffset {
   Millimeters x;
   Millimeters y;
   bool operator==(const PlateOffset&) const = default;
 };
 
-// A hole that is taken out of a model: a cylinder in its own millimetres, before it is turned and scaled.
+// A hole to cut into a model: a cylinder in the model's own millimetres, before rotation and scaling.
 struct DrainHole {
   double x_mm = 0, y_mm = 0, z_mm = 0;  // on the model's surface
   Direction inwards{};
   double diameter_mm = 0;
-  double depth_mm = 0;  // from there
+  double depth_mm = 0;  // from that point inwards
   bool operator==(const DrainHole&) const = default;
 };
 
-// What is to become of a model whose contours cannot be closed without a guess.
+// The treatment of a model whose contours can only be closed by a guess.
 enum class CrackPolicy {
-  Repair,  // close them all the same, and warn
+  Repair,  // close them anyway and warn
   Refuse,  // print nothing
 };
 
-// Whether what hangs in the air is held by supports.
+// The choice between printing overhangs as they are and generating supports for them.
 enum class SupportPolicy { Off, Auto };
 
-// What a ticket says of them.
+// The supports that a ticket asks for.
 struct SupportTicket {
   SupportPolicy policy = SupportPolicy::Auto;
-  std::vector<AskedSupportFigure> figures{};  // in the place of the resin's; with Auto
+  std::vector<AskedSupportFigure> figures{};  // replace the resin's; only with Auto
   bool operator==(const SupportTicket&) const = default;
 };
 
-// One model: how it is turned, how large it is and where it lies.
+// One model's orientation, size and position.
 struct ModelTicket {
-  std::string file;  // in the plate's folder; empty: the model that the ticket lies beside
+  std::string file;  // in the plate's folder; empty: the model beside the ticket
   RotationDegrees rotation;
   std::optional<Direction> up;                     // never together with a rotation
-  std::optional<OrientationTicket> orientation{};  // contourd finds it; never together with up or a rotation
+  std::optional<OrientationTicket> orientation{};  // contourd's choice; never together with up or a rotation
   std::optional<Scale> scale;                      // never together with fit
   bool fit = false;                                // fill the display
   std::optional<PlateOffset> position;
@@ -71,21 +71,21 @@ struct ModelTicket {
   bool operator==(const ModelTicket&) const = default;
 };
 
-// Layers as thick as the slopes allow; what is not given is the resin's.
+// Layers as thick as the slopes allow; omitted values are the resin's.
 struct AdaptiveTicket {
   Nanometers cusp;
   std::optional<Nanometers> thinnest, thickest;
   bool operator==(const AdaptiveTicket&) const = default;
 };
 
-// A default-made ticket is what a model without a file gets.
+// A job's settings. A default-constructed ticket is used for a model without a ticket file.
 struct JobTicket {
   std::optional<std::string> resin;        // profile name; not yet known to exist
   std::optional<Nanometers> layer_height;  // not yet checked against the resin
   std::optional<AdaptiveTicket> adaptive;  // never together with layer_height, or an exposure
   TicketOverrides overrides{};             // not yet checked against the resin's limits
   CrackPolicy cracks = CrackPolicy::Repair;
-  std::optional<SupportTicket> supports{};         // the printer's own without it
+  std::optional<SupportTicket> supports{};         // without it, the printer's setting
   std::vector<ModelTicket> models{ModelTicket{}};  // exactly one in a model's own ticket
   bool operator==(const JobTicket&) const = default;
 };
@@ -93,13 +93,13 @@ struct JobTicket {
 // The name of a plate's ticket in its folder.
 inline constexpr const char* kPlateTicket = "plate.json";
 
-// Reads NAME.json from beside NAME.stl. Throws ConfigError with everything that is wrong with it.
+// Reads NAME.json, the ticket of NAME.stl. Throws ConfigError with all violations.
 [[nodiscard]] JobTicket load_job_ticket(const std::filesystem::path& path, Links links = Links::Follow);
-// The same for text at hand; `file` is its name in messages.
+// Reads a model's ticket from `text`; `file` is its name in messages. Throws ConfigError with all violations.
 [[nodiscard]] JobTicket parse_job_ticket(std::string_view text, std::string file);
 
-// Reads a plate's plate.json. The files that it names need not be there. Throws ConfigError with everything
-// that is wrong with it.
+// Reads a plate's plate.json. The model files that it names need not exist. Throws ConfigError with all
+// violations.
 [[nodiscard]] JobTicket load_plate_ticket(const std::filesystem::path& path, Links links = Links::Follow);
 
 }  // namespace contourd

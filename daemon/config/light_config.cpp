@@ -19,14 +19,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Is one of the places at, in or around the other?
+// True if the two JSON pointers are equal or one contains the other.
 bool touch(std::string_view one, std::string_view other) {
   if (one.size() > other.size()) std::swap(one, other);
   return other.starts_with(one) && (one.size() == other.size() || other[one.size()] == '/');
 }
 
-// Tells what is wrong with the document: a problem where it touches one of the places.
-void tell(const JsonDocument& document, std::initializer_list<std::string_view> places, FoundLight& found) {
+// Adds the document's violations to `found`: to the problems if they touch one of the places, else to
+// `elsewhere`.
+void add_violations(const JsonDocument& document, std::initializer_list<std::string_view> places,
+                    FoundLight& found) {
   for (Violation& violation : document.violations()) {
     const bool needed = std::any_of(places.begin(), places.end(),
                                     [&](std::string_view place) { return touch(violation.pointer, place); });
@@ -34,12 +36,12 @@ void tell(const JsonDocument& document, std::initializer_list<std::string_view> 
   }
 }
 
-// Runs a part of the reading. What it throws has been told of where it is a violation already.
+// Runs a part of the reading. Adds its exceptions to the problems unless the same place already has one.
 template <typename Read>
 void attempt(const std::string& file, FoundLight& found, Read read) {
   const auto add = [&](Violation violation) {
-    const auto same_place = [&](const Violation& told) {
-      return told.file == violation.file && touch(told.pointer, violation.pointer);
+    const auto same_place = [&](const Violation& known) {
+      return known.file == violation.file && touch(known.pointer, violation.pointer);
     };
     if (std::none_of(found.problems.begin(), found.problems.end(), same_place))
       found.problems.push_back(std::move(violation));
@@ -67,10 +69,10 @@ void find_projector(JsonDocument& printer, const fs::path& folder, FoundLight& f
   attempt(file->string(), found, [&] {
     JsonDocument table = JsonDocument::from_file(*file);
     check_table(table);
-    tell(table,
-         {"/brand", "/baud", "/line_end", "/echo", "/checksum", "/timeout_ms", "/retries", "/gap_ms",
-          "/commands/light_off"},
-         found);
+    add_violations(table,
+                   {"/brand", "/baud", "/line_end", "/echo", "/checksum", "/timeout_ms", "/retries",
+                    "/gap_ms", "/commands/light_off"},
+                   found);
     if (auto light = read_light_table(JsonSection(table)))
       found.light.projector = {.port = *port, .table = std::move(*light), .brightness = {}};
   });
@@ -88,7 +90,7 @@ std::string light_record(const JsonDocument& printer, const std::optional<nlohma
 }
 
 std::string left_dark(const std::string& record) {
-  expects(nlohmann::json::accept(record), "the text is a record's");
+  expects(nlohmann::json::accept(record), "the record is JSON text");
   nlohmann::json marked = nlohmann::json::parse(record);
   marked["left_dark"] = true;
   return marked.dump(2) + "\n";
@@ -124,16 +126,17 @@ FoundLight find_light(const fs::path& printer_file) {
       found.control_socket = resolved(folder, *socket);
     const bool simulated = printer.valid_text("/hardware") == "simulated";
     if (!simulated) find_projector(printer, folder, found);
-    tell(printer,
-         {"/hardware", "/projectors_folder", "/projector/port", "/projector/table", "/projector/light"},
-         found);
+    add_violations(
+        printer,
+        {"/hardware", "/projectors_folder", "/projector/port", "/projector/table", "/projector/light"},
+        found);
     if (simulated) return;
     attempt(file, found, [&] {
       const JsonSection projector = JsonSection(printer).section("projector");
       if (projector.has("light")) found.light.line = read_gpio_line(projector.section("light"));
     });
     if (found.problems.empty() && !found.light.line && !found.light.projector)
-      found.problems.push_back({file, "/projector", "there is nothing in it that turns the light off"});
+      found.problems.push_back({file, "/projector", "it contains nothing that turns the light off"});
   });
   return found;
 }

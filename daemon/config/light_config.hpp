@@ -1,5 +1,6 @@
-// What turns a machine's light off, for a process that comes after one which has died: from the record that
-// this one has left, or else from as much of a printer's file as is sound. Thread-safe (no shared state).
+// Finds the devices that turn a machine's light off, for a process that does so after contourd has died: from
+// the light record that contourd left or, without one, from the valid parts of a printer's file. Thread-safe
+// (no shared state).
 #pragma once
 
 #include <filesystem>
@@ -14,26 +15,28 @@
 
 namespace contourd {
 
-// The record's text (JSON). `table` is that of the projector's section, where it names one, as in its file.
-// The printer's file is sound, and its "hardware" is "real". REQUIRES: it has its section "projector".
+// Returns the text (JSON) of the light record. `table` is the content of the table that the projector's
+// section names, if any. The printer's file must be valid, with the "hardware" "real". REQUIRES: it has a
+// section "projector".
 [[nodiscard]] std::string light_record(const JsonDocument& printer,
                                        const std::optional<nlohmann::json>& table);
 
-// The record of a contourd that ends in order, with the light confirmed off. REQUIRES: a record's text.
+// Returns the record with the mark of a normal exit with the light confirmed off. REQUIRES: `record` is JSON
+// text.
 [[nodiscard]] std::string left_dark(const std::string& record);
 
-// Throws ConfigError when it is no such record.
+// Reads a light record. Throws ConfigError if the file is not a valid one.
 [[nodiscard]] LightConfig read_light_record(const std::filesystem::path& record);
 
 struct FoundLight {
   LightConfig light;  // empty for a simulated machine
   std::optional<std::filesystem::path> control_socket;
-  std::vector<Violation> problems;   // with what turns the light off: `light` may not be all of it
-  std::vector<Violation> elsewhere;  // what else is wrong in the files that were read
+  std::vector<Violation> problems;   // problems with turning the light off: `light` may be incomplete
+  std::vector<Violation> elsewhere;  // other problems in the files that were read
 };
 
-// Reads of a printer's file, and of its projector's table, what turns the light off. Whatever is wrong, what
-// can be had is returned.
+// Finds what turns the light off in a printer's file and its projector's table. Never throws ConfigError:
+// returns what is readable, with the problems.
 [[nodiscard]] FoundLight find_light(const std::filesystem::path& printer_file);
 
 }  // namespace contourd

@@ -11,7 +11,7 @@ std::string ms_text(Duration duration) {
   return std::to_string(std::llround(in_ms(duration))) + " ms";
 }
 
-// A start bit, 8 data bits, a stop bit.
+// Returns the time on the wire; a byte has 10 bits: start bit, 8 data bits, stop bit.
 Duration wire_time(const std::string& bytes, int baud) {
   return Duration{std::chrono::seconds{10}} * static_cast<std::int64_t>(bytes.size()) / baud;
 }
@@ -22,10 +22,10 @@ void warn_of_implausible_light(JsonDocument& printer, const ProjectorTable& tabl
                                const ExposureTolerance& tolerance, Duration exposure) {
   if (!table.switches_light()) return;
   const auto warn = [&printer](const std::string& what) { printer.add_warning("/projector/table", what); };
-  const std::string tolerated =
-      "the resin's exposure_tolerance_ms is " + ms_text(tolerance.bounds) +
-      (tolerance.policy == ExposureTolerance::Policy::Interrupt ? ", so every layer will wait for its owner"
-                                                                : ", so every layer will be warned about");
+  const std::string tolerated = "the resin's exposure_tolerance_ms is " + ms_text(tolerance.bounds) +
+                                (tolerance.policy == ExposureTolerance::Policy::Interrupt
+                                     ? ", so every layer will wait for the operator"
+                                     : ", so every layer will cause a warning");
   const Duration commands =
       wire_time(table.light_on->bytes, table.baud) + wire_time(table.light_off->bytes, table.baud);
   if (commands > tolerance.bounds) {
@@ -40,12 +40,12 @@ void warn_of_implausible_light(JsonDocument& printer, const ProjectorTable& tabl
   if (soonest > exposure) {
     warn("its gap_ms is " + ms_text(table.gap) + ": light_off comes " + ms_text(soonest) +
          " after light_on at the soonest, but the resin's exposure is " + ms_text(exposure) +
-         ": every such layer gets more");
+         ": layers with this exposure get more light");
   }
   if (table.light_on->timeout >= exposure) {
     warn("the reply to light_on may take " + ms_text(table.light_on->timeout) +
          ", but the resin's exposure is " + ms_text(exposure) +
-         ": of a reply that is lost nobody knows before the exposure is over, nor whether there was light");
+         ": a lost reply is noticed only after the exposure, and then it is unknown whether there was light");
   }
 }
 

@@ -1,4 +1,4 @@
-// Warns where a projector's table leaves the light of a layer less certain than its resin tolerates.
+// Warns of a projector's table whose timing makes the light of a layer less certain than the resin tolerates.
 #pragma once
 
 #include "daemon/config/resin_profile.hpp"
@@ -7,7 +7,7 @@
 
 namespace contourd {
 
-// Adds warnings at the printer's /projector/table. `exposure` is the resin's shortest.
+// Adds warnings at the printer's /projector/table. `exposure` is the resin's shortest exposure.
 void warn_of_implausible_light(JsonDocument& printer, const ProjectorTable& table,
                                const ExposureTolerance& tolerance, Duration exposure);
 

@@ -19,8 +19,8 @@ void check_surface(JsonDocument& document, const std::string& place, const nlohm
   const bool has_direction = surface.contains("x") || surface.contains("y") || surface.contains("z");
   const bool whole_box = surface.contains("min") && surface.contains("max");
   if (has_direction == has_box || (has_box && !whole_box)) {
-    document.add_violation(
-        place, "what is kept clean is either a direction (x, y, z) or a box (min and max), one of both");
+    document.add_violation(place,
+                           "a surface to keep clean is either a direction (x, y, z) or a box (min and max)");
     return;
   }
   if (has_box) return check_box(document, place);
@@ -41,7 +41,7 @@ void check_orientation_rules(JsonDocument& document, const std::string& place) {
   if (!model.contains("keep_clean")) return;
   if (!model.contains("up") || model.at("up").is_object()) {
     document.add_violation(place + "/keep_clean",
-                           "it goes with \"up\": \"auto\", \"fast\", \"clean\" or \"safe\"");
+                           "it requires \"up\": \"auto\", \"fast\", \"clean\" or \"safe\"");
   }
   const nlohmann::json& surfaces = model.at("keep_clean");
   if (!surfaces.is_array()) return;

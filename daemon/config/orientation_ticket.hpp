@@ -1,5 +1,5 @@
-// What a ticket says of which way up a model is printed, where it leaves that to contourd: "up": "auto" and
-// "keep_clean". Thread-safe (no shared state).
+// Reads the part of a ticket that lets contourd choose a model's orientation: "up": "auto" and "keep_clean".
+// Thread-safe (no shared state).
 #pragma once
 
 #include <optional>
@@ -12,16 +12,17 @@
 
 namespace contourd {
 
-// How contourd is to find it.
+// The goals by which contourd chooses the orientation.
 struct OrientationTicket {
   OrientationPreset preset = OrientationPreset::Auto;
   std::vector<KeepClean> keep_clean{};
   bool operator==(const OrientationTicket&) const = default;
 };
 
-// Rules across keys, of the model at that pointer; it is an object.
+// Checks the rules across keys for the model at the pointer `place`, which must be an object; adds violations
+// to the document.
 void check_orientation_rules(JsonDocument& document, const std::string& place);
-// Nothing where "up" is a direction, or missing. The model keeps those rules.
+// Returns nullopt if "up" is a direction or missing. The model must satisfy check_orientation_rules().
 [[nodiscard]] std::optional<OrientationTicket> read_orientation(const JsonSection& model);
 
 }  // namespace contourd

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kBytesPerMb = 1'000'000;
 
-// A limit that leaves nothing for a model.
+// Rejects a memory limit that leaves no room for a model.
 void check_memory_limit(JsonDocument& document) {
   const auto limit = document.valid_number("/memory_limit_mb");
   const auto width = document.valid_number("/display/width_px"),
@@ -58,7 +58,7 @@ void check_socket_path(JsonDocument& document, const fs::path& folder, const cha
 void check_rules(JsonDocument& document, const fs::path& folder) {
   const auto start = document.valid_number("/simulation/start_height_mm");
   const auto travel = document.valid_number("/z_axis/travel_mm");
-  // A real axis begins where it is.
+  // The start height of a real axis does not matter.
   if (document.valid_text("/hardware") == "simulated" && start && travel && *start > *travel) {
     document.add_violation("/simulation/start_height_mm", nlohmann::json(*start).dump() +
                                                               " is more than z_axis/travel_mm, " +
@@ -74,8 +74,8 @@ struct LoadedResin {
   ResinProfile profile;
 };
 
-// The default resin, as far as the printer's file is good enough to find and check it. What is wrong with the
-// profile goes to `violations`; that there is none goes to the printer's file.
+// Loads the default resin, as far as the printer's file is valid enough to find and check it. Adds the
+// profile's own violations to `violations`; a missing profile is a violation of the printer's file.
 std::optional<LoadedResin> load_default_resin(JsonDocument& printer, const fs::path& folder,
                                               std::vector<Violation>& violations) {
   const auto resins = printer.valid_text("/resins_folder");
@@ -106,10 +106,10 @@ std::optional<LoadedResin> load_default_resin(JsonDocument& printer, const fs::p
 struct LoadedTable {
   fs::path file;
   ProjectorTable table;
-  nlohmann::json json;  // as in its file, with its defaults
+  nlohmann::json json;  // the file's content, with defaults
 };
 
-// The projector's table, as the default resin.
+// Loads the projector's table, with the same treatment of violations as load_default_resin().
 std::optional<LoadedTable> load_table(JsonDocument& printer, const fs::path& folder,
                                       std::vector<Violation>& violations) {
   const auto tables = printer.valid_text("/projectors_folder");
@@ -202,7 +202,7 @@ ReminderConfig read_reminders(const JsonSection& reminders) {
           .vat = read_wear_limits(reminders, "vat")};
 }
 
-// What the printer's file refers to.
+// The files that the printer's file refers to.
 struct Companions {
   std::optional<LoadedResin> resin;
   std::optional<UniformityMask> uniformity;
@@ -212,12 +212,12 @@ struct Companions {
 void warn_of_light(JsonDocument& document, const Companions& companions) {
   const ResinProfile& resin = companions.resin->profile;
   const auto irradiance = document.valid_number("/projector/irradiance_mw_cm2");
-  const int behind_fade = resin.bottom_layers + resin.fade_layers;
+  const int first_normal_layer = resin.bottom_layers + resin.fade_layers;
   warn_of_implausible_light(document, companions.table->table, resin.tolerance,
-                            exposure_time(resin, resin.layer_height, behind_fade, irradiance.value()));
+                            exposure_time(resin, resin.layer_height, first_normal_layer, irradiance.value()));
 }
 
-// What only a real machine has.
+// Reads the parts that only a real machine has.
 void read_real(const JsonDocument& document, std::optional<LoadedTable> table, PrinterConfig& config) {
   std::optional<nlohmann::json> json;
   if (table) json = std::move(table->json);
@@ -226,7 +226,7 @@ void read_real(const JsonDocument& document, std::optional<LoadedTable> table, P
       read_real_machine(JsonSection(document), table ? std::optional(std::move(table->table)) : std::nullopt);
 }
 
-// All files that were read.
+// Returns the paths of all files that were read.
 std::vector<fs::path> files_of(const JsonDocument& document, const fs::path& folder,
                                const Companions& companions) {
   std::vector<fs::path> files{folder / fs::path(document.file()).filename(), companions.resin->file};
@@ -235,7 +235,7 @@ std::vector<fs::path> files_of(const JsonDocument& document, const fs::path& fol
   return files;
 }
 
-// The printer's, then the resin's.
+// Returns the printer's warnings, then the resin's.
 std::vector<Violation> warnings_of(const JsonDocument& document, const LoadedResin& resin) {
   std::vector<Violation> warnings = document.warnings();
   const double irradiance = document.valid_number("/projector/irradiance_mw_cm2").value();

@@ -1,4 +1,4 @@
-// One printer as its owner describes it: machine, folders, resin. Value types; thread-safe.
+// The configuration of one printer: machine, folders, resin. Value types; thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -21,29 +21,29 @@ namespace contourd {
 
 enum class Pace {
   Realtime,
-  Fast,  // as fast as the processor goes
+  Fast,  // as fast as the processor allows
 };
 
-// Bounds of what is done by hand.
+// Limits of manual control.
 struct ManualConfig {
-  Duration light_limit{};  // the longest light
-  Nanometers vat_depth{};  // below this height the plate may be in the resin
+  Duration light_limit{};  // longest time that the light stays on
+  Nanometers vat_depth{};  // below this height, the plate may be in the resin
 };
 
-// Paths are absolute. What the file leaves out has the schema's default (config/contourd.schema.json), which
-// is the only place that says it.
+// The content of a printer's file. Paths are absolute. Omitted keys have the schema's defaults; these are
+// defined only in config/contourd.schema.json.
 struct PrinterConfig {
   std::string name;
-  std::filesystem::path spool_folder;  // has incoming, printing, done and failed in it
+  std::filesystem::path spool_folder;  // contains incoming, printing, done and failed
   std::filesystem::path control_socket;
   std::filesystem::path job_ended_socket;
   std::optional<std::filesystem::path> metrics_file{};
   std::filesystem::path resins_folder;
   bool wait_for_plate_cleared = true;
   std::uintmax_t min_free_disk_bytes = 0;
-  std::optional<std::uint64_t> memory_limit_bytes{};  // of the process; nothing: by what is available
-  Duration mask_budget{};                             // for the computation of one mask
-  std::string resin;  // name of the profile for jobs that name none; good when the file was read
+  std::optional<std::uint64_t> memory_limit_bytes{};  // nullopt: the available memory is the limit
+  Duration mask_budget{};                             // longest time to compute one mask
+  std::string resin;  // profile of jobs that name none; was valid when the file was read
 
   Nanometers travel;
   MillimetersPerSecond travel_speed, homing_speed;
@@ -58,37 +58,38 @@ struct PrinterConfig {
   ToneCurve tone;
   std::optional<Mask> uniformity;  // as large as the display
 
-  double irradiance_mw_cm2 = 0.0;  // of a white pixel, on the film
+  double irradiance_mw_cm2 = 0.0;  // irradiance of a white pixel on the film
 
   ManualConfig manual;
   ReminderConfig reminders;
 
   Pace pace = Pace::Realtime;
   SimulatedPrinterConfig simulated;
-  std::optional<RealMachineConfig> real;     // nothing when the machine is simulated
-  std::vector<Violation> warnings;           // what is allowed but implausible, by its place
-  std::vector<std::filesystem::path> files;  // that were read for it, its own first
-  std::string
-      light_record;  // what is to be left for `--light-off`; see light_config.hpp. Real machines' only
+  std::optional<RealMachineConfig> real;     // nullopt if the machine is simulated
+  std::vector<Violation> warnings;           // about values that are allowed but implausible
+  std::vector<std::filesystem::path> files;  // all files that were read, the printer's own first
+  std::string light_record;  // for `--light-off`, see light_config.hpp; empty unless the machine is real
 
   std::vector<std::string>
-      ask_before{};                     // findings of which a job's owner is asked; see preprint_analysis.hpp
-  double tiny_first_layer_percent = 0;  // of the largest layer's area: a first layer below that is one
-  SupportPolicy supports = SupportPolicy::Off;  // of jobs whose tickets say nothing of it
+      ask_before{};  // findings that need the user's confirmation; see preprint_analysis.hpp
+  double tiny_first_layer_percent = 0;  // percentage of the largest layer; a smaller first layer is a finding
+  SupportPolicy supports = SupportPolicy::Off;  // for jobs whose ticket does not set it
 };
 
-// Whether the printer is this computer's, so that its folders must be possible here.
+// The computer that the printer's file is for. Here: the file's folders must be possible on this computer.
 enum class Places { Here, Elsewhere };
 
-// Throws ConfigError with everything that is wrong with the file and with the resin profile it names.
+// Reads a printer's file. Throws ConfigError with all violations in it and in the files it names: the resin
+// profile, the projector's table, the uniformity mask.
 [[nodiscard]] PrinterConfig load_printer_config(const std::filesystem::path& path,
                                                 Places places = Places::Here);
 
-// Reads the profile of that name, checked against the printer. Throws ConfigError with what is wrong with it,
-// or with the profiles there are when there is none of that name. The name may come from anywhere.
+// Reads the resin profile of that name and checks it against the printer. Throws ConfigError with its
+// violations, or with a list of the existing profiles if there is none of that name. Safe for untrusted
+// names.
 [[nodiscard]] ResinProfile find_resin(const PrinterConfig& printer, std::string_view name);
 
-// What is wrong with the profiles that a ticket may name, or implausible.
+// Returns the violations of and the warnings about all other resin profiles, which a ticket may name.
 [[nodiscard]] std::vector<Violation> implausible_in_other_resins(const PrinterConfig& printer);
 
 }  // namespace contourd

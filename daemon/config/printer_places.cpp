@@ -16,12 +16,12 @@ namespace fs = std::filesystem;
 void check_socket(JsonDocument& document, const fs::path& socket) {
   std::error_code code;
   const fs::path folder = socket.parent_path();
-  // What lies in /run itself is made when the service starts.
+  // Folders directly in /run are created when the service starts.
   if (!fs::is_directory(folder, code) && folder.parent_path() != "/run")
     return document.add_violation("/control_socket", "there is no folder " + folder.string());
   const fs::file_status there = fs::symlink_status(socket, code);
   if (fs::exists(there) && !fs::is_socket(there))
-    document.add_violation("/control_socket", socket.string() + " is there already, and is no socket");
+    document.add_violation("/control_socket", socket.string() + " exists and is not a socket");
 }
 
 }  // namespace
@@ -40,10 +40,10 @@ void check_places(JsonDocument& document, const fs::path& folder) {
   if (const auto spool = document.valid_text("/spool_folder")) {
     const fs::path place = resolved(folder, *spool), base = nearest_existing(place);
     const auto refuse = [&](const std::string& why) {
-      document.add_violation("/spool_folder", place.string() + " cannot be made: " + base.string() + why);
+      document.add_violation("/spool_folder", place.string() + " cannot be created: " + base.string() + why);
     };
     if (!fs::is_directory(base, code)) {
-      refuse(" is no folder");
+      refuse(" is not a folder");
     } else if (base != place && ::access(base.c_str(), W_OK) != 0 && errno == EROFS) {
       refuse(std::string(" is read-only") + kReadOnlyHint);
     }

@@ -1,4 +1,4 @@
-// Whether the folders and files that a printer's file names can be there on this computer. Thread-safe (no
+// Checks that the folders and files that a printer's file names can exist on this computer. Thread-safe (no
 // shared state).
 #pragma once
 
@@ -8,15 +8,15 @@
 
 namespace contourd {
 
-// What may be the matter when a file system is read-only.
+// A hint for messages about a read-only file system.
 inline constexpr const char* kReadOnlyHint =
     " (under systemd, the unit's ReadWritePaths must name the folder)";
 
-// The first of the folder and those above it that is there.
+// Returns the folder itself or its nearest ancestor that exists.
 [[nodiscard]] std::filesystem::path nearest_existing(std::filesystem::path folder);
 
-// Adds what keeps a daemon here from starting. `folder` is the file's. Not permissions: it may run as another
-// user than who asks.
+// Adds a violation for everything that would keep the daemon from starting on this computer. `folder` is the
+// file's folder. Does not check permissions, because the daemon may run as another user.
 void check_places(JsonDocument& printer, const std::filesystem::path& folder);
 
 }  // namespace contourd

@@ -21,16 +21,17 @@ constexpr std::array<std::pair<const char*, ReplyMeaning>, 5> kReplies{{
     {"on", ReplyMeaning::On},
     {"off", ReplyMeaning::Off},
     {"value", ReplyMeaning::Value},
-    {"refused", ReplyMeaning::Refused},  // last: it may be what is none of the others
+    {"refused",
+     ReplyMeaning::Refused},  // last: its pattern may match any reply that none of the others matches
 }};
 
 constexpr std::array kCommands{"power_on", "power_off",  "light_on", "light_off",
                                "light",    "brightness", "power",    "lamp_hours"};
 
-// The schema's limit.
+// The limit in the schema.
 constexpr Duration kLongestWarmUp = std::chrono::seconds{120};
 
-// What is sent, and where a number goes into it.
+// The bytes to send, and the offset at which a number is inserted.
 struct Message {
   std::string bytes;
   std::optional<std::size_t> number_at;
@@ -62,13 +63,13 @@ ReplyPattern parse_reply(const std::string& text, bool of_bytes, Checksum checks
   try {
     return ReplyPattern::of_line(text);
   } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(in_quotes(text) + " is no regular expression: " + error.what());
+    throw std::invalid_argument(in_quotes(text) + " is not a regular expression: " + error.what());
   }
 }
 
-// --- The rules beyond the schema, for what is sound of a document ---
+// --- Rules beyond the schema, for the valid parts of a document ---
 
-// What `parse` returns; nothing, and a violation, when it throws.
+// Returns the result of `parse`; if it throws, adds a violation and returns nullopt.
 template <typename Parse>
 auto checked(JsonDocument& document, const std::string& place, const Parse& parse)
     -> std::optional<decltype(parse())> {
@@ -85,9 +86,9 @@ std::string wrong_values(const ReplyPattern& pattern, bool is_value) {
     return pattern.is_of_bytes() ? "no value is expected here: write .. for any byte"
                                  : "no value is expected here: write groups as (?:...)";
   if (!is_value || pattern.values() == 1) return {};
-  if (pattern.is_of_bytes()) return "no byte of it is the value's: write (..) for each that is";
+  if (pattern.is_of_bytes()) return "no byte is marked as the value: write (..) for each byte of it";
   return "it has " + std::to_string(pattern.values()) +
-         " groups; the value's digits need one, others are written (?:...)";
+         " groups; write one group around the value's digits, and all others as (?:...)";
 }
 
 void check_reply(JsonDocument& document, const std::string& place, bool of_bytes, bool is_value) {
@@ -104,9 +105,9 @@ void check_reply(JsonDocument& document, const std::string& place, bool of_bytes
 void check_number(JsonDocument& document, const std::string& place, const Message& message) {
   const bool is_brightness = place == "/commands/brightness";
   if (message.number_at && !is_brightness)
-    document.add_violation(place, "only the brightness has a number, {}, to put in");
+    document.add_violation(place, "only the brightness command may contain {}, the place of a number");
   if (!message.number_at && is_brightness)
-    document.add_violation(place, "there is no {} in it, where the number goes");
+    document.add_violation(place, "it must contain {}, the place of the number");
 }
 
 void check_command(JsonDocument& document, const std::string& place) {
@@ -119,7 +120,7 @@ void check_command(JsonDocument& document, const std::string& place) {
   } else if (text) {
     check_number(document, place, parse_text(*text, ""));
   }
-  if (hex.has_value() == text.has_value()) return;  // what kind its replies are nobody knows
+  if (hex.has_value() == text.has_value()) return;  // the kind of its replies is unknown
   for (const auto& [key, meaning] : kReplies)
     check_reply(document, child_pointer(place, key), hex.has_value(), meaning == ReplyMeaning::Value);
 }
@@ -142,12 +143,11 @@ void check_light(JsonDocument& document) {
   for (const auto& [one, other] : {std::pair{"light_on", "light_off"}, std::pair{"light_off", "light_on"},
                                    std::pair{"light", "light_on"}}) {
     if (has(one) && !has(other))
-      document.add_violation(std::string("/commands/") + one,
-                             std::string("it needs ") + other + " beside it");
+      document.add_violation(std::string("/commands/") + one, std::string("it also needs ") + other);
   }
 }
 
-// Hex digits as they are compared: "2A0D" for "2a  0d".
+// Returns the hex digits in a comparable form: "2A0D" for "2a  0d".
 std::string digits_of(std::string hex) {
   std::erase(hex, ' ');
   std::transform(hex.begin(), hex.end(), hex.begin(),
@@ -155,7 +155,8 @@ std::string digits_of(std::string hex) {
   return hex;
 }
 
-// A line that a plain expression fits: without its escapes and what is optional by a character.
+// Returns a line that a simple expression matches: the expression without escapes and without characters
+// before '?'.
 std::string plain_line(const std::string& expression) {
   std::string line;
   for (std::size_t i = 0; i < expression.size(); ++i) {
@@ -170,14 +171,14 @@ std::string plain_line(const std::string& expression) {
   return line;
 }
 
-// Two lists of bytes that the same reply may fit.
+// True if some reply matches both byte patterns.
 bool overlap(const std::string& one, const std::string& other) {
   return one.size() == other.size() && std::equal(one.begin(), one.end(), other.begin(), [](char a, char b) {
            return a == b || a == '.' || b == '.';
          });
 }
 
-// A reply of a sound command, as it is written and read.
+// A reply of a valid command: its text in the file and the parsed pattern.
 struct WrittenReply {
   std::string text;
   ReplyPattern pattern;
@@ -187,7 +188,7 @@ struct WrittenReply {
   }
 };
 
-// Nothing when there is none, or what kind it is nobody knows. The commands were checked.
+// Returns the reply, or nullopt if there is none or its kind is unknown. The commands must have been checked.
 std::optional<WrittenReply> written_reply(const JsonDocument& document, const std::string& command,
                                           const char* key) {
   const auto text = document.valid_text(command + "/" + key), checksum = document.valid_text("/checksum");
@@ -197,26 +198,27 @@ std::optional<WrittenReply> written_reply(const JsonDocument& document, const st
   try {
     return WrittenReply{*text, parse_reply(*text, of_bytes, checksum_of_table(*checksum))};
   } catch (const std::invalid_argument&) {
-    return std::nullopt;  // said already
+    return std::nullopt;  // already reported
   }
 }
 
-// What a pattern fits that does not mean it; empty when there is no such thing.
+// Returns the wrong kind of reply that the pattern also matches; empty if there is none.
 std::string wrongly_fitted(const WrittenReply& reply, const std::optional<WrittenReply>& refused) {
   if (reply.pattern.fits_noise()) return "noise";
   if (!refused) return "";
-  // What refuses may be written as what is none of the others: bytes may overlap.
+  // Byte patterns may overlap with the pattern for refusals, which may match anything that no other pattern
+  // matches.
   const bool fits = reply.pattern.is_of_bytes() ? digits_of(reply.text) == digits_of(refused->text)
                                                 : reply.fits_line_of(*refused);
-  return fits ? "what refuses" : "";
+  return fits ? "the reply \"refused\"" : "";
 }
 
-bool cannot_be_told_apart(const WrittenReply& one, const WrittenReply& other) {
+bool are_ambiguous(const WrittenReply& one, const WrittenReply& other) {
   if (one.pattern.is_of_bytes()) return overlap(digits_of(one.text), digits_of(other.text));
   return one.fits_line_of(other) || other.fits_line_of(one);
 }
 
-// Of a command that is sound.
+// Returns the bytes of a valid command.
 std::optional<std::string> bytes_of(const JsonDocument& document, const std::string& place) {
   const auto hex = document.valid_text(place + "/hex"), text = document.valid_text(place + "/text");
   const auto checksum = document.valid_text("/checksum"), line_end = document.valid_text("/line_end");
@@ -225,8 +227,8 @@ std::optional<std::string> bytes_of(const JsonDocument& document, const std::str
   return parse_hex(*hex, checksum_of_table(*checksum)).bytes;
 }
 
-constexpr const char* kTakenForOff = " too: the light would be taken for off when it may be on";
-constexpr const char* kTakenForOn = " too: the light would be taken for on when it may be off";
+constexpr const char* kTakenForOff = ": the light would be taken for off when it may be on";
+constexpr const char* kTakenForOn = ": the light would be taken for on when it may be off";
 
 void check_confirmation(JsonDocument& document, const std::string& command, const char* key,
                         const char* consequence) {
@@ -234,10 +236,12 @@ void check_confirmation(JsonDocument& document, const std::string& command, cons
   if (!reply) return;
   const std::string fitted = wrongly_fitted(*reply, written_reply(document, command, "refused"));
   if (!fitted.empty())
-    document.add_violation(command + "/" + key, in_quotes(reply->text) + " fits " + fitted + consequence);
+    document.add_violation(command + "/" + key,
+                           in_quotes(reply->text) + " also matches " + fitted + consequence);
 }
 
-// Darkness must not be confirmed by mistake: by light off, or by a projector that says it is off.
+// Rejects replies that could confirm a wrong state of the light. Most important is darkness: neither
+// light_off nor a question may take another reply for a confirmation that the light is off.
 void check_light_replies(JsonDocument& document) {
   check_confirmation(document, "/commands/light_on", "accepted", kTakenForOn);
   check_confirmation(document, "/commands/light_off", "accepted", kTakenForOff);
@@ -245,8 +249,9 @@ void check_light_replies(JsonDocument& document) {
   for (const std::string question : {"/commands/light", "/commands/power"}) {
     check_confirmation(document, question, "off", kTakenForOff);
     const auto on = written_reply(document, question, "on"), off = written_reply(document, question, "off");
-    if (on && off && !off->pattern.fits_noise() && cannot_be_told_apart(*off, *on))
-      document.add_violation(question + "/off", in_quotes(off->text) + " fits what means on" + kTakenForOff);
+    if (on && off && !off->pattern.fits_noise() && are_ambiguous(*off, *on))
+      document.add_violation(question + "/off",
+                             in_quotes(off->text) + " also matches the reply \"on\"" + kTakenForOff);
   }
 }
 
@@ -270,7 +275,7 @@ void check_rules(JsonDocument& document) {
     check_reply(document, "/unasked/" + std::to_string(i) + "/line", false, false);
 }
 
-// --- Reading a document that is sound ---
+// --- Reading a valid document ---
 
 class TableReader {
  public:
@@ -283,7 +288,7 @@ class TableReader {
   [[nodiscard]] std::optional<ProjectorTable> read_light() const;
 
  private:
-  // What it has beside its commands.
+  // Reads the settings of the serial line.
   [[nodiscard]] ProjectorTable read_line() const;
   [[nodiscard]] Message message(const JsonSection& section) const;
   [[nodiscard]] ProjectorCommand command(const std::string& key) const;
@@ -301,7 +306,7 @@ Message TableReader::message(const JsonSection& section) const {
   return parse_text(section.text("text"), root_.text("line_end"));
 }
 
-// "light off" for "light_off".
+// Returns "light off" for "light_off".
 std::string spoken(std::string key) {
   std::replace(key.begin(), key.end(), '_', ' ');
   return key;
@@ -388,7 +393,8 @@ std::optional<ProjectorTable> TableReader::read_light() const {
   try {
     table.power = optional_command("power");
   } catch (const std::exception&) {
-    // Without it, nobody can tell that a projector which does not confirm light off is off altogether.
+    // Without this command, a projector that does not confirm light off cannot be asked whether it is off
+    // altogether.
   }
   return table;
 }

@@ -1,4 +1,4 @@
-// Reads what a make of projector speaks from its file in config/projectors/. Thread-safe.
+// Reads a projector's table, a file of config/projectors/ that describes its serial protocol. Thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -10,17 +10,18 @@
 
 namespace contourd {
 
-// Throws ConfigError with everything that is wrong with the table: patterns and bytes that cannot be read,
-// checksums that are not right, commands that need one another.
+// Reads a table. Throws ConfigError with all violations: invalid patterns and bytes, wrong checksums,
+// commands that require another command.
 [[nodiscard]] ProjectorTable load_projector_table(const std::filesystem::path& path);
-// The same of a document; gives it its defaults.
+// Reads a table from a document and sets missing keys to their defaults. Throws ConfigError with all
+// violations.
 [[nodiscard]] ProjectorTable read_projector_table(JsonDocument& document);
 
-// Adds what is wrong with the table to its document, and gives that its defaults.
+// Adds the table's violations to its document and sets missing keys to their defaults.
 void check_table(JsonDocument& document);
-// What of a table turns the light off, and asks whether the projector is on where that can be read; nothing
-// where the table cannot switch the light. Looks at nothing else. Throws ConfigError,
-// also where the table lacks a default, or std::invalid_argument.
+// Reads only the commands that turn the light off and, if valid, ask whether the projector is on. Returns
+// nullopt if the table cannot switch the light. Throws ConfigError, also if a key that has a default is
+// missing, or std::invalid_argument.
 [[nodiscard]] std::optional<ProjectorTable> read_light_table(const JsonSection& table);
 
 }  // namespace contourd

@@ -9,13 +9,14 @@
 namespace contourd {
 namespace {
 
-// What is left of seconds that were taken for milliseconds is below the least, and so are slips by a digit.
-// Other hosts give a layer 2.5 to 14 s and a bottom layer 5 to 35 s; one of them takes 1 to 60 s and 10 to
-// 120 s at all. A fifth of the least, and a tenth of that of bottom layers, leave room for strong lamps.
+// Plausible exposures. Seconds entered as milliseconds, and most numbers with a digit too few, are below
+// these minima. Other hosts use 2.5 to 14 s for a layer and 5 to 35 s for a bottom layer; the limits of one
+// of them are 1 to 60 s and 10 to 120 s. A fifth of that minimum, and a tenth for bottom layers, leave room
+// for strong lamps.
 constexpr double kMinExposureMs = 200, kMaxExposureMs = 60'000, kMinBottomExposureMs = 1'000;
-// 60 to 160 ms a micrometre of thickness is what they give; six times less and more leave room again.
+// Other hosts use 60 to 160 ms per micrometre of thickness; a factor of six on either side leaves room.
 constexpr double kMinMsPerUm = 10, kMaxMsPerUm = 1'000;
-// Printers with projectors lay layers of 25 to 100 um.
+// Printers with projectors use layers of 25 to 100 um.
 constexpr double kThinnestUm = 10, kThickestUm = 200;
 // Lifts are 2 to 10 mm high, at 1 to 5 mm/s.
 constexpr double kMinLiftMm = 1, kMaxLiftMm = 20, kMaxSpeedMmS = 10;
@@ -40,8 +41,8 @@ class Warnings {
 void check_exposures(const ResinProfile& resin, double irradiance_mw_cm2, Warnings& warnings) {
   const bool fixed = std::holds_alternative<FixedExposure>(resin.exposure);
   const double um = to_millimeters(resin.layer_height).count() * 1000;
-  const int behind_fade = resin.bottom_layers + resin.fade_layers;
-  const double ms = in_ms(exposure_time(resin, resin.layer_height, behind_fade, irradiance_mw_cm2));
+  const int first_normal_layer = resin.bottom_layers + resin.fade_layers;
+  const double ms = in_ms(exposure_time(resin, resin.layer_height, first_normal_layer, irradiance_mw_cm2));
   const char* const exposure = fixed ? "/exposure_ms" : "/working_curve";
   if (ms < kMinExposureMs || ms > kMaxExposureMs) {
     warnings.add(exposure, ms, "ms of light on a layer are implausible: 1000 to 60000 are usual");
@@ -74,8 +75,9 @@ std::vector<Violation> implausible_values(const ResinProfile& resin, const std::
                          "mm/s are implausible: 1 to 5 mm/s (60 to 300 mm/min) are usual");
   if (const auto* curve = std::get_if<WorkingCurve>(&resin.exposure);
       curve != nullptr && curve->overcure.count() == 0)
-    warnings.add("/working_curve/overcure_um", 0,
-                 "um are implausible: a layer that cures no deeper than it is thick bonds to none");
+    warnings.add(
+        "/working_curve/overcure_um", 0,
+        "um are implausible: a layer that cures no deeper than its thickness does not bond to the one below");
   return warnings.take();
 }
 

@@ -1,5 +1,5 @@
-// Warns of values that the schema allows and a resin's profile hardly means: seconds for milliseconds, a
-// speed a minute for one a second. Pure functions, thread-safe.
+// Warns of values in a resin's profile that the schema allows but that are probably mistakes, such as seconds
+// instead of milliseconds, or mm/min instead of mm/s. Pure functions, thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace contourd {
 
-// `file` is the profile's. REQUIRES: irradiance > 0.
+// Returns the warnings. `file` is the profile's path. REQUIRES: irradiance > 0.
 [[nodiscard]] std::vector<Violation> implausible_values(const ResinProfile& resin,
                                                         const std::filesystem::path& file,
                                                         double irradiance_mw_cm2);

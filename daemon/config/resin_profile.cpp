@@ -20,8 +20,8 @@ struct ExposureSeconds {
   double bottom;
 };
 
-// The energy that cures to the depth Cd is E = Ec exp(Cd / Dp), and the light takes E / irradiance to bring
-// it.
+// Returns the exposures at this layer height. Curing to the depth Cd needs the energy E = Ec exp(Cd / Dp),
+// and the light delivers it in E / irradiance.
 ExposureSeconds exposures_s(const ResinProfile& resin, Nanometers layer_height, double irradiance_mw_cm2) {
   if (const auto* fixed = std::get_if<FixedExposure>(&resin.exposure)) {
     const auto seconds = [](Duration d) { return std::chrono::duration<double>(d).count(); };
@@ -43,11 +43,12 @@ std::optional<std::string> exposure_problem(const std::string& which, double sec
   if (seconds >= shortest && seconds <= longest) return std::nullopt;
   const double rounded_ms = std::round(seconds * 1e6) / 1e3;
   return which + " at a layer height of " + decimal(static_cast<double>(layer_height.count()) / 1e3) +
-         " um comes to " + (std::isfinite(rounded_ms) ? nlohmann::json(rounded_ms).dump() : "ever so many") +
+         " um comes to " +
+         (std::isfinite(rounded_ms) ? nlohmann::json(rounded_ms).dump() : "infinitely many") +
          " ms; it must be from 1 ms to 120 s";
 }
 
-// Rule: the number at one key is at most that at another.
+// Checks that the number at `lower` is at most the number at `upper`.
 void check_order(JsonDocument& document, const std::string& lower, const std::string& upper) {
   const auto low = document.valid_number("/" + lower);
   const auto high = document.valid_number("/" + upper);
@@ -73,7 +74,7 @@ void check_ticket_limits(JsonDocument& document, const ResinMachine& machine) {
     const auto own = document.valid_number("/" + std::string(key));
     if (own && (*own < *least || *own > *most)) {
       document.add_violation(place, decimal(*least) + " to " + decimal(*most) +
-                                        " leave out the profile's own " + std::string(key) + ", " +
+                                        " exclude the profile's own " + std::string(key) + ", " +
                                         decimal(*own));
     }
   }
@@ -86,7 +87,7 @@ void check_ticket_limits(JsonDocument& document, const ResinMachine& machine) {
 }
 
 void check_rules(JsonDocument& document, const ResinMachine& machine) {
-  // The range first: against a range that is upside down, no default is right.
+  // Check the range first: with minimum and maximum swapped, every default would be a violation too.
   check_order(document, "layer_height_min_um", "layer_height_max_um");
   check_order(document, "layer_height_min_um", "layer_height_um");
   check_order(document, "layer_height_um", "layer_height_max_um");
@@ -96,8 +97,9 @@ void check_rules(JsonDocument& document, const ResinMachine& machine) {
   const auto bottom = document.valid_number("/bottom_layers");
   const auto fade = document.valid_number("/fade_layers");
   if (bottom && fade && *bottom == 0 && *fade > 0) {
-    document.add_violation("/fade_layers",
-                           decimal(*fade) + " layers to fade, but bottom_layers is 0: from what?");
+    document.add_violation(
+        "/fade_layers",
+        decimal(*fade) + " layers to fade, but bottom_layers is 0: there is no bottom exposure to fade from");
   }
   const auto foot = document.valid_number("/elephant_foot_um");
   const auto foot_height = document.valid_number("/elephant_foot_height_um");
@@ -119,7 +121,8 @@ void check_rules(JsonDocument& document, const ResinMachine& machine) {
   check_ticket_limits(document, machine);
 }
 
-// What a working curve comes to is known when it has been read.
+// Checks the ticket limits against the working curve's exposures, which are known only after the profile has
+// been read.
 void check_limits_of_curve(JsonDocument& document, const ResinProfile& resin, double irradiance_mw_cm2) {
   if (!std::holds_alternative<WorkingCurve>(resin.exposure)) return;
   const auto [normal, bottom] = exposures_s(resin, resin.layer_height, irradiance_mw_cm2);
@@ -131,7 +134,7 @@ void check_limits_of_curve(JsonDocument& document, const ResinProfile& resin, do
     if (own_ms >= ms(limits->least) && own_ms <= ms(limits->most)) return;
     document.add_violation(limits_place(key),
                            decimal(ms(limits->least)) + " to " + decimal(ms(limits->most)) +
-                               " leave out what the working curve comes to, " + decimal(own_ms));
+                               " exclude the exposure by the working curve, " + decimal(own_ms));
   };
   check("exposure_ms", resin.limits.exposure, normal);
   check("bottom_exposure_ms", resin.limits.bottom_exposure, bottom);
@@ -147,7 +150,7 @@ std::variant<FixedExposure, WorkingCurve> read_exposure(const JsonSection& profi
                       Micrometers{curve.number("bottom_overcure_um")}};
 }
 
-// What must be made so much larger that it comes out right.
+// Returns the factors by which a model is enlarged so that it has its size after shrinking.
 Scale read_shrinkage(const JsonSection& profile) {
   const JsonSection percent = profile.section("shrinkage_percent");
   const auto factor = [&](const char* axis) { return 1 / (1 - percent.number(axis) / 100); };

@@ -1,4 +1,4 @@
-// How one resin is printed: layer heights, exposures, the moves that peel a layer off. Value types;
+// The print settings of one resin: layer heights, exposures, the moves that peel off a layer. Value types;
 // thread-safe.
 #pragma once
 
@@ -24,7 +24,7 @@ namespace contourd {
 inline constexpr Duration kShortestExposure = std::chrono::milliseconds{1};
 inline constexpr Duration kLongestExposure = std::chrono::seconds{120};
 
-// Whatever the layer height is.
+// Exposures that do not depend on the layer height.
 struct FixedExposure {
   Duration exposure{};
   Duration bottom_exposure{};
@@ -40,7 +40,8 @@ struct WorkingCurve {
   bool operator==(const WorkingCurve&) const = default;
 };
 
-// How far apart the bounds of a layer's light may be, and what is done when they are farther.
+// The tolerated uncertainty of a layer's exposure time (upper minus lower bound), and the reaction if it is
+// exceeded.
 struct ExposureTolerance {
   Duration bounds{std::chrono::milliseconds{100}};
   enum class Policy { Warn, Interrupt };
@@ -49,48 +50,49 @@ struct ExposureTolerance {
 };
 
 struct ResinProfile {
-  std::string name;  // of its file, without .json
+  std::string name;  // the file's name without .json
   Nanometers layer_height;
   Nanometers layer_height_min;
   Nanometers layer_height_max;
   std::variant<FixedExposure, WorkingCurve> exposure;
-  Scale shrinkage_factors;  // that make good the resin's shrinkage, along the plate's axes
-  int bottom_layers = 0;    // get the bottom exposure
-  int fade_layers = 0;      // after those: from the bottom exposure to the normal one
+  Scale shrinkage_factors;  // compensate the resin's shrinkage along the plate's axes
+  int bottom_layers = 0;    // layers with the bottom exposure
+  int fade_layers = 0;      // the layers after them: from the bottom exposure to the normal one
   Compensation compensation;
   CarryingSupport support;
   SupportSettings supports;
-  OrientationWeights orientation;  // of a model whose ticket leaves to contourd what points up
+  OrientationWeights orientation;  // for models whose orientation contourd chooses
   Nanometers lift;
   MillimetersPerSecond lift_speed;
   MillimetersPerSecond retract_speed;
-  Duration settle{};  // plate still, before the light
-  Duration rest{};    // light off, before the lift
+  Duration settle{};  // pause before the light, with the plate at rest
+  Duration rest{};    // pause between light off and the lift
   ExposureTolerance tolerance;
   TicketLimits limits;
   bool operator==(const ResinProfile&) const = default;
 };
 
-// The machine that the resin is for: the figures that a profile is checked against. Those that are not known
-// are not checked.
+// The limits of the machine that a profile is checked against. Unknown limits are not checked.
 struct ResinMachine {
   std::optional<Nanometers> travel;
   std::optional<double> irradiance_mw_cm2;
   std::optional<MillimetersPerSecond> top_speed = std::nullopt;
 };
 
-// Throws ConfigError with everything that is wrong with the profile, its exposures at its own layer height
-// included. What it lets tickets set keeps to the same bounds as its own settings, which are within that.
+// Reads a profile. Throws ConfigError with all violations, including invalid exposures at its own layer
+// height. The ticket_limits must respect the bounds of the profile's own settings and must include these
+// settings.
 [[nodiscard]] ResinProfile load_resin_profile(const std::filesystem::path& path, const ResinMachine& machine);
 
-// Light of layer `layer_index` (0 is the one on the plate). The fade is linear: of n fade layers, the k-th
-// from 1 has gone k/(n+1) of the way. Not clamped: check with layer_height_problems() first. Throws
-// std::range_error beyond a hundred years. REQUIRES: layer_index >= 0, layer_height > 0, irradiance > 0.
+// Returns the exposure time of layer `layer_index` (0 is the one on the plate). The fade is linear: fade
+// layer k of n (from 1) is k/(n+1) of the way to the normal exposure. Not clamped: check with
+// layer_height_problems() first. Throws std::range_error beyond a hundred years. REQUIRES: layer_index >= 0,
+// layer_height > 0, irradiance > 0.
 [[nodiscard]] Duration exposure_time(const ResinProfile& resin, Nanometers layer_height, int layer_index,
                                      double irradiance_mw_cm2);
 
-// What speaks against printing at this layer height, a clause each: the profile's own range, an exposure
-// outside kShortestExposure..kLongestExposure. Empty when nothing does. REQUIRES: layer_height > 0,
+// Returns the reasons, as clauses, why this layer height cannot be printed: it is outside the profile's
+// range, or an exposure is outside kShortestExposure..kLongestExposure. REQUIRES: layer_height > 0,
 // irradiance > 0.
 [[nodiscard]] std::vector<std::string> layer_height_problems(const ResinProfile& resin,
                                                              Nanometers layer_height,

@@ -1,5 +1,5 @@
-// The figures of supports as owners write them: in a resin's profile, and in a ticket in the place of those.
-// Pure functions, thread-safe.
+// Reads the dimensions of supports in a resin's profile, and in a ticket that overrides them. Pure functions,
+// thread-safe.
 #pragma once
 
 #include <span>
@@ -13,33 +13,34 @@
 
 namespace contourd {
 
-// A key of `supports`; its value has the unit that the key ends in.
+// A key of the section "supports"; its value has the unit that the key ends in.
 struct SupportFigure {
   std::string_view key;      // "tip_diameter_mm"
-  std::string_view setting;  // "supports.tip_diameter_mm": among a resin's other settings
+  std::string_view setting;  // the name among all settings of a resin: "supports.tip_diameter_mm"
   double (*get)(const SupportSettings&);
   void (*set)(SupportSettings&, double);
 };
 [[nodiscard]] std::span<const SupportFigure> support_figures();
 
-// What a ticket sets; not yet checked against the others.
+// A value that a ticket sets; not yet checked against the other values.
 struct AskedSupportFigure {
-  std::string_view key;  // of support_figures()
+  std::string_view key;  // a key of support_figures()
   double value = 0;
   bool operator==(const AskedSupportFigure&) const = default;
 };
 
-// All keys have to be there, as the schema's defaults see to.
+// Reads a profile's section. All keys must be present, which the schema's defaults ensure.
 [[nodiscard]] SupportSettings read_support_settings(const JsonSection& supports);
+// Reads a ticket's section, in which every key is optional.
 [[nodiscard]] std::vector<AskedSupportFigure> read_asked_figures(const JsonSection& supports);
-// What they replace, in the figures' order.
+// Sets the values that a ticket asks for. Returns the overridden settings, in the order of support_figures().
 [[nodiscard]] OverriddenSettings override_supports(SupportSettings& settings,
                                                    std::span<const AskedSupportFigure> asked);
 
-// Figures of one profile, or of a ticket with its profile's, that contradict each other.
+// A contradiction between two values of a profile, or between a ticket's and its profile's values.
 struct SupportContradiction {
-  std::string_view key;  // of the one that is too large or too small
-  std::string sentence;  // with both figures
+  std::string_view key;  // key of the value that is too large or too small
+  std::string sentence;  // names both values
 };
 [[nodiscard]] std::vector<SupportContradiction> contradictions_of(const SupportSettings& settings);
 

@@ -1,5 +1,5 @@
-// What a job's ticket sets in the place of its resin's profile, and between which values that profile lets
-// it. Value types; thread-safe.
+// The settings of a resin's profile that a job's ticket can override, and the limits that the profile sets
+// for this. Value types; thread-safe.
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@
 
 namespace contourd {
 
-// The keys of these settings: in a ticket, in a profile, and in a profile's ticket_limits.
+// The keys of these settings in a ticket, in a profile and in a profile's ticket_limits.
 inline constexpr std::array<std::string_view, 5> kTicketSettings{"exposure_ms", "bottom_exposure_ms",
                                                                  "lift_mm", "settle_ms", "rest_ms"};
 
-// As a ticket asks for them; not yet checked against the profile.
+// The values that a ticket asks for; not yet checked against the profile.
 struct TicketOverrides {
   std::optional<Duration> exposure, bottom_exposure;
   std::optional<Nanometers> lift;
@@ -24,7 +24,7 @@ struct TicketOverrides {
   bool operator==(const TicketOverrides&) const = default;
 };
 
-// Both belong to it.
+// A closed interval.
 template <typename Quantity>
 struct Limits {
   Quantity least{}, most{};
@@ -32,7 +32,7 @@ struct Limits {
   bool operator==(const Limits&) const = default;
 };
 
-// What has none, no ticket may set.
+// The limits for a ticket's values. A setting without limits cannot be overridden.
 struct TicketLimits {
   std::optional<Limits<Duration>> exposure, bottom_exposure;
   std::optional<Limits<Nanometers>> lift;
@@ -40,12 +40,12 @@ struct TicketLimits {
   bool operator==(const TicketLimits&) const = default;
 };
 
-// A setting by which a job is printed because its ticket says so.
+// A setting whose value comes from the job's ticket instead of the resin's profile.
 struct OverriddenSetting {
-  // Of kTicketSettings, or of support_figures(); it ends in the unit of the other two.
+  // The key, one of kTicketSettings or of support_figures(); it ends in the unit of the two values.
   std::string_view setting;
   double asked = 0;
-  double profile = 0;  // what the job would have been printed with
+  double profile = 0;  // the value without the ticket
   bool operator==(const OverriddenSetting&) const = default;
 };
 using OverriddenSettings = std::vector<OverriddenSetting>;

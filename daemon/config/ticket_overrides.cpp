@@ -12,7 +12,7 @@
 namespace contourd {
 namespace {
 
-// In the unit of their keys.
+// Return the value in the unit of the setting's key.
 double figure_of(Duration time) {
   return std::chrono::duration<double, std::milli>(time).count();
 }
@@ -56,13 +56,13 @@ class Overriding {
   std::vector<Violation> refused_;
 };
 
-// At the ticket's layer height, whatever they follow from.
+// Returns the exposures at this layer height, fixed or from the working curve.
 FixedExposure exposures_at(const ResinProfile& resin, Nanometers layer_height, double irradiance_mw_cm2) {
   if (const auto* fixed = std::get_if<FixedExposure>(&resin.exposure)) return *fixed;
-  const int behind_fade = resin.bottom_layers + resin.fade_layers;
+  const int first_normal_layer = resin.bottom_layers + resin.fade_layers;
   ResinProfile with_bottom = resin;
   with_bottom.bottom_layers = 1;
-  return {exposure_time(resin, layer_height, behind_fade, irradiance_mw_cm2),
+  return {exposure_time(resin, layer_height, first_normal_layer, irradiance_mw_cm2),
           exposure_time(with_bottom, layer_height, 0, irradiance_mw_cm2)};
 }
 
@@ -79,7 +79,7 @@ void override_exposures(ResinProfile& resin, const JobTicket& ticket, double irr
   overriding.set("exposure_ms", asked.exposure, resin.limits.exposure, exposures.exposure);
   overriding.set("bottom_exposure_ms", asked.bottom_exposure, resin.limits.bottom_exposure,
                  exposures.bottom_exposure);
-  // As in a profile.
+  // A profile is checked by the same rule.
   if (exposures.exposure > exposures.bottom_exposure) {
     overriding.refuse(asked.exposure ? "exposure_ms" : "bottom_exposure_ms",
                       "an exposure of " + decimal(figure_of(exposures.exposure)) +
@@ -89,7 +89,7 @@ void override_exposures(ResinProfile& resin, const JobTicket& ticket, double irr
   resin.exposure = exposures;
 }
 
-// Within no limits: no shape of a support hurts the machine.
+// Overrides the supports. They need no limits, because no shape of a support can damage the machine.
 void override_supports(ResinProfile& resin, const JobTicket& ticket, Overriding& overriding) {
   if (!ticket.supports || ticket.supports->figures.empty()) return;
   overriding.add(override_supports(resin.supports, ticket.supports->figures));

@@ -1,5 +1,5 @@
-// A ticket's own settings put in the place of its resin's, within what the resin's profile allows. Pure
-// functions, thread-safe.
+// Applies a ticket's settings to a resin's profile, within the limits of the profile. Pure functions,
+// thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -11,15 +11,16 @@
 
 namespace contourd {
 
-// What messages name.
+// The files to name in messages.
 struct OverrideFiles {
   std::string ticket;
   std::filesystem::path profile;
 };
 
-// Nothing is clamped: throws ConfigError with everything that the profile does not allow, each with the value
-// that was asked for and the limits. An exposure for a resin with a working curve makes both of its exposures
-// fixed ones, for this ticket's layer height. REQUIRES: irradiance > 0.
+// Replaces the settings of `resin` that the ticket overrides, and returns them. Does not clamp: throws
+// ConfigError with every value that the profile does not allow and its limits. If the ticket sets an exposure
+// for a resin with a working curve, both exposures become fixed ones, for this ticket's layer height.
+// REQUIRES: irradiance > 0.
 [[nodiscard]] OverriddenSettings override_settings(ResinProfile& resin, const JobTicket& ticket,
                                                    double irradiance_mw_cm2, const OverrideFiles& files);
 

@@ -12,28 +12,17 @@ namespace contourd {
 namespace {
 
 constexpr const char* kKey = "/display/uniformity_mask";
-constexpr const char* kOldKey = "/display/lamp_mask";
-
-// The key that names the mask; null when none does.
-const char* key_in_use(JsonDocument& printer) {
-  const bool named = printer.valid_text(kKey).has_value();
-  if (!printer.valid_text(kOldKey)) return named ? kKey : nullptr;
-  if (named) {
-    printer.add_violation(kOldKey, "this is the old name of \"uniformity_mask\", which is there too");
-    return kKey;
-  }
-  printer.add_warning(kOldKey, "this key is now called \"uniformity_mask\"; the old name still works");
-  return kOldKey;
-}
 
 }  // namespace
 
 std::optional<UniformityMask> load_uniformity_mask(JsonDocument& printer,
                                                    const std::filesystem::path& folder) {
-  const char* const key = key_in_use(printer);
-  if (key == nullptr) return std::nullopt;
-  const std::filesystem::path file = resolved(folder, printer.valid_text(key).value());
-  const auto refuse = [&](const std::string& why) { printer.add_violation(key, file.string() + ": " + why); };
+  const auto name = printer.valid_text(kKey);
+  if (!name) return std::nullopt;
+  const std::filesystem::path file = resolved(folder, *name);
+  const auto refuse = [&](const std::string& why) {
+    printer.add_violation(kKey, file.string() + ": " + why);
+  };
   const auto width = printer.valid_number("/display/width_px"),
              height = printer.valid_number("/display/height_px");
   try {

@@ -1,5 +1,4 @@
-// The picture that evens out a projector's light, as a printer's file names it. Thread-safe (no shared
-// state).
+// Loads the picture that evens out a projector's light. Thread-safe (no shared state).
 #pragma once
 
 #include <filesystem>
@@ -15,8 +14,8 @@ struct UniformityMask {
   Mask mask;
 };
 
-// Nothing where the printer's file names none. Blocks. Adds to the printer's document what is wrong with it,
-// and a warning where the old key names it. `folder` is the file's.
+// Returns the mask that the printer's file names, or nullopt. Blocks. Adds violations to the printer's
+// document if the mask is unusable. `folder` is the folder of the printer's file.
 [[nodiscard]] std::optional<UniformityMask> load_uniformity_mask(JsonDocument& printer,
                                                                  const std::filesystem::path& folder);
 

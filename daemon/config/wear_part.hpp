@@ -1,5 +1,5 @@
-// The parts of a machine that wear by use, what one of them has been used since it was new, and when its
-// owner wants to be reminded of it. Value types; thread-safe.
+// The wear parts of a machine, their use since the last replacement, and the limits for reminders. Value
+// types; thread-safe.
 #pragma once
 
 #include <array>
@@ -26,16 +26,16 @@ inline constexpr std::array<WearPart, 3> kWearParts{WearPart::Lamp, WearPart::Fi
   return "?";
 }
 
-// By prints alone: what was lit or moved by hand does not count.
+// The use of a part in prints; light and moves by manual control are not counted.
 struct WearPartUse {
   WearPart part{};
   std::optional<std::chrono::system_clock::time_point>
-      replaced{};                       // nothing: counted from the history's begin
+      replaced{};                       // nullopt: counted from the start of the history
   double lamp_h = 0;                    // hours of light
-  std::int64_t layers = 0, prints = 0;  // that had light
+  std::int64_t layers = 0, prints = 0;  // with light
 };
 
-// From any of these on the part is due; nothing: never.
+// The limits of a part's use; a replacement is due once any of them is reached. nullopt: no limit.
 struct WearLimits {
   std::optional<double> lamp_h{};
   std::optional<std::int64_t> layers{}, prints{};

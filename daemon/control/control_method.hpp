@@ -1,5 +1,5 @@
-// What a front (the control socket; others may come) can have the printer do or tell: by name, with
-// parameters and a result, whatever they travel in.
+// A method that a client can call on the printer, with parameters and a result in JSON. Independent of the
+// transport, which is the control socket.
 #pragma once
 
 #include <functional>
@@ -15,13 +15,13 @@
 
 namespace contourd {
 
-// A method's refusal: the printer is in no state for it.
+// Thrown if the printer refuses a method in its current state.
 class ControlRefusal : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// A parameter is missing, unknown or out of its range.
+// Thrown if a parameter is missing, unknown or out of range.
 class InvalidParameters : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -30,14 +30,14 @@ class InvalidParameters : public std::runtime_error {
 struct ControlMethod {
   using Json = nlohmann::ordered_json;
 
-  // Returns the result; throws ControlRefusal and InvalidParameters. `parameters` is an object.
+  // Returns the result. `parameters` is an object. Throws ControlRefusal and InvalidParameters.
   std::function<Json(const Json& parameters, const ControlCaller& caller)> call;
-  std::vector<std::string> parameters{};  // the names that it may have
-  bool changes = false;                   // something: it is in the log with its caller
-  bool needs_service_rights = false;      // it moves or lights the printer by hand
+  std::vector<std::string> parameters{};  // names of the parameters that the method accepts
+  bool changes = false;                   // changes the printer; logged with its caller
+  bool needs_service_rights = false;      // moves or lights the printer by hand
 
-  // Where it is set, instead of `call`: returns the result, or nothing and calls `later` with it or with a
-  // refusal once, from the loop and never from inside. What the same connection asks next waits for that.
+  // Used instead of `call` if set. Returns the result, or returns nullopt and later calls `later` once with
+  // the result or a refusal, from the event loop. The connection's next request waits for that call.
   using Later = std::function<void(std::variant<Json, ControlRefusal> result)>;
   std::function<std::optional<Json>(const Json& parameters, const ControlCaller& caller, Later later)>
       call_later{};

@@ -23,18 +23,19 @@ namespace {
 
 using Json = ControlServer::Json;
 
-// JSON-RPC 2.0's error codes, and ours for "not now".
+// JSON-RPC 2.0's error codes.
 constexpr int kParseError = -32700, kInvalidRequest = -32600, kMethodNotFound = -32601,
               kInvalidParams = -32602, kInternalError = -32603;
-constexpr int kRefused = -32000, kNotAllowed = -32001;
+constexpr int kRefused = -32000, kNotAllowed = -32001;  // contourd's own
 
-// Room for the largest batch. Reading one that is all brackets takes 1 ms, some on a Raspberry Pi.
+// Large enough for the largest batch. Parsing a message of only brackets takes 1 ms, a few on a Raspberry Pi.
 constexpr std::size_t kLongestMessage = 8192;
 constexpr std::size_t kMaxUnsent = 262144;       // beyond it, lossy notifications are left out
-constexpr std::size_t kMaxUnsentEver = 4194304;  // beyond it, the client is not reading: it is dropped
+constexpr std::size_t kMaxUnsentEver = 4194304;  // beyond it, the client is closed: it is not reading
 constexpr std::size_t kMaxClients = 64;
+// Pause after accept() has failed.
 constexpr Duration kRest = std::chrono::milliseconds(200);
-// A user's turns in the long run, one in this time, and how many come at once after a while without any.
+// A user gets one turn per kTurnInterval on average, and kTurnsAtOnce without a wait after a quiet time.
 constexpr Duration kTurnInterval = std::chrono::milliseconds(2);
 constexpr int kTurnsAtOnce = 200;
 constexpr std::size_t kLargestBatch = 64;
@@ -45,7 +46,7 @@ Json error_answer(const Json& id, int code, const std::string& message) {
 }
 
 std::string text_of(const Json& message) {
-  // ASCII alone: whoever looks at it on a terminal sees names, and nothing that they do.
+  // ASCII only, so that control characters in file names do nothing to a terminal.
   return message.dump(-1, ' ', true, Json::error_handler_t::replace);
 }
 
@@ -68,7 +69,7 @@ FileDescriptor new_socket() {
   return socket;
 }
 
-// The peer's own group and its others, as they were when it connected (unix(7), SO_PEERGROUPS).
+// Returns the peer's primary and supplementary groups at the time it connected (unix(7), SO_PEERGROUPS).
 std::vector<gid_t> groups_of(int socket, gid_t own) {
   constexpr std::size_t kMaxGroups = 65536;  // NGROUPS_MAX
   std::vector<gid_t> groups(64);
@@ -90,7 +91,7 @@ std::optional<ControlServer::Peer> peer_of(int socket) {
   return ControlServer::Peer{credentials.uid, credentials.pid, groups_of(socket, credentials.gid)};
 }
 
-// Throws InvalidParameters when they are others than those.
+// Returns the message's parameters as an object. Throws InvalidParameters if one is not in `known`.
 Json parameters_of(const Json& message, const std::vector<std::string>& known) {
   if (!message.contains("params") || message["params"].empty()) return Json::object();
   const std::string method = message["method"].get<std::string>();
@@ -109,8 +110,8 @@ Json parameters_of(const Json& message, const std::vector<std::string>& known) {
 
 }  // namespace
 
-// Answers one request a turn of the event loop, and no more than its user has turns: nobody can ask so much
-// that a light waits, or that the computer has time for nothing else.
+// One connection. Answers at most one request per turn of the event loop, and only as many as its user has
+// turns, so that no client can delay a light or occupy the computer.
 class ControlServer::Client {
  public:
   Client(ControlServer& server, FileDescriptor socket, Peer other_end, std::uint64_t connection)
@@ -127,9 +128,9 @@ class ControlServer::Client {
 
   [[nodiscard]] bool closed() const { return source_ == nullptr; }
   [[nodiscard]] bool reads_slowly() const { return unsent_.size() > kMaxUnsent; }
-  // The message under way is answered later, by answer_later(): nothing else is done before.
+  // Handles no further message until answer_later() has answered the current one.
   void wait_for_answer() { waiting_ = true; }
-  // Discarded where none is wanted.
+  // Sends the deferred answer, unless it is discarded, and continues with the next message.
   void answer_later(const Json& answer) {
     waiting_ = false;
     if (batch_) {
@@ -139,27 +140,27 @@ class ControlServer::Client {
     }
     if (!closed()) end_turn();
   }
-  // No more is read or sent; the server removes the client when nobody is inside it.
+  // Stops reading and sending; the server removes the client later, since this may be called from inside it.
   void close() {
     source_.reset();
     next_turn_.reset();
     server_.drop_closed_clients();
   }
 
-  // Once, and never from inside a method.
-  void tell_disconnected() {
-    if (!std::exchange(disconnect_told_, true) && server_.disconnected_) server_.disconnected_(number);
+  // Calls the server's callback the first time. Never called from inside a method.
+  void report_disconnected() {
+    if (!std::exchange(disconnect_reported_, true) && server_.disconnected_) server_.disconnected_(number);
   }
 
   const Peer peer;
-  const std::uint64_t number;  // of its connection
+  const std::uint64_t number;  // identifies the connection
   bool watching = false;
   std::chrono::steady_clock::time_point last_heard = std::chrono::steady_clock::now();
 
  private:
   static constexpr std::string_view kName = "a client of the control socket";
 
-  // A batch under way.
+  // A batch that is being answered.
   struct Batch {
     Json messages;
     std::size_t next = 0;
@@ -167,10 +168,10 @@ class ControlServer::Client {
   };
 
   void ready(std::uint32_t events) {
-    // Whatever is still to be answered.
+    // Reported even if answers are still pending.
     if ((events & (EPOLLHUP | EPOLLERR)) != 0) {
       hung_up_ = true;
-      tell_disconnected();
+      report_disconnected();
     }
     if ((events & EPOLLOUT) != 0) flush();
     if (closed()) return;
@@ -183,7 +184,7 @@ class ControlServer::Client {
     }
   }
 
-  // Nothing of what came before is still to be answered.
+  // Reads more input. All input so far has been answered.
   void receive() {
     std::array<char, 4096> buffer;
     const ssize_t bytes = ::read(socket_.get(), buffer.data(), buffer.size());
@@ -195,7 +196,7 @@ class ControlServer::Client {
     take_turn();
   }
 
-  // Handles one line, or one message of a batch, and comes back for the next.
+  // Handles one line, or one message of a batch; end_turn() schedules the next.
   void take_turn() {
     if (batch_) {
       answer_next_of_batch();
@@ -234,7 +235,7 @@ class ControlServer::Client {
                       fmt::format("a message has at most {} bytes", kLongestMessage)));
   }
 
-  // The client has said all; it still gets what it has not read yet.
+  // Handles the end of the client's input: the client still gets all answers.
   void end_input() {
     watching = false;
     input_ended_ = true;
@@ -245,7 +246,7 @@ class ControlServer::Client {
     if (line.find_first_not_of(" \t\r") == std::string::npos) return;
     Json message = Json::parse(line, nullptr, false);
     if (message.is_discarded()) {
-      return send(error_answer(nullptr, kParseError, "not a JSON message; one message a line is expected"));
+      return send(error_answer(nullptr, kParseError, "not a JSON message; one message per line is expected"));
     }
     if (!message.is_array()) {
       const Json answer = server_.answer(message, *this);
@@ -272,7 +273,7 @@ class ControlServer::Client {
     if (!answers.empty()) send_line("[" + answers + "]\n");
   }
 
-  // As much as the kernel takes at once.
+  // Sends as much as the kernel takes without blocking.
   void flush() {
     if (!unsent_.empty()) {
       const ssize_t bytes = ::send(socket_.get(), unsent_.data(), unsent_.size(), MSG_NOSIGNAL);
@@ -283,29 +284,30 @@ class ControlServer::Client {
     watch_socket();
   }
 
-  // What it asks for next waits in the kernel for as long as it has not got its answers.
+  // Selects the events to wait for. Further requests stay in the kernel's buffer until the pending ones are
+  // answered.
   void watch_socket() {
     if (closed()) return;
     std::uint32_t events = (input_ended_ || busy_ ? 0U : EPOLLIN) | (unsent_.empty() ? 0U : EPOLLOUT);
-    // An answer may be long in coming, and a client that is no more is known at once: a hang-up is told
-    // beside any event, of which this one does not come.
+    // A deferred answer may take long, but a hang-up must be noticed at once. epoll reports a hang-up along
+    // with any event; EPOLLPRI is one that never occurs here.
     if (waiting_) events = hung_up_ ? 0U : events | EPOLLPRI;
     if (events != std::exchange(events_, events)) source_->set_events(events);
   }
 
   ControlServer& server_;
   FileDescriptor socket_;
-  std::unique_ptr<EventLoop::IoSource> source_;  // nothing once it is closed
+  std::unique_ptr<EventLoop::IoSource> source_;  // null after close()
   EventLoop::SourcePtr next_turn_;
   std::uint32_t events_ = EPOLLIN;
   std::string received_, unsent_;
   std::optional<Batch> batch_;
   bool skipping_ = false;
-  bool busy_ = false;     // next_turn_ is to come
-  bool waiting_ = false;  // for an answer that comes later
+  bool busy_ = false;     // next_turn_ is pending
+  bool waiting_ = false;  // for a deferred answer
   bool hung_up_ = false;
   bool input_ended_ = false;
-  bool disconnect_told_ = false;
+  bool disconnect_reported_ = false;
 };
 
 ControlServer::ControlServer(EventLoop& loop, std::filesystem::path socket, ControlMethods methods)
@@ -326,8 +328,8 @@ void ControlServer::listen() {
   const std::filesystem::file_status status = std::filesystem::symlink_status(path_);
   if (std::filesystem::exists(status)) {
     if (!std::filesystem::is_socket(status)) {
-      throw std::runtime_error(
-          fmt::format("the control socket's path {} is taken by a file", path_.string()));
+      throw std::runtime_error(fmt::format(
+          "the control socket's path {} is in use by a file that is not a socket", path_.string()));
     }
     if (::connect(new_socket().get(), generic, sizeof address) == 0) {
       throw std::runtime_error(fmt::format("another contourd answers on {}", path_.string()));
@@ -353,8 +355,8 @@ void ControlServer::accept_client() {
   clients_[key] = std::make_unique<Client>(*this, std::move(socket), *peer, ++connections_);
 }
 
-// The process has no descriptor left, or the kernel no memory: whoever waits would be announced again and
-// again.
+// Stops accepting clients for kRest, because descriptors or memory are exhausted: epoll would report the
+// waiting client in every turn.
 void ControlServer::rest() {
   listener_source_->set_events(0);
   rest_timer_ = loop_.at(std::chrono::steady_clock::now() + kRest, "the control socket",
@@ -374,7 +376,7 @@ bool ControlServer::make_room(const Peer& newcomer) {
   if (by_user.empty()) return false;
   const auto fewer = [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); };
   const std::vector<Client*>& most = std::ranges::max_element(by_user, fewer)->second;
-  // Who watches waits for what happens, and is not idle.
+  // A watching client waits for notifications and is not idle.
   const auto idler = [](const Client* a, const Client* b) {
     return std::pair(a->watching, a->last_heard) < std::pair(b->watching, b->last_heard);
   };
@@ -422,7 +424,7 @@ Json ControlServer::call(const Json& message, Client& client) {
     if (method->second.needs_service_rights && !has_service_rights(client.peer)) {
       return failure(kNotAllowed,
                      fmt::format("{} is for root and the group contourd-service: sudo adduser NAME "
-                                 "contourd-service, then log in anew",
+                                 "contourd-service, then log in again",
                                  name));
     }
     if (called_ && method->second.changes) called_(name, client.peer);
@@ -437,7 +439,7 @@ Json ControlServer::call(const Json& message, Client& client) {
   }
 }
 
-// Discarded when the answer is still to come.
+// Returns the result, or a discarded value if the answer comes later.
 Json ControlServer::call_later(const ControlMethod& method, const Json& parameters, const Json& message,
                                Client& client) {
   const Json id = message.contains("id") ? message["id"] : Json(Json::value_t::discarded);
@@ -482,7 +484,7 @@ void ControlServer::notify(const std::string& method, const Json& params, Delive
 }
 
 ControlServer::TimePoint ControlServer::take_turn_of(uid_t user, TimePoint now) {
-  // Users whose turns are all paid for are like new ones.
+  // A user whose turns are all paid for is treated like a new user.
   std::erase_if(paid_until_, [now](const auto& entry) { return entry.second <= now; });
   TimePoint& paid = paid_until_.try_emplace(user, now).first->second;
   paid += kTurnInterval;
@@ -491,11 +493,11 @@ ControlServer::TimePoint ControlServer::take_turn_of(uid_t user, TimePoint now) 
 
 void ControlServer::drop_closed_clients() {
   if (drop_timer_) return;
-  // Later: the call comes from inside a client.
+  // Deferred, because the call comes from inside a client.
   drop_timer_ = loop_.at(std::chrono::steady_clock::now(), "the control socket", [this] {
     drop_timer_.reset();
     for (const auto& [key, client] : clients_) {
-      if (client->closed()) client->tell_disconnected();
+      if (client->closed()) client->report_disconnected();
     }
     std::erase_if(clients_, [](const auto& entry) { return entry.second->closed(); });
   });

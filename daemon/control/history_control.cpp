@@ -18,7 +18,7 @@ using std::chrono::system_clock;
 
 namespace {
 
-// The year 2200: what the clock's type still holds.
+// The year 2200, which the clock's type can still represent.
 constexpr std::time_t kLatest = 7'258'118'400;
 constexpr std::array<std::string_view, 3> kOutcomes{"done", "failed", "cancelled"};
 
@@ -26,7 +26,8 @@ std::size_t last_of(const Json& given) {
   const auto last = given.find("last");
   if (last == given.end()) return HistoryControl::kLongestPage;
   if (!last->is_number_integer() || *last < 1 || *last > HistoryControl::kLongestPage)
-    throw InvalidParameters(fmt::format("last is a whole number from 1 to {}", HistoryControl::kLongestPage));
+    throw InvalidParameters(
+        fmt::format("last must be a whole number from 1 to {}", HistoryControl::kLongestPage));
   return last->get<std::size_t>();
 }
 
@@ -34,14 +35,14 @@ std::optional<std::string> text_of(const Json& given, const char* name) {
   const auto found = given.find(name);
   if (found == given.end()) return std::nullopt;
   if (!found->is_string() || found->get_ref<const std::string&>().empty())
-    throw InvalidParameters(fmt::format("{} is a text, and not an empty one", name));
+    throw InvalidParameters(fmt::format("{} must be a text that is not empty", name));
   return found->get<std::string>();
 }
 
 std::optional<std::string> outcome_of(const Json& given) {
   const std::optional<std::string> outcome = text_of(given, "outcome");
   if (outcome && std::ranges::find(kOutcomes, *outcome) == kOutcomes.end())
-    throw InvalidParameters(fmt::format("outcome is one of {}", fmt::join(kOutcomes, ", ")));
+    throw InvalidParameters(fmt::format("outcome must be one of {}", fmt::join(kOutcomes, ", ")));
   return outcome;
 }
 
@@ -52,7 +53,7 @@ std::optional<system_clock::time_point> since_of(const Json& given) {
   const char* const end = ::strptime(text->c_str(), "%Y-%m-%dT%H:%M:%SZ", &time);
   const std::time_t seconds = ::timegm(&time);
   if (end == nullptr || end != text->c_str() + text->size() || seconds < 0 || seconds > kLatest)
-    throw InvalidParameters("since is a time such as 2026-11-20T19:05:00Z");
+    throw InvalidParameters("since must be a time such as 2026-11-20T19:05:00Z");
   return system_clock::from_time_t(seconds);
 }
 
@@ -60,7 +61,7 @@ std::optional<std::int64_t> before_of(const Json& given) {
   const auto before = given.find("before");
   if (before == given.end()) return std::nullopt;
   if (!before->is_number_integer() || *before < 1)
-    throw InvalidParameters("before is a whole number above 0, as an answer before has it");
+    throw InvalidParameters("before must be a whole number above 0, taken from the previous reply");
   return before->get<std::int64_t>();
 }
 
@@ -74,7 +75,8 @@ bool is_wanted(const EndedJob& job, const HistoryQuery& query) {
          (!query.name || job.name.find(*query.name) != std::string::npos);
 }
 
-// Of those that are remembered without the database: its numbers count all that have ended.
+// Returns a page of the jobs that are remembered without the database. Jobs are numbered in the order in
+// which they ended since contourd started.
 HistoryPage recent_jobs(const JobHistory& recent, const HistoryQuery& query) {
   HistoryPage page;
   std::vector<Json> found;
@@ -106,14 +108,14 @@ Json reply(HistoryPage page, const std::string& trouble) {
 }
 
 constexpr double kSecondsPerHour = 3600;
-constexpr const char* kAskerHasGone = "nobody waits for the answer";
+constexpr const char* kDisconnected = "the client has disconnected";
 
 WearPart part_of(const Json& given) {
   const auto name = given.find("part");
   const auto* const part = std::ranges::find_if(kWearParts, [&](WearPart each) {
     return name != given.end() && name->is_string() && name->get_ref<const std::string&>() == name_of(each);
   });
-  if (part == kWearParts.end()) throw InvalidParameters("part is one of lamp, film, vat");
+  if (part == kWearParts.end()) throw InvalidParameters("part must be one of lamp, film, vat");
   return *part;
 }
 
@@ -162,15 +164,15 @@ std::optional<Json> HistoryControl::history(const Json& given, const ControlCall
                            .resin = text_of(given, "resin"),
                            .name = text_of(given, "job")};
   if (const auto this_run = given.find("this_run"); this_run != given.end()) {
-    if (!this_run->is_boolean()) throw InvalidParameters("this_run is true or false");
+    if (!this_run->is_boolean()) throw InvalidParameters("this_run must be true or false");
     if (this_run->get<bool>()) return reply(recent_jobs(recent_, query), "");
   }
-  kept_.list(query, caller,
-             [this, query, later = std::move(later)](const std::optional<HistoryPage>& page,
-                                                     const std::string& trouble) {
-               if (!page && trouble.empty()) return later(ControlRefusal(kAskerHasGone));
-               later(page ? reply(*page, "") : reply(recent_jobs(recent_, query), trouble));
-             });
+  worker_.list(query, caller,
+               [this, query, later = std::move(later)](const std::optional<HistoryPage>& page,
+                                                       const std::string& trouble) {
+                 if (!page && trouble.empty()) return later(ControlRefusal(kDisconnected));
+                 later(page ? reply(*page, "") : reply(recent_jobs(recent_, query), trouble));
+               });
   return std::nullopt;
 }
 
@@ -197,9 +199,9 @@ Json HistoryControl::usage_reply(const std::optional<HistoryWorker::AllUsage>& u
 }
 
 std::optional<Json> HistoryControl::usage(const ControlCaller& caller, ControlMethod::Later later) {
-  kept_.usage(caller, [this, later = std::move(later)](const std::optional<HistoryWorker::AllUsage>& usage,
-                                                       const std::string& trouble) {
-    if (!usage && trouble.empty()) return later(ControlRefusal(kAskerHasGone));
+  worker_.usage(caller, [this, later = std::move(later)](const std::optional<HistoryWorker::AllUsage>& usage,
+                                                         const std::string& trouble) {
+    if (!usage && trouble.empty()) return later(ControlRefusal(kDisconnected));
     later(usage_reply(usage, trouble));
   });
   return std::nullopt;
@@ -208,12 +210,12 @@ std::optional<Json> HistoryControl::usage(const ControlCaller& caller, ControlMe
 std::optional<Json> HistoryControl::replace(const Json& given, const ControlCaller& caller,
                                             ControlMethod::Later later) {
   const WearPart part = part_of(given);
-  kept_.replace(
+  worker_.replace(
       part, caller,
       [this, part, later = std::move(later)](const std::optional<HistoryWorker::AllUsage>& usage,
                                              const std::string& trouble) {
         if (!usage)
-          return later(ControlRefusal(trouble.empty() ? kAskerHasGone : trouble + "; nothing is noted"));
+          return later(ControlRefusal(trouble.empty() ? kDisconnected : trouble + "; nothing is recorded"));
         reminders_.update(usage->wear);
         later(usage_reply(usage, trouble));
         replaced_(part);

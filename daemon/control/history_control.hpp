@@ -1,5 +1,5 @@
-// The methods by which an owner's programs ask what became of their jobs. They know no transport. Event
-// loop's thread only.
+// The methods with which clients query the ended jobs and the use of the printer. Independent of the
+// transport. Event loop's thread only.
 #pragma once
 
 #include <functional>
@@ -17,19 +17,19 @@ namespace contourd {
 class HistoryControl {
  public:
   using Json = ControlMethod::Json;
-  // A reply's jobs.
+  // Maximum number of jobs in a reply.
   static constexpr std::size_t kLongestPage = 100;
 
-  // All must outlive the control. `recent` is asked where the kept one cannot be; `replaced` is called when a
-  // part was.
-  HistoryControl(HistoryWorker& kept, const JobHistory& recent, Reminders& reminders,
+  // All arguments must outlive the control. `recent` is used while the history's file cannot be read. Calls
+  // `replaced` after a part was replaced.
+  HistoryControl(HistoryWorker& worker, const JobHistory& recent, Reminders& reminders,
                  std::function<void(WearPart)> replaced)
-      : kept_(kept), recent_(recent), reminders_(reminders), replaced_(std::move(replaced)) {}
+      : worker_(worker), recent_(recent), reminders_(reminders), replaced_(std::move(replaced)) {}
 
-  // All of them, by name. The control must outlive them.
+  // Returns all methods by name. The control must outlive them.
   [[nodiscard]] ControlMethods methods();
-  // What it asked is not answered any more.
-  void disconnected(std::uint64_t connection) { kept_.disconnected(connection); }
+  // Drops the requests of a closed connection.
+  void disconnected(std::uint64_t connection) { worker_.disconnected(connection); }
 
  private:
   std::optional<Json> history(const Json& given, const ControlCaller& caller, ControlMethod::Later later);
@@ -38,7 +38,7 @@ class HistoryControl {
   [[nodiscard]] Json usage_reply(const std::optional<HistoryWorker::AllUsage>& usage,
                                  const std::string& trouble) const;
 
-  HistoryWorker& kept_;
+  HistoryWorker& worker_;
   const JobHistory& recent_;
   Reminders& reminders_;
   std::function<void(WearPart)> replaced_;

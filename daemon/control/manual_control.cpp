@@ -29,18 +29,18 @@ constexpr double kLongestPictureS = 600;
 bool is_set(const Json& given, const char* name) {
   const auto found = given.find(name);
   if (found == given.end()) return false;
-  if (!found->is_boolean()) throw InvalidParameters(fmt::format("{} is true or false", name));
+  if (!found->is_boolean()) throw InvalidParameters(fmt::format("{} must be true or false", name));
   return found->get<bool>();
 }
 
-// Nothing when it is not given.
+// Returns the number, or nullopt if it is not given. Throws InvalidParameters if it is out of range.
 std::optional<double> number_in(const Json& given, const char* name, double least, double most,
                                 const char* unit) {
   const auto found = given.find(name);
   if (found == given.end()) return std::nullopt;
   const double number = found->is_number() ? found->get<double>() : NAN;
   if (!(number >= least && number <= most))
-    throw InvalidParameters(fmt::format("{} is a number from {:g} to {:g} {}", name, least, most, unit));
+    throw InvalidParameters(fmt::format("{} must be a number from {:g} to {:g} {}", name, least, most, unit));
   return number;
 }
 
@@ -51,7 +51,7 @@ Duration seconds(double number) {
 std::string text_in(const Json& given, const char* name, const std::string& wanted) {
   const auto found = given.find(name);
   if (found == given.end() || !found->is_string())
-    throw InvalidParameters(fmt::format("{} is one of {}", name, wanted));
+    throw InvalidParameters(fmt::format("{} must be one of {}", name, wanted));
   return found->get<std::string>();
 }
 
@@ -62,12 +62,12 @@ std::string pattern_names() {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-// Bytes of its PNG file at most: as good as not compressed, with room for what programs add.
+// Returns the maximum size of a picture's PNG file in bytes: nearly uncompressed, plus metadata.
 std::size_t largest_picture(const MaskDisplay& display) {
-  constexpr std::size_t kOthers = 65'536;
+  constexpr std::size_t kMetadata = 65'536;
   const std::size_t pixels =
       static_cast<std::size_t>(display.width().count()) * static_cast<std::size_t>(display.height().count());
-  return pixels + pixels / 8 + kOthers;
+  return pixels + pixels / 8 + kMetadata;
 }
 
 double millimetres(Nanometers height) {
@@ -108,7 +108,7 @@ ControlMethods ManualControl::methods() {
   show.call_later = [this](const Json& given, const ControlCaller& caller, ControlMethod::Later later) {
     return this->show(given, caller, std::move(later));
   };
-  // What it changes nobody sees.
+  // An upload alone changes nothing on the printer.
   ControlMethod upload = begins(&ManualControl::upload, {"from", "data"});
   upload.changes = false;
   return {
@@ -133,7 +133,7 @@ void ManualControl::disconnected(std::uint64_t connection) {
   upload_.drop(connection);
 }
 
-// --- what each wants
+// --- conditions
 
 void ManualControl::require_no_print(const std::string& instead) const {
   if (parts_.job.job() != nullptr)
@@ -144,19 +144,20 @@ void ManualControl::require_free() const {
   require_no_print("the printer is controlled by hand while nothing prints");
   if (parts_.scheduler.copying()) throw ControlRefusal("the next job is about to begin");
   if (process_.state() != ManualState::Idle) {
-    throw ControlRefusal(fmt::format("the printer is controlled by hand already ({}): stop ends that",
-                                     name_of(process_.state())));
+    throw ControlRefusal(
+        fmt::format("the printer is already controlled by hand ({}): stop ends the operation",
+                    name_of(process_.state())));
   }
 }
 
-// Light and motion never come together.
+// Light and motion exclude each other.
 void ManualControl::require_motion_allowed() const {
   require_free();
   const std::vector<std::string> troubles = context_.machine.z_axis().why_not_ready();
   if (!troubles.empty())
     throw ControlRefusal(fmt::format("the plate cannot be moved: {}", fmt::join(troubles, "; ")));
   const std::string lit = context_.machine.projector().light_off_unconfirmed();
-  if (!lit.empty()) throw ControlRefusal("the plate is not moved, as the light may be on: " + lit);
+  if (!lit.empty()) throw ControlRefusal("the plate is not moved because the light may be on: " + lit);
 }
 
 void ManualControl::require_way_down(const Json& given) const {
@@ -166,7 +167,7 @@ void ManualControl::require_way_down(const Json& given) const {
                               : parts_.hold.sentence();
   if (why.empty()) return;
   throw ControlRefusal(
-      fmt::format("the plate is not lowered: {}; plate_is_clear says that nothing is in its way", why));
+      fmt::format("the plate is not lowered: {}; add plate_is_clear if nothing is in its way", why));
 }
 
 MillimetersPerSecond ManualControl::speed_of(const Json& given) const {
@@ -182,11 +183,11 @@ Nanometers ManualControl::target_of(const Json& given) const {
     throw InvalidParameters("move takes either to_mm or by_mm");
   const ZAxis& axis = context_.machine.z_axis();
   const std::optional<Nanometers> height = axis.height();
-  if (!height) throw ControlRefusal("the plate's position is unknown: home comes first");
+  if (!height) throw ControlRefusal("the plate's position is unknown: home first");
   const double top = millimetres(axis.travel()), now = millimetres(*height);
   const double target = given.contains("to_mm") ? number_in(given, "to_mm", 0, top, "mm").value()
                                                 : now + number_in(given, "by_mm", -top, top, "mm").value();
-  // What rounding adds is no step.
+  // The rounding error is less than a step.
   constexpr double kRounding = 1e-6;
   if (target < -kRounding || target > top + kRounding)
     throw ControlRefusal(
@@ -220,23 +221,23 @@ Json ManualControl::move(const Json& given, const ControlCaller& caller) {
   return begun_by(caller);
 }
 
-// Which way is down nobody knows until the axis has homed, so whatever is on the plate is in its way.
+// Before homing it is not known which direction is down, so a part on the plate forbids both.
 Json ManualControl::move_unhomed(const Json& given, const ControlCaller& caller) {
   require_motion_allowed();
   if (given.contains("to_mm") || given.contains("speed_mm_s") || !given.contains("by_mm"))
-    throw InvalidParameters("unhomed goes with by_mm, and neither to_mm nor speed_mm_s");
+    throw InvalidParameters("unhomed takes by_mm, but neither to_mm nor speed_mm_s");
   const double most = millimetres(kLongestNudge);
-  const double way = number_in(given, "by_mm", -most, most, "mm without a known position").value();
+  const double distance = number_in(given, "by_mm", -most, most, "mm without a known position").value();
   require_way_down(given);
   const MillimetersPerSecond slow{context_.config.homing_speed.count() / 2};
-  process_.nudge(to_nanometers(Millimeters{way}).value_or(Nanometers{}), std::min(slow, kNudgeSpeed));
+  process_.nudge(to_nanometers(Millimeters{distance}).value_or(Nanometers{}), std::min(slow, kNudgeSpeed));
   return begun_by(caller);
 }
 
 Json ManualControl::motor_off() {
   require_free();
   if (!context_.machine.z_axis().release())
-    throw ControlRefusal("the motor stays on: its configuration has no enable line, or that cannot be set");
+    throw ControlRefusal("the motor stays on: no enable line is configured, or the line cannot be set");
   return parts_.status.status();
 }
 
@@ -245,7 +246,7 @@ Json ManualControl::light_on(const Json& given, const ControlCaller& caller) {
   const std::optional<double> time =
       number_in(given, "seconds", 0.001,
                 std::chrono::duration<double>(context_.config.manual.light_limit).count(), "s");
-  if (!time) throw InvalidParameters("light_on takes seconds");
+  if (!time) throw InvalidParameters("light_on needs seconds");
   if (const std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty())
     throw ControlRefusal("the light stays off: " + printable(not_ready));
   const std::optional<Nanometers> height = context_.machine.z_axis().height();
@@ -253,8 +254,8 @@ Json ManualControl::light_on(const Json& given, const ControlCaller& caller) {
   if (!is_set(given, "in_resin") && (!height || *height < depth)) {
     throw ControlRefusal(
         fmt::format("the light stays off: the plate is {}, and below {:g} mm it may be in the resin; "
-                    "in_resin allows that",
-                    height ? fmt::format("at {:.3f} mm", millimetres(*height)) : "nobody knows where",
+                    "add in_resin to allow that",
+                    height ? fmt::format("at {:.3f} mm", millimetres(*height)) : "at an unknown height",
                     millimetres(depth)));
   }
   process_.light_on(seconds(*time));
@@ -262,14 +263,14 @@ Json ManualControl::light_on(const Json& given, const ControlCaller& caller) {
 }
 
 Json ManualControl::light_off() {
-  require_no_print("cancel or pause ends its light");
+  require_no_print("cancel or pause turns its light off");
   if (process_.light_may_be_on()) process_.stop();
   context_.machine.projector().light_off();
   return parts_.status.status();
 }
 
 Json ManualControl::stop() {
-  require_no_print("cancel ends that");
+  require_no_print("cancel ends the print");
   process_.stop();
   process_.hide();
   return parts_.status.status();
@@ -287,7 +288,7 @@ std::optional<Json> ManualControl::show(const Json& given, const ControlCaller& 
   }
   const std::string name = text_in(given, "pattern", pattern_names());
   const std::optional<TestPattern> pattern = find_test_pattern(name);
-  if (!pattern) throw InvalidParameters("pattern is one of " + pattern_names());
+  if (!pattern) throw InvalidParameters("pattern must be one of " + pattern_names());
   const MaskDisplay& display = context_.machine.display();
   return present(draw_test_pattern(*pattern, display.width(), display.height(), context_.config.pixel_pitch),
                  name, time, caller);
@@ -301,7 +302,7 @@ void ManualControl::require_display() const {
     throw ControlRefusal(fmt::format("nothing can be shown: {}", fmt::join(troubles, "; ")));
 }
 
-// Another picture that is being read gives way to it.
+// Decodes the uploaded picture and shows it. Replaces another picture that is still being decoded.
 void ManualControl::read_uploaded(const ControlCaller& caller, Duration time, ControlMethod::Later later) {
   struct Read {
     std::optional<Mask> picture;
@@ -321,7 +322,7 @@ void ManualControl::read_uploaded(const ControlCaller& caller, Duration time, Co
     try {
       if (!done.picture) throw ControlRefusal("nothing is shown: " + done.trouble);
       if (std::exchange(reading_for_, 0) != caller.connection)
-        throw ControlRefusal("nothing is shown: another picture came");
+        throw ControlRefusal("nothing is shown: another picture was requested meanwhile");
       require_display();
       later(present(std::move(*done.picture), "picture", time, caller));
     } catch (const ControlRefusal& refusal) {
@@ -337,7 +338,7 @@ Json ManualControl::upload(const Json& given, const ControlCaller& caller) {
                          ? from_base64(data->get_ref<const std::string&>())
                          : std::nullopt;
   if (from == given.end() || !from->is_number_unsigned() || !piece || piece->empty())
-    throw InvalidParameters("upload takes from, a whole number, and data, bytes in Base64");
+    throw InvalidParameters("upload needs from, a whole number, and data, bytes in Base64");
   return {{"bytes", upload_.add(caller.connection, from->get<std::size_t>(), *piece)}};
 }
 
@@ -362,7 +363,7 @@ Json ManualControl::projector(const Json& given, const ControlCaller& caller) {
   else if (power.empty())
     process_.ask_status();
   else
-    throw InvalidParameters("power is one of on, off");
+    throw InvalidParameters("power must be one of on, off");
   return begun_by(caller);
 }
 

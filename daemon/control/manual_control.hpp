@@ -1,5 +1,5 @@
-// The methods by which an owner moves and lights the printer by hand, while nothing prints. What somebody has
-// begun ends with the connection that it came by. They know no transport. Event loop's thread only.
+// The methods that move and light the printer by hand while nothing prints. An operation ends when the
+// connection that began it closes. Independent of the transport. Event loop's thread only.
 #pragma once
 
 #include <cstdint>
@@ -28,14 +28,13 @@ class ManualControl {
     const JobScheduler& scheduler;
     const PrinterStatus& status;
   };
-  // All must outlive the control.
-  // Pictures are read on the worker's thread.
+  // All arguments must outlive the control. Pictures are decoded on the worker's thread.
   ManualControl(const PrinterContext& context, const Parts& parts, ManualProcess& process, Worker& worker);
 
-  // All of them, by name; each but inputs and upload returns the status. The control must outlive them.
+  // Returns all methods by name; all but inputs and upload return the status. The control must outlive them.
   [[nodiscard]] ControlMethods methods();
 
-  // A connection is no more: what it began ends.
+  // Ends whatever the closed connection has begun.
   void disconnected(std::uint64_t connection);
 
  private:
@@ -67,9 +66,9 @@ class ManualControl {
   ManualProcess& process_;
   Worker& worker_;
   PictureUpload upload_;
-  // Connections; 0: none.
+  // The connections that began the current operation and picture; 0 if none.
   std::uint64_t operation_owner_ = 0, picture_owner_ = 0;
-  std::uint64_t reading_for_ = 0;  // whose picture is being read
+  std::uint64_t reading_for_ = 0;  // the connection whose picture is being decoded; 0 if none
 };
 
 }  // namespace contourd

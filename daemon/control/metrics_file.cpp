@@ -13,10 +13,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// It gives way to all else.
+// The lowest priority: any other work comes first.
 constexpr int kMetricsNiceness = 19;
 
-// Returns why not, or nothing. Its readers see the old file or the new one.
+// Replaces the file atomically. Returns the reason for a failure; empty on success.
 std::string replace(const fs::path& path, const std::string& text) {
   try {
     remove_unfinished_files(path.parent_path());
@@ -39,23 +39,23 @@ MetricsFile::MetricsFile(EventLoop& loop, const Log& log, fs::path path, std::fu
       path_(std::move(path)),
       make_(std::move(make)),
       interval_(interval),
-      there_(std::make_shared<bool>(false)),
+      exists_(std::make_shared<bool>(false)),
       worker_(loop, "contourd-metric", kMetricsNiceness) {
-  timer_ = loop_.at(std::chrono::steady_clock::now(), "the metrics' timer", [this] { look(); });
+  timer_ = loop_.at(std::chrono::steady_clock::now(), "the metrics' timer", [this] { update(); });
 }
 
 MetricsFile::~MetricsFile() {
   worker_.run(
-      [path = path_, there = there_] {
+      [path = path_, exists = exists_] {
         std::error_code error;
-        return *there && fs::remove(path, error);
+        return *exists && fs::remove(path, error);
       },
       [](bool) {});
 }
 
-void MetricsFile::look() {
-  timer_ = loop_.at(std::chrono::steady_clock::now() + interval_, "the metrics' timer", [this] { look(); });
-  if (writing_) return;  // a slow disk: the next time
+void MetricsFile::update() {
+  timer_ = loop_.at(std::chrono::steady_clock::now() + interval_, "the metrics' timer", [this] { update(); });
+  if (writing_) return;  // the disk is slow: try at the next interval
   const std::string text = make_();
   if (text != written_) write(text);
 }
@@ -63,25 +63,25 @@ void MetricsFile::look() {
 void MetricsFile::write(const std::string& text) {
   writing_ = true;
   worker_.run(
-      [path = path_, there = there_, text] {
+      [path = path_, exists = exists_, text] {
         std::string trouble = replace(path, text);
-        *there = *there || trouble.empty();
+        *exists = *exists || trouble.empty();
         return trouble;
       },
       [this, text](const std::string& trouble) {
         writing_ = false;
         if (trouble.empty()) written_ = text;
-        note(trouble);
+        report(trouble);
       });
 }
 
-void MetricsFile::note(const std::string& trouble) {
+void MetricsFile::report(const std::string& trouble) {
   if (std::exchange(trouble_, trouble) == trouble) return;
   const std::string path = printable(path_.string());
   if (trouble.empty())
     log_.info("metrics", fmt::format("{} is written again", path));
   else
-    log_.warning("metrics", fmt::format("{} cannot be written, which is tried again: {}", path, trouble));
+    log_.warning("metrics", fmt::format("{} cannot be written and is tried again: {}", path, trouble));
 }
 
 }  // namespace contourd

@@ -16,8 +16,8 @@ std::size_t PictureUpload::add(std::uint64_t connection, std::size_t from,
   }
   if (connection != connection_ || from != bytes_.size()) {
     throw ControlRefusal(
-        fmt::format("the piece at {} does not continue this connection's picture, of which there are {} "
-                    "bytes: begin anew at 0",
+        fmt::format("the piece at {} does not continue this connection's picture, which has {} bytes so "
+                    "far: start again at 0",
                     from, connection == connection_ ? bytes_.size() : 0));
   }
   if (piece.size() > most_ - bytes_.size()) {
@@ -30,7 +30,8 @@ std::size_t PictureUpload::add(std::uint64_t connection, std::size_t from,
 
 std::vector<std::uint8_t> PictureUpload::take(std::uint64_t connection) {
   if (connection != connection_ || bytes_.empty())
-    throw ControlRefusal("no picture was uploaded by this connection, or another's took its place");
+    throw ControlRefusal(
+        "no picture was uploaded by this connection, or another connection's upload replaced it");
   connection_ = 0;
   return std::exchange(bytes_, {});
 }

@@ -1,5 +1,5 @@
-// A picture that comes in pieces, as a message is short: one at a time, of one connection. Another's takes
-// its place. Event loop's thread only.
+// An upload of a picture in pieces, because a message is short. There is one upload at a time; an upload from
+// another connection replaces it. Event loop's thread only.
 #pragma once
 
 #include <cstddef>
@@ -11,15 +11,16 @@ namespace contourd {
 
 class PictureUpload {
  public:
-  // `most`: bytes of a picture.
+  // `most`: maximum size of a picture in bytes.
   explicit PictureUpload(std::size_t most) : most_(most) {}
 
-  // The piece at `from`; at 0 it begins anew. Returns how many bytes are there. Throws ControlRefusal when it
-  // does not continue what is there of that connection, or the picture becomes too large.
+  // Appends the piece at `from`; 0 starts a new upload. Returns the number of bytes so far. Throws
+  // ControlRefusal if the piece does not continue this connection's upload, or if the picture becomes too
+  // large.
   std::size_t add(std::uint64_t connection, std::size_t from, std::span<const std::uint8_t> piece);
-  // All of that connection's, which is gone then. Throws ControlRefusal when there is nothing.
+  // Returns the connection's upload and forgets it. Throws ControlRefusal if there is none.
   [[nodiscard]] std::vector<std::uint8_t> take(std::uint64_t connection);
-  // That connection is no more.
+  // Forgets the upload of a closed connection.
   void drop(std::uint64_t connection);
 
  private:

@@ -1,5 +1,4 @@
-// The methods by which an owner's programs control the printer. They know no transport: any front may call
-// them. Event loop's thread only.
+// The methods with which clients control the printer. Independent of the transport. Event loop's thread only.
 #pragma once
 
 #include <string>
@@ -18,29 +17,30 @@ class PrinterControl {
  public:
   using Json = ControlMethod::Json;
 
-  // All must outlive the control.
+  // All arguments must outlive the control.
   PrinterControl(const PrinterContext& context, QueueHold& hold, CurrentJob& job, JobScheduler& scheduler,
                  const PrinterStatus& status)
       : context_(context), hold_(hold), job_(job), scheduler_(scheduler), status_(status) {}
 
-  // All of them, by name. The control must outlive them.
+  // Returns all methods by name. The control must outlive them.
   [[nodiscard]] ControlMethods methods();
 
-  // These return the status, and throw ControlRefusal.
+  // The following methods return the status, and throw ControlRefusal.
   //
-  // After the layer under way.
+  // Pauses the print after the current layer.
   Json pause();
-  // The print, or the queue where that is held and nothing is printed.
+  // Resumes the print, or the queue if it is held and nothing prints.
   Json resume();
+  // Cancels the current job.
   Json cancel();
-  // The owner has taken the part off: the queue goes on.
+  // Notes that the user has removed the part, and lets the queue go on.
   Json plate_cleared();
 
  private:
   Json resume_queue();
   [[nodiscard]] bool has_unfinished_job() const;
   void require_print(std::string_view what) const;
-  // Of a print that can be neither paused nor, when it is over, cancelled. REQUIRES: one that is not idle.
+  // Returns why the print cannot be paused or cancelled any more. REQUIRES: the print is not idle.
   [[nodiscard]] std::string why_it_ends() const;
 
   const PrinterContext& context_;

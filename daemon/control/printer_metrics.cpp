@@ -13,7 +13,7 @@
 namespace contourd {
 namespace {
 
-// A label's value, between its quotes.
+// Returns the text escaped for a quoted label value.
 std::string escaped(std::string_view text) {
   std::string value;
   for (const char c : printable(text)) {
@@ -23,7 +23,7 @@ std::string escaped(std::string_view text) {
   return value;
 }
 
-// Of all that there are, since a state that is not named looks like one that never was.
+// Returns all states. Each is exported, because a monitoring system cannot know a state that is left out.
 std::vector<std::string_view> all_states() {
   std::vector<std::string_view> states;
   for (int state = 0; state <= static_cast<int>(PrintState::Ending); ++state)
@@ -34,7 +34,8 @@ std::vector<std::string_view> all_states() {
 
 class Exposition {
  public:
-  // What follows belongs to it. `name` is without "contourd_"; a counter's samples end with "_total".
+  // Begins a metric family; the next samples belong to it. `name` comes without "contourd_"; the names of a
+  // counter's samples end with "_total".
   void begin(std::string_view name, std::string_view type, std::string_view help,
              std::string_view unit = {}) {
     name_ = fmt::format("contourd_{}", name);
@@ -62,11 +63,11 @@ class Exposition {
 };
 
 void add_print(Exposition& text, const PrinterMetrics::Print& print) {
-  text.begin("layer", "gauge", "The layer of the print under way, from 1.");
+  text.begin("layer", "gauge", "The current layer, from 1.");
   text.sample(print.layer);
-  text.begin("layers", "gauge", "The layers of the print under way.");
+  text.begin("layers", "gauge", "The layers of the current print.");
   text.sample(print.layers);
-  text.begin("time_left_seconds", "gauge", "The time until the print under way ends.", "seconds");
+  text.begin("time_left_seconds", "gauge", "The time until the current print ends.", "seconds");
   text.sample(in_seconds(std::chrono::floor<std::chrono::seconds>(print.time_left)));
 }
 
@@ -79,9 +80,9 @@ void add_state(Exposition& text, const PrinterMetrics& metrics) {
   text.sample(metrics.light_may_be_on ? 1 : 0);
   text.begin("ready", "gauge", "0 while the machine cannot print.");
   text.sample(metrics.ready ? 1 : 0);
-  text.begin("queued_jobs", "gauge", "Jobs that wait for their turn.");
+  text.begin("queued_jobs", "gauge", "Jobs in the queue.");
   text.sample(static_cast<double>(metrics.queued));
-  text.begin("queue_held", "gauge", "1 while the queue waits for its owner.");
+  text.begin("queue_held", "gauge", "1 while the queue is held and waits for the user.");
   text.sample(metrics.held ? 1 : 0);
   text.begin("plate_occupied", "gauge", "1 while the build plate holds a part.");
   text.sample(metrics.plate_occupied ? 1 : 0);
@@ -91,10 +92,10 @@ void add_counters(Exposition& text, const PrinterMetrics& metrics) {
   text.begin("jobs", "counter", "Jobs that have ended since contourd started.");
   for (const auto& [outcome, count] : metrics.ended)
     text.sample(fmt::format("outcome=\"{}\"", escaped(outcome)), static_cast<double>(count));
-  text.begin("light_seconds", "counter", "Light that prints have given since contourd started, at most.",
+  text.begin("light_seconds", "counter", "Upper bound of the light in prints since contourd started.",
              "seconds");
   text.sample(in_seconds(metrics.lit));
-  text.begin("late_steps", "counter", "Steps of the motor that came late since contourd started.");
+  text.begin("late_steps", "counter", "Motor steps that came late since contourd started.");
   text.sample(static_cast<double>(metrics.late_steps));
 }
 
@@ -102,7 +103,7 @@ void add_counters(Exposition& text, const PrinterMetrics& metrics) {
 
 std::string as_open_metrics(const PrinterMetrics& metrics) {
   Exposition text;
-  text.begin("build_info", "gauge", "What runs: its version, and what the printer is called.");
+  text.begin("build_info", "gauge", "The version of contourd and the name of the printer.");
   text.sample(
       fmt::format("version=\"{}\",printer=\"{}\"", escaped(CONTOURD_VERSION), escaped(metrics.printer)), 1);
   add_state(text, metrics);

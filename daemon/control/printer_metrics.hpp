@@ -1,4 +1,5 @@
-// A printer in figures for a monitoring system, as text by OpenMetrics 1.0. Value type; thread-safe.
+// The printer's metrics for a monitoring system, as text in the OpenMetrics 1.0 format. Value type;
+// thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -14,22 +15,22 @@ namespace contourd {
 
 struct PrinterMetrics {
   struct Print {
-    std::int32_t layer = 0, layers = 0;  // the one under way, from 1, of all
+    std::int32_t layer = 0, layers = 0;  // the current one, from 1; their number
     Duration time_left{};
   };
 
-  std::string printer;  // what people call it
+  std::string printer;  // the configured name
   std::string_view state;
-  std::optional<Print> print;  // nothing while none is under way
+  std::optional<Print> print;  // nullopt while nothing prints
   bool light_may_be_on = false, ready = false, held = false, plate_occupied = false;
   std::size_t queued = 0;
-  // Since contourd started.
+  // Counted since contourd started:
   std::map<std::string, std::uint64_t, std::less<>> ended;  // jobs by outcome
-  Duration lit{};                                           // light that prints gave, at most
+  Duration lit{};                                           // upper bound of the light in all prints
   std::uint64_t late_steps = 0;
 };
 
-// Names and labels are escaped, whatever they are made of. The same figures are the same text.
+// Returns the metrics as text. Names and labels are escaped. Equal metrics give equal text.
 [[nodiscard]] std::string as_open_metrics(const PrinterMetrics& metrics);
 
 }  // namespace contourd

@@ -107,7 +107,8 @@ Json PrinterStatus::waiting_job(std::size_t number) const {
   return job;
 }
 
-// Its own before the queue's, which is the next one's.
+// Returns the job's own reason to wait, or the queue's reason if the job is the next one; empty if there is
+// none.
 std::string PrinterStatus::reason_to_wait(std::size_t number) const {
   const WaitingJob& job = parts_.queue.jobs()[number];
   if (!job.trouble.empty()) return job.trouble;

@@ -1,5 +1,5 @@
-// What the printer tells of itself to whoever asks, as JSON values. A reply does not grow with what lies in
-// the spool: it is made while a light waits. Event loop's thread only.
+// The printer's status and queue as JSON values for clients. The size of a reply is bounded, whatever is in
+// the spool, because it is built while a light may be on. Event loop's thread only.
 #pragma once
 
 #include <cstddef>
@@ -35,14 +35,14 @@ class PrinterStatus {
     const ManualProcess& manual;
     const Reminders& reminders;
   };
-  // All must outlive the status.
+  // All arguments must outlive the status.
   PrinterStatus(const PrinterContext& context, const Parts& parts) : context_(context), parts_(parts) {}
 
   [[nodiscard]] Json status() const;
-  // All but the light that prints have given.
+  // Returns all metrics except `lit`.
   [[nodiscard]] PrinterMetrics metrics() const;
-  // The waiting jobs in their order, and what is still arriving; all that is known of the first of them, or
-  // of the one of this number alone. REQUIRES: there is that one.
+  // Returns the waiting jobs in their order, with the details of the first ones, or only of job `number`
+  // (from 0), and the files that are still arriving. REQUIRES: there is a job with that number.
   [[nodiscard]] Json queue(std::optional<std::size_t> number = std::nullopt) const;
 
  private:

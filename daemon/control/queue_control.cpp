@@ -17,22 +17,23 @@ using Json = QueueControl::Json;
 
 namespace {
 
-// How many jobs are named of those that are called alike.
+// Maximum number of jobs that a message names.
 constexpr std::size_t kMostNamed = 5;
 
 std::string job_of(const Json& given) {
   const auto job = given.find("job");
   if (job == given.end() || !job->is_string() || job->get_ref<const std::string&>().empty())
-    throw InvalidParameters("job is the name of a job that waits");
+    throw InvalidParameters("job must be the name of a waiting job");
   return job->get<std::string>();
 }
 
-// From 0.
+// Returns the place, counted from 0.
 std::size_t place_in(const Json& given) {
   const auto to = given.find("to");
   if (to != given.end() && *to == "last") return PrintQueue::kMostInOrder;
   if (to == given.end() || !to->is_number_integer() || *to < 1 || *to > PrintQueue::kMostInOrder)
-    throw InvalidParameters(fmt::format("to is a place from 1 to {}, or \"last\"", PrintQueue::kMostInOrder));
+    throw InvalidParameters(
+        fmt::format("to must be a place from 1 to {}, or \"last\"", PrintQueue::kMostInOrder));
   return to->get<std::size_t>() - 1;
 }
 
@@ -61,7 +62,7 @@ Json QueueControl::remove(const Json& given, const ControlCaller& caller) {
   const std::size_t number = number_of(job_of(given));
   const WaitingJob& job = queue_.jobs()[number];
   if (job.check == WaitingJob::Check::Refused)
-    throw ControlRefusal(fmt::format("{} is on its way to failed already", in_quotes(job.file)));
+    throw ControlRefusal(fmt::format("{} is already being moved to failed", in_quotes(job.file)));
   queue_.remove(std::string(job.file),
                 fmt::format("removed from the queue by user {}", user_name(caller.user)));
   return status_.queue();
@@ -71,7 +72,7 @@ Json QueueControl::move(const Json& given) {
   const std::size_t from = number_of(job_of(given));
   const std::size_t to = std::min(place_in(given), queue_.jobs().size() - 1);
   if (std::max(from, to) >= PrintQueue::kMostInOrder)
-    throw ControlRefusal(fmt::format("only the first {} jobs can be moved, and to these places only",
+    throw ControlRefusal(fmt::format("only the first {} jobs can be moved, and only among themselves",
                                      PrintQueue::kMostInOrder));
   queue_.move(std::string(queue_.jobs()[from].file), to);
   return status_.queue();
@@ -83,14 +84,15 @@ Json QueueControl::accept(const Json& given, const ControlCaller& caller) {
   if (!number) refuse_to_accept(name);
   const WaitingJob& job = queue_.jobs()[*number];
   if (job.check == WaitingJob::Check::Refused)
-    throw ControlRefusal(fmt::format("{} is on its way to failed already", in_quotes(job.file)));
+    throw ControlRefusal(fmt::format("{} is already being moved to failed", in_quotes(job.file)));
   if (job.asks.empty() && !queue_.questions().wanted())
     throw ControlRefusal(
-        fmt::format("{} needs no word: this printer's ask_before names nothing", in_quotes(job.file)));
+        fmt::format("{} need not be accepted: this printer's ask_before is empty", in_quotes(job.file)));
   if (!job.analyzed)
-    throw ControlRefusal(fmt::format("{} is not looked through yet: nobody knows what there is to accept",
-                                     in_quotes(job.file)));
-  if (job.asks.empty()) throw ControlRefusal(fmt::format("{} waits for nobody's word", in_quotes(job.file)));
+    throw ControlRefusal(
+        fmt::format("{} is not analyzed yet: its findings are unknown", in_quotes(job.file)));
+  if (job.asks.empty())
+    throw ControlRefusal(fmt::format("{} does not wait to be accepted", in_quotes(job.file)));
   queue_.accept(std::string(job.file), fmt::format("user {}", user_name(caller.user)));
   return status_.queue();
 }
@@ -98,30 +100,31 @@ Json QueueControl::accept(const Json& given, const ControlCaller& caller) {
 void QueueControl::refuse_to_accept(const std::string& job) const {
   if (job_.job() != nullptr && job_.name() == job_name_of(job))
     throw ControlRefusal(
-        fmt::format("{} does not wait, its turn has come: there is nothing to accept", in_quotes(job)));
-  std::string asking;
+        fmt::format("{} no longer waits, its turn has come: there is nothing to accept", in_quotes(job)));
+  std::string unaccepted;
   std::size_t named = 0;
   for (const WaitingJob& each : queue_.jobs()) {
     if (each.asks.empty()) continue;
     if (named++ == kMostNamed) {
-      asking += " and others";
+      unaccepted += " and others";
       break;
     }
-    asking += (asking.empty() ? "" : ", ") + in_quotes(job_name_of(each.file));
+    unaccepted += (unaccepted.empty() ? "" : ", ") + in_quotes(job_name_of(each.file));
   }
-  throw ControlRefusal(fmt::format("no job {} waits{}", in_quotes(job),
-                                   asking.empty() ? "" : "; to be accepted there is " + asking));
+  throw ControlRefusal(
+      fmt::format("no job {} waits{}", in_quotes(job),
+                  unaccepted.empty() ? "" : "; jobs that wait to be accepted: " + unaccepted));
 }
 
-// By its file's name, by its own, or by either as people read it: what is not fit for a terminal they cannot
-// say.
+// Matches the file's name first, then the job's name, then the printable form of either, because a user
+// cannot type unprintable characters.
 std::optional<std::size_t> QueueControl::find(const std::string& job) const {
   const auto& jobs = queue_.jobs();
-  const std::vector<std::function<bool(const std::string&)>> ways{
+  const std::vector<std::function<bool(const std::string&)>> matches{
       [&](const std::string& file) { return file == job; },
       [&](const std::string& file) { return job_name_of(file) == job; },
       [&](const std::string& file) { return printable(file) == job || printable(job_name_of(file)) == job; }};
-  for (const auto& is_meant : ways) {
+  for (const auto& is_meant : matches) {
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < jobs.size() && found.size() < kMostNamed; ++i)
       if (is_meant(jobs[i].file)) found.push_back(i);
@@ -138,7 +141,8 @@ std::optional<std::size_t> QueueControl::find(const std::string& job) const {
 std::size_t QueueControl::number_of(const std::string& job) const {
   if (const std::optional<std::size_t> number = find(job)) return *number;
   if (job_.job() != nullptr && job_.name() == job_name_of(job))
-    throw ControlRefusal(fmt::format("{} does not wait, its turn has come: cancel ends it", in_quotes(job)));
+    throw ControlRefusal(
+        fmt::format("{} no longer waits, its turn has come: cancel ends it", in_quotes(job)));
   throw ControlRefusal(fmt::format("no job {} waits", in_quotes(job)));
 }
 

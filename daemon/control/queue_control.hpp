@@ -1,5 +1,5 @@
-// The methods by which an owner's programs look at the queue and change it. They know no transport, as
-// PrinterControl's. Event loop's thread only.
+// The methods with which clients read and change the queue. Independent of the transport. Event loop's
+// thread only.
 #pragma once
 
 #include <optional>
@@ -16,23 +16,25 @@ class QueueControl {
  public:
   using Json = ControlMethod::Json;
 
-  // All must outlive the control.
+  // All arguments must outlive the control.
   QueueControl(PrintQueue& queue, const CurrentJob& job, const PrinterStatus& status)
       : queue_(queue), job_(job), status_(status) {}
 
-  // All of them, by name. The control must outlive them.
+  // Returns all methods by name. The control must outlive them.
   [[nodiscard]] ControlMethods methods();
 
  private:
-  // These return the queue, and throw ControlRefusal and InvalidParameters.
+  // The following methods return the queue, and throw ControlRefusal and InvalidParameters.
   [[nodiscard]] Json look(const Json& given) const;
   Json remove(const Json& given, const ControlCaller& caller);
   Json move(const Json& given);
   Json accept(const Json& given, const ControlCaller& caller);
-  // Of the one job that is meant; nothing when none of that name waits.
+  // Returns the index of the named job; nullopt if no job of that name waits. Throws ControlRefusal if
+  // several jobs match.
   [[nodiscard]] std::optional<std::size_t> find(const std::string& job) const;
+  // Returns the index of the named job. Throws ControlRefusal if it does not wait.
   [[nodiscard]] std::size_t number_of(const std::string& job) const;
-  // Says so of a job that has no question.
+  // Throws the ControlRefusal for a job that is not in the queue.
   [[noreturn]] void refuse_to_accept(const std::string& job) const;
 
   PrintQueue& queue_;

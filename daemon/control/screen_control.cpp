@@ -16,12 +16,12 @@ using Json = ScreenControl::Json;
 
 namespace {
 
-// 0 where it is not given.
+// Returns the number, or 0 if it is not given. Throws InvalidParameters.
 std::uint64_t number_in(const Json& given, const char* name) {
   const auto found = given.find(name);
   if (found == given.end()) return 0;
   if (!found->is_number_unsigned())
-    throw InvalidParameters(fmt::format("{} is a whole number, as the reply before has it", name));
+    throw InvalidParameters(fmt::format("{} must be a whole number, taken from the previous reply", name));
   return found->get<std::uint64_t>();
 }
 
@@ -40,7 +40,7 @@ ControlMethods ScreenControl::methods() {
   return {{"mask", std::move(mask)}};
 }
 
-// A print's masks and the pictures that are shown by hand are counted apart: even numbers and odd ones.
+// Masks of prints get even numbers and pictures shown by hand odd ones, as both are counted separately.
 ScreenControl::Subject ScreenControl::subject() const {
   ShownMask shown = job_.print().shown();
   if (shown.mask != nullptr) {
@@ -73,13 +73,13 @@ std::optional<Json> ScreenControl::mask(const Json& given, ControlMethod::Later 
   const std::uint64_t wanted = number_in(given, "picture"), from = number_in(given, "from");
   if (wanted != 0) {
     const std::shared_ptr<const ScreenCopy::Picture> picture = copy_.picture(wanted);
-    if (!picture) throw ControlRefusal(fmt::format("picture {} is not kept any more", wanted));
+    if (!picture) throw ControlRefusal(fmt::format("picture {} is no longer kept", wanted));
     if (from >= picture->png.size())
       throw InvalidParameters(
-          fmt::format("from is below {}, the bytes of picture {}", picture->png.size(), wanted));
+          fmt::format("from must be below {}, the size of picture {} in bytes", picture->png.size(), wanted));
     return reply(*picture, from);
   }
-  if (from != 0) throw InvalidParameters("from goes with picture");
+  if (from != 0) throw InvalidParameters("from needs picture");
   const Subject now = subject();
   if (now.shown.mask == nullptr) throw ControlRefusal("nothing is shown: the screen is black");
   if (const auto picture = copy_.picture(now.shown.number)) return reply(*picture, 0);

@@ -1,4 +1,4 @@
-// The method by which an owner's programs see what the display shows. It knows no transport. Event loop's
+// The method with which clients get the picture on the display. Independent of the transport. Event loop's
 // thread only.
 #pragma once
 
@@ -15,17 +15,17 @@ namespace contourd {
 class ScreenControl {
  public:
   using Json = ControlMethod::Json;
-  // Of a picture's file in one reply.
+  // Maximum number of a file's bytes in one reply.
   static constexpr std::size_t kPieceBytes = 49'152;
 
-  // All must outlive the control.
+  // All arguments must outlive the control.
   ScreenControl(EventLoop& loop, Worker& worker, const CurrentJob& job, const ManualProcess& manual);
 
-  // By name. The control must outlive it.
+  // Returns the method by its name. The control must outlive it.
   [[nodiscard]] ControlMethods methods();
 
  private:
-  // What a picture is of, for as long as that is known.
+  // The mask or picture that is or was shown last.
   struct Subject {
     ShownMask shown;
     bool on_screen = false;

@@ -11,11 +11,11 @@
 namespace contourd {
 namespace {
 
-// What a turn copies: some 0.2 ms on a Raspberry Pi 3.
+// Bytes copied in one turn of the loop; takes about 0.2 ms on a Raspberry Pi 3.
 constexpr std::int32_t kBytesATurn = 262'144;
-// How often another mask may come in between.
+// Maximum number of masks that are begun to be copied, if each changes before it is complete.
 constexpr int kMostAttempts = 10;
-constexpr const char* kNoMemory = "there is no memory for the picture";
+constexpr const char* kNoMemory = "not enough memory for the picture";
 
 }  // namespace
 
@@ -33,30 +33,30 @@ void ScreenCopy::take(Done done) {
   waiting_.push_back(std::move(done));
   if (waiting_.size() > 1) return;
   const ShownMask shown = shown_();
-  // A large mask's memory is dark before it is copied to, which takes its time.
-  const auto make_room = [has_mask = shown.mask != nullptr,
-                          width = shown.mask != nullptr ? shown.mask->width() : Pixels{},
-                          height = shown.mask != nullptr ? shown.mask->height() : Pixels{}] {
+  // Allocating a large mask also zeroes it, which takes time, so the worker does it.
+  const auto allocate = [has_mask = shown.mask != nullptr,
+                         width = shown.mask != nullptr ? shown.mask->width() : Pixels{},
+                         height = shown.mask != nullptr ? shown.mask->height() : Pixels{}] {
     try {
       return has_mask ? std::make_unique<Mask>(width, height) : nullptr;
     } catch (const std::bad_alloc&) {
       return std::unique_ptr<Mask>();
     }
   };
-  worker_.run(make_room, [this, alive = std::weak_ptr(alive_)](std::unique_ptr<Mask> room) {
-    if (!alive.expired()) begin(std::move(room));
+  worker_.run(allocate, [this, alive = std::weak_ptr(alive_)](std::unique_ptr<Mask> copy) {
+    if (!alive.expired()) begin(std::move(copy));
   });
 }
 
-void ScreenCopy::begin(std::unique_ptr<Mask> room) {
-  if (!room) return finish(nullptr, shown_().mask != nullptr ? kNoMemory : "nothing is shown");
-  copy_ = std::move(room);
+void ScreenCopy::begin(std::unique_ptr<Mask> copy) {
+  if (!copy) return finish(nullptr, shown_().mask != nullptr ? kNoMemory : "nothing is shown");
+  copy_ = std::move(copy);
   about_ = {};
   attempts_ = 0;
   copy_next();
 }
 
-// Machine's calls that are due come before it.
+// Schedules the next rows; calls of the machine that are due come first.
 void ScreenCopy::copy_next() {
   next_turn_ = loop_.at(std::chrono::steady_clock::now(), "a copy of the screen", [this] { copy_some(); });
 }
@@ -103,20 +103,20 @@ void ScreenCopy::finish(const std::shared_ptr<const Picture>& picture, const std
   copy_.reset();
   latest_ = picture;
   if (latest_) (void)this->picture(latest_->number);
-  const bool telling = !to_tell_.empty();
+  const bool answering = !answers_.empty();
   for (Done& done : std::exchange(waiting_, {}))
-    to_tell_.emplace_back([done = std::move(done), picture, trouble] { done(picture, trouble); });
-  if (!telling) tell_next();
+    answers_.emplace_back([done = std::move(done), picture, trouble] { done(picture, trouble); });
+  if (!answering) answer_next();
 }
 
-// An answer is long, and a light may wait: one a turn.
-void ScreenCopy::tell_next() {
-  if (to_tell_.empty()) return;
-  next_telling_ = loop_.at(std::chrono::steady_clock::now(), "a copy of the screen", [this] {
-    const std::function<void()> tell = std::move(to_tell_.front());
-    to_tell_.pop_front();
-    tell_next();
-    tell();
+// Gives one answer per turn, because an answer is long and a light may be on.
+void ScreenCopy::answer_next() {
+  if (answers_.empty()) return;
+  next_answer_ = loop_.at(std::chrono::steady_clock::now(), "a copy of the screen", [this] {
+    const std::function<void()> answer = std::move(answers_.front());
+    answers_.pop_front();
+    answer_next();
+    answer();
   });
 }
 

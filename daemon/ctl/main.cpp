@@ -48,7 +48,7 @@
 namespace contourd::ctl {
 namespace {
 
-// What the user typed, before it has a unit.
+// Arguments as the user typed them, before they have units.
 struct DisplayArgs {
   double pixel_pitch_um = 50;
   std::string display = "1920x1080";
@@ -106,10 +106,10 @@ DisplayGeometry parse_display(const DisplayArgs& words) {
   return display;
 }
 
-// What is done to masks beyond slicing, as a resin's and a printer's profiles have it.
+// Parses the corrections of masks that a resin's and a printer's profile can set, too.
 void parse_corrections(EngineSettings& engine, const SliceArgs& words) {
   const auto check = [](const char* name, double value, double least, double most) {
-    // Not the other way round: nan is none of the two.
+    // Negated, so that NaN is refused, too.
     if (!(value >= least && value <= most))
       throw UsageError(fmt::format("{} {}: expected {} to {}", name, value, least, most));
   };
@@ -131,30 +131,30 @@ void check_corrections_go_with_masks(const SliceOptions& options) {
   const bool corrects = moves || options.engine.tone != ToneCurve{} || options.uniformity;
   if (corrects && !options.mask && !options.masks) {
     throw UsageError(
-        "--grow-um, --elephant-foot-um, --uniformity-mask, --gamma and --threshold change masks: they go "
-        "with --mask or --masks");
+        "--grow-um, --elephant-foot-um, --uniformity-mask, --gamma and --threshold change masks: they need "
+        "--mask or --masks");
   }
-  // Micrometres of the part are not those of the picture then.
-  if (moves && options.fit) throw UsageError("--grow-um and --elephant-foot-um do not go with --fit");
+  // With --fit, a micrometre of the part is not a micrometre of the picture.
+  if (moves && options.fit) throw UsageError("--grow-um and --elephant-foot-um exclude --fit");
 }
 
 void set_if_given(std::optional<std::filesystem::path>& path, const std::string& word) {
   if (!word.empty()) path = word;
 }
 
-// A slip must not cost the model: what is read is not written.
+// Throws UsageError if the output is the model itself, so that a slip does not destroy the model.
 void refuse_to_overwrite(const std::filesystem::path& model, const char* option,
                          const std::optional<std::filesystem::path>& output) {
-  std::error_code code;  // of what is not there
-  if (output && std::filesystem::equivalent(*output, model, code))
-    throw UsageError(fmt::format("{} {}: that is the model", option, output->string()));
+  std::error_code ignored;  // a file that does not exist is not the model
+  if (output && std::filesystem::equivalent(*output, model, ignored))
+    throw UsageError(fmt::format("{} {}: this file is the model", option, output->string()));
 }
 
 AntiAliasing parse_anti_aliasing(const std::string& word) {
   return word == "on" ? AntiAliasing::On : AntiAliasing::Off;
 }
 
-// A layer's height, or a length that is compared with one.
+// Parses a layer height, or a length that is compared with layer heights.
 Nanometers parse_um(const char* option, double um, double least) {
   const auto length = to_nanometers(to_millimeters(Micrometers{um}));
   if (!length || !(um >= least) || *length > kThickestLayer) {
@@ -175,9 +175,9 @@ AdaptiveLayers parse_adaptive(const SliceArgs& words) {
   return layers;
 }
 
-// As a ticket may have it.
+// Throws UsageError if the factor is outside the range that a ticket allows.
 std::optional<double> parse_scale(const std::optional<double>& scale) {
-  // Not the other way round: nan is none of the two.
+  // Negated, so that NaN is refused, too.
   if (scale && !(*scale >= 0.001 && *scale <= 1000))
     throw UsageError(fmt::format("--scale {}: expected 0.001 to 1000", *scale));
   return scale;
@@ -186,8 +186,8 @@ std::optional<double> parse_scale(const std::optional<double>& scale) {
 SliceOptions parse_slice(SliceOptions options, const SliceArgs& words) {
   options.supports = words.supports == "auto";
   options.scale = parse_scale(words.scale);
-  // A picture that fills the display has no millimetres.
-  if (options.supports && options.fit) throw UsageError("--supports auto does not go with --fit");
+  // Supports have sizes in millimetres, and a picture that fills the display has no scale.
+  if (options.supports && options.fit) throw UsageError("--supports auto excludes --fit");
   if (words.up) options.up = parse_up(*words.up);
   options.engine.display = parse_display(words.display);
   options.engine.anti_aliasing = parse_anti_aliasing(words.anti_aliasing);
@@ -201,21 +201,21 @@ SliceOptions parse_slice(SliceOptions options, const SliceArgs& words) {
   refuse_to_overwrite(options.model, "--csv", options.csv);
   if (int{words.z_mm.has_value()} + int{words.layer_height_um.has_value()} + int{words.cusp_um.has_value()} !=
       1)
-    throw UsageError("slice needs either --z or --layer-height-um or --cusp-um");
+    throw UsageError("slice needs exactly one of --z, --layer-height-um and --cusp-um");
   if (words.z_mm) {
     if (!std::isfinite(*words.z_mm))
       throw UsageError(fmt::format("--z {}: expected a finite number", *words.z_mm));
     options.z = Millimeters{*words.z_mm};
     if (options.masks || options.csv || options.contours) {
-      throw UsageError("--masks, --csv and --contours go with --layer-height-um or --cusp-um");
+      throw UsageError("--masks, --csv and --contours need --layer-height-um or --cusp-um");
     }
-    if (options.force) throw UsageError("--force goes with --masks or --contours");
+    if (options.force) throw UsageError("--force needs --masks or --contours");
     check_corrections_go_with_masks(options);
     return options;
   }
   if (options.force && !options.masks && !options.contours)
-    throw UsageError("--force goes with --masks or --contours");
-  if (options.mask) throw UsageError("--mask goes with --z");
+    throw UsageError("--force needs --masks or --contours");
+  if (options.mask) throw UsageError("--mask needs --z");
   if (words.layer_height_um) options.layer_height = parse_um("--layer-height-um", *words.layer_height_um, 1);
   if (words.cusp_um) options.adaptive = parse_adaptive(words);
   check_corrections_go_with_masks(options);
@@ -231,7 +231,7 @@ SupportOptions parse_support(SupportOptions options, const SupportArgs& words) {
   options.scale = parse_scale(words.scale);
   set_if_given(options.stl, words.stl);
   refuse_to_overwrite(options.model, "--stl", options.stl);
-  if (options.with_model && !options.stl) throw UsageError("--with-model goes with --stl");
+  if (options.with_model && !options.stl) throw UsageError("--with-model needs --stl");
   return options;
 }
 
@@ -240,7 +240,7 @@ AnalyzeOptions parse_analyze(AnalyzeOptions options, const AnalyzeArgs& words) {
   options.display = parse_display(words.display);
   options.anti_aliasing = parse_anti_aliasing(words.anti_aliasing);
   options.layer_height = parse_um("--layer-height-um", words.layer_height_um, 1);
-  // Not the other way round: nan is none of the two.
+  // Negated, so that NaN is refused, too.
   if (!(words.layer_time_s >= 0 && words.layer_time_s <= kLongestLayerS))
     throw UsageError(fmt::format("--layer-time-s {}: expected 0 to {}", words.layer_time_s, kLongestLayerS));
   options.layer_time =
@@ -254,7 +254,7 @@ AnalyzeOptions parse_analyze(AnalyzeOptions options, const AnalyzeArgs& words) {
   return options;
 }
 
-// What the user typed for orient.
+// Arguments of orient as the user typed them.
 struct OrientArgs {
   std::string preset = "auto";
   std::string printer, resin, html, pictures;
@@ -262,10 +262,8 @@ struct OrientArgs {
 
 OrientOptions parse_orient(OrientOptions options, const OrientArgs& words) {
   options.preset = orientation_preset(words.preset).value_or(OrientationPreset::Auto);
-  // As a ticket may have it. Not the other way round: nan is none of the two.
-  if (options.scale && !(*options.scale >= 0.001 && *options.scale <= 1000))
-    throw UsageError(fmt::format("--scale {}: expected 0.001 to 1000", *options.scale));
-  if (options.force && words.pictures.empty()) throw UsageError("--force goes with --pictures");
+  options.scale = parse_scale(options.scale);
+  if (options.force && words.pictures.empty()) throw UsageError("--force needs --pictures");
   set_if_given(options.printer, words.printer);
   set_if_given(options.resin, words.resin);
   set_if_given(options.html, words.html);
@@ -279,7 +277,7 @@ SubmitOptions parse_submit(SubmitOptions options, const std::optional<std::strin
   return options;
 }
 
-// What the user typed for the commands by hand.
+// Arguments of the manual commands as the user typed them.
 struct ManualArgs {
   std::optional<double> to_mm, by_mm, speed_mm_s, seconds;
   bool plate_is_clear = false, in_resin = false, confirm = false, unhomed = false;
@@ -304,19 +302,19 @@ Request manual_request(const char* method, const ManualArgs& words) {
   return request;
 }
 
-// Where the plate is to go, and how.
-void add_way(CLI::App& move, ManualArgs& words) {
+// Adds the options that say where the plate moves, and how fast.
+void add_motion_options(CLI::App& move, ManualArgs& words) {
   CLI::Option* to = move.add_option("--to", words.to_mm, "Height above the film, mm");
-  CLI::Option* by = move.add_option("--by", words.by_mm, "Upwards, downwards if below 0, mm")->excludes(to);
-  CLI::Option* speed = move.add_option("--speed", words.speed_mm_s,
-                                       "Speed, mm/s; without it the configuration's travel speed");
-  move.add_flag("--unhomed", words.unhomed,
-                "Slowly, 2 mm at most, from wherever the plate is: to see which way it goes")
+  CLI::Option* by =
+      move.add_option("--by", words.by_mm, "Distance upwards, mm; negative: downwards")->excludes(to);
+  CLI::Option* speed =
+      move.add_option("--speed", words.speed_mm_s, "Speed, mm/s (default: the configured travel speed)");
+  move.add_flag("--unhomed", words.unhomed, "Move slowly, at most 2 mm, from an unknown position")
       ->needs(by)
       ->excludes(speed);
 }
 
-// What the user typed for the commands by which a printer is wired and brought up.
+// Arguments of the commands for wiring and setting up a printer, as the user typed them.
 struct WiringArgs {
   JogOptions jog;
   LevelOptions level;
@@ -324,14 +322,14 @@ struct WiringArgs {
   bool once = false;
 };
 
-// What the user typed for history, watch and replaced.
+// Arguments of history, watch and replaced as the user typed them.
 struct EndedArgs {
   HistoryOptions history;
   std::optional<std::string> job;
   std::string part;
 };
 
-// What the user typed for the queue's commands.
+// Arguments of the queue's commands as the user typed them.
 struct QueueArgs {
   std::string job;
   int to = 1;
@@ -343,14 +341,14 @@ nlohmann::ordered_json place_in_queue(const QueueArgs& words) {
   return words.first ? 1 : words.to;
 }
 
-// What the user typed for the commands that put models into the spool.
+// Arguments of the commands that put models into the spool, as the user typed them.
 struct SpoolArgs {
   SubmitOptions submit;
   std::optional<std::string> up;
   OfferOptions offer;
 };
 
-// What the user typed for help, and for the commands about contourd's computer.
+// Arguments of help and of the commands about contourd's computer, as the user typed them.
 struct ComputerArgs {
   std::vector<std::string> help_topic;
   LogsOptions logs;
@@ -358,10 +356,18 @@ struct ComputerArgs {
   DiagnoseOptions diagnosis;
 };
 
-// An unset shell variable must not become 0 or "no output".
+// Refuses an empty argument: an unset shell variable must not become 0 or "no output".
 const CLI::Validator kNotEmpty([](const std::string& word) { return word.empty() ? "it is empty" : ""; }, "");
 
-// Empty when these words are no command's.
+// Help texts of options that several commands have.
+constexpr const char* kUpHelp = "Direction to print upwards: X,Y,Z or auto, fast, clean, safe";
+constexpr const char* kPlateIsClearHelp = "Declare that nothing is in the plate's way";
+constexpr const char* kSpoolHelp = "Spool folder, if contourd is not running";
+constexpr const char* kAntiAliasingHelp = "Grey edges by area coverage (on), or 1-bit masks (off)";
+constexpr const char* kPictureHelp = "Write a PNG file instead of drawing; - is standard output";
+constexpr const char* kLikePrinterHelp = "Use this printer configuration, as contourd does";
+
+// Returns the help text of the command with these words, or an empty string if there is no such command.
 std::string help_of_command(const CLI::App& program, std::span<const std::string> words) {
   const CLI::App* command = &program;
   std::string before;
@@ -375,7 +381,8 @@ std::string help_of_command(const CLI::App& program, std::span<const std::string
   return command->help(before);
 }
 
-// The commands, their options, and which of them was chosen. It has many functions: one for each command.
+// Command line parser: defines the commands and their options, and runs the chosen command. It has many
+// functions: one for each command.
 class CommandLine {
  public:
   CommandLine() {
@@ -421,7 +428,7 @@ class CommandLine {
     return command;
   }
 
-  // Of commands, one of which has to be chosen.
+  // Adds a group of commands, one of which has to be chosen.
   CLI::App* add_group(const char* name, const char* help) {
     CLI::App* group = app_.add_subcommand(name, help);
     group->require_subcommand(1);
@@ -429,244 +436,231 @@ class CommandLine {
   }
 
   void add_inspect() {
-    CLI::App* command = add_command("inspect", "Say what a model's file holds and what is wrong with it",
+    CLI::App* command = add_command("inspect", "Show the contents and defects of a model file",
                                     [this] { return inspect(inspect_); });
-    command->add_option("MODEL", inspect_.model, "A model's file")->required();
+    command->add_option("MODEL", inspect_.model, "Model file")->required();
     command->add_flag("--json", inspect_.json, "Print JSON");
   }
 
   void add_slice() {
-    CLI::App* command = add_command("slice", "Cut a model at one height, or into layers",
+    CLI::App* command = add_command("slice", "Slice a model at one height or into layers",
                                     [this] { return slice(parse_slice(slice_, words_)); });
-    command->add_option("MODEL", slice_.model, "A model's file")->required();
+    command->add_option("MODEL", slice_.model, "Model file")->required();
     const auto add = [command](const char* name, auto& word, const char* help) {
       return command->add_option(name, word, help)->check(kNotEmpty)->capture_default_str();
     };
     add("--z", words_.z_mm, "Height of the cut, mm, in the file's coordinates");
-    add("--up", words_.up, "What points up: X,Y,Z in the model's coordinates; or auto, fast, clean, safe");
+    add("--up", words_.up, kUpHelp);
     add("--layer-height-um", words_.layer_height_um, "Layer height, um");
-    CLI::Option* cusp = add("--cusp-um", words_.cusp_um,
-                            "Adaptive layers: how far a layer's edge may stand off the surface, um");
+    CLI::Option* cusp =
+        add("--cusp-um", words_.cusp_um, "Adaptive layers: maximum distance of an edge from the surface, um");
     add("--min-layer-um", words_.min_layer_um, "Thinnest adaptive layer, um")->needs(cusp);
     add("--max-layer-um", words_.max_layer_um, "Thickest adaptive layer, um")->needs(cusp);
     add("--mask", words_.mask, "Write the mask at --z to this PNG file");
-    add("--masks", words_.masks, "Write one PNG file a layer to this folder: 0001.png ...");
-    add("--csv", words_.csv, "Write each layer's measurements to this file, and FILE-summary.csv");
-    add("--contours", words_.contours, "Write one CSV file of contour points a layer to this folder");
-    add("--display", words_.display.display, "Pixels, WIDTHxHEIGHT");
+    add("--masks", words_.masks, "Write one PNG file per layer to this folder: 0001.png ...");
+    add("--csv", words_.csv, "Write layer measurements to this file, and FILE-summary.csv");
+    add("--contours", words_.contours, "Write one CSV file of contour points per layer to this folder");
+    add("--display", words_.display.display, "Display size in pixels, WIDTHxHEIGHT");
     add("--pixel-pitch-um", words_.display.pixel_pitch_um, "Side of a pixel on the plate, um");
-    add("--aa", words_.anti_aliasing, "Anti-aliasing: grey masks by area coverage, or 1-bit")
-        ->check(CLI::IsMember({"on", "off"}));
-    add("--grow-um", words_.grow_um, "Move the masks' contours outwards, um; negative inwards");
-    add("--elephant-foot-um", words_.elephant_foot_um, "Move them inwards at the model's bottom, um");
-    add("--elephant-foot-height-um", words_.elephant_foot_height_um, "Height over which that fades, um");
-    add("--uniformity-mask,--lamp-mask", words_.uniformity_mask,
-        "Multiply the masks by this PNG file, 8-bit grey, 255 leaves as it is (--lamp-mask: its old name)");
-    add("--supports", words_.supports, "Hold what hangs in the air: auto or off")
+    add("--aa", words_.anti_aliasing, kAntiAliasingHelp)->check(CLI::IsMember({"on", "off"}));
+    add("--grow-um", words_.grow_um, "Move the contours outwards, um; negative: inwards");
+    add("--elephant-foot-um", words_.elephant_foot_um, "Move the contours inwards at the bottom, um");
+    add("--elephant-foot-height-um", words_.elephant_foot_height_um,
+        "Height over which the elephant foot correction fades, um");
+    add("--uniformity-mask", words_.uniformity_mask,
+        "Multiply the masks by this 8-bit grey PNG file; 255 is 1");
+    add("--supports", words_.supports, "Generate supports: auto or off")
         ->check(CLI::IsMember({"auto", "off"}));
-    add("--scale", words_.scale, "Factor on the model's size");
+    add("--scale", words_.scale, "Scale the model by this factor");
     add("--gamma", words_.gamma, "Gamma of the projector, which the masks undo");
-    add("--threshold", words_.threshold, "Leave grey below this dark");
-    command->add_flag("--force", slice_.force,
-                      "Replace the files of an earlier slice in the folders of --masks and --contours");
-    command->add_flag("--fit", slice_.fit, "Fit the model to the display instead of true scale");
+    add("--threshold", words_.threshold, "Make grey below this value black");
+    command->add_flag("--force", slice_.force, "Replace the files of an earlier slice");
+    command->add_flag("--fit", slice_.fit, "Scale the model to fill the display");
     command->add_flag("--json", slice_.json, "Print JSON");
   }
 
   void add_analyze() {
-    CLI::App* command = add_command("analyze", "Say what a whole print will be: resin, areas, islands, times",
+    CLI::App* command = add_command("analyze", "Forecast a whole print: resin, areas, islands, times",
                                     [this] { return analyze(parse_analyze(analyze_, analyze_words_)); });
-    command->add_option("MODEL", analyze_.model, "A model's file")->required();
+    command->add_option("MODEL", analyze_.model, "Model file")->required();
     command->add_flag("--json", analyze_.json, "Print JSON");
     command->add_option("--html", analyze_words_.html, "Write a page with plots and the contours in 3-D")
         ->check(kNotEmpty);
     CLI::Option* printer =
-        command
-            ->add_option("--printer", analyze_words_.printer, "As contourd with this configuration prints it")
-            ->check(kNotEmpty);
-    command->add_option("--ticket", analyze_words_.ticket, "The job's ticket, with --printer")
+        command->add_option("--printer", analyze_words_.printer, kLikePrinterHelp)->check(kNotEmpty);
+    command->add_option("--ticket", analyze_words_.ticket, "Ticket of the job")
         ->check(kNotEmpty)
         ->needs(printer);
     command
         ->add_option("--supports", analyze_words_.supports,
-                     "Hold what hangs in the air: auto or off; as the printer does, or off, without it")
+                     "Generate supports: auto or off (default: as --printer, else off)")
         ->check(CLI::IsMember({"auto", "off"}));
-    command->add_option("--scale", analyze_words_.scale, "Factor on the model's size")->check(kNotEmpty);
+    command->add_option("--scale", analyze_words_.scale, "Scale the model by this factor")->check(kNotEmpty);
     const auto add = [&](const char* name, auto& word, const char* help) {
       return command->add_option(name, word, help)
           ->check(kNotEmpty)
           ->capture_default_str()
           ->excludes(printer);
     };
-    add("--up", analyze_words_.up,
-        "What points up: X,Y,Z in the model's coordinates; or auto, fast, clean, safe");
+    add("--up", analyze_words_.up, kUpHelp);
     add("--layer-height-um", analyze_words_.layer_height_um, "Layer height, um");
-    add("--layer-time-s", analyze_words_.layer_time_s, "What a layer takes on the printer, s");
-    add("--display", analyze_words_.display.display, "Pixels, WIDTHxHEIGHT");
+    add("--layer-time-s", analyze_words_.layer_time_s, "Time that the printer needs per layer, s");
+    add("--display", analyze_words_.display.display, "Display size in pixels, WIDTHxHEIGHT");
     add("--pixel-pitch-um", analyze_words_.display.pixel_pitch_um, "Side of a pixel on the plate, um");
-    add("--aa", analyze_words_.anti_aliasing, "Anti-aliasing: grey masks by area coverage, or 1-bit")
-        ->check(CLI::IsMember({"on", "off"}));
+    add("--aa", analyze_words_.anti_aliasing, kAntiAliasingHelp)->check(CLI::IsMember({"on", "off"}));
   }
 
   void add_support() {
-    CLI::App* command = add_command("support", "Say what of a model has to be held, and what holds it",
+    CLI::App* command = add_command("support", "Generate supports and report what they hold",
                                     [this] { return support(parse_support(support_, support_words_)); });
-    command->add_option("MODEL", support_.model, "A model's file")->required();
+    command->add_option("MODEL", support_.model, "Model file")->required();
     const auto add = [command](const char* name, auto& word, const char* help) {
       return command->add_option(name, word, help)->check(kNotEmpty)->capture_default_str();
     };
-    add("--stl", support_words_.stl, "Write the supports to this STL file, for other programs");
-    command->add_flag("--with-model", support_.with_model, "The model too, as it stands on them");
-    add("--scale", support_words_.scale, "Factor on the model's size");
-    add("--up", support_words_.up,
-        "What points up: X,Y,Z in the model's coordinates; or auto, fast, clean, safe");
-    add("--layer-height-um", support_words_.layer_height_um, "The model is lifted by whole layers, um");
-    add("--display", support_words_.display.display, "Pixels, WIDTHxHEIGHT: the build area");
+    add("--stl", support_words_.stl, "Write the supports to this STL file");
+    command->add_flag("--with-model", support_.with_model, "Write the lifted model to the STL file, too");
+    add("--scale", support_words_.scale, "Scale the model by this factor");
+    add("--up", support_words_.up, kUpHelp);
+    add("--layer-height-um", support_words_.layer_height_um,
+        "Layer height, um; the model is lifted by whole layers");
+    add("--display", support_words_.display.display, "Build area in pixels, WIDTHxHEIGHT");
     add("--pixel-pitch-um", support_words_.display.pixel_pitch_um, "Side of a pixel on the plate, um");
     command->add_flag("--json", support_.json, "Print JSON");
   }
 
   void add_orient() {
-    CLI::App* command = add_command("orient", "Say which way up a model prints best, and what else there is",
+    CLI::App* command = add_command("orient", "Find the orientation in which a model prints best",
                                     [this] { return orient(parse_orient(orient_, orient_words_)); });
-    command->add_option("MODEL", orient_.model, "A model's file")->required();
+    command->add_option("MODEL", orient_.model, "Model file")->required();
     const auto add = [command](const char* name, auto& word, const char* help) {
       return command->add_option(name, word, help)->check(kNotEmpty)->capture_default_str();
     };
-    add("--preset", orient_words_.preset, "What counts: auto (the resin's weights), fast, clean or safe")
+    add("--preset", orient_words_.preset, "Weights: auto (from the resin's profile), fast, clean or safe")
         ->check(CLI::IsMember({"auto", "fast", "clean", "safe"}));
-    add("--scale", orient_.scale, "Factor on the model's size");
-    add("--printer", orient_words_.printer, "As contourd with this configuration prints it");
-    add("--profile", orient_words_.resin, "A resin's profile, in the place of the printer's");
+    add("--scale", orient_.scale, "Scale the model by this factor");
+    add("--printer", orient_words_.printer, kLikePrinterHelp);
+    add("--profile", orient_words_.resin, "Resin profile, instead of the printer's resin");
     add("--html", orient_words_.html, "Write a page with pictures");
-    add("--pictures", orient_words_.pictures, "Write a picture of each as PNG to this folder: 0001.png ...");
-    command->add_flag("--force", orient_.force, "Replace the pictures of an earlier one in that folder");
+    add("--pictures", orient_words_.pictures, "Write one PNG picture per orientation to this folder");
+    command->add_flag("--force", orient_.force, "Replace the pictures of an earlier call");
     command->add_flag("--json", orient_.json, "Print JSON");
   }
 
   void add_mask() {
-    CLI::App* command = add_command("mask", "Show what the display shows: the mask of the layer under way",
+    CLI::App* command = add_command("mask", "Show the picture on the display: the mask of the current layer",
                                     [this] { return mask(client_, preview_.output); });
-    command
-        ->add_option("-o,--output", preview_.output,
-                     "Write a PNG file, - for standard output, and draw nothing")
-        ->check(kNotEmpty);
+    command->add_option("-o,--output", preview_.output, kPictureHelp)->check(kNotEmpty);
     add_socket_option(command);
   }
 
   void add_preview() {
-    CLI::App* command = add_command("preview", "Show a picture of a model, or of a job in the spool",
+    CLI::App* command = add_command("preview", "Draw a model or a job of the spool",
                                     [this] { return preview(client_, preview_); });
-    command->add_option("JOB", preview_.subject, "A job's name, or a model's file")
+    command->add_option("JOB", preview_.subject, "Name of a job, or model file")
         ->required()
         ->check(kNotEmpty);
-    command->add_option("--layer", preview_.layer, "The mask of this layer, from 1, as the printer shows it")
+    command->add_option("--layer", preview_.layer, "Draw the mask of this layer, counted from 1")
         ->check(CLI::Range(1, kMaxLayers));
     const auto add = [command](const char* name, auto& option, const char* help) {
       command->add_option(name, option, help)->check(kNotEmpty);
     };
-    add("--printer", preview_.printer, "As contourd with this configuration prints it");
-    add("--ticket", preview_.ticket, "The ticket of a model's file");
-    add("-o,--output", preview_.output, "Write a PNG file, - for standard output, and draw nothing");
-    add("--spool", preview_.spool, "The spool's folder, if contourd does not run");
+    add("--printer", preview_.printer, kLikePrinterHelp);
+    add("--ticket", preview_.ticket, "Ticket for the model file");
+    add("-o,--output", preview_.output, kPictureHelp);
+    add("--spool", preview_.spool, kSpoolHelp);
     add_socket_option(command);
   }
 
   void add_submit() {
-    CLI::App* command = add_command("submit", "Put models into the queue", [this] {
+    CLI::App* command = add_command("submit", "Add models to the queue", [this] {
       return submit(client_, parse_submit(spool_.submit, spool_.up));
     });
-    command->add_option("FILE", spool_.submit.models, "Models' files")->required();
+    command->add_option("FILE", spool_.submit.models, "Model files")->required();
     CLI::Option* ticket =
-        command->add_option("--ticket", spool_.submit.ticket, "Their ticket")->check(kNotEmpty);
+        command->add_option("--ticket", spool_.submit.ticket, "Ticket for all models")->check(kNotEmpty);
     const auto add = [&](const char* name, auto& option, const char* help) {
       return command->add_option(name, option, help)->excludes(ticket);
     };
-    add("--resin", spool_.submit.resin, "Name of the resin's profile")->check(kNotEmpty);
+    add("--resin", spool_.submit.resin, "Name of the resin profile")->check(kNotEmpty);
     add("--layer-height-um", spool_.submit.layer_height_um, "Layer height, um");
-    add("--exposure-ms", spool_.submit.exposure_ms,
-        "Light on a normal layer, ms; within the resin's ticket_limits");
-    add("--bottom-exposure-ms", spool_.submit.bottom_exposure_ms, "Light on a bottom layer, ms; the same");
-    add("--lift-mm", spool_.submit.lift_mm, "Rise after an exposure, mm; the same");
-    add("--settle-ms", spool_.submit.settle_ms, "Wait before the light, ms; the same");
-    add("--rest-ms", spool_.submit.rest_ms, "Wait after the light, ms; the same");
-    add("--copies", spool_.submit.copies, "How many of each model");
-    add("--up", spool_.up, "What points up: X,Y,Z in the model's coordinates; or auto, fast, clean, safe")
-        ->check(kNotEmpty);
-    add("--supports", spool_.submit.supports,
-        "Hold what hangs in the air: auto or off; as the printer does without it")
+    add("--exposure-ms", spool_.submit.exposure_ms, "Exposure of a normal layer, ms, within ticket_limits");
+    add("--bottom-exposure-ms", spool_.submit.bottom_exposure_ms,
+        "Exposure of a bottom layer, ms, within ticket_limits");
+    add("--lift-mm", spool_.submit.lift_mm, "Lift after an exposure, mm, within ticket_limits");
+    add("--settle-ms", spool_.submit.settle_ms, "Wait before the exposure, ms, within ticket_limits");
+    add("--rest-ms", spool_.submit.rest_ms, "Wait after the exposure, ms, within ticket_limits");
+    add("--copies", spool_.submit.copies, "Number of copies of each model");
+    add("--up", spool_.up, kUpHelp)->check(kNotEmpty);
+    add("--supports", spool_.submit.supports, "Generate supports: auto or off (default: as configured)")
         ->check(CLI::IsMember({"auto", "off"}));
-    CLI::Option* scale = add("--scale", spool_.submit.scale, "Factor on the model's size");
-    command->add_flag("--fit", spool_.submit.fit, "Fill the display")->excludes(ticket)->excludes(scale);
+    CLI::Option* scale = add("--scale", spool_.submit.scale, "Scale the model by this factor");
+    command->add_flag("--fit", spool_.submit.fit, "Scale the model to fill the display")
+        ->excludes(ticket)
+        ->excludes(scale);
     command
         ->add_option("--printer", spool_.submit.printer,
-                     "Tell and check as contourd with this configuration prints it")
+                     "Forecast and check the print with this printer configuration")
         ->check(kNotEmpty);
-    command->add_option("--spool", spool_.submit.spool, "The spool's folder, if contourd does not run")
-        ->check(kNotEmpty);
-    command->add_flag("--wait", spool_.submit.wait, "Until all of them have ended");
-    command->add_flag("--yes", spool_.submit.yes, "Do not ask, whatever there is to warn of");
+    command->add_option("--spool", spool_.submit.spool, kSpoolHelp)->check(kNotEmpty);
+    command->add_flag("--wait", spool_.submit.wait, "Wait until all jobs have ended");
+    command->add_flag("--yes", spool_.submit.yes, "Do not ask for confirmation of warnings");
     add_client_options(command);
   }
 
   void add_offer() {
     CLI::App* command =
-        add_command("offer", "Put the models of a folder, such as a USB stick's, into the queue",
+        add_command("offer", "Add the models of an untrusted folder, such as a USB stick, to the queue",
                     [this] { return offer(client_, spool_.offer); });
-    command->add_option("FOLDER", spool_.offer.folder, "No link in it is followed")
+    command->add_option("FOLDER", spool_.offer.folder, "Folder with models; links in it are not followed")
         ->required()
         ->check(kNotEmpty);
-    command->add_option("--spool", spool_.offer.spool, "The spool's folder, if contourd does not run")
-        ->check(kNotEmpty);
-    CLI::Option* once = command
-                            ->add_option("--once", spool_.offer.once,
-                                         "Note in this file what is taken, and take it only once")
-                            ->check(kNotEmpty);
-    command->add_option("--label", spool_.offer.label, "What tells this folder from others in that file")
+    command->add_option("--spool", spool_.offer.spool, kSpoolHelp)->check(kNotEmpty);
+    CLI::Option* once =
+        command->add_option("--once", spool_.offer.once, "Take each file once, and record it in this file")
+            ->check(kNotEmpty);
+    command->add_option("--label", spool_.offer.label, "Name of this folder in the file of --once")
         ->needs(once);
     add_client_options(command);
   }
 
   void add_help() {
-    CLI::App* command = add_command("help", "Show a page of the manual, or how a command is used", [this] {
+    CLI::App* command = add_command("help", "Show a page of the manual or the usage of a command", [this] {
       const auto of = [this](std::span<const std::string> words) { return help_of_command(app_, words); };
       CommandHelp commands{{}, of};
       for (const CLI::App* each : app_.get_subcommands([](const CLI::App*) { return true; }))
         commands.names.push_back(each->get_name());
       return help(computer_.help_topic, commands);
     });
-    command->add_option("TOPIC", computer_.help_topic,
-                        "A page, a section, a word, or a command; without it, a list");
+    command->add_option("TOPIC", computer_.help_topic, "Page, section, word or command; without it, a list");
   }
 
   void add_client_commands() {
-    add_client("status", "What the printer is doing", "status");
+    add_client("status", "Show the current activity of the printer", "status");
     add_queue_commands();
     add_accept();
     add_history();
-    add_client("usage", "Hours of light, layers and resin so far", "usage", print_usage);
-    CLI::App* replaced = add_command(
-        "replaced", "Note that the lamp, the film or the vat is new: its use counts from now on", [this] {
+    add_client("usage", "Show hours of light, layers and resin so far", "usage", print_usage);
+    CLI::App* replaced =
+        add_command("replaced", "Record that the lamp, the film or the vat was replaced", [this] {
           return request(client_, {"replaced", {{"part", ended_.part}}}, print_usage);
         });
-    replaced->add_option("PART", ended_.part, "lamp, film or vat")
+    replaced->add_option("PART", ended_.part, "Replaced part: lamp, film or vat")
         ->required()
         ->check(CLI::IsMember({"lamp", "film", "vat"}));
     add_client_options(replaced);
-    add_client("pause", "Pause after the layer under way", "pause");
-    add_client("resume", "Go on after a pause, or with the queue after a failure", "resume");
-    add_client("cancel", "End the print under way: light off, plate up", "cancel");
-    add_client("plate-cleared", "Tell contourd that the plate is free for the next job", "plate_cleared");
+    add_client("pause", "Pause the print after the current layer", "pause");
+    add_client("resume", "Continue after a pause, or release the queue after a failure", "resume");
+    add_client("cancel", "Cancel the current print: light off, plate up", "cancel");
+    add_client("plate-cleared", "Confirm that the plate is free for the next job", "plate_cleared");
     CLI::App* command =
-        add_command("watch", "Follow the print until it ends: in a terminal on all of it, else line by line",
-                    [this] { return watch(client_, ended_.job); });
-    command->add_option("--job", ended_.job, "Until the job of this name has ended")->check(kNotEmpty);
+        add_command("watch", "Follow the print until it ends", [this] { return watch(client_, ended_.job); });
+    command->add_option("--job", ended_.job, "Follow until this job has ended")->check(kNotEmpty);
     add_client_options(command);
   }
 
   void add_queue_commands() {
-    CLI::App* queue = app_.add_subcommand("queue", "The jobs that wait; what is to become of one");
-    // Called behind that of a command below it.
+    CLI::App* queue = app_.add_subcommand("queue", "List the waiting jobs, or show, remove or move one");
+    // CLI11 calls this after the callback of a subcommand.
     queue->callback([this, queue] {
       if (queue->get_subcommands().empty())
         chosen_ = [this] { return request(client_, {"queue"}, print_queue); };
@@ -674,102 +668,103 @@ class CommandLine {
     add_client_options(queue);
     const auto add = [this, queue](const char* name, const char* help, std::function<int()> call) {
       CLI::App* command = add_command(queue, name, help, std::move(call));
-      command->add_option("JOB", queue_.job, "Its name, or its file's in incoming")
+      command->add_option("JOB", queue_.job, "Name of the job, or of its file in incoming")
           ->required()
           ->check(kNotEmpty);
       add_client_options(command);
       return command;
     };
-    add("show", "All that is known of a job that waits", [this] {
+    add("show", "Show the details of a waiting job", [this] {
       return request(client_, {"queue", {{"job", queue_.job}}}, print_waiting_job);
     });
-    add("remove", "Take a job out of the queue: its files go to failed",
+    add("remove", "Remove a job from the queue; its files go to failed",
         [this] { return remove_from_queue(client_, queue_.job); });
-    CLI::App* move = add("move", "Have a job printed earlier or later", [this] {
+    CLI::App* move = add("move", "Move a job within the queue", [this] {
       return request(client_, {"queue_move", {{"job", queue_.job}, {"to", place_in_queue(queue_)}}},
                      print_queue);
     });
     CLI::Option_group* place = move->add_option_group("Place");
     place->require_option(1);
-    place->add_option("--to", queue_.to, "To this place, from 1")->check(CLI::Range(1, 1000));
-    place->add_flag("--first", queue_.first, "It is the next one");
-    place->add_flag("--last", queue_.last, "Behind all others");
+    place->add_option("--to", queue_.to, "Move to this place, counted from 1")->check(CLI::Range(1, 1000));
+    place->add_flag("--first", queue_.first, "Move to the start of the queue");
+    place->add_flag("--last", queue_.last, "Move to the end of the queue");
   }
 
   void add_accept() {
-    CLI::App* command =
-        add_command("accept", "Have a job printed as it is, of which the printer asks its owner",
-                    [this] { return accept_job(client_, queue_.job); });
-    command->add_option("JOB", queue_.job, "Its name, or its file's in incoming")
+    CLI::App* command = add_command("accept", "Accept a job that is waiting for confirmation",
+                                    [this] { return accept_job(client_, queue_.job); });
+    command->add_option("JOB", queue_.job, "Name of the job, or of its file in incoming")
         ->required()
         ->check(kNotEmpty);
     add_client_options(command);
   }
 
   void add_logs() {
-    CLI::App* command = add_command("logs", "What contourd has logged in the journal",
+    CLI::App* command = add_command("logs", "Show contourd's entries in the journal",
                                     [this] { return logs(computer_.logs); });
-    command->add_option("JOB", computer_.logs.job, "Of this job alone")->check(kNotEmpty);
-    command->add_option("-n,--lines", computer_.logs.lines, "The latest so many; without a job 100")
+    command->add_option("JOB", computer_.logs.job, "Show only entries about this job")->check(kNotEmpty);
+    command
+        ->add_option("-n,--lines", computer_.logs.lines,
+                     "Show the latest N lines (default without a job: 100)")
         ->check(CLI::Range(1, 1'000'000));
-    command->add_flag("-f,--follow", computer_.logs.follow, "Go on with each line that comes");
+    command->add_flag("-f,--follow", computer_.logs.follow, "Keep printing new lines");
   }
 
   void add_config_commands() {
-    CLI::App* config = add_group("config", "The printer's configuration");
+    CLI::App* config = add_group("config", "Check and show the printer's configuration");
     const auto add = [this, config](const char* name, const char* help, int (*call)(const ConfigOptions&)) {
       return add_command(config, name, help, [this, call] { return call(computer_.config); });
     };
     const auto add_file = [this](CLI::App* command) {
-      command->add_option("FILE", computer_.config.file, "The printer's file")
+      command->add_option("FILE", computer_.config.file, "Configuration file")
           ->capture_default_str()
           ->check(kNotEmpty);
     };
-    add_file(add("check", "Say what is wrong with it, as contourd --check-config", config_check));
+    add_file(add("check", "List mistakes in it, as contourd --check-config does", config_check));
     add_file(add("show", "Print it with all defaults, as JSON", config_show));
-    add_file(add("diff", "Print what is not as by default", config_diff));
-    add("schema", "Print the JSON schema of a file that owners write", config_schema)
-        ->add_option("FORMAT", computer_.config.format, "printer, resin, projector, ticket or plate")
+    add_file(add("diff", "Print the values that differ from their defaults", config_diff));
+    add("schema", "Print the JSON schema of a file format", config_schema)
+        ->add_option("FORMAT", computer_.config.format,
+                     "File format: printer, resin, projector, ticket or plate")
         ->capture_default_str()
         ->check(CLI::IsMember(config_formats()));
   }
 
   void add_diagnose() {
-    CLI::App* command = add_command("diagnose", "Put what a helper wants to know into one archive",
+    CLI::App* command = add_command("diagnose", "Collect information for a bug report in one archive",
                                     [this] { return diagnose(client_, computer_.diagnosis); });
     command
         ->add_option("JOB", computer_.diagnosis.job,
-                     "With this job's report and journal; else the latest one's")
+                     "Include the report and journal of this job (default: the latest)")
         ->check(kNotEmpty);
     command
-        ->add_option("-o,--output", computer_.diagnosis.output,
-                     "The archive, .tar.gz; nothing may have that name")
+        ->add_option("-o,--output", computer_.diagnosis.output, "Archive to create (.tar.gz); must not exist")
         ->check(kNotEmpty);
-    command->add_option("--config", computer_.diagnosis.config, "The printer's file")
+    command->add_option("--config", computer_.diagnosis.config, "Configuration of the printer")
         ->capture_default_str()
         ->check(kNotEmpty);
     add_socket_option(command);
   }
 
   void add_history() {
-    CLI::App* command = add_command("history", "How the latest jobs have ended",
+    CLI::App* command = add_command("history", "List the outcomes of the latest jobs",
                                     [this] { return history(client_, ended_.history); });
-    command->add_option("--last", ended_.history.last, "So many at most")
+    command->add_option("--last", ended_.history.last, "Show at most N jobs")
         ->check(CLI::Range(1, kLongestHistory))
         ->capture_default_str();
     const auto add = [command](const char* name, std::string& word, const char* help) {
       return command->add_option(name, word, help)->check(kNotEmpty);
     };
-    add("--since", ended_.history.since, "Those that ended on this date or later, or in the last 7d or 12h");
-    add("--outcome", ended_.history.outcome, "Those that ended so")
+    add("--since", ended_.history.since, "Show jobs that ended since DATE, or in the last 7d or 12h");
+    add("--outcome", ended_.history.outcome, "Show jobs with this outcome")
         ->check(CLI::IsMember({"done", "failed", "cancelled"}));
-    add("--resin", ended_.history.resin, "Those that were printed with this resin");
-    add("--job", ended_.history.job, "Those with this in their names");
-    command->add_flag("--csv", ended_.history.csv, "Print CSV, a line a job, for a spreadsheet");
+    add("--resin", ended_.history.resin, "Show jobs that were printed with this resin");
+    add("--job", ended_.history.job, "Show jobs with this text in their names");
+    command->add_flag("--csv", ended_.history.csv, "Print CSV, one line per job, for a spreadsheet");
     add_client_options(command);
   }
 
-  // What is done by hand, while nothing prints.
+  // Adds the commands for manual control, which work only while no job is printed.
   void add_manual_commands() {
     const auto by_hand = [this](CLI::App* parent, const char* name, const char* help, const char* method,
                                 WaitFor what = WaitFor::Operation) {
@@ -780,71 +775,72 @@ class CommandLine {
       return command;
     };
     const auto add_plate_is_clear = [this](CLI::App* command) {
-      command->add_flag("--plate-is-clear", manual_.plate_is_clear,
-                        "Nothing is in the plate's way, whatever contourd knows of");
+      command->add_flag("--plate-is-clear", manual_.plate_is_clear, kPlateIsClearHelp);
     };
-    add_plate_is_clear(by_hand(&app_, "home", "Have the plate find its switch", "home"));
+    add_plate_is_clear(by_hand(&app_, "home", "Home the plate: move it to its limit switch", "home"));
     CLI::App* move = by_hand(&app_, "move", "Move the plate", "move");
-    add_way(*move, manual_);
+    add_motion_options(*move, manual_);
     add_plate_is_clear(move);
-    by_hand(&app_, "stop", "End what is done by hand: motor still, light off, screen black", "stop",
+    by_hand(&app_, "stop", "Stop manual control: motor still, light off, screen black", "stop",
             WaitFor::Rest);
-    by_hand(add_group("motor", "The plate's motor"), "off", "Take the motor's current away", "motor_off");
-    CLI::App* light = add_group("light", "The projector's light");
-    CLI::App* on = add_command(light, "on", "Light for some seconds, with the picture that is shown", [this] {
+    by_hand(add_group("motor", "Control the plate's motor"), "off", "Turn off the motor's current",
+            "motor_off");
+    CLI::App* light = add_group("light", "Control the projector's light");
+    CLI::App* on = add_command(light, "on", "Turn the light on, with the current picture", [this] {
       return light_by_hand(client_, manual_request("light_on", manual_), manual_.confirm);
     });
-    on->add_option("--seconds", manual_.seconds, "For how long, s")->required();
+    on->add_option("--seconds", manual_.seconds, "Duration, s")->required();
     on->add_flag("--confirm", manual_.confirm, "Do not ask whether eyes are protected");
-    on->add_flag("--in-resin", manual_.in_resin, "Also when the plate may be in the resin");
+    on->add_flag("--in-resin", manual_.in_resin, "Allow light while the plate may be in the resin");
     add_client_options(on);
     by_hand(light, "off", "Turn the light off", "light_off", WaitFor::Rest);
-    CLI::App* show = add_command(&app_, "show", "Show a test pattern or a picture, until it is interrupted",
+    CLI::App* show = add_command(&app_, "show", "Show a test pattern or a picture until interrupted",
                                  [this] { return show_by_hand(client_, manual_.show); });
     show->add_option("PATTERN", manual_.show.what,
                      "white, black, grid, checker, focus, border, dimensions; a PNG file of the display's "
-                     "size; or a model's file")
+                     "size; or a model file")
         ->required()
         ->check(kNotEmpty);
-    show->add_option("--seconds", manual_.show.seconds, "For how long, s");
-    CLI::Option* at_z =
-        show->add_option("--at-z", manual_.show.at_z_mm, "The model's mask so high above the plate, mm");
-    show->add_option("--printer", manual_.show.printer, "As contourd with this configuration makes it")
+    show->add_option("--seconds", manual_.show.seconds, "Duration, s");
+    CLI::Option* at_z = show->add_option("--at-z", manual_.show.at_z_mm,
+                                         "Show the mask of a model file at this height above the plate, mm");
+    show->add_option("--printer", manual_.show.printer, kLikePrinterHelp)
         ->capture_default_str()
         ->check(kNotEmpty)
         ->needs(at_z);
-    show->add_option("--ticket", manual_.show.ticket, "The model's ticket")->check(kNotEmpty)->needs(at_z);
+    show->add_option("--ticket", manual_.show.ticket, "Ticket for the model file")
+        ->check(kNotEmpty)
+        ->needs(at_z);
     add_client_options(show);
-    CLI::App* projector = add_group("projector", "The projector's power");
-    by_hand(projector, "status", "What the projector says of itself", "projector");
+    CLI::App* projector = add_group("projector", "Control the projector's power");
+    by_hand(projector, "status", "Show the projector's state", "projector");
     const auto power = [&, this](const char* word, const char* help) {
       add_client_options(add_command(projector, word, help, [this, word] {
         return power_projector(client_, word == std::string_view("on"));
       }));
     };
-    power("on", "Power on, and wait until it is warm; the light stays off");
-    power("off", "Power off");
+    power("on", "Turn the projector on and wait until it is warm; the light stays off");
+    power("off", "Turn the projector off");
     add_wiring_commands();
   }
 
-  // For whoever wires the printer and brings it up.
+  // Adds the commands for wiring and setting up a printer.
   void add_wiring_commands() {
-    CLI::App* switches = add_command(&app_, "switches", "Show the switches' and other inputs' states, live",
+    CLI::App* switches = add_command(&app_, "switches", "Show the states of switches and other inputs, live",
                                      [this] { return show_switches(client_, wiring_.once); });
-    switches->add_flag("--once", wiring_.once, "Only once");
+    switches->add_flag("--once", wiring_.once, "Print the states once");
     add_client_options(switches);
     CLI::App* jog_keys =
         add_command(&app_, "jog", "Move the plate by keys", [this] { return jog(client_, wiring_.jog); });
-    jog_keys->add_option("--light-seconds", wiring_.jog.light_s, "How long the key l lights, s")
+    jog_keys->add_option("--light-seconds", wiring_.jog.light_s, "Duration of the light of the key l, s")
         ->capture_default_str();
-    jog_keys->add_flag("--plate-is-clear", wiring_.jog.plate_is_clear,
-                       "Nothing is in the plate's way, whatever contourd knows of");
-    jog_keys->add_flag("--in-resin", wiring_.jog.in_resin, "Light also when the plate may be in the resin");
+    jog_keys->add_flag("--plate-is-clear", wiring_.jog.plate_is_clear, kPlateIsClearHelp);
+    jog_keys->add_flag("--in-resin", wiring_.jog.in_resin, "Allow light while the plate may be in the resin");
     add_socket_option(jog_keys);
     CLI::App* levelling =
-        add_command(&app_, "level", "Level the plate, step by step, and store where its switch is",
+        add_command(&app_, "level", "Level the plate, step by step, and store the height of its switch",
                     [this] { return level(client_, wiring_.level); });
-    levelling->add_option("--config", wiring_.level.config, "The printer's configuration")
+    levelling->add_option("--config", wiring_.level.config, "Configuration of the printer")
         ->capture_default_str();
     add_socket_option(levelling);
     add_setup();
@@ -853,23 +849,23 @@ class CommandLine {
   void add_setup() {
     SetupOptions& options = wiring_.setup;
     CLI::App* command =
-        add_command(&app_, "setup", "Bring a wired printer up, step by step, and write its configuration",
+        add_command(&app_, "setup", "Set up a wired printer, step by step, and write its configuration",
                     [this] { return setup(client_, wiring_.setup); });
-    command->add_option("--config", options.config, "The printer's configuration")
+    command->add_option("--config", options.config, "Configuration to write")
         ->capture_default_str()
         ->check(kNotEmpty);
     command->add_flag("--non-interactive", options.non_interactive,
-                      "Ask nothing: what is given, and what is suggested where that is safe");
-    command->add_option("--set", options.set, "An answer, KEY=VALUE; as often as needed")
+                      "Ask nothing: use the given answers and safe suggestions");
+    command->add_option("--set", options.set, "Answer as KEY=VALUE; can be repeated")
         ->allow_extra_args(false);
-    command->add_option("--answers", options.answers, "Answers from this JSON file")->check(kNotEmpty);
-    command->add_flag("--anew", options.anew, "Forget what was answered before");
+    command->add_option("--answers", options.answers, "Read answers from this JSON file")->check(kNotEmpty);
+    command->add_flag("--restart", options.restart, "Discard the answers of earlier calls");
     command->add_flag("--replace", options.replace,
-                      "Replace an edited configuration without asking; it is kept");
+                      "Replace an edited configuration without asking (a copy is kept)");
     add_socket_option(command);
   }
 
-  // A method without parameters.
+  // Adds a command that calls a method without parameters.
   void add_client(const char* name, const char* help, const char* method,
                   decltype(&print_status) print = print_status) {
     add_client_options(
@@ -877,17 +873,17 @@ class CommandLine {
   }
 
   void add_socket_option(CLI::App* command) {
-    command->add_option("--socket", client_.socket, "contourd's control socket (or CONTOURD_SOCKET)")
+    command->add_option("--socket", client_.socket, "Control socket of contourd (or CONTOURD_SOCKET)")
         ->capture_default_str()
         ->check(kNotEmpty);
   }
 
   void add_client_options(CLI::App* command) {
     add_socket_option(command);
-    command->add_flag("--json", client_.json, "Print JSON, one message a line");
+    command->add_flag("--json", client_.json, "Print JSON, one message per line");
   }
 
-  CLI::App app_{"Inspects and slices STL models, and talks to contourd."};
+  CLI::App app_{"Inspects and slices models, and controls contourd, the daemon of a resin printer."};
   InspectOptions inspect_;
   SliceOptions slice_;
   AnalyzeOptions analyze_;
@@ -908,7 +904,7 @@ class CommandLine {
   std::function<int()> chosen_;
 };
 
-// One line, whatever a file is called.
+// Prints the error as one line, even if a file's name contains line breaks. Returns the exit code.
 int complain(int code, const char* why) {
   std::string line = why;
   std::ranges::replace(line, '\n', ' ');

@@ -20,7 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t kLongestReason = 2000;  // bytes
-// How long until a socket whose queue is full is tried again.
+// Delay before a notice is sent again to a socket whose queue is full.
 constexpr Duration kNoticeRetryInterval = 2s;
 
 std::string as_json(const EndedJob& job, const std::string& printer, const std::string& reason) {
@@ -60,7 +60,7 @@ EndedJobNotices::EndedJobNotices(EventLoop& loop, const Log& log, std::filesyste
     : loop_(loop), log_(log), socket_(std::move(socket)), printer_(std::move(printer)) {}
 
 EndedJobNotices::~EndedJobNotices() {
-  // The loop does not turn any more: nothing can be watched.
+  // The event loop has stopped, so the connections cannot be watched.
   for (FileDescriptor socket; !waiting_.empty() && send(waiting_.front(), socket) == Sent::Taken;)
     waiting_.pop_front();
 }
@@ -70,11 +70,11 @@ void EndedJobNotices::add(const EndedJob& job) {
     waiting_.push_back(notice_of(job, printer_));
     return hand_over();
   }
-  if (std::exchange(too_many_told_, true)) return;
+  if (std::exchange(too_many_logged_, true)) return;
   log_.warning(
       "notice",
-      fmt::format("{}: nobody is told that it has ended, nor of others, since {} wait for that: what "
-                  "{} starts does not come to an end",
+      fmt::format("{}: no notice is sent of its end, nor of other jobs, because {} notices are waiting: the "
+                  "commands that {} starts do not end",
                   printable(job.name), waiting_.size(), printable(socket_.string())),
       job_fields(job.name));
 }
@@ -86,13 +86,13 @@ void EndedJobNotices::hand_over() {
       case Sent::Taken:
         watch(std::move(socket));
         waiting_.pop_front();
-        too_many_told_ = false;
+        too_many_logged_ = false;
         break;
       case Sent::Busy:
         timer_ = loop_.at(std::chrono::steady_clock::now() + kNoticeRetryInterval, "a notice's timer",
                           [this] { hand_over(); });
         return;
-      case Sent::NobodyListens:
+      case Sent::NoListener:
       case Sent::Refused:
         waiting_.clear();
     }
@@ -109,12 +109,12 @@ EndedJobNotices::Sent EndedJobNotices::send(const std::string& notice, FileDescr
     return Sent::Refused;
   };
   if (!socket.valid()) return refused(errno);
-  // A stream socket of this family is connected at once, or there is no room in the listener's queue.
+  // A Unix stream socket connects at once, or fails because the listener's queue is full.
   if (::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    if (errno == ENOENT || errno == ECONNREFUSED) return Sent::NobodyListens;
+    if (errno == ENOENT || errno == ECONNREFUSED) return Sent::NoListener;
     return errno == EAGAIN ? Sent::Busy : refused(errno);
   }
-  // A new connection has room for more than the longest notice.
+  // The buffer of a new connection is larger than the longest notice.
   const ssize_t sent = ::send(socket.get(), notice.data(), notice.size(), MSG_NOSIGNAL);
   if (sent < 0) return refused(errno);
   if (static_cast<std::size_t>(sent) != notice.size()) return refused(ENOBUFS);
@@ -123,7 +123,8 @@ EndedJobNotices::Sent EndedJobNotices::send(const std::string& notice, FileDescr
   return Sent::Taken;
 }
 
-// What comes from there is not read: its sender gets no more than the socket's buffer.
+// Waits for the other end to close the connection. Data from there is not read, so its sender can fill at
+// most the socket's buffer.
 void EndedJobNotices::watch(FileDescriptor socket) {
   const auto notice = open_.insert(open_.end(), Notice{std::move(socket), nullptr});
   notice->end =
@@ -135,8 +136,8 @@ void EndedJobNotices::watch(FileDescriptor socket) {
 
 void EndedJobNotices::note_trouble(const std::string& trouble) {
   if (std::exchange(trouble_, trouble) == trouble) return;
-  log_.warning("notice", fmt::format("nobody is told of jobs that end: {}: {}", printable(socket_.string()),
-                                     printable(trouble)));
+  log_.warning("notice", fmt::format("cannot send notices of ended jobs to {}: {}",
+                                     printable(socket_.string()), printable(trouble)));
 }
 
 }  // namespace contourd

@@ -1,6 +1,6 @@
-// Tells whoever the owner has listen on a socket of each job that has ended: contourd-job-ended.socket of the
-// service manager, which starts the owner's command. Nobody waits for that command, and nobody need listen.
-// Event loop's thread only; does not block.
+// Sends a notice of each job that has ended to a stream socket: the service manager's
+// contourd-job-ended.socket, which starts the user's command. contourd does not wait for that command, and
+// the socket need not exist. Event loop's thread only; does not block.
 #pragma once
 
 #include <cstddef>
@@ -16,20 +16,20 @@
 
 namespace contourd {
 
-// What is told of a job: NAME=VALUE for an environment, each ended by a zero byte. Values are single lines
-// fit for a person, but for the report's paths, which are what they are. At most 60 kB.
+// Returns the notice of a job: environment variables NAME=VALUE, each followed by a zero byte. Values are
+// single printable lines, except the report's paths, which are not changed. At most 60 kB.
 [[nodiscard]] std::string notice_of(const EndedJob& job, const std::string& printer);
 
 class EndedJobNotices {
  public:
-  // So many are told of at a time; each lasts until the other end closes it.
+  // Maximum number of open connections; each lasts until the other end closes it.
   static constexpr std::size_t kMostOpen = 4;
-  // So many wait for that. Beyond it a job ends without a notice, which is logged.
+  // Maximum number of notices that wait for a connection. Further jobs get no notice, which is logged.
   static constexpr std::size_t kMostWaiting = 64;
 
-  // All must outlive it. `socket` is the path of a stream socket.
+  // Loop and log must outlive the object. `socket` is the path of a stream socket.
   EndedJobNotices(EventLoop& loop, const Log& log, std::filesystem::path socket, std::string printer);
-  // Those that wait are handed over now, whoever waits for their end.
+  // Sends the waiting notices at once, beyond kMostOpen.
   ~EndedJobNotices();
   EndedJobNotices(const EndedJobNotices&) = delete;
   EndedJobNotices& operator=(const EndedJobNotices&) = delete;
@@ -37,14 +37,14 @@ class EndedJobNotices {
   void add(const EndedJob& job);
 
  private:
-  enum class Sent { Taken, Busy, NobodyListens, Refused };
+  enum class Sent { Taken, Busy, NoListener, Refused };
   struct Notice {
     FileDescriptor socket;
     std::unique_ptr<EventLoop::IoSource> end;
   };
 
   void hand_over();
-  // `socket` is the notice's once it is taken.
+  // Sends a notice; `socket` becomes its connection if the result is Taken.
   [[nodiscard]] Sent send(const std::string& notice, FileDescriptor& socket);
   void watch(FileDescriptor socket);
   void note_trouble(const std::string& trouble);
@@ -52,10 +52,10 @@ class EndedJobNotices {
   EventLoop& loop_;
   const Log& log_;
   std::filesystem::path socket_;
-  std::string printer_, trouble_;  // the latter is told already
+  std::string printer_, trouble_;  // trouble_: the error that was logged last
   std::deque<std::string> waiting_;
   std::list<Notice> open_;
-  bool too_many_told_ = false;
+  bool too_many_logged_ = false;
   EventLoop::SourcePtr timer_;
 };
 

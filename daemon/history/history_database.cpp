@@ -3,11 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <string_view>
-#include <utility>
-
-#include "daemon/system/readable.hpp"
 
 namespace contourd {
 namespace {
@@ -16,13 +12,14 @@ using Json = nlohmann::ordered_json;
 using std::chrono::milliseconds;
 using std::chrono::system_clock;
 
-// How long a lock of another program is waited for, and how long an answer may take.
+// Timeouts for a lock of another program and for a query.
 constexpr milliseconds kPatience{500}, kLongestQuery{2000};
-// A row's texts.
+// Size limits of a row's texts, and of the number of its warnings.
 constexpr std::size_t kLongestText = 1'000, kLongestAnalysis = 8'000, kMostWarnings = 10;
 constexpr std::size_t kMostResins = 100;
 
-constexpr const char* kJobTables = R"(
+// `replaced` holds the usage of all prints at the time when the part was new.
+constexpr const char* kTables = R"(
 CREATE TABLE job(
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   key INTEGER NOT NULL UNIQUE,
@@ -51,15 +48,11 @@ CREATE INDEX job_under_way ON job(id) WHERE outcome IS NULL;
 CREATE TABLE forgotten(
   resin TEXT PRIMARY KEY,
   jobs INTEGER NOT NULL,
+  prints INTEGER NOT NULL,
   layers INTEGER NOT NULL,
   lit_s REAL NOT NULL,
   resin_ml REAL NOT NULL
 ) STRICT;
-)";
-// `replaced`: what all prints had used when the part was new.
-constexpr const char* kWearTable = R"(
-ALTER TABLE forgotten ADD COLUMN prints INTEGER NOT NULL DEFAULT 0;
-UPDATE forgotten SET prints=jobs;
 CREATE TABLE replaced(
   part TEXT PRIMARY KEY,
   at_ms INTEGER NOT NULL,
@@ -68,15 +61,14 @@ CREATE TABLE replaced(
   lit_s REAL NOT NULL
 ) STRICT;
 )";
-// What makes a database of one version one of the next; a new file is of version 0.
-constexpr std::array<const char*, 2> kMigrations{kJobTables, kWearTable};
-constexpr std::int64_t kVersion = std::ssize(kMigrations);
+// The version of the tables, in user_version; a new file has version 0.
+constexpr std::int64_t kVersion = 1;
 
-// In the order of bind_figures().
+// The columns in the order of bind_figures().
 constexpr const char* kSetFigures =
     "resin=?,settings=?,height_mm=?,layer_height_um=?,layers=?,layers_exposed=?,print_time_s=?,lit_s=?,"
     "light_asked_s=?,most_light_over_ms=?,resin_ml=?,interruptions=?,late_steps=?,warnings=?";
-// What was used up, of both tables.
+// The usage of the jobs in both tables.
 constexpr const char* kUsed =
     "(SELECT resin, 1 AS jobs, layers_exposed>0 AS prints, layers_exposed AS layers, lit_s, resin_ml "
     "FROM job UNION ALL SELECT resin, jobs, prints, layers, lit_s, resin_ml FROM forgotten)";
@@ -111,15 +103,15 @@ system_clock::time_point time_at(std::int64_t ms_since_epoch) {
   return system_clock::time_point(milliseconds(ms_since_epoch));
 }
 
-template <typename... Behind>
-void bind_figures(SqliteStatement& statement, const JobFigures& figures, const Behind&... behind) {
+template <typename... More>
+void bind_figures(SqliteStatement& statement, const JobFigures& figures, const More&... more) {
   statement.bind(shortened(figures.resin), shortened(figures.settings), figures.height_mm,
                  figures.layer_height_um, figures.layers, figures.layers_exposed, figures.print_time_s,
                  figures.lit_s, figures.light_asked_s, figures.most_light_over_ms, figures.resin_ml,
-                 figures.interruptions, figures.late_steps, warnings_text(figures.warnings), behind...);
+                 figures.interruptions, figures.late_steps, warnings_text(figures.warnings), more...);
 }
 
-// What is no list of texts is none of ours.
+// Returns the warnings; values that contourd does not write are ignored.
 std::vector<std::string> warnings_in(const std::string& text) {
   std::vector<std::string> warnings;
   const Json list = Json::parse(text, nullptr, false);
@@ -168,25 +160,24 @@ HistoryDatabase::HistoryDatabase(const std::filesystem::path& file) : database_(
   const std::int64_t version = database_.integer("PRAGMA user_version");
   if (version > kVersion)
     throw NewerHistory(
-        fmt::format("it is of version {}, and this contourd knows version {}", version, kVersion));
+        fmt::format("its version is {}, and this contourd reads version {}", version, kVersion));
   if (const std::string found = database_.text("PRAGMA quick_check(1)"); found != "ok")
     throw SqliteError(SQLITE_CORRUPT, found);
-  // A power cut loses nothing that was committed, and readers of other programs wait for nothing. Nothing is
-  // written elsewhere than in the file's folder, and little memory is taken.
+  // These settings make commits survive a power cut, let other programs read without waiting, write only in
+  // the file's folder, and use little memory.
   database_.execute(
       "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA wal_autocheckpoint=200; "
       "PRAGMA journal_size_limit=1048576; PRAGMA temp_store=MEMORY; PRAGMA cache_size=-256; "
       "PRAGMA trusted_schema=OFF");
-  migrate();
+  make_tables();
 }
 
-void HistoryDatabase::migrate() {
+void HistoryDatabase::make_tables() {
   SqliteTransaction transaction(database_);
   const std::int64_t version = database_.integer("PRAGMA user_version");
   if (version < 0) throw SqliteError(SQLITE_CORRUPT, "its version is below 0");
   if (version == kVersion) return;
-  for (auto i = static_cast<std::size_t>(version); i < kMigrations.size(); ++i)
-    database_.execute(kMigrations[i]);
+  database_.execute(kTables);
   database_.execute(fmt::format("PRAGMA user_version={}", kVersion));
   transaction.commit();
 }
@@ -223,30 +214,18 @@ void HistoryDatabase::end(std::int64_t key, const EndedJob& job) {
   transaction.commit();
 }
 
-// --- what a process before left
+// --- jobs that the previous process left without an outcome
 
 void HistoryDatabase::adopt(const std::vector<EndedJob>& left, const std::optional<EndedJob>& last_end) {
   SqliteTransaction transaction(database_);
   for (const EndedJob& job : left)
     end_left(job);
-  // Filed, but not noted.
-  if (last_end && last_end->key != 0) end_left(*last_end);
-  for (const auto& [id, name] : under_way()) {
-    const bool recorded = last_end && last_end->name == printable(name);
-    SqliteStatement(database_, "UPDATE job SET outcome=?,reason=?,ended_ms=? WHERE id=?")
-        .bind(recorded ? last_end->outcome : "failed", recorded ? shortened(last_end->reason) : kEndNotNoted,
-              ms(system_clock::now()), id)
-        .step();
-  }
+  // The job may have been filed before its end was stored here.
+  if (last_end) end_left(*last_end);
+  SqliteStatement(database_, "UPDATE job SET outcome='failed',reason=?,ended_ms=? WHERE outcome IS NULL")
+      .bind(kEndNotNoted, ms(system_clock::now()))
+      .step();
   transaction.commit();
-}
-
-std::vector<std::pair<std::int64_t, std::string>> HistoryDatabase::under_way() {
-  SqliteStatement rows(database_, "SELECT id,name FROM job WHERE outcome IS NULL");
-  std::vector<std::pair<std::int64_t, std::string>> jobs;
-  while (rows.step())
-    jobs.emplace_back(rows.integer(0), rows.text(1));
-  return jobs;
 }
 
 std::int64_t HistoryDatabase::key_under_way(const std::string& name) {
@@ -265,7 +244,7 @@ void HistoryDatabase::end_left(const EndedJob& job) {
         .step();
     return;
   }
-  // It stayed in printing/ when it was noted, since the disk did not take it.
+  // If the disk did not let the job be moved out of printing/, an earlier start has stored it already.
   SqliteStatement latest(database_, "SELECT name,outcome,reason FROM job ORDER BY id DESC LIMIT 1");
   if (latest.step() && latest.text(0) == job.name && latest.text(1) == job.outcome &&
       latest.text(2) == reason)
@@ -291,11 +270,11 @@ void HistoryDatabase::forget_oldest() {
       oldest));
 }
 
-// --- what is asked
+// --- queries
 
 HistoryPage HistoryDatabase::list(const HistoryQuery& query) {
   const SqliteTimeLimit limit(database_, kLongestQuery);
-  // Unset conditions are true of all.
+  // Conditions that are not set hold for every row.
   SqliteStatement rows(
       database_, fmt::format("SELECT {} FROM job WHERE outcome IS NOT NULL AND id<?1 AND ended_ms>=?2 AND "
                              "(?3='' OR outcome=?3) AND (?4='' OR resin=?4) AND (?5='' OR instr(name,?5)>0) "
@@ -341,7 +320,7 @@ Usage HistoryDatabase::usage() {
   return usage_in(row);
 }
 
-// --- parts that wear
+// --- wear parts
 
 void HistoryDatabase::replace(WearPart part, system_clock::time_point when) {
   const SqliteTimeLimit limit(database_, kLongestQuery);

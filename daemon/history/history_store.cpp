@@ -14,15 +14,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Damaged files that are kept; the last gives way.
+// Maximum number of damaged files that are kept; a further one replaces the last.
 constexpr int kMostAside = 9;
 
 struct FoundFile {
   ino_t inode = 0;
-  std::string wrong;  // what it is instead of a file
+  std::string wrong;  // the clause that says what it is instead of a file, or empty
 };
 
-// Nothing when there is none.
+// Returns nullopt if the path does not exist. Throws std::system_error.
 std::optional<FoundFile> look_at(const fs::path& file) {
   struct stat status {};
   if (::lstat(file.c_str(), &status) != 0) {
@@ -32,7 +32,7 @@ std::optional<FoundFile> look_at(const fs::path& file) {
   FoundFile found{.inode = status.st_ino, .wrong = {}};
   if (S_ISDIR(status.st_mode)) found.wrong = "is a folder";
   if (S_ISLNK(status.st_mode)) found.wrong = "is a link, which is not followed";
-  if (found.wrong.empty() && !S_ISREG(status.st_mode)) found.wrong = "is no file";
+  if (found.wrong.empty() && !S_ISREG(status.st_mode)) found.wrong = "is not a file";
   return found;
 }
 
@@ -43,13 +43,13 @@ fs::path with(const fs::path& file, const std::string& ending) {
 std::string reason(const SqliteError& error) {
   switch (error.code()) {
     case SQLITE_BUSY:
-      return "another program has it locked";
+      return "another program has locked it";
     case SQLITE_FULL:
       return "the disk is full";
     case SQLITE_READONLY:
       return "it cannot be written";
     case SQLITE_INTERRUPT:
-      return "the answer takes too long";
+      return "the query takes too long";
     default:
       return error.what();
   }
@@ -91,21 +91,21 @@ void HistoryStore::with_database(const Call& call) {
   const auto sentence = [this](const std::string& why) {
     return std::runtime_error(fmt::format("the history in {} cannot be used: {}", file_.string(), why));
   };
-  for (bool begun_anew = false;; begun_anew = true) {
+  for (bool is_retry = false;; is_retry = true) {
     try {
       open();
       make_waiting_changes(*database_);
       call(*database_);
       return;
     } catch (const SqliteError& error) {
-      // A lock and a limit say nothing of the file; behind all else it is looked at anew.
+      // After any error except a lock and a timeout, the file is opened and checked again.
       if (error.code() != SQLITE_BUSY && error.code() != SQLITE_INTERRUPT) database_.reset();
-      if (begun_anew || !error.is_corruption()) throw sentence(reason(error));
+      if (is_retry || !error.is_corruption()) throw sentence(reason(error));
       try {
         put_aside(error.what());
-      } catch (const std::system_error& kept) {
-        throw sentence(fmt::format("it is damaged ({}), and cannot be put aside: {}", error.what(),
-                                   kept.code().message()));
+      } catch (const std::system_error& not_renamed) {
+        throw sentence(fmt::format("it is damaged ({}), and cannot be renamed: {}", error.what(),
+                                   not_renamed.code().message()));
       }
     } catch (const NewerHistory& newer) {
       database_.reset();
@@ -119,7 +119,7 @@ void HistoryStore::with_database(const Call& call) {
 
 void HistoryStore::open() {
   const std::optional<FoundFile> found = look_at(file_);
-  // Its owner may have taken it away.
+  // A user may have removed or replaced the file.
   if (database_ && found && found->inode == inode_) return;
   database_.reset();
   for (const char* ending : {"", "-wal", "-shm"}) {
@@ -140,13 +140,13 @@ void HistoryStore::put_aside(const std::string& why) {
     ++number;
   const fs::path aside = with(file_, fmt::format(".damaged-{}", number));
   fs::rename(file_, aside);
-  // What was not in the file yet belongs to it, and to no other.
+  // The write-ahead log belongs to the damaged file and must not be applied to the new one.
   if (look_at(with(file_, "-wal"))) fs::rename(with(file_, "-wal"), with(aside, "-wal"));
   fs::remove(with(file_, "-shm"));
   sync_folder(file_.parent_path());
   notes_.push_back(
-      fmt::format("the history was damaged ({}); it is put aside as {}, and begun anew, and "
-                  "with it what the lamp, the film and the vat have been used",
+      fmt::format("the history was damaged ({}); it is kept as {}, and a new, empty one begins: the use of "
+                  "lamp, film and vat is counted from zero",
                   why, aside.string()));
 }
 

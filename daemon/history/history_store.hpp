@@ -1,5 +1,5 @@
-// Keeps the history's database in a file, whatever becomes of that file: one that is damaged is put aside and
-// begun anew, what cannot be written now is tried again, and what cannot be done at all is said. Blocks; one
+// Keeps the history's database in a file and handles that file's failures: a damaged file is renamed and a
+// new one begins, changes that cannot be written are retried, and other errors are reported. Blocks; one
 // thread at a time, a worker's.
 #pragma once
 
@@ -22,29 +22,30 @@ namespace contourd {
 class HistoryStore {
  public:
   using Call = std::function<void(HistoryDatabase&)>;
-  // Of changes that cannot be made yet, so many wait; of more the oldest are lost.
+  // Maximum number of changes that wait until they can be made; of more, the oldest are lost.
   static constexpr std::size_t kMostWaiting = 1'000;
 
-  // Opens nothing yet.
+  // Does not open the file yet.
   explicit HistoryStore(std::filesystem::path file) : file_(std::move(file)) {}
 
-  // Makes the change, behind those that wait; or lets it wait. `change` must do no harm a second time.
+  // Makes the waiting changes and then this one, or lets it wait. A second call of `change` must have no
+  // effect.
   void change(Call change);
-  // The same, but it does not wait when it cannot be made now.
+  // Makes the waiting changes and then this one; drops this one if it cannot be made now.
   void change_now_or_never(const Call& change);
-  // Behind the changes that wait. Throws std::runtime_error, a sentence.
+  // Asks the question after the waiting changes. Throws std::runtime_error with a sentence.
   void ask(const Call& question);
-  // Makes the changes that wait, as far as that is possible.
+  // Makes the waiting changes as far as possible.
   void retry();
 
   [[nodiscard]] bool waits() const { return !waiting_.empty(); }
-  // Why nothing can be written, a sentence; empty when the last change was made.
+  // Returns why changes cannot be written, a sentence; empty if the last one was.
   [[nodiscard]] const std::string& trouble() const { return trouble_; }
-  // What became of a damaged file, a sentence each, since the last call.
+  // Returns a sentence for each damaged file that was renamed since the last call.
   [[nodiscard]] std::vector<std::string> take_notes() { return std::exchange(notes_, {}); }
 
  private:
-  // Does `call`, once more on a new file when this one is damaged. Throws std::runtime_error.
+  // Makes the waiting changes and `call`, on a new file if this one is damaged. Throws std::runtime_error.
   void with_database(const Call& call);
   void open();
   void make_waiting_changes(HistoryDatabase& database);
@@ -52,7 +53,7 @@ class HistoryStore {
 
   std::filesystem::path file_;
   std::unique_ptr<HistoryDatabase> database_;
-  ino_t inode_ = 0;  // of the file that is open
+  ino_t inode_ = 0;  // the inode of the open file
   std::deque<Call> waiting_;
   std::string trouble_;
   std::vector<std::string> notes_;

@@ -11,9 +11,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// It gives way to all else.
+// The history's thread yields to the event loop and to all other work that is not in the background.
 constexpr int kHistoryNiceness = 10;
-// How long until what the disk did not take is tried again.
+// Delay before changes that could not be written are retried.
 constexpr Duration kWriteRetryInterval = 30s;
 
 std::int64_t new_key() {
@@ -33,7 +33,7 @@ HistoryWorker::HistoryWorker(EventLoop& loop, const Log& log, const std::filesys
       store_(std::make_shared<HistoryStore>(file)),
       worker_(loop, "contourd-past", kHistoryNiceness) {}
 
-// --- what happens
+// --- changes
 
 void HistoryWorker::adopt(std::vector<EndedJob> left, std::optional<EndedJob> last_end) {
   change([left = std::move(left), last_end = std::move(last_end)](HistoryDatabase& database) {
@@ -61,7 +61,7 @@ void HistoryWorker::note_now(const JobFigures& figures) {
         store->change_now_or_never([&](HistoryDatabase& database) { database.note(key, figures); });
         return health_of(*store);
       },
-      [this](const Health& health) { tell(health); });
+      [this](const Health& health) { handle(health); });
 }
 
 void HistoryWorker::forget() {
@@ -94,7 +94,7 @@ std::shared_future<void> HistoryWorker::change(HistoryStore::Call call) {
         made->set_value();
         return health_of(*store);
       },
-      [this](const Health& health) { tell(health); });
+      [this](const Health& health) { handle(health); });
   return made->get_future().share();
 }
 
@@ -102,14 +102,14 @@ HistoryWorker::Health HistoryWorker::health_of(HistoryStore& store) {
   return {store.trouble(), store.take_notes(), store.waits()};
 }
 
-void HistoryWorker::tell(const Health& health) {
+void HistoryWorker::handle(const Health& health) {
   for (const std::string& note : health.notes)
     log_.error("history", printable(note));
-  if (const bool well = health.trouble.empty(); std::exchange(told_well_, well) != well) {
+  if (const bool well = health.trouble.empty(); std::exchange(logged_well_, well) != well) {
     if (well)
-      log_.info("history", "the history is kept again");
+      log_.info("history", "the history can be used again");
     else
-      log_.warning("history", printable(health.trouble) + "; printing goes on");
+      log_.warning("history", printable(health.trouble) + "; printing continues");
   }
   if (!health.waits) return;
   retry_timer_ =
@@ -119,37 +119,37 @@ void HistoryWorker::tell(const Health& health) {
               store->retry();
               return health_of(*store);
             },
-            [this](const Health& later) { tell(later); });
+            [this](const Health& later) { handle(later); });
       });
 }
 
-// --- what is asked
+// --- queries
 
 template <typename Answer, typename Question>
 void HistoryWorker::ask(const ControlCaller& asker, Question question, Done<Answer> done) {
-  struct Told {
+  struct Result {
     std::optional<Answer> answer;
     std::string trouble;
     Health health;
   };
   auto ask = [this, question = std::move(question), done = std::move(done)](bool gone) {
     const auto look_up = [store = store_, question, gone] {
-      Told told;
-      if (gone) return told;
+      Result result;
+      if (gone) return result;
       try {
-        store->ask([&](HistoryDatabase& database) { told.answer = question(database); });
+        store->ask([&](HistoryDatabase& database) { result.answer = question(database); });
       } catch (const std::runtime_error& error) {
-        told.answer.reset();
-        told.trouble = error.what();
+        result.answer.reset();
+        result.trouble = error.what();
       }
-      told.health = health_of(*store);
-      return told;
+      result.health = health_of(*store);
+      return result;
     };
-    worker_.run(look_up, [this, done, gone](Told told) {
+    worker_.run(look_up, [this, done, gone](Result result) {
       asking_ = false;
       ask_next();
-      if (!gone) tell(told.health);
-      done(std::move(told.answer), told.trouble);
+      if (!gone) handle(result.health);
+      done(std::move(result.answer), result.trouble);
     });
   };
   questions_.push_back({asker, std::move(ask)});
@@ -166,7 +166,7 @@ void HistoryWorker::ask_next() {
   question.ask(question.gone);
 }
 
-// What nobody waits for takes no time. Else users take turns.
+// Returns the next query: first one of a closed connection, which takes no time; then users take turns.
 std::deque<HistoryWorker::Waiting>::iterator HistoryWorker::next_question() {
   auto found = std::ranges::find(questions_, true, &Waiting::gone);
   if (found == questions_.end())

@@ -1,6 +1,6 @@
-// The history as the daemon has it: what happens to jobs goes to its database on a thread of its own, and
-// questions about it are answered from there. Nothing waits for it. Whoever asks much makes neither what
-// happens to jobs wait nor another user's question: one is asked at a time. Event loop's thread only.
+// Runs the history's database on a thread of its own: stores what happens to jobs, and answers queries. The
+// event loop never waits for it. One query runs at a time, and users take turns, so that a user with many
+// queries delays neither changes nor the queries of others. Event loop's thread only.
 #pragma once
 
 #include <chrono>
@@ -24,30 +24,30 @@ namespace contourd {
 
 class HistoryWorker {
  public:
-  // How often what a print has used is noted; a power cut forgets no more.
+  // Interval at which a print's usage is stored; a power cut loses at most this much.
   static constexpr Duration kNoteInterval = std::chrono::seconds(30);
 
-  // Opens the file on its thread. Loop and log must outlive it.
+  // Loop and log must outlive the object. The worker's thread opens the file.
   HistoryWorker(EventLoop& loop, const Log& log, const std::filesystem::path& file);
 
-  // At the start: see HistoryDatabase::adopt().
+  // Completes the history when contourd starts: see HistoryDatabase::adopt().
   void adopt(std::vector<EndedJob> left, std::optional<EndedJob> last_end);
-  // A job's turn has come. Returns its key.
+  // Stores that a job begins. Returns its key.
   std::int64_t begin(const std::string& name);
-  // What the job under way has used so far: if that was not told for a while.
+  // Stores the current job's usage if the last time is kNoteInterval ago.
   void note(const std::function<JobFigures()>& figures);
-  // The same, however lately something was told.
+  // Stores the current job's usage, or drops it if that is impossible now.
   void note_now(const JobFigures& figures);
-  // The job under way is to be begun another time.
+  // Removes the current job from the history, since it will begin another time.
   void forget();
-  // The job under way has ended, or was refused: its times are set. Ready once that is in the database, or
-  // cannot be now.
+  // Stores that the current job has ended or was refused, and sets the times in `job`. The future is ready
+  // when the end is in the database or had to be put off.
   std::shared_future<void> end(EndedJob& job);
-  // A job was refused before its turn: its times are set.
+  // Stores that a job was refused before its turn, and sets the times in `job`.
   void refuse(EndedJob& job);
 
-  // Calls `done` later with the answer, or with nothing and a sentence that says why; that is empty where the
-  // asker has gone.
+  // Receives the answer of a query, later, or nullopt and a sentence that says why; the sentence is empty if
+  // the connection that asked is closed.
   template <typename Answer>
   using Done = std::function<void(std::optional<Answer>, const std::string& trouble)>;
   void list(const HistoryQuery& query, const ControlCaller& asker, Done<HistoryPage> done);
@@ -57,11 +57,11 @@ class HistoryWorker {
     std::vector<WearPartUse> wear;
   };
   void usage(const ControlCaller& asker, Done<AllUsage> done);
-  // Of the parts alone, for contourd itself.
+  // Queries the usage of the parts, for contourd itself.
   void wear(Done<std::vector<WearPartUse>> done);
-  // The part is new. Nothing when that could not be stored; it is not tried again.
+  // Stores that the part was replaced. Answers nullopt if that fails; there is no retry.
   void replace(WearPart part, const ControlCaller& asker, Done<AllUsage> done);
-  // What that connection asked is looked up no more.
+  // Drops the queries of this connection.
   void disconnected(std::uint64_t connection);
 
  private:
@@ -76,7 +76,7 @@ class HistoryWorker {
     std::function<void(bool gone)> ask;
     bool gone = false;
   };
-  // Of the store, behind a task.
+  // The state of the store after a task.
   struct Health {
     std::string trouble;
     std::vector<std::string> notes;
@@ -90,18 +90,19 @@ class HistoryWorker {
   void ask_next();
   [[nodiscard]] std::deque<Waiting>::iterator next_question();
   [[nodiscard]] static Health health_of(HistoryStore& store);
-  void tell(const Health& health);
+  // Logs a change of the store's state, and starts the retry of waiting changes.
+  void handle(const Health& health);
 
   EventLoop& loop_;
   const Log& log_;
-  std::shared_ptr<HistoryStore> store_;  // the worker's
+  std::shared_ptr<HistoryStore> store_;  // used by the worker's thread only
   std::optional<UnderWay> under_way_;
   std::deque<Waiting> questions_;
   bool asking_ = false;
-  uid_t last_asker_ = 0;  // a user
-  bool told_well_ = true;
+  uid_t last_asker_ = 0;  // the user of the last query
+  bool logged_well_ = true;
   EventLoop::SourcePtr retry_timer_;
-  Worker worker_;  // last: its thread ends before what its tasks use, and does them all before
+  Worker worker_;  // the last member: its thread does all tasks before the other members are destroyed
 };
 
 }  // namespace contourd

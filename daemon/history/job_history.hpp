@@ -1,5 +1,5 @@
-// The jobs that have ended since contourd started, the latest of them only. Event loop's thread only. What is
-// known for longer is in a database (history_store.hpp).
+// The latest jobs that have ended since contourd started. Event loop's thread only. The jobs of earlier runs
+// are in a database (history_store.hpp).
 #pragma once
 
 #include <chrono>
@@ -15,45 +15,45 @@
 
 namespace contourd {
 
-// What a job was printed with, and what that took. All 0 and empty of one that was not printed.
+// A job's settings and measurements. All members are 0 or empty if the job was not printed.
 struct JobFigures {
-  std::string resin;     // its profile's name
-  std::string settings;  // for a person
+  std::string resin;     // the resin profile's name
+  std::string settings;  // a text for the user
   std::vector<std::string> warnings;
   double height_mm = 0;
   double layer_height_um = 0;                   // the first layer's
-  std::int64_t layers = 0, layers_exposed = 0;  // expected; that had all their light
-  double print_time_s = 0;                      // by the machine's clock
-  double lit_s = 0, light_asked_s = 0;          // of all exposures: at most, and as it was meant
-  double most_light_over_ms = 0;                // of one layer, beyond what was meant
-  double resin_ml = 0;                          // of the layers that had light
+  std::int64_t layers = 0, layers_exposed = 0;  // layers of the job, and layers that were fully exposed
+  double print_time_s = 0;                      // measured by the machine's clock
+  double lit_s = 0, light_asked_s = 0;  // sums over all exposures: upper bound of the light, and setpoint
+  double most_light_over_ms = 0;        // largest excess of a layer's exposure over its setpoint
+  double resin_ml = 0;                  // volume of the layers that had light
   std::int64_t interruptions = 0, late_steps = 0;
 };
 
 struct EndedJob {
   std::string name, outcome, reason;
-  nlohmann::ordered_json analysis{};  // in short; null when there is none
+  nlohmann::ordered_json analysis{};  // a summary; null if there is none
   JobFigures figures{};
-  std::chrono::system_clock::time_point began{}, ended{};  // began: its turn came
-  std::int64_t key = 0;  // tells jobs of the kept history apart, for ever; 0 where it is not known
+  std::chrono::system_clock::time_point began{}, ended{};  // began: when the job's turn came
+  std::int64_t key = 0;  // identifies the job in the database, see HistoryDatabase::begin(); 0 if not known
   ReportFiles reports{};
 };
 
-// As the control socket tells it (docs/control-api.md, "A job of the history").
+// Returns the job in the format of the control socket (docs/control-api.md, "A job of the history").
 [[nodiscard]] nlohmann::ordered_json history_json(const EndedJob& job);
 
 class JobHistory {
  public:
-  // Of older ones none is remembered.
+  // Maximum number of jobs; older ones are dropped.
   static constexpr std::size_t kLongest = 100;
 
   void add(EndedJob job);
-  // The latest last.
+  // The jobs, the latest last.
   [[nodiscard]] const std::deque<EndedJob>& jobs() const { return jobs_; }
-  // How many have ended so, each outcome that there is, of all.
+  // The number of jobs with each outcome, dropped ones included.
   using Counts = std::map<std::string, std::uint64_t, std::less<>>;
   [[nodiscard]] const Counts& counts() const { return counts_; }
-  // How many have ended, of all.
+  // The number of jobs that have ended, dropped ones included.
   [[nodiscard]] std::int64_t total() const { return total_; }
 
  private:

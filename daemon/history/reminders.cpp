@@ -9,7 +9,7 @@
 namespace contourd {
 namespace {
 
-// The day, by this computer's calendar.
+// Returns the day in this computer's time zone.
 std::string day_of(std::chrono::system_clock::time_point when) {
   const std::time_t time = std::chrono::system_clock::to_time_t(when);
   std::tm local{};

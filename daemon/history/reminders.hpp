@@ -1,5 +1,5 @@
-// What of the machine is due to be replaced, as its owner wants to be reminded of it, by what the history
-// last said of its use. Never a reason not to print. Event loop's thread only.
+// Reminders to replace parts of the machine, by the limits that the user has configured and the usage that
+// the history reported last. Reminders never prevent a print. Event loop's thread only.
 #pragma once
 
 #include <string>
@@ -9,21 +9,21 @@
 
 namespace contourd {
 
-// A sentence; empty while the part is not due.
+// Returns a sentence if the part is due, else an empty text.
 [[nodiscard]] std::string reminder_of(const WearPartUse& use, const WearLimits& limits);
 
 class Reminders {
  public:
-  // Must outlive the reminders.
+  // `config` must outlive the object.
   explicit Reminders(const ReminderConfig& config) : config_(config) {}
 
-  // Whether there is anything to remind of, ever.
+  // True if a limit is configured.
   [[nodiscard]] bool wanted() const;
   [[nodiscard]] const WearLimits& limits(WearPart part) const;
 
-  // Of all parts, as the history has it.
+  // Takes the usage of all parts from the history.
   void update(const std::vector<WearPartUse>& uses);
-  // A sentence for each part that is due.
+  // One sentence for each part that is due.
   [[nodiscard]] const std::vector<std::string>& due() const { return due_; }
 
  private:

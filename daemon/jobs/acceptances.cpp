@@ -44,7 +44,7 @@ std::string content_mark(const JobFiles& job) {
   } catch (const std::exception&) {
     return "";
   }
-  // A plate may have many files.
+  // Hashed, because a plate may have many files.
   return fmt::format("{:016x}", std::hash<std::string>{}(text));
 }
 

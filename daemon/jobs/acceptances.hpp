@@ -1,5 +1,5 @@
-// What owners have accepted: of which files, and which findings. Kept on the disk, so that it is the same
-// after a restart. Files that have changed are others. Event loop's thread only.
+// The findings that users have accepted, each for the files that have it; files that have changed need a new
+// acceptance. Saved on the disk, so that they survive a restart. Event loop's thread only.
 #pragma once
 
 #include <cstddef>
@@ -16,19 +16,20 @@ namespace contourd {
 class Acceptances {
  public:
   using Lines = RecordKeeper::Lines;
-  // As RecordKeeper's.
+  // For `keep` and `failed` see RecordKeeper.
   Acceptances(RecordKeeper::Keep keep, std::function<void(const std::string& trouble)> failed)
       : keeper_(std::move(keep), std::move(failed)) {}
 
-  // What the last process has kept.
+  // Restores the acceptances that the last process saved.
   void load(Lines lines);
 
-  // Of jobs with these contents; findings by their names.
+  // Accepts these findings, given by name, for jobs with this content: see content_mark().
   void add(const std::string& content, const std::vector<std::string>& findings);
+  // Forgets all findings accepted for this content.
   void remove(const std::string& content);
   [[nodiscard]] bool has(const std::string& content, const std::string& finding) const;
 
-  // The oldest are forgotten beyond so many findings.
+  // Number of findings that are kept; the oldest are forgotten first.
   static constexpr std::size_t kMost = 1'000;
 
  private:
@@ -36,9 +37,9 @@ class Acceptances {
   Lines lines_;  // "CONTENT FINDING"
 };
 
-// What tells a job's contents from all others': inodes, sizes and times of its files, its ticket among them,
-// in one word. Those of a symbolic link are its file's. Empty when they cannot be had: a file is gone, or a
-// plate's ticket is broken. Blocks; thread-safe.
+// Returns a word that tells this content of a job from any other: a hash of the inodes, sizes and times of
+// its files, including its ticket. A symbolic link counts as its target. Empty if these are not available: a
+// file is gone, or a plate's ticket is broken. Blocks; thread-safe.
 [[nodiscard]] std::string content_mark(const JobFiles& job);
 
 }  // namespace contourd

@@ -12,11 +12,11 @@ namespace contourd {
 
 struct ClaimedJob {
   JobFiles files;  // in printing/
-  // As they were when its turn came; nothing where its ticket is a reason to refuse it.
+  // The settings when its turn came; nullopt if its ticket is a reason to refuse it.
   std::optional<JobSettings> settings;
-  TimePoint turn_came;           // when it arrived, or its waiting ended; CLOCK_MONOTONIC
+  TimePoint turn_came;           // time of its arrival, or of the end of its wait; CLOCK_MONOTONIC
   std::int64_t key = 0;          // in the history (EndedJob)
-  bool unheld_accepted = false;  // by its owner: what cannot be held is printed as it is
+  bool unheld_accepted = false;  // a user accepted that places cannot be held
 };
 
 }  // namespace contourd

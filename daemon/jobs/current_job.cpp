@@ -18,12 +18,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// The memory of a print goes back to the system some moments behind its end: how often a job whose turn it is
-// looks for room, and how long it waits in between.
+// The memory of a print returns to the system some moments after its end, so a job that finds too little is
+// read again: this many attempts in all, with this time between two of them.
 constexpr int kMaxReadings = 5;
 constexpr Duration kReadingInterval = 1s;
 
-// Takes its engine.
+// Returns the task of the job's analysis, and moves the analysis engine into it.
 AnalysisTask analysis_of(PreparedJob& job, const ZAxis& axis) {
   AnalysisTask task{std::move(job.analysis_engine), job.display, job.plan.expected_layers, {}, job.analysis};
   for (std::size_t layer = 0; layer < task.layers.size(); ++layer)
@@ -31,14 +31,15 @@ AnalysisTask analysis_of(PreparedJob& job, const ZAxis& axis) {
   return task;
 }
 
-// Of a job that was not checked before its turn, and of one whose resin was changed meanwhile.
+// Returns why a job with places that cannot be held is refused: no user was asked, because it was not checked
+// before its turn or its resin was changed meanwhile. Empty if there are no such places.
 std::string why_unheld(const PreparedJob& job) {
   if (!job.summary.supports || job.summary.supports->unheld.empty()) return "";
   return unheld_sentence(job.summary.supports->unheld) +
-         "; dropped again, it waits for \"contourctl accept\"";
+         "; put it into incoming again, and it waits for \"contourctl accept\"";
 }
 
-// Takes what the job knows of itself.
+// Returns the print's report; moves the record and the summary out of the job.
 PrintReport report_of(CurrentJob::State& job) {
   PrintReport report = job.record->take_report();
   report.job = job.claimed.files.name;
@@ -80,8 +81,8 @@ void CurrentJob::begin(ClaimedJob job) {
   expects(!job_, "there is no job yet");
   job_.emplace(std::move(job));
   read();
-  // Whoever copied it may not have had it written to the disk, and after a power cut it would be empty. After
-  // preparing it: the first mask does not wait for the disk.
+  // The program that copied the file may not have synced it, and after a power cut it would be empty. Synced
+  // after the preparation, so that the first mask does not wait for the disk.
   reader_.sync(job_->claimed.files);
 }
 
@@ -146,8 +147,10 @@ void CurrentJob::give_back() {
   const std::string name = this->name();
   try {
     spool_.give_back(job_->claimed.files);
-    context_.log.info("stopped", fmt::format("{}: had not begun, waits for the next start", printable(name)),
-                      job_fields(name));
+    context_.log.info(
+        "stopped",
+        fmt::format("{}: not started yet; waits in incoming for the next start of contourd", printable(name)),
+        job_fields(name));
   } catch (const std::runtime_error& error) {
     context_.log.error("spool",
                        fmt::format("{}: stays in printing: {}", printable(name), printable(error.what())),
@@ -170,7 +173,7 @@ void CurrentJob::start_print() {
   analyst_.start(analysis_of(*job_->prepared, machine.z_axis()),
                  [this](AnalyzedPrint print) { analyzed(std::move(print)); });
   process_.start(std::move(job_->prepared->plan));
-  // It may have come while the model was read.
+  // The machine may have become unready, or the queue held, while the model was read.
   if (const std::string not_ready = machine.why_not_ready(); !not_ready.empty()) {
     process_.interrupt(not_ready);
   } else if (const std::optional<std::string>& held = hold_.reason()) {
@@ -190,7 +193,7 @@ void CurrentJob::analyzed(AnalyzedPrint print) {
 
 void CurrentJob::state_changed(PrintState state) {
   observer_.print_state_changed(state);
-  // Told to the disk before the first light: from there on the plate is not clear, whatever happens next.
+  // Saved on the disk before the first light: from then on the plate is not clear, whatever happens next.
   if (state == PrintState::Showing && job_->record->layers().empty()) hold_.set_plate_occupant(name());
   if (job_) {
     if (job_->record) job_->record->enter(state, state == PrintState::Idle ? 0 : process_.layer());
@@ -221,7 +224,7 @@ void CurrentJob::light_gone() {
   observer_.light_gone();
 }
 
-// --- behind the print
+// --- after the print
 
 void CurrentJob::print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan plan) {
   PrintReport report = report_of(*job_);
@@ -231,10 +234,10 @@ void CurrentJob::print_ended(PrintOutcome outcome, const std::string& reason, Pr
   log_.ended(report);
   archivist_.record(name(), {outcome, reason, job_->claimed.key});
   job_->over = EndedPrint{job_->claimed.files, std::move(report), std::move(plan.engine)};
-  // What is wrong with the machine would be wrong for the next job too, and that begins with a motion.
-  // Stopped with contourd, it has left its part in the way.
+  // A fault of the machine would hit the next job too, which begins with a motion. A print that was stopped
+  // with contourd has left its part in the way.
   if (outcome == PrintOutcome::Failed) hold_.hold(fmt::format("{} failed: {}", name(), reason));
-  // A print on a machine takes much longer than its analysis; a simulated one need not.
+  // A real print takes much longer than its analysis; a simulated one may not.
   if (outcome == PrintOutcome::Done && analyst_.busy() && !stopping_) return;
   file();
   observer_.may_stop();

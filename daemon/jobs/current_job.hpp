@@ -1,7 +1,7 @@
-// The job under way, from its claim to its end: has it read, printed and analysed, writes down what happens
-// to it, and has it filed. Event loop's thread only.
+// The current job, from its claim to its end: has it read, printed and analyzed, records what happens to it,
+// and has it filed. Event loop's thread only.
 //
-// It has many functions: each step of a job's way is one.
+// It has many functions: one for each step of a job.
 #pragma once
 
 #include <future>
@@ -24,7 +24,8 @@
 
 namespace contourd {
 
-// Told what goes on, from inside the print process too, which must not be called back from there.
+// Observer of the current job. Its functions are also called from inside the print process, which must not be
+// called back from there.
 class JobObserver {
  public:
   JobObserver() = default;
@@ -32,19 +33,21 @@ class JobObserver {
   JobObserver& operator=(const JobObserver&) = delete;
   virtual ~JobObserver() = default;
 
-  // Before anything is done about it.
+  // Reports a new state of the print, before anything else is done about it.
   virtual void print_state_changed(PrintState state) = 0;
-  // What a client may want to know: "state", "layer" or "analysis".
+  // Reports a change that a client may want to know: "state", "layer" or "analysis".
   virtual void job_changed(const std::string& what) = 0;
-  // The light, which may have been on up to now, is confirmed off; or the print ends without that.
+  // Reports that the light, which may have been on until now, is confirmed off; or that the print ends
+  // without a confirmation.
   virtual void light_gone() = 0;
-  // A print's memory was given back.
+  // Reports that a print's memory was freed.
   virtual void memory_freed() = 0;
-  // The print is over and is filed next, which waits a moment for what is returned. Sets the job's times.
+  // Reports that the print is over, and sets the job's times. The filing of the job waits for a moment until
+  // the returned future is ready.
   virtual std::shared_future<void> print_over(EndedJob& job) = 0;
-  // There is no job any more; another may begin.
+  // Reports that the job has ended and another may begin.
   virtual void job_ended(EndedJob job) = 0;
-  // A stop may have nothing more to wait for.
+  // Reports that a stop of contourd may have nothing more to wait for.
   virtual void may_stop() = 0;
 };
 
@@ -54,46 +57,47 @@ class CurrentJob final : private PrintObserver {
     explicit State(ClaimedJob job) : claimed(std::move(job)) {}
 
     ClaimedJob claimed;
-    std::optional<PreparedJob> prepared;    // nothing while it is being read; its plan moves to the process
-    std::optional<PrintRecord> record;      // nothing before its print begins
-    std::optional<PrintFindings> findings;  // nothing while the analysis is under way
-    nlohmann::ordered_json analysis;        // these in short; null while there are none
-    std::optional<EndedPrint> over;         // once the print is, until its analysis is too
-    EndedJob ended;                         // once it is being filed
+    std::optional<PreparedJob> prepared;    // nullopt while it is being read; its plan moves to the process
+    std::optional<PrintRecord> record;      // nullopt before its print begins
+    std::optional<PrintFindings> findings;  // nullopt while the analysis is under way
+    nlohmann::ordered_json analysis;        // the findings in short; null while there are none
+    std::optional<EndedPrint> over;         // set when the print is over, until its analysis is too
+    EndedJob ended;                         // set once the job is being filed
     bool cancel_wanted = false;             // cancelled before it could start
-    int readings = 0;                       // that found no room in memory
+    int readings = 0;                       // number of readings that found too little memory
   };
 
-  // All must outlive the job.
+  // All arguments must outlive this object.
   CurrentJob(const PrinterContext& context, Spool& spool, JobReader& reader, QueueHold& hold,
              JobObserver& observer);
 
-  // REQUIRES: there is none.
+  // Reads the job, then prints it. REQUIRES: there is no current job.
   void begin(ClaimedJob job);
-  // Cancels its print, which is not over, or has none begin. REQUIRES: a job.
+  // Cancels its print, which must not be over, or prevents it from beginning. REQUIRES: a job.
   void cancel();
-  // Ends a print under way: light off, its files to failed/. A job that is being read does not begin.
+  // Ends a print under way: turns the light off and moves its files to failed/. Prevents the print of a job
+  // that is being read.
   void stop(const std::string& reason);
-  // Back to incoming/. REQUIRES: a job that has not begun.
+  // Moves the job back to incoming/. REQUIRES: a job that has not begun.
   void give_back();
-  // Has the print filed that is over, and whose analysis is not. Does nothing when there is none.
+  // Files a print that is over and waits only for its analysis. Does nothing if there is none.
   void stop_analysis();
-  // The longest turn of the loop with light goes into the report.
+  // Adds a turn of the loop during which the light was on; the report contains the longest.
   void add_lit_turn(const EventLoop::Turn& turn);
 
-  // What its print has used so far. REQUIRES: a print under way.
+  // Returns what the print has used so far. REQUIRES: a print under way.
   [[nodiscard]] JobFigures figures() const;
 
-  // Nothing when there is none.
+  // Returns the current job; nullptr if there is none.
   [[nodiscard]] const State* job() const { return job_ ? &*job_ : nullptr; }
-  // REQUIRES: a job.
+  // Returns the job's name. REQUIRES: a job.
   [[nodiscard]] const std::string& name() const {
     expects(job_.has_value(), "there is a job");
     return job_->claimed.files.name;
   }
-  // Its print is over, it is not filed yet.
+  // True if its print is over and not filed yet.
   [[nodiscard]] bool finishing() const;
-  // The archivist is at it.
+  // True while the archivist files it.
   [[nodiscard]] bool is_being_filed() const { return archivist_.busy(); }
   [[nodiscard]] PrintProcess& print() { return process_; }
   [[nodiscard]] const PrintProcess& print() const { return process_; }
@@ -107,10 +111,11 @@ class CurrentJob final : private PrintObserver {
 
   void read();
   void give_up_reading();
-  // Whether it is read again, as there was no room in memory that there may be soon.
+  // Has the job read again soon if there was too little memory, which may be free by then; returns false
+  // otherwise.
   [[nodiscard]] bool read_later(const JobRefusal& refusal);
   void was_read(ReadJob result);
-  // Has it in failed/.
+  // Moves the job to failed/ and reports its end.
   void refuse(const std::string& outcome, const std::string& reason);
   void start_print();
   void analyzed(AnalyzedPrint print);

@@ -1,5 +1,5 @@
-// Tells the queue of the jobs that come to incoming/ and go, and the log of what else is seen there. Event
-// loop's thread only.
+// Passes the jobs that arrive in incoming/ or leave it to the queue, and logs everything else that happens
+// there. Event loop's thread only.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace contourd {
 
 class IncomingRouter final : public SpoolObserver {
  public:
-  // Both must outlive it; the queue need not be made before something is there.
+  // Log and queue must outlive the router. The queue may be constructed later, but before the first call.
   IncomingRouter(const Log& log, PrintQueue& queue) : log_(log), queue_(queue) {}
 
   void model_arrived(const std::string& file) override { queue_.arrived(file); }

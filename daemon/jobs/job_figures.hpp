@@ -1,4 +1,5 @@
-// What a print was made with and has used so far, for the history. Thread-safe (no shared state).
+// Figures for the history: the settings of a print and what it has used so far. Thread-safe (no shared
+// state).
 #pragma once
 
 #include <vector>
@@ -8,10 +9,10 @@
 
 namespace contourd {
 
-// Of a print under way; its interruptions and late steps are known at its end.
+// Returns the figures of a print under way. Its interruptions and late steps are known only at its end.
 [[nodiscard]] JobFigures figures_of(const JobSummary& summary, const std::vector<LayerRecord>& layers,
                                     Duration print_time);
-// Of one that is over.
+// Returns the figures of a print that is over.
 [[nodiscard]] JobFigures figures_of(const PrintReport& report);
 
 }  // namespace contourd

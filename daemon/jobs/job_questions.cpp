@@ -13,7 +13,7 @@
 namespace contourd {
 namespace {
 
-// As a shell takes it for one word, and contourctl for no option.
+// Returns the name quoted as one word of a shell, preceded by "--" if contourctl would take it for an option.
 std::string shell_word(const std::string& name) {
   const std::string text = printable(name);
   const auto is_plain = [](unsigned char letter) {
@@ -31,13 +31,15 @@ std::string shell_word(const std::string& name) {
 
 JobQuestions::JobQuestions(const Log& log, Calls calls)
     : calls_(std::move(calls)), acceptances_(calls_.keep_accepted, [&log](const std::string& trouble) {
-        log.warning("accepted", fmt::format("what was accepted will be asked again after a restart: {}",
-                                            printable(trouble)));
+        log.warning(
+            "accepted",
+            fmt::format("cannot save what was accepted; it must be confirmed again after a restart: {}",
+                        printable(trouble)));
       }) {}
 
 void JobQuestions::analyze(const std::string& file, JobReader::Keep keep,
                            std::function<void(const JobAnalysisOutcome&)> done) const {
-  expects(wanted(), "somebody is to be asked");
+  expects(wanted(), "jobs are analyzed before they begin");
   calls_.analyze(file, keep, std::move(done));
 }
 
@@ -64,7 +66,7 @@ void JobQuestions::ended() {
 
 std::string question_about(const std::string& file, const std::vector<std::string>& findings) {
   if (findings.empty()) return "";
-  return fmt::format("{}; \"contourctl accept {}\" has it printed as it is", findings_text(findings),
+  return fmt::format("{}; run \"contourctl accept {}\" to print it as it is", findings_text(findings),
                      shell_word(job_name_of(file)));
 }
 

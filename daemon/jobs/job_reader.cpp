@@ -13,7 +13,7 @@
 namespace contourd {
 namespace {
 
-// A model that is read beside a print gives way to the event loop.
+// Reading a model during a print gives way to the event loop.
 constexpr int kReaderNiceness = 5;
 constexpr std::size_t kLongestReason = 8000;
 // In the state folder: see reading_record.hpp.
@@ -33,12 +33,12 @@ JobReader::~JobReader() {
 
 void JobReader::give_up() {
   reading_.request_stop();
-  give_up_looks();
+  give_up_inspections();
 }
 
-void JobReader::give_up_looks() {
-  for (Look& look : looks_)
-    look.stop.request_stop();
+void JobReader::give_up_inspections() {
+  for (Inspection& inspection : inspections_)
+    inspection.stop.request_stop();
 }
 
 ReadJob JobReader::read_now(const JobFiles& files, const std::optional<JobSettings>& settings,
@@ -47,9 +47,9 @@ ReadJob JobReader::read_now(const JobFiles& files, const std::optional<JobSettin
   const ReadingRecord::Reading under_way(record_, files);
   ReadJob job = prepare(files, settings, stop);
   const auto* const refusal = std::get_if<JobRefusal>(&job);
-  if (refusal == nullptr || !refusal->for_now || kept_.empty()) return job;
-  // What is kept gives way.
-  kept_.drop();
+  if (refusal == nullptr || !refusal->for_now || cache_.empty()) return job;
+  // The cached job gives way.
+  cache_.drop();
   return prepare(files, settings, stop);
 }
 
@@ -71,32 +71,32 @@ ReadJob JobReader::prepare(const JobFiles& files, const std::optional<JobSetting
 
 void JobReader::read(const JobFiles& files, const std::optional<JobSettings>& settings,
                      std::function<void(ReadJob)> done) {
-  give_up_looks();
+  give_up_inspections();
   reading_ = std::stop_source();
   worker_.run(
       [this, files, settings, stop = reading_.get_token()]() -> ReadJob {
-        if (std::optional<PreparedJob> kept = kept_.take(files, settings)) return std::move(*kept);
+        if (std::optional<PreparedJob> cached = cache_.take(files, settings)) return std::move(*cached);
         return read_now(files, settings, stop);
       },
       std::move(done));
 }
 
-template <typename LookNow, typename Done>
-void JobReader::look_at(const std::string& file, LookNow look_now, Done done) {
-  const auto look = looks_.insert(looks_.end(), Look{file});
+template <typename InspectNow, typename Done>
+void JobReader::inspect(const std::string& file, InspectNow inspect_now, Done done) {
+  const auto inspection = inspections_.insert(inspections_.end(), Inspection{file});
   worker_.run(
-      [this, file, look_now, stop = look->stop.get_token()]() {
-        return look_now(spool_.files_of(Spool::Folder::Incoming, file), stop);
+      [this, file, inspect_now, stop = inspection->stop.get_token()]() {
+        return inspect_now(spool_.files_of(Spool::Folder::Incoming, file), stop);
       },
-      [this, look, done = std::move(done)](const auto& found) {
-        looks_.erase(look);
+      [this, inspection, done = std::move(done)](const auto& found) {
+        inspections_.erase(inspection);
         done(found);
       });
 }
 
 void JobReader::check(const std::string& file, Keep keep, std::function<void(const CheckedJob&)> done) {
-  if (keep == Keep::Prepared) give_up_looks();
-  look_at(
+  if (keep == Keep::Prepared) give_up_inspections();
+  inspect(
       file,
       [this, keep](const JobFiles& files, const std::stop_token& stop) {
         return check_now(files, keep, stop);
@@ -106,7 +106,7 @@ void JobReader::check(const std::string& file, Keep keep, std::function<void(con
 
 CheckedJob JobReader::check_now(const JobFiles& files, Keep keep, const std::stop_token& stop) {
   if (stop.stop_requested()) return ReadingGivenUp{};
-  if (keep == Keep::Prepared) kept_.drop();
+  if (keep == Keep::Prepared) cache_.drop();
   const std::string mark = mark_of(files), content = content_mark(files);
   ReadJob job = read_now(files, std::nullopt, stop);
   if (std::holds_alternative<ReadingGivenUp>(job)) return ReadingGivenUp{};
@@ -115,13 +115,13 @@ CheckedJob JobReader::check_now(const JobFiles& files, Keep keep, const std::sto
   JobOutlook outlook = outlook_of(prepared, files, config_);
   if (std::optional<PreprintAnalysis> found = analysis_of_preparation(prepared.summary))
     outlook.question = AnalyzedJob{std::move(*found), content, prepared.settings};
-  if (keep == Keep::Prepared) kept_.keep(files, mark, std::move(prepared));
+  if (keep == Keep::Prepared) cache_.keep(files, mark, std::move(prepared));
   return outlook;
 }
 
 void JobReader::analyze(const std::string& file, Keep keep,
                         std::function<void(const JobAnalysisOutcome&)> done) {
-  look_at(
+  inspect(
       file,
       [this, keep](const JobFiles& files, const std::stop_token& stop) {
         return analyze_now(files, keep, stop);
@@ -143,27 +143,27 @@ JobAnalysisOutcome JobReader::analyze_now(const JobFiles& files, Keep keep, cons
   }
   if (!analysis) return ReadingGivenUp{};
   AnalyzedJob analyzed{std::move(*analysis), content, job.settings};
-  if (keep == Keep::Prepared) kept_.keep(files, mark, std::move(job));
+  if (keep == Keep::Prepared) cache_.keep(files, mark, std::move(job));
   return analyzed;
 }
 
-// As its check has kept it, or anew.
+// Takes the preparation that the check has cached, or reads the job again.
 ReadJob JobReader::take_or_read(const JobFiles& files, const std::stop_token& stop) {
   try {
-    if (std::optional<PreparedJob> kept = kept_.take(files, read_settings(files, config_)))
-      return std::move(*kept);
+    if (std::optional<PreparedJob> cached = cache_.take(files, read_settings(files, config_)))
+      return std::move(*cached);
   } catch (const JobRefused&) {
-    // Reading it says so.
+    // read_now() reports the reason.
   }
   return read_now(files, std::nullopt, stop);
 }
 
 void JobReader::forget(const std::string& file) {
-  for (Look& look : looks_)
-    if (look.file == file) look.stop.request_stop();
+  for (Inspection& inspection : inspections_)
+    if (inspection.file == file) inspection.stop.request_stop();
   worker_.run(
       [this, file] {
-        kept_.forget(spool_.files_of(Spool::Folder::Incoming, file));
+        cache_.forget(spool_.files_of(Spool::Folder::Incoming, file));
         return true;
       },
       [](bool) {});

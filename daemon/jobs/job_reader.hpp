@@ -1,5 +1,5 @@
-// Reads jobs, one after the other, on a thread of its own: the one whose turn it is, to be printed, and those
-// that wait, to hear what is wrong with them. Event loop's thread only.
+// Reads jobs on a thread of its own, one after the other: the job whose turn has come, to print it, and
+// waiting jobs, to find their mistakes early. Event loop's thread only.
 #pragma once
 
 #include <functional>
@@ -24,68 +24,71 @@ namespace contourd {
 
 struct JobRefusal {
   std::string reason;
-  bool for_now = false;   // there may be room in memory for it later
-  std::string profile{};  // what is the matter with its resin's, which is no reason to refuse it
+  bool for_now = false;   // true if there may be enough memory later
+  std::string profile{};  // problem of the resin profile, for which the job is not refused; or empty
 };
-// It was given up: for a job whose turn has come, or because nobody wants it any more.
+// A reading that was given up: for a job whose turn has come, or because no one needs its result any more.
 struct ReadingGivenUp {};
 using ReadJob = std::variant<PreparedJob, JobRefusal, ReadingGivenUp>;
-// What is known of a job that waits.
+// Result of the check of a waiting job.
 using CheckedJob = std::variant<JobOutlook, JobRefusal, ReadingGivenUp>;
 using JobAnalysisOutcome = std::variant<AnalyzedJob, JobRefusal, ReadingGivenUp>;
 
 class JobReader {
  public:
-  // All must outlive the reader. Takes over what the last process was reading when it ended.
+  // All arguments must outlive the reader. Finds out what the last process was reading when it ended.
   JobReader(const PrinterConfig& config, const Spool& spool, EventLoop& loop);
-  // Waits for at most one layer's mask or a step of a search for supports, and for a file that is being read.
+  // Blocks for at most one layer's mask or one step of a search for supports, and for a file that is being
+  // read.
   ~JobReader();
   JobReader(const JobReader&) = delete;
   JobReader& operator=(const JobReader&) = delete;
 
-  // Prepares a job in printing/, or takes what its check has kept of it when nothing has changed since; then
-  // calls `done`, from the loop. Without settings, its ticket is read to hear what is wrong with it.
+  // Prepares a job in printing/, or takes the preparation that its check has cached if nothing has changed
+  // since; then calls `done` from the loop. Without settings, the ticket is read to find out what is wrong
+  // with it.
   void read(const JobFiles& files, const std::optional<JobSettings>& settings,
             std::function<void(ReadJob)> done);
-  // Ends the last read() soon, wherever it can be ended.
+  // Ends the last read() soon, at the next point where it can be interrupted.
   void give_up_reading() { reading_.request_stop(); }
-  // Prepares incoming/`file`: `done` gets why it would be refused, or what it will be. At most one job is
-  // kept, until another is read, or until its memory is needed for a check. read(), forget() of that
-  // file, and a check of another one that is to be kept, end it soon.
+  // Prepares incoming/`file`: `done` gets the reason for a refusal, or the job's outlook. At most one
+  // prepared job is cached, until another job is read or a check needs its memory. The check ends early on
+  // read(), on forget() of this file, and on a check of another file with Keep::Prepared.
   enum class Keep { Nothing, Prepared };
   void check(const std::string& file, Keep keep, std::function<void(const CheckedJob&)> done);
-  // Looks through all layers of incoming/`file`, which takes as long as their masks; keeps the job as check()
-  // does, and ends as that. One at a time.
+  // Analyzes all layers of incoming/`file`, which takes as long as computing their masks. Caches the job and
+  // ends early as check() does. One analysis at a time.
   void analyze(const std::string& file, Keep keep, std::function<void(const JobAnalysisOutcome&)> done);
-  // Keeps nothing of incoming/`file` any more.
+  // Discards the cached preparation of incoming/`file`, and ends its check or analysis early.
   void forget(const std::string& file);
-  // Has the job's contents written to the disk, behind what is being read.
+  // Has the contents of the job's files written to the disk, after the current reading.
   void sync(const JobFiles& files);
 
   // See ReadingRecord.
   [[nodiscard]] bool take_ended(const JobFiles& job) { return record_.take_ended(job); }
-  // This process is to end: whatever is being read has not ended it.
+  // Ends all readings, because this process ends; the record then blames none of them for that.
   void stop() {
     record_.stop();
     give_up();
   }
 
  private:
-  // A look at a job that waits, from its order to its end.
-  struct Look {
+  // A check or analysis of a waiting job, from its request to its end.
+  struct Inspection {
     std::string file;
     std::stop_source stop{};
   };
-  using Looks = std::list<Look>;
+  using Inspections = std::list<Inspection>;
 
-  // Of all that is under way.
+  // Ends all readings early.
   void give_up();
-  void give_up_looks();
-  // Has `look_now` called on the worker's thread, and `done` with its result.
-  template <typename LookNow, typename Done>
-  void look_at(const std::string& file, LookNow look_now, Done done);
+  // Ends all checks and analyses early.
+  void give_up_inspections();
+  // Calls `inspect_now` on the worker's thread, then `done` with its result from the loop.
+  template <typename InspectNow, typename Done>
+  void inspect(const std::string& file, InspectNow inspect_now, Done done);
 
-  // These on the worker's thread.
+  // Functions that run on the worker's thread:
   [[nodiscard]] ReadJob read_now(const JobFiles& files, const std::optional<JobSettings>& settings,
                                  const std::stop_token& stop);
   [[nodiscard]] ReadJob prepare(const JobFiles& files, const std::optional<JobSettings>& settings,
@@ -97,14 +100,14 @@ class JobReader {
   const PrinterConfig& config_;
   const Spool& spool_;
   ReadingRecord record_;
-  std::stop_source reading_;  // of the last one
-  Looks looks_;
-  PreparedJobCache kept_;  // of the worker's thread
-  Worker worker_;          // last: its thread ends before what its tasks use
+  std::stop_source reading_;  // for the last read()
+  Inspections inspections_;
+  PreparedJobCache cache_;  // for the worker's thread only
+  Worker worker_;           // last: its thread ends before what its tasks use
 };
 
-// What is told of why a job is refused, in some lines: it goes into the log, a file and each answer to a
-// client.
+// Returns the reason for a refusal, shortened and printable, because it goes into the log, a file and each
+// reply to a client.
 [[nodiscard]] std::string refusal_text(std::string_view why);
 
 }  // namespace contourd

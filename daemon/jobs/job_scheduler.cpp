@@ -13,9 +13,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// How long until what the disk did not take is tried again.
+// Time until a failed disk operation is retried.
 constexpr Duration kClaimRetryInterval = 30s;
-// The same for a resin's profile, by which its owner may be sitting.
+// Time until an unusable resin profile is read again; shorter, because a user may be fixing it right now.
 constexpr Duration kProfileInterval = 5s;
 
 }  // namespace
@@ -45,7 +45,7 @@ void JobScheduler::run() {
     if (hold_.due() || try_again) hold_.keep();
     take_what_is_due();
   } catch (const std::system_error& error) {
-    // The spool's disk is gone or full: the queue waits for it.
+    // The spool's disk is gone or full; the queue waits for it.
     const std::string trouble = fmt::format("the spool cannot be used: {}", printable(error.what()));
     if (std::exchange(waiting_for_, trouble) != trouble) context_.log.error("spool", trouble);
     retry_later(kClaimRetryInterval);
@@ -56,7 +56,7 @@ void JobScheduler::take_what_is_due() {
   if (stopped_) return;
   const bool has_job = calls_.has_job();
   const std::string reason = has_job || queue_.empty() ? "" : reason_to_wait();
-  // Of one that is to be accepted, it is in the log already.
+  // The reason of a job that waits for confirmation is already logged.
   if (std::exchange(waiting_for_, reason) != reason && !reason.empty() && queue_.has_first()) {
     context_.log.info("waiting", fmt::format("{} waits: {}", printable(queue_.jobs()[queue_.first()].file),
                                              printable(reason)));
@@ -64,7 +64,7 @@ void JobScheduler::take_what_is_due() {
   if (queue_.empty()) return;
   if (!has_job && reason.empty()) return claim_next();
   if (queue_.has_first()) queue_.keep_first_waiting();
-  // A disk may get room again without a word, and a profile may be mended.
+  // Polled, because no event reports free disk space or a fixed profile.
   if (!reason.empty()) retry_later(waits_for_profile() ? kProfileInterval : kClaimRetryInterval);
   queue_.check_next();
 }
@@ -89,10 +89,10 @@ bool JobScheduler::waits_for_profile() const {
 }
 
 void JobScheduler::claim_next() {
-  // The end of what keeps it comes back here.
+  // The end of the check, of the rejection or of the copy leads here again.
   if (!queue_.first_may_begin() || copying_) return;
   WaitingJob job = queue_.take_first();
-  // The owner is writing it anew: it comes back when it is whole.
+  // The file is being rewritten; it arrives again when it is complete.
   if (spool_.is_unfinished(job.file)) {
     spool_.wait_for(job.file);
     return run_soon();
@@ -130,7 +130,7 @@ std::optional<JobSettings> JobScheduler::settings_of(const WaitingJob& job) cons
   try {
     return read_settings(spool_.files_of(Spool::Folder::Incoming, job.file), context_.config);
   } catch (const ProfileTrouble& trouble) {
-    // One that was there when the job was checked is not its ticket's mistake.
+    // The ticket is not at fault if the profile existed when the job was checked.
     const bool known = job.check == WaitingJob::Check::Passed;
     if (known || trouble.fault() == ProfileTrouble::Fault::Profile) throw;
     return std::nullopt;
@@ -144,31 +144,31 @@ void JobScheduler::begin(CopiedJob claimed, const JobFiles& files) {
   queue_.claimed(job.file);
   const bool unheld_accepted = queue_.questions().has_accepted(job.analyzed, std::string(kUnheldPlaces));
   queue_.questions().begun(job.analyzed);
-  // For this one, whatever happens to the queue until it ends.
+  // The new next job waits for this one, whatever happens to the queue until it ends.
   if (queue_.has_first()) queue_.keep_first_waiting();
   calls_.begin({.files = files,
                 .settings = std::move(claimed.settings),
                 .turn_came = job.waited ? std::chrono::steady_clock::now() : job.arrived,
                 .unheld_accepted = unheld_accepted});
-  // The next one is looked through beside it.
+  // The next job is analyzed during the print.
   if (queue_.questions().wanted()) run_soon();
 }
 
-// An owner who mends it says nothing: it is read again.
+// Keeps the job waiting and polls the profile, because no event reports that a user has fixed it.
 void JobScheduler::wait_for_profile(WaitingJob job, const std::string& why) {
-  const std::string trouble = fmt::format("{}; the queue goes on when it is mended", why);
+  const std::string trouble = fmt::format("{}; the queue continues when the profile is fixed", why);
   if (std::exchange(job.trouble, trouble) != trouble)
     context_.log.error("profile", fmt::format("{} waits: {}", printable(job.file), printable(trouble)),
                        file_fields(job.file));
   waiting_for_ = trouble;
   job.waited = true;
-  job.check = WaitingJob::Check::Passed;  // as far as that is possible now
+  job.check = WaitingJob::Check::Passed;  // as far as it can be checked now
   queue_.put_first(std::move(job));
   run_later(kProfileInterval);
   queue_.check_next();
 }
 
-// It is tried again until it is taken away: a disk may be well again without a word.
+// Retries until the job is removed, because no event reports that the disk works again.
 void JobScheduler::not_claimed(CopiedJob claimed, const std::system_error& error) {
   WaitingJob& job = claimed.job;
   if (!spool_.is_waiting(job.file)) {
@@ -201,8 +201,8 @@ void JobScheduler::copied(const Spool::Copy& copy, const std::string& why) {
     const std::string& file = claimed.job.file;
     context_.log.warning(
         "copied",
-        fmt::format("{}: a copy of it is printed, as it cannot be moved: {}{}", printable(file), why,
-                    copy.job->original.empty() ? "" : "; what lies in incoming may be deleted"),
+        fmt::format("{}: printing a copy, because it cannot be moved: {}{}", printable(file), why,
+                    copy.job->original.empty() ? "" : "; the original in incoming may be deleted"),
         file_fields(file));
     begin(std::move(claimed), *copy.job);
   } else if (!copy.unreadable.empty()) {
@@ -216,7 +216,7 @@ void JobScheduler::copied(const Spool::Copy& copy, const std::string& why) {
 
 void JobScheduler::not_copied(WaitingJob job, const std::string& trouble) {
   note_trouble(job, fmt::format("{} cannot be copied: {}", printable(job.file), printable(trouble)));
-  // What is about this job alone keeps no other waiting.
+  // A problem with this job alone must not keep the others waiting.
   queue_.put_last(std::move(job));
   if (queue_.jobs()[queue_.first()].trouble.empty())
     run_soon();

@@ -1,5 +1,5 @@
-// Decides when the queue goes on: has the waiting jobs checked while something is in their way, and claims
-// the next one when nothing is: moves it to printing/, or copies what cannot be moved. Event loop's thread
+// Decides when the next job begins. While something prevents that, has waiting jobs checked; otherwise claims
+// the next job: moves its files to printing/, or copies them if they cannot be moved. Event loop's thread
 // only.
 #pragma once
 
@@ -19,30 +19,30 @@ namespace contourd {
 class JobScheduler {
  public:
   struct Calls {
-    std::function<bool()> has_job;  // whether one is claimed and not filed yet
-    std::function<bool()> prints;   // or there may be light otherwise: the disk is not waited for
+    std::function<bool()> has_job;  // true if a job is claimed and not filed yet
+    std::function<bool()> prints;   // true if a job prints or the light may be on: disk writes are postponed
     std::function<bool()> controlled_by_hand;
     std::function<void(ClaimedJob)> begin;
-    std::function<void()> copy_over;  // copying() has become false
+    std::function<void()> copy_over;  // reports that copying() has become false
   };
   // All must outlive the scheduler.
   JobScheduler(const PrinterContext& context, Spool& spool, PrintQueue& queue, QueueHold& hold, Calls calls);
 
-  // Does what is due: keeps the hold's records, begins the next job, or has a waiting one checked. Never from
-  // inside the print process.
+  // Does what is due: saves the hold's records, begins the next job, or starts the check of a waiting one.
+  // Must not be called from inside the print process.
   void run();
-  // From anywhere.
+  // Schedules run(). May also be called from inside the print process.
   void run_soon();
-  // No job begins any more.
+  // Prevents any further job from beginning.
   void stop() { stopped_ = true; }
 
-  // Why the next job does not begin; empty when it does, or there is none.
+  // Returns why the next job does not begin; empty if it begins, or if there is none.
   [[nodiscard]] const std::string& waiting_for() const { return waiting_for_; }
-  // A job is being copied to printing/.
+  // True while a job is being copied to printing/.
   [[nodiscard]] bool copying() const { return copying_.has_value(); }
 
  private:
-  // In no list while it is copied.
+  // A job taken from the queue to be claimed. While its files are copied, no other list contains it.
   struct CopiedJob {
     WaitingJob job;
     std::optional<JobSettings> settings;
@@ -54,13 +54,15 @@ class JobScheduler {
   [[nodiscard]] std::string reason_to_wait() const;
   [[nodiscard]] bool waits_for_profile() const;
   void claim_next();
-  // Its owner may have to be asked about what cannot be held: known only when it is prepared.
+  // True if the job must be checked before it begins: a user may have to accept places that cannot be held,
+  // and only the preparation finds them.
   [[nodiscard]] bool is_checked_first(const CopiedJob& claimed) const;
-  // Throws ProfileTrouble when the queue has to wait for the profile.
+  // Returns the job's settings; nullopt if its ticket is a reason to refuse the job. Throws ProfileTrouble if
+  // the queue has to wait for the profile.
   [[nodiscard]] std::optional<JobSettings> settings_of(const WaitingJob& job) const;
   void wait_for_profile(WaitingJob job, const std::string& why);
   void not_claimed(CopiedJob claimed, const std::system_error& error);
-  // It is in the log once; the job goes back to the queue and waits.
+  // Logs `trouble` once, and marks the job as waiting; the caller puts it back into the queue.
   void note_trouble(WaitingJob& job, const std::string& trouble);
   void copy(CopiedJob job, const std::string& why);
   void copied(const Spool::Copy& copy, const std::string& why);
@@ -72,7 +74,7 @@ class JobScheduler {
   PrintQueue& queue_;
   QueueHold& hold_;
   Calls calls_;
-  std::string waiting_for_;  // told already
+  std::string waiting_for_;  // already logged
   std::optional<CopiedJob> copying_;
   bool stopped_ = false;
   EventLoop::SourcePtr timer_;

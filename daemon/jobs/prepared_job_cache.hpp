@@ -1,5 +1,5 @@
-// The next job as its check has prepared it, kept until its turn comes, so that it is not prepared again when
-// nothing has changed. Holds the job's memory. Not thread-safe.
+// A cache of the next job as its check has prepared it, so that the job is not prepared again when its turn
+// comes and nothing has changed. Owns the job's memory. Not thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -14,28 +14,28 @@ namespace contourd {
 
 class PreparedJobCache {
  public:
-  // Replaces what was kept. `mark` is what mark_of() said of the files before they were read. Nothing is kept
-  // when they have changed since, or when a later change would not show: a file behind a symbolic link.
+  // Replaces the cached job. `mark` is what mark_of() returned before the files were read. Caches nothing if
+  // they have changed since, or if a later change would go unnoticed: a file behind a symbolic link.
   void keep(const JobFiles& files, const std::string& mark, PreparedJob job);
 
-  // Gives the job when these are its files, wherever they lie by now, and these its settings. Keeps nothing
-  // afterwards.
+  // Returns the cached job if these are its files, in whatever folder they are by now, and its settings;
+  // nullopt otherwise. The cache is empty afterwards.
   [[nodiscard]] std::optional<PreparedJob> take(const JobFiles& files,
                                                 const std::optional<JobSettings>& settings);
-  // Keeps nothing of these files any more.
+  // Discards the cached job if it has these files.
   void forget(const JobFiles& files);
-  void drop() { kept_.reset(); }
+  void drop() { entry_.reset(); }
 
-  [[nodiscard]] bool empty() const { return !kept_; }
+  [[nodiscard]] bool empty() const { return !entry_; }
 
  private:
-  struct Kept {
-    std::filesystem::path model;  // where it lay then
+  struct Entry {
+    std::filesystem::path model;  // path when the job was cached
     std::string mark;
     PreparedJob job;
   };
 
-  std::optional<Kept> kept_;
+  std::optional<Entry> entry_;
 };
 
 }  // namespace contourd

@@ -7,10 +7,11 @@
 namespace contourd {
 namespace {
 
-// A tenth of the processor time that the event loop's thread gets where the two compete.
+// With this niceness the analysis gets a tenth of the processor time of the event loop's thread if the two
+// compete.
 constexpr int kAnalystNiceness = 10;
 
-// Nothing when it was told to stop.
+// Returns nullopt if `stop` was requested.
 std::optional<AnalyzedPrint> analyze(const AnalysisTask& task, const std::stop_token& stop) {
   const auto start = std::chrono::steady_clock::now();
   AnalyzedPrint analyzed;
@@ -40,7 +41,7 @@ void PrintAnalyst::start(AnalysisTask task, std::function<void(AnalyzedPrint)> d
   cancel();
   busy_ = true;
   stop_ = std::stop_source();
-  // Calls are handed on by copy, an engine is not.
+  // Tasks of a worker are copied, but an engine cannot be.
   const auto shared = std::make_shared<const AnalysisTask>(std::move(task));
   const std::stop_token stop = stop_.get_token();
   worker_.run([shared, stop] { return analyze(*shared, stop); },

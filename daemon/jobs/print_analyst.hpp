@@ -1,5 +1,5 @@
-// Analyses a whole print beside it, on a thread of its own that gives way to everything else: the first light
-// does not wait for it. Event loop's thread only.
+// Analyzes all layers of a print while it runs, on a thread of its own that gives way to everything else: the
+// first light does not wait for the analysis. Event loop's thread only.
 #pragma once
 
 #include <functional>
@@ -15,15 +15,15 @@
 namespace contourd {
 
 struct AnalysisTask {
-  std::unique_ptr<ContourEngine> engine;  // its own: the print's computes masks meanwhile
+  std::unique_ptr<ContourEngine> engine;  // not the print's, which computes masks at the same time
   DisplayGeometry display;
-  std::vector<Nanometers> layers;         // their thicknesses
-  std::vector<Duration> layer_durations;  // by layer
+  std::vector<Nanometers> layers;         // thickness of each layer
+  std::vector<Duration> layer_durations;  // how long each layer takes
   AnalysisOptions options{};
 };
 
 struct AnalyzedPrint {
-  // Or why there are none.
+  // The findings, or why there are none.
   std::variant<PrintFindings, std::string> findings;
   Duration took{};
 };
@@ -31,16 +31,16 @@ struct AnalyzedPrint {
 class PrintAnalyst {
  public:
   explicit PrintAnalyst(EventLoop& loop);
-  // Waits for at most one layer's mask.
+  // Blocks for at most one layer's mask.
   ~PrintAnalyst();
   PrintAnalyst(const PrintAnalyst&) = delete;
   PrintAnalyst& operator=(const PrintAnalyst&) = delete;
 
-  // `done` is called from the loop. An analysis still under way is cancelled.
+  // Starts an analysis, and cancels one that is still under way. `done` is called from the loop.
   void start(AnalysisTask task, std::function<void(AnalyzedPrint)> done);
-  // Its `done` is not called any more.
+  // Cancels the analysis; its `done` is not called any more.
   void cancel();
-  // An analysis was started and its `done` is still to come.
+  // True if an analysis was started and its `done` is still to be called.
   [[nodiscard]] bool busy() const { return busy_; }
 
  private:

@@ -21,15 +21,15 @@
 namespace contourd {
 namespace {
 
-// It gives way to the event loop, and to a model that is read.
+// Filing gives way to the event loop, and to the reading of a model.
 constexpr int kArchivistNiceness = 5;
-// How long a disk may take to note the print in the history before the print is filed all the same.
+// Longest time that filing waits for the history to have the print.
 constexpr std::chrono::seconds kLongestNoting{2};
-// For the part's picture, and for those of layers in all: contourd may be about to stop, and waits for what
-// is filed.
+// Time limits for the picture of the part, and for all pictures of layers: contourd may be about to stop, and
+// waits for the filing.
 constexpr std::chrono::seconds kLongestPartPicture{10}, kLongestLayerPictures{5};
 
-// What goes wrong is told as "`what`: why", and nothing follows from it.
+// Calls `work`. Notes an exception as "`what`: why" and returns false; filing continues.
 template <typename Work>
 bool attempt(const std::string& what, FiledPrint& filed, Work work) {
   try {
@@ -60,7 +60,7 @@ void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& f
   attempt("no preview.png", filed, [&] { spool.write_beside(folder, report.job, "preview.png", picture); });
 }
 
-// A name may be no UTF-8, which JSON is.
+// Returns the job's name as valid UTF-8, which JSON requires.
 std::string as_recorded(const std::string& job) {
   return printable(job);
 }
@@ -77,22 +77,22 @@ FiledPrint file_print(const Spool& spool, EndedPrint& print) {
   FiledPrint filed{print.files, false, report.outcome, report.reason, {}, {}};
   const Spool::Folder folder = folder_for(report.outcome);
   const PrintEnd end{report.outcome, report.reason};
-  attempt("no record of its end", filed, [&] { write_record(spool, report.job, end); });
+  attempt("cannot record the end of the print", filed, [&] { write_record(spool, report.job, end); });
   const std::string reason = reason_text(end);
   // A full disk has no room for what goes beside the job, but a rename needs none.
   if (!reason.empty())
-    attempt("no reason beside it", filed,
+    attempt("cannot write its reason file", filed,
             [&] { spool.write_beside(folder, report.job, "reason.txt", reason); });
   const bool recorded = attempt("no report", filed, [&] {
     spool.write_beside(folder, report.job, "report.json", report_as_json(report));
   });
   if (recorded) write_page_and_picture(spool, print, filed);
   filed.reports = spool.reports_of(folder, report.job);
-  // As long as they are in printing/, the next start knows of the print what the history does not.
+  // As long as the files are in printing/, the next start learns of a print that the history does not have.
   if (print.noted.valid()) (void)print.noted.wait_for(kLongestNoting);
   filed.moved = attempt("stays in printing", filed, [&] {
     if (!spool.end(print.files, folder))
-      filed.troubles.push_back(fmt::format("{} is gone: somebody took it away", print.files.model.string()));
+      filed.troubles.push_back(fmt::format("{} is gone: someone removed it", print.files.model.string()));
   });
   return filed;
 }
@@ -112,8 +112,8 @@ PrintArchivist::PrintArchivist(EventLoop& loop, const Spool& spool)
 void PrintArchivist::file(EndedPrint print, std::function<void(const FiledPrint&)> done) {
   expects(!busy_, "no other print is being filed");
   busy_ = true;
-  // Tasks are handed on by copy, an engine is not. It goes on the worker's thread: a large one takes its
-  // time.
+  // Tasks of a worker are copied, but an engine cannot be. It is destroyed on the worker's thread, because a
+  // large one takes time.
   auto shared = std::make_shared<EndedPrint>(std::move(print));
   worker_.run([&spool = spool_, shared = std::move(shared)] { return file_print(spool, *shared); },
               [this, done = std::move(done)](const FiledPrint& filed) {
@@ -128,7 +128,7 @@ void PrintArchivist::record(const std::string& job, const PrintEnd& end) {
         try {
           write_record(spool, job, end);
         } catch (const std::system_error&) {
-          return false;  // tried again, and told, when it is filed
+          return false;  // retried, and reported, when the print is filed
         }
         return true;
       },
@@ -144,14 +144,14 @@ std::string reason_text(const PrintEnd& end) {
     case PrintOutcome::Done:
       return "";
     case PrintOutcome::Canceled:
-      return "Cancelled by the owner.\n";
+      return "Cancelled by the user.\n";
     case PrintOutcome::Failed:
       return end.reason + "\n";
   }
   return "";
 }
 
-// A record that nobody could make out is one of nothing.
+// An unreadable record counts as no record.
 std::optional<RecordedEnd> last_recorded_end(const Spool& spool) {
   const auto record = nlohmann::json::parse(spool.records().end_of_print(), nullptr, false);
   if (!record.is_object()) return std::nullopt;
@@ -160,10 +160,9 @@ std::optional<RecordedEnd> last_recorded_end(const Spool& spool) {
     return found != record.end() && found->is_string() ? found->get<std::string>() : std::string();
   };
   const std::optional<PrintOutcome> outcome = outcome_called(text("outcome"));
-  if (!outcome) return std::nullopt;
   const auto key = record.find("key");
-  const bool has_key = key != record.end() && key->is_number_integer();
-  return RecordedEnd{text("job"), {*outcome, text("reason"), has_key ? key->get<std::int64_t>() : 0}};
+  if (!outcome || key == record.end() || !key->is_number_integer()) return std::nullopt;
+  return RecordedEnd{text("job"), {*outcome, text("reason"), key->get<std::int64_t>()}};
 }
 
 std::optional<PrintEnd> recorded_end(const Spool& spool, const std::string& job) {

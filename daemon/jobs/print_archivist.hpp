@@ -1,5 +1,5 @@
-// Makes the report of a print that is over and files its job, on a thread of its own: the picture and the
-// disk may take seconds, and the event loop has a light to see to. Event loop's thread only.
+// Writes the report of a print that is over and files its job, on a thread of its own: the picture and the
+// disk may take seconds, and the event loop controls a light. Event loop's thread only.
 #pragma once
 
 #include <cstdint>
@@ -19,25 +19,25 @@ namespace contourd {
 
 struct EndedPrint {
   JobFiles files;      // in printing/
-  PrintReport report;  // all but its picture
+  PrintReport report;  // complete except for its pictures
   std::unique_ptr<ContourEngine> engine;
-  std::shared_future<void> noted{};  // in the history: the files stay until then, or for a while
+  std::shared_future<void> noted{};  // ready when the print is in the history; filing waits for it
 };
 
 struct FiledPrint {
-  JobFiles files;  // where they were
+  JobFiles files;  // in printing/, where they were
   bool moved = false;
   PrintOutcome outcome = PrintOutcome::Failed;
   std::string reason;
   ReportFiles reports;
-  std::vector<std::string> troubles;  // a sentence each: what is not there, or not as it should be, and why
+  std::vector<std::string> troubles;  // a sentence for each thing that is missing or wrong, and why
 };
 
-// How a print ended, as far as its report tells.
+// The end of a print, as its report has it.
 struct PrintEnd {
   PrintOutcome outcome = PrintOutcome::Failed;
   std::string reason;
-  std::int64_t key = 0;  // in the history (EndedJob); 0 where it is not known
+  std::int64_t key = 0;  // in the history (EndedJob); 0 if unknown
 };
 
 class PrintArchivist {
@@ -45,14 +45,14 @@ class PrintArchivist {
   // The spool must outlive the archivist.
   PrintArchivist(EventLoop& loop, const Spool& spool);
 
-  // Has it on the disk how the job's print ended, before anything else is made of that: from then on it ended
-  // so, whatever happens to this process or to done/ and failed/. What goes wrong is told with the filing.
+  // Saves on the disk how the job's print ended, before anything else is done about it: from then on that is
+  // its end, whatever happens to this process or to done/ and failed/. Errors are reported with the filing.
   void record(const std::string& job, const PrintEnd& end);
 
-  // Writes what belongs beside the job's files and moves them to done/ or failed/; then calls `done`, from
-  // the loop. REQUIRES: not busy.
+  // Writes the report's files and moves the job's files to done/ or failed/; then calls `done` from the loop.
+  // REQUIRES: not busy.
   void file(EndedPrint print, std::function<void(const FiledPrint&)> done);
-  // A print was given and its `done` is still to come.
+  // True if a print is being filed and its `done` is still to be called.
   [[nodiscard]] bool busy() const { return busy_; }
 
  private:
@@ -61,19 +61,20 @@ class PrintArchivist {
   Worker worker_;  // last: its thread ends before what its tasks use
 };
 
-// Where a job with this outcome belongs, and what its reason file says; empty when it has none.
+// Returns the folder for a job with this outcome.
 [[nodiscard]] Spool::Folder folder_for(PrintOutcome outcome);
+// Returns the text of the reason file; empty if there is none.
 [[nodiscard]] std::string reason_text(const PrintEnd& end);
 
-// Whose print's end is recorded last, as it is recorded, and how it ended; nothing when there is no record.
-// Blocks.
 struct RecordedEnd {
   std::string job;  // printable
   PrintEnd end;
 };
+// Returns the end of a print that was recorded last; nullopt if there is no record. Blocks.
 [[nodiscard]] std::optional<RecordedEnd> last_recorded_end(const Spool& spool);
 
-// How the print of a job in printing/ ended, if the archivist was only kept from filing it. Blocks.
+// Returns how the print of a job in printing/ ended, if only its filing is missing; nullopt otherwise.
+// Blocks.
 [[nodiscard]] std::optional<PrintEnd> recorded_end(const Spool& spool, const std::string& job);
 
 }  // namespace contourd

@@ -14,10 +14,10 @@
 namespace contourd {
 namespace {
 
-// A model may have any number of them.
+// Number of warnings about a model that are logged; a model may cause any number.
 constexpr std::size_t kMaxWarnings = 20;
 
-// "434000 facets, 20.00 x 20.00 x 40.00 mm", or what is on the plate.
+// Returns "434000 facets, 20.00 x 20.00 x 40.00 mm", or a summary of the plate.
 std::string content_of(const JobSummary& summary) {
   if (!summary.plate) {
     const ModelSummary& model = summary.models.front();
@@ -40,7 +40,7 @@ std::string thickness_of(const LayerSummary& layers) {
   return fmt::format("{:g} to {:g} um", um(layers.thinnest), um(layers.thickest));
 }
 
-// "1980.3 to 2011.7 ms", or one figure where both are the same.
+// Returns "1980.3 to 2011.7 ms", or one figure if both are the same.
 std::string light_of(const LayerRecord& layer) {
   const std::string most =
       fmt::format("{:.1f} ms{}", milliseconds(layer.exposure_most), layer.dark_confirmed ? "" : " or more");
@@ -84,11 +84,11 @@ void PrintLog::ready(const std::string& job, const JobSummary& summary, Duration
     const std::string what = summary.plate ? name + ": " + printable(model.file) : name;
     log_.info("orientation", fmt::format("{}: {}", what, describe(*model.orientation)), fields);
   }
-  const std::size_t told = std::min(summary.warnings.size(), kMaxWarnings);
-  for (std::size_t i = 0; i < told; ++i)
+  const std::size_t logged = std::min(summary.warnings.size(), kMaxWarnings);
+  for (std::size_t i = 0; i < logged; ++i)
     log_.warning("model", fmt::format("{}: {}", name, summary.warnings[i]), fields);
-  if (told < summary.warnings.size())
-    log_.warning("model", fmt::format("{}: and {} more", name, summary.warnings.size() - told), fields);
+  if (logged < summary.warnings.size())
+    log_.warning("model", fmt::format("{}: and {} more", name, summary.warnings.size() - logged), fields);
 }
 
 void PrintLog::analyzed(const std::string& job, const AnalyzedPrint& print) const {
@@ -97,7 +97,7 @@ void PrintLog::analyzed(const std::string& job, const AnalyzedPrint& print) cons
   const auto* const findings = std::get_if<PrintFindings>(&print.findings);
   if (findings == nullptr) {
     log_.warning("analysis",
-                 fmt::format("{}: the print goes on, but could not be analysed: {}", name,
+                 fmt::format("{}: the print continues, but could not be analyzed: {}", name,
                              std::get<std::string>(print.findings)),
                  fields);
     return;
@@ -135,14 +135,14 @@ void PrintLog::warn_about_light(const JobSummary& summary, const LayerRecord& la
                                 const LogFields& fields) const {
   const auto asked = fmt::format("layer {}: the light was on for {}, {:.1f} ms were asked for",
                                  layer.layer + 1, light_of(layer), milliseconds(layer.exposure_asked));
-  // By more than a refresh: something kept this process from turning the light off.
+  // Longer by more than one refresh: something kept this process from turning the light off.
   if (layer.exposure_least > layer.exposure_asked + frame) log_.warning("overexposed", asked, fields);
   const Duration tolerated = summary.resin.tolerance.bounds;
   if (layer.exposure_most - layer.exposure_least > tolerated) {
     log_.warning(
         "doubtful-light",
-        fmt::format("{}; the projector's answers are no more exact, and the resin tolerates {:.0f} ms", asked,
-                    milliseconds(tolerated)),
+        fmt::format("{}; the projector's replies allow no closer bounds, and the resin tolerates {:.0f} ms",
+                    asked, milliseconds(tolerated)),
         fields);
   }
 }
@@ -158,7 +158,7 @@ void PrintLog::warn_about_section(const JobSummary& summary, const LayerRecord& 
   if (layer.cracks.turned_chains > 0) {
     log_.warning(
         "turned",
-        fmt::format("layer {}: {} stretches of contours are turned against the others; they were turned back",
+        fmt::format("layer {}: {} sections of contours run in the wrong direction; they were reversed",
                     layer.layer + 1, layer.cracks.turned_chains),
         fields);
   }
@@ -170,9 +170,9 @@ void PrintLog::warn_about_section(const JobSummary& summary, const LayerRecord& 
 void PrintLog::interrupted(const std::string& job, std::int32_t layer, const std::string& what,
                            bool dark) const {
   log_.warning("disturbed",
-               fmt::format("{}: layer {}: {}; {}; \"contourctl resume\" goes on with what the layer lacks",
+               fmt::format("{}: layer {}: {}; {}; \"contourctl resume\" completes the layer and continues",
                            printable(job), layer + 1, printable(what),
-                           dark ? "the light is off" : "light off is sent"),
+                           dark ? "the light is off" : "light off was sent"),
                layer_fields(job, layer));
 }
 
@@ -190,8 +190,8 @@ void PrintLog::warn_about_lateness(const PrintReport& report) const {
   if (report.late_steps > 0) {
     log_.warning(
         "late",
-        fmt::format("{}: {} steps of the motor came late and shifted those behind them: this computer "
-                    "was too busy for them, or is too slow",
+        fmt::format("{}: {} steps of the motor came late and delayed the steps after them: this computer "
+                    "was too busy, or is too slow",
                     printable(report.job), report.late_steps),
         job_fields(report.job));
   }
@@ -201,7 +201,7 @@ void PrintLog::warn_about_lateness(const PrintReport& report) const {
         "busy",
         fmt::format(
             "{}: {} kept the event loop busy for {:.1f} ms, of which {:.1f} ms were computing, while the "
-            "light was on or not known to be off; {:.0f} ms are the limit: light off may have come "
+            "light was on or not known to be off; the limit is {:.0f} ms: light off may have come "
             "that much later",
             printable(report.job), turn.source, milliseconds(turn.busy), milliseconds(turn.computing),
             milliseconds(kLongestLitTurn)),

@@ -1,5 +1,5 @@
-// A print's lines in the log: what the job is, what is found in it, each layer and its light, what interrupts
-// it, how it ends. Event loop's thread only.
+// Log lines about a print: the job, its findings, each layer and its light, interruptions, and the end. Event
+// loop's thread only.
 #pragma once
 
 #include <cstdint>
@@ -15,19 +15,20 @@ namespace contourd {
 
 class PrintLog {
  public:
-  // The log must outlive it.
+  // The log must outlive this object.
   explicit PrintLog(const Log& log) : log_(log) {}
 
-  // It is not printed.
+  // Logs that the job is refused and not printed.
   void refused(const std::string& job, const std::string& reason) const;
   void ready(const std::string& job, const JobSummary& summary, Duration first_mask_after) const;
   void analyzed(const std::string& job, const AnalyzedPrint& print) const;
-  // A line for those states that last, or that an owner should know of.
+  // Logs the state if it lasts, or if the user should know of it.
   void entered(const std::string& job, PrintState state) const;
-  // `frame` is one refresh of the display: light that lasts longer by more than that is warned of.
+  // Logs a printed layer. `frame` is one refresh of the display: light that was on for longer than requested
+  // by more than `frame` causes a warning.
   void layer(const std::string& job, const JobSummary& summary, const LayerRecord& layer,
              Duration frame) const;
-  // `layer` counts from 0.
+  // Logs an interruption in `layer`, counted from 0. `dark` is true if the light is known to be off.
   void interrupted(const std::string& job, std::int32_t layer, const std::string& what, bool dark) const;
   void ended(const PrintReport& report) const;
 

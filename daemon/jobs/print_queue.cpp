@@ -17,10 +17,10 @@
 namespace contourd {
 namespace {
 
-// So often a job may be written again while it is looked at, and keep its place.
+// Number of times that a rewrite may interrupt the checks of a job before the job loses its place.
 constexpr int kMostInterruptions = 3;
 
-void tell_question(const Log& log, const WaitingJob& job) {
+void log_question(const Log& log, const WaitingJob& job) {
   const std::string file = printable(job.file);
   const LogFields fields = file_fields(job.file);
   log.warning("unaccepted", fmt::format("{} waits: {}", file, question_about(job.file, job.asks)), fields);
@@ -46,8 +46,9 @@ PrintQueue::PrintQueue(const Log& log, Calls calls)
       calls_(std::move(calls)),
       order_(calls_.keep_order,
              [&log](const std::string& trouble) {
-               log.warning("queue", fmt::format("the queue's order will be lost with a restart: {}",
-                                                printable(trouble)));
+               log.warning("queue",
+                           fmt::format("cannot save the order of the queue; a restart will lose it: {}",
+                                       printable(trouble)));
              }),
       questions_(log, calls_.questions) {}
 
@@ -58,19 +59,19 @@ PrintQueue::Position PrintQueue::find(const std::string& file) {
 void PrintQueue::arrived(const std::string& file) {
   const Position queued = find(file);
   if (queued != jobs_.end() && queued->check == WaitingJob::Check::Refused) {
-    // What lies there goes to failed/, unless it was written anew: rejected() knows.
+    // The refused file is on its way to failed/; rejected() finds out whether this is a new one.
     queued->withdrawn = false;
     queued->seen_again = true;
     return;
   }
   WaitingJob job{.file = file, .arrived = std::chrono::steady_clock::now()};
   if (queued != jobs_.end()) {
-    job.trouble = std::move(queued->trouble);  // told already
+    job.trouble = std::move(queued->trouble);  // already logged
     const bool interrupted = queued->is_looked_at();
     job.interruptions = queued->interruptions + (interrupted ? 1 : 0);
     *queued = std::move(job);
     calls_.forget(file);
-    if (interrupted && queued->interruptions > kMostInterruptions) move_behind_others(queued);
+    if (interrupted && queued->interruptions > kMostInterruptions) move_to_end(queued);
   } else {
     const std::size_t place =
         order_.place_of(file, jobs_, [](const WaitingJob& each) { return std::string_view(each.file); });
@@ -81,13 +82,13 @@ void PrintQueue::arrived(const std::string& file) {
   calls_.changed();
 }
 
-// The others would wait for it for ever.
-void PrintQueue::move_behind_others(const Position& queued) {
+// Moves a job that keeps changing to the end: the others would wait for it for ever.
+void PrintQueue::move_to_end(const Position& queued) {
   WaitingJob job = std::move(*queued);
   jobs_.erase(queued);
   if (job.interruptions == kMostInterruptions + 1 && !jobs_.empty())
     log_.warning("moved",
-                 fmt::format("{}: is written again and again while it is read; the others go first",
+                 fmt::format("{}: keeps changing while being read; moved to the end of the queue",
                              printable(job.file)),
                  file_fields(job.file));
   order_.remove(job.file);
@@ -98,7 +99,7 @@ void PrintQueue::withdrawn(const std::string& file) {
   const Position job = find(file);
   if (job == jobs_.end()) return order_.remove(file);
   if (job->check == WaitingJob::Check::Refused) {
-    // Most likely the spool took it: rejected() knows.
+    // Most likely the spool has moved it to failed/; rejected() finds out.
     job->withdrawn = true;
     return;
   }
@@ -128,7 +129,7 @@ void PrintQueue::check_next() {
 
 void PrintQueue::checked(const std::string& file, std::uint64_t number, const CheckedJob& found) {
   const Position job = find(file);
-  // Gone, or written again meanwhile: what was found out is about another file.
+  // If the job is gone or was rewritten meanwhile, the result is about another file.
   if (job != jobs_.end() && job->check == WaitingJob::Check::Running && job->check_number == number) {
     const auto* const refusal = std::get_if<JobRefusal>(&found);
     if (refusal != nullptr && !refusal->for_now && refusal->profile.empty())
@@ -138,7 +139,7 @@ void PrintQueue::checked(const std::string& file, std::uint64_t number, const Ch
   calls_.changed();
 }
 
-// Of a job that stays.
+// Stores the result of a check for a job that stays in the queue.
 void PrintQueue::note_check(WaitingJob& job, const CheckedJob& found) {
   if (std::holds_alternative<ReadingGivenUp>(found)) {
     job.check = WaitingJob::Check::Wanted;
@@ -150,23 +151,23 @@ void PrintQueue::note_check(WaitingJob& job, const CheckedJob& found) {
   job.postponed.clear();
   if (refusal == nullptr) {
     job.outlook = std::get<JobOutlook>(found);
-    // Where all layers are looked through, that finds it too.
+    // An analysis of all layers would find this question too.
     if (job.outlook->question && !questions_.wanted()) note_question(job, *job.outlook->question);
     return;
   }
-  // When its turn comes, the profile is read again.
+  // The profile is read again when the job's turn comes.
   log_.warning("profile", fmt::format("{}: {}", printable(job.file), printable(refusal->profile)),
                file_fields(job.file));
 }
 
 void PrintQueue::postpone(WaitingJob& job, const std::string& why) {
   job.check = WaitingJob::Check::Postponed;
-  // Its figures change all the time.
+  // Logged once only, because the figures in `why` change all the time.
   if (!std::exchange(job.postponed, why).empty()) return;
-  log_.info(
-      "postponed",
-      fmt::format("{}: is read later, because there is not enough memory now: {}", printable(job.file), why),
-      file_fields(job.file));
+  log_.info("postponed",
+            fmt::format("{}: will be read later, because there is not enough memory now: {}",
+                        printable(job.file), why),
+            file_fields(job.file));
 }
 
 void PrintQueue::check_postponed() {
@@ -176,7 +177,7 @@ void PrintQueue::check_postponed() {
   }
 }
 
-// Behind all checks, and one at a time: what is wrong with a job is to be heard of before.
+// Starts the next analysis, one at a time and only after all checks: a user should learn of mistakes first.
 void PrintQueue::analyze_next() {
   using Check = WaitingJob::Check;
   using Analysis = WaitingJob::Analysis;
@@ -212,13 +213,13 @@ void PrintQueue::analyzed(const std::string& file, std::uint64_t number, const J
   calls_.changed();
 }
 
-// Of a job that stays.
+// Stores the result of an analysis for a job that stays in the queue.
 void PrintQueue::note_analysis(WaitingJob& job, const JobAnalysisOutcome& found) {
   if (const auto* const refusal = std::get_if<JobRefusal>(&found)) {
     if (refusal->for_now) return postpone(job, refusal->reason);
     job.analysis = WaitingJob::Analysis::Blocked;
     const std::string trouble =
-        fmt::format("{}; the queue goes on when it is mended", printable(refusal->profile));
+        fmt::format("{}; the queue continues when the profile is fixed", printable(refusal->profile));
     if (std::exchange(job.trouble, trouble) != trouble)
       log_.error("profile", fmt::format("{} waits: {}", printable(job.file), trouble), file_fields(job.file));
   } else if (const auto* const analyzed = std::get_if<AnalyzedJob>(&found)) {
@@ -232,16 +233,16 @@ void PrintQueue::note_question(WaitingJob& job, const AnalyzedJob& analyzed) {
   job.asks = questions_.about(analyzed);
   job.analyzed = analyzed;
   if (job.asks.empty()) return;
-  tell_question(log_, job);
+  log_question(log_, job);
   questions_.tell_change();
 }
 
 void PrintQueue::accept(const std::string& file, const std::string& who) {
   const Position job = find(file);
-  expects(job != jobs_.end() && !job->asks.empty() && job->analyzed, "the job waits for its owner's word");
+  expects(job != jobs_.end() && !job->asks.empty() && job->analyzed, "the job waits for confirmation");
   questions_.accept(*job->analyzed, job->asks);
   log_.info("accepted",
-            fmt::format("{}: {} accepts it with {}", printable(file), who, findings_text(job->asks)),
+            fmt::format("{}: accepted by {} with {}", printable(file), who, findings_text(job->asks)),
             file_fields(file));
   job->asks.clear();
   job->waited = true;
@@ -260,7 +261,7 @@ std::string PrintQueue::first_unanalyzed() const {
   if (!questions_.wanted() || job.analyzed || job.check == WaitingJob::Check::Refused) return "";
   if (!job.postponed.empty()) return job.postponed;
   if (!job.trouble.empty()) return job.trouble;
-  return "its layers are looked through first, as ask_before demands";
+  return "its layers must be analyzed first, as ask_before requires";
 }
 
 bool PrintQueue::first_may_begin() const {
@@ -340,7 +341,7 @@ void PrintQueue::rejected(const Reject& reject, Spool::Rejection rejection, cons
     if (reject.how == Leaving::Removed)
       log_.warning(
           "removed",
-          fmt::format("{}: stays in the queue, because somebody is writing it anew", printable(reject.file)),
+          fmt::format("{}: stays in the queue, because it is being rewritten", printable(reject.file)),
           file_fields(reject.file));
     return not_rejected(job);
   }
@@ -348,12 +349,12 @@ void PrintQueue::rejected(const Reject& reject, Spool::Rejection rejection, cons
     jobs_.erase(job);
     order_.remove(reject.file);
   }
-  tell_rejected(reject, rejection, trouble);
+  log_rejection(reject, rejection, trouble);
   (reject.how == Leaving::Refused ? calls_.refused : calls_.removed)(reject.file, reject.reason);
   calls_.changed();
 }
 
-// It is checked again when it is whole.
+// Keeps the job, which is being rewritten; it is checked again when it is complete.
 void PrintQueue::not_rejected(const Position& job) {
   if (job != jobs_.end()) {
     if (job->withdrawn) return remove_withdrawn(job);
@@ -364,7 +365,7 @@ void PrintQueue::not_rejected(const Position& job) {
   calls_.changed();
 }
 
-void PrintQueue::tell_rejected(const Reject& job, Spool::Rejection rejection,
+void PrintQueue::log_rejection(const Reject& job, Spool::Rejection rejection,
                                const std::string& trouble) const {
   const std::string file = printable(job.file);
   const bool removed = job.how == Leaving::Removed;
@@ -384,7 +385,8 @@ LogFields file_fields(const std::string& file) {
 }
 
 void tell_withdrawn(const Log& log, const std::string& file) {
-  log.info("withdrawn", fmt::format("{}: taken away by the owner", printable(file)), file_fields(file));
+  log.info("withdrawn", fmt::format("{}: removed from incoming by a user", printable(file)),
+           file_fields(file));
 }
 
 }  // namespace contourd

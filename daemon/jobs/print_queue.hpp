@@ -1,9 +1,9 @@
-// The jobs in incoming/ that wait for their turn, in the order of their arrival or of their owner. Each is
-// read once while it waits, so that its owner hears of a mistake while still there. Where the printer's owner
-// wants to be asked about findings, each is looked through as well, and waits for its owner's word when it
-// has some. The next job is the first that does not wait for that. Event loop's thread only.
+// The queue of the jobs in incoming/, in order of arrival or as a user has reordered them. Each job is read
+// once while it waits, so that the user learns of a mistake while still nearby. If ask_before names findings,
+// all layers of each job are analyzed too, and a job with such findings waits until a user accepts them. The
+// next job is the first one that does not wait for confirmation. Event loop's thread only.
 //
-// It has many functions: each thing that may happen to a job that waits is one.
+// It has many functions: one for each event that can concern a waiting job.
 #pragma once
 
 #include <cstddef>
@@ -27,58 +27,59 @@
 namespace contourd {
 
 struct WaitingJob {
-  std::string file;  // in incoming/
+  std::string file;  // name in incoming/
   TimePoint arrived;
   enum class Check {
     Wanted,
     Running,
     Passed,
-    Postponed,  // there is no room for it in memory beside what is there now
-    Refused,    // on its way to failed/, or removed and on its way there
+    Postponed,  // not enough free memory at the moment
+    Refused,    // refused or removed; being moved to failed/
   } check = Check::Wanted;
-  std::uint64_t check_number = 0;  // of the one that is running, or of the analysis
+  std::uint64_t check_number = 0;  // number of the running check or analysis
   enum class Analysis {
     Wanted,
     Running,
-    Blocked,  // the resin's profile cannot be used
+    Blocked,  // the resin profile cannot be used
     Done,
-  } analysis = Analysis::Wanted;  // where the printer's owner is to be asked
+  } analysis = Analysis::Wanted;  // used only if ask_before names findings
   std::optional<AnalyzedJob> analyzed{};
-  std::vector<std::string> asks{};  // findings that its owner has not accepted
-  // On its way to failed/ it went, by the owner's hand or by the spool's; or was seen to be whole again.
+  std::vector<std::string> asks{};  // findings that no user has accepted yet
+  // Set while the job is being moved to failed/: its file disappeared (removed by a user or moved by the
+  // spool), or a complete file arrived again.
   bool withdrawn = false, seen_again = false;
-  std::string postponed{};              // why, already told; empty when it was not
-  bool waited = false;                  // for another print, or for the plate
-  std::string trouble{};                // why it could not be claimed, already told
-  std::optional<JobOutlook> outlook{};  // what its check found; nothing before, and when that found a mistake
-  std::size_t taken_from = 0;           // its place when take_first() gave it
-  int interruptions = 0;                // of a look at it, since it was written again
+  std::string postponed{};              // why the check was postponed, already logged; else empty
+  bool waited = false;                  // true if it did not begin at once: another print, the plate, ...
+  std::string trouble{};                // why it cannot be claimed or analyzed, already logged
+  std::optional<JobOutlook> outlook{};  // result of its check; nullopt before it, or if it found a mistake
+  std::size_t taken_from = 0;           // place from which take_first() took it
+  int interruptions = 0;                // checks and analyses that a rewrite interrupted
 
-  // For its check, or through its layers.
+  // True while its check or analysis is running.
   [[nodiscard]] bool is_looked_at() const { return check == Check::Running || analysis == Analysis::Running; }
-  // What was found is about other files or settings.
+  // Discards the analysis, which is about other files or settings, and requests a new one.
   void analyze_again();
-  // What its check has found, too.
+  // Requests a new check as well.
   void check_again();
 };
 
 class PrintQueue {
  public:
   struct Calls {
-    // Reads incoming/`file`, and calls `done` from the loop: see JobReader::check(). Of the next job, what
-    // was prepared is to be kept.
+    // Reads incoming/`file`, and calls `done` from the loop: see JobReader::check(). Only the next job is
+    // checked with Keep::Prepared.
     std::function<void(const std::string& file, JobReader::Keep keep,
                        std::function<void(const CheckedJob&)> done)>
         check;
-    // What was kept of incoming/`file` is not wanted any more.
+    // Discards the cached preparation of incoming/`file`.
     std::function<void(const std::string& file)> forget;
-    // Files it with its reason, and calls `done` from the loop: see Spool::reject().
+    // Moves the job to failed/ with a reason file, and calls `done` from the loop: see Spool::reject().
     std::function<void(const std::string& file, const std::string& reason, Spool::Rejected done)> reject;
-    // Something in the queue may be due now.
+    // Reports that something in the queue may be due now.
     std::function<void()> changed;
-    // A job was refused: it is in failed/, or lies where it is for good.
+    // Reports that a job was refused: it is in failed/, or stays in incoming/ for good.
     std::function<void(const std::string& file, const std::string& reason)> refused;
-    // The same of one that its owner has removed.
+    // Reports that a job was removed by a user; its files are as for refused().
     std::function<void(const std::string& file, const std::string& reason)> removed;
     QueueOrder::Keep keep_order;
     JobQuestions::Calls questions{};
@@ -86,64 +87,69 @@ class PrintQueue {
   // The log must outlive the queue.
   PrintQueue(const Log& log, Calls calls);
 
-  // So many of the first may be moved, and no job behind them.
+  // Number of places at the front of the queue within which jobs can be moved.
   static constexpr std::size_t kMostInOrder = 1'000;
 
-  // The order that the last process has left. Before anything arrives.
+  // Restores the order that the last process saved. Must be called before any job arrives.
   void load_order(std::vector<std::string> files) { order_.load(std::move(files)); }
 
-  // incoming/`file` is whole. Written again, it keeps its place and is checked again; behind all others when
-  // that interrupts look after look at it.
+  // Adds incoming/`file`, which is complete. A file that was rewritten keeps its place and is checked again,
+  // but moves to the end of the queue if it keeps interrupting its checks and analyses.
   void arrived(const std::string& file);
-  // incoming/`file` is gone.
+  // Removes incoming/`file`, which is gone, from the queue.
   void withdrawn(const std::string& file);
 
-  // Has the first one checked that has not been, if there is one; else has one looked through, if that is
-  // wanted.
+  // Starts the check of the first unchecked job. If there is none, starts the next analysis, if ask_before
+  // names findings.
   void check_next();
-  // Those have their check again for which there was no room: some memory may be free by now.
+  // Requests new checks of the jobs for which memory was short, and new analyses of the jobs whose profile
+  // could not be used: both may have changed by now.
   void check_postponed();
 
   [[nodiscard]] bool empty() const { return jobs_.empty(); }
-  // The next one first.
+  // All waiting jobs, in the order of the queue.
   [[nodiscard]] const std::deque<WaitingJob>& jobs() const { return jobs_; }
-  // Whether there is a next job: one that does not wait for its owner's word.
+  // True if there is a next job: one that does not wait for confirmation.
   [[nodiscard]] bool has_first() const { return first() < jobs_.size(); }
-  // The place of the next job; jobs().size() when there is none.
+  // Returns the place of the next job; jobs().size() if there is none.
   [[nodiscard]] std::size_t first() const;
-  // Why it is not to begin before it is looked through; empty when it may. REQUIRES: has_first().
+  // Returns why the next job must not begin before its analysis; empty if it may. REQUIRES: has_first().
   [[nodiscard]] std::string first_unanalyzed() const;
-  // False while its check is being made, or a refused file looks for a name: changed() comes then. REQUIRES:
-  // has_first().
+  // False while the next job is being checked, or any refused job is being moved; changed() is called when
+  // that ends. REQUIRES: has_first().
   [[nodiscard]] bool first_may_begin() const;
 
-  // It does not begin at once: the time until its first light counts from the end of its wait. REQUIRES:
-  // has_first().
+  // Notes that the next job does not begin at once: the time to its first light then counts from the end of
+  // its wait. REQUIRES: has_first().
   void keep_first_waiting() {
     expects(has_first(), "a job waits");
     jobs_[first()].waited = true;
   }
-  // It keeps its place until claimed() or put_last(). REQUIRES: has_first().
+  // Removes the next job from the queue and returns it. The saved order keeps its place until claimed() or
+  // put_last(). REQUIRES: has_first().
   [[nodiscard]] WaitingJob take_first();
-  // What take_first() gave will not come back.
+  // Removes a job that take_first() returned, and that will not come back, from the saved order.
   void claimed(const std::string& file) { order_.remove(file); }
-  // REQUIRES: has_first().
+  // Moves the next job to failed/ with this reason. REQUIRES: has_first().
   void refuse_first(const std::string& reason);
 
-  // What take_first() gave is the next job again, unless its owner's word has come for one before it.
+  // Puts a job that take_first() returned back at its place, so that it is the next job again, unless an
+  // earlier job was accepted meanwhile.
   void put_first(WaitingJob job);
+  // Puts a job that take_first() returned at the end of the queue.
   void put_last(WaitingJob job);
 
   [[nodiscard]] JobQuestions& questions() { return questions_; }
   [[nodiscard]] const JobQuestions& questions() const { return questions_; }
-  // Its owner accepts what is asked about it; `who` is for the log. REQUIRES: there is that job, and it asks.
+  // Accepts all findings for which the job waits; `who` is for the log. REQUIRES: the job is in the queue and
+  // waits for confirmation.
   void accept(const std::string& file, const std::string& who);
 
-  // Its files go to failed/ with this reason, unless somebody is writing them anew. REQUIRES: there is that
-  // job, and it is not on its way there.
+  // Moves the job's files to failed/ with this reason, unless they are being rewritten. REQUIRES: the job is
+  // in the queue, and not already on its way to failed/.
   void remove(const std::string& file, const std::string& reason);
-  // To that place, from 0; the last one when there are fewer. REQUIRES: there is that job; neither its place
-  // nor that one is beyond kMostInOrder.
+  // Moves the job to the place `to`, counted from 0; to the end if there are fewer jobs. REQUIRES: the job is
+  // in the queue; neither its place nor `to` is beyond kMostInOrder.
   void move(const std::string& file, std::size_t to);
 
  private:
@@ -166,8 +172,8 @@ class PrintQueue {
   };
   void rejected(const Reject& job, Spool::Rejection rejection, const std::string& trouble);
   void not_rejected(const Position& job);
-  void tell_rejected(const Reject& job, Spool::Rejection rejection, const std::string& trouble) const;
-  void move_behind_others(const Position& queued);
+  void log_rejection(const Reject& job, Spool::Rejection rejection, const std::string& trouble) const;
+  void move_to_end(const Position& queued);
   void remove_withdrawn(const Position& job);
 
   const Log& log_;
@@ -175,12 +181,13 @@ class PrintQueue {
   std::deque<WaitingJob> jobs_;
   QueueOrder order_;
   JobQuestions questions_;
-  int rejections_ = 0;  // under way
+  int rejections_ = 0;  // number of rejections under way
   std::uint64_t checks_begun_ = 0;
 };
 
-// Those of an entry about a file in incoming/.
+// Returns the log fields of an entry about a file in incoming/.
 [[nodiscard]] LogFields file_fields(const std::string& file);
+// Logs that incoming/`file` is gone.
 void tell_withdrawn(const Log& log, const std::string& file);
 
 }  // namespace contourd

@@ -1,4 +1,5 @@
-// What the printer's parts work with. A value of references: all of these outlive the parts.
+// References to the objects that the components of the printer share, and that outlive these components. A
+// value.
 #pragma once
 
 #include "daemon/config/printer_config.hpp"

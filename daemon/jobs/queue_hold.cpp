@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// How long until what the disk did not take is tried again.
+// Time until a failed attempt to save the records is repeated.
 constexpr Duration kRecordRetryInterval = 30s;
 
 }  // namespace
@@ -34,7 +34,7 @@ std::vector<QueueHold::LeftJob> QueueHold::adopt_left_jobs(
     const std::function<bool(const JobFiles&)>& ended_in_reading) {
   std::vector<LeftJob> left;
   for (const JobFiles& files : spool_.interrupted()) {
-    // It had not begun.
+    // The print had not begun.
     if (plate_occupant_ != files.name && ended_in_reading(files)) {
       left.push_back({files.name, {PrintOutcome::Failed, std::string(kEndedAProcess)}});
       unfiled_.add_left(files, left.back().end);
@@ -44,7 +44,7 @@ std::vector<QueueHold::LeftJob> QueueHold::adopt_left_jobs(
       left.push_back({files.name, adopt(files, recorded_end(spool_, files.name))});
     }
   }
-  // Nothing is left in printing/ that the last print's record tells of: that print is filed.
+  // If nothing is left in printing/, the print in the last record is filed.
   if (unfiled_.empty())
     spool_.records().forget_end_of_print();
   else
@@ -81,14 +81,14 @@ void QueueHold::hold(const std::string& why) {
 void QueueHold::release() {
   if (!reason_) return;
   reason_.reset();
-  context_.log.info("held", "the queue goes on: the owner has seen to the printer");
+  context_.log.info("held", "the queue continues: a user has released it");
   keep();
 }
 
 std::string QueueHold::sentence() const {
   if (!reason_) return "";
   const bool plate_too = context_.config.wait_for_plate_cleared && plate_occupant_;
-  return fmt::format("the queue is held: {}; see to the printer{}, then say \"contourctl {}\"",
+  return fmt::format("the queue is held: {}; check the printer{}, then run \"contourctl {}\"",
                      printable(*reason_), plate_too ? " and clear the plate" : "",
                      plate_too ? "plate-cleared" : "resume");
 }
@@ -107,7 +107,7 @@ std::string QueueHold::reason_to_wait() const {
   if (reason_) return sentence();
   if (!unfiled_.empty()) return fmt::format("{} is not filed yet: {}", unfiled_.last(), trouble_);
   if (context_.config.wait_for_plate_cleared && plate_occupant_) {
-    return fmt::format("the plate holds {}; say \"contourctl plate-cleared\" when it is clear",
+    return fmt::format("the plate holds {}; run \"contourctl plate-cleared\" when it is clear",
                        *plate_occupant_);
   }
   return "";
@@ -123,7 +123,7 @@ void QueueHold::try_to_keep() {
   try {
     spool_.records().set_plate_occupant(plate_occupant_);
     spool_.records().set_hold(reason_);
-    // Last: as long as they lie in printing/, the next start knows what these records would tell it.
+    // Filed last: as long as the files are in printing/, the next start can derive what the records say.
     unfiled_.file_all();
   } catch (const std::system_error& error) {
     trouble = error.what();
@@ -131,9 +131,8 @@ void QueueHold::try_to_keep() {
                                     "the queue's timer", calls_.retry);
   }
   if (std::exchange(trouble_, trouble) == trouble || trouble.empty()) return;
-  context_.log.error("spool",
-                     fmt::format("the state for the next start is not on the disk, which is tried again: {}",
-                                 printable(trouble)));
+  context_.log.error(
+      "spool", fmt::format("cannot save the state for the next start; will retry: {}", printable(trouble)));
   unfiled_.tell_they_stay();
 }
 

@@ -1,6 +1,6 @@
-// What holds the queue until the owner acts: the queue is held, the plate holds a part, a job in printing/ is
-// not filed. All of it survives a restart: the spool's records are kept on the disk, and they are there
-// before what they tell of can be forgotten. Event loop's thread only.
+// The reasons for which the queue waits until a user acts: the queue is held, the plate holds a part, or a
+// job in printing/ is not filed. They survive a restart: the spool's records are on the disk before the
+// files from which they could be derived leave printing/. Event loop's thread only.
 #pragma once
 
 #include <functional>
@@ -17,56 +17,57 @@ namespace contourd {
 class QueueHold {
  public:
   struct Calls {
-    // While there may be light, the disk is not waited for: what is to be recorded is due when it is dark.
+    // True while the light may be on. The disk is not waited for then; records are saved when it is dark.
     std::function<bool()> light_may_be_on;
-    // Some time after the disk did not take the records. To come back to keep_due().
+    // Called some time after saving the records failed. The callee has to call keep() again.
     std::function<void()> retry;
-    // A job is filed that the last process did not file.
+    // Reports a job that the last process left in printing/ and that is filed now.
     std::function<void(const EndedJob&)> filed{};
   };
   // Context and spool must outlive the hold.
   QueueHold(const PrinterContext& context, Spool& spool, Calls calls);
 
-  // Takes over what the last process recorded.
+  // Restores what the last process recorded.
   void load();
   struct LeftJob {
     std::string name;
     PrintEnd end;
   };
-  // Takes over the jobs that the last process left in printing/: one that did not end holds the queue and has
-  // its part on the plate. `ended_in_reading` says of a job that had not begun whether reading it ended that
-  // process. Returns them with their ends.
+  // Takes over the jobs that the last process left in printing/, and returns them with their ends. A print
+  // that did not end holds the queue, and its part is on the plate. `ended_in_reading` returns true for a job
+  // that had not begun and whose reading ended that process.
   std::vector<LeftJob> adopt_left_jobs(const std::function<bool(const JobFiles&)>& ended_in_reading);
 
-  // No job begins from now on until release(), whatever the plate holds. The first reason stays.
+  // Lets no job begin until release(), even if the plate is clear. If the queue is held already, the first
+  // reason stays.
   void hold(const std::string& why);
   void release();
-  // Why it is held; nothing when it is not.
+  // Returns why the queue is held; nullopt if it is not.
   [[nodiscard]] const std::optional<std::string>& reason() const { return reason_; }
-  // That it is held, why, and what the owner is to do; empty when it is not.
+  // Returns a sentence with the reason and with what the user has to do; empty if the queue is not held.
   [[nodiscard]] std::string sentence() const;
 
-  // The job whose part is on the plate; nothing when the plate is clear.
+  // Returns the job whose part is on the plate; nullopt if the plate is clear.
   [[nodiscard]] const std::optional<std::string>& plate_occupant() const { return plate_occupant_; }
-  // Has it on the disk at once. Throws std::system_error.
+  // Saves the job on the disk before it returns. Throws std::system_error.
   void set_plate_occupant(const std::optional<std::string>& job);
 
-  // A job that could not be moved out of printing/. No other begins before it is.
+  // Adds a job that could not be moved out of printing/. No other job begins before it is moved.
   void add_unfiled(const JobFiles& files, const PrintEnd& end);
 
-  // Why no job is to begin: the hold before the unfiled job before the plate; empty when one may.
+  // Returns why no job may begin: the hold, else an unfiled job, else the plate; empty if one may.
   [[nodiscard]] std::string reason_to_wait() const;
 
-  // Has the disk know all this for the next start, then files what is not filed. What it does not take now is
-  // tried again.
+  // Saves the records for the next start, then files the unfiled jobs; later if the light may be on. Failures
+  // are retried.
   void keep();
-  // Whether keep() waits for the dark.
+  // True if keep() waits until the light is off.
   [[nodiscard]] bool due() const { return due_; }
-  // Whether there is something that the disk did not take.
+  // True if the last attempt to save or file something failed.
   [[nodiscard]] bool failed() const { return !trouble_.empty(); }
 
  private:
-  // Returns how it ended.
+  // Takes over one job from printing/, and returns how its print ended.
   PrintEnd adopt(const JobFiles& files, const std::optional<PrintEnd>& end);
   void try_to_keep();
 
@@ -75,7 +76,7 @@ class QueueHold {
   Calls calls_;
   UnfiledJobs unfiled_;
   std::optional<std::string> reason_, plate_occupant_;
-  std::string trouble_;  // why the disk does not know all of these; empty when it does
+  std::string trouble_;  // why saving or filing failed; empty if all is on the disk
   bool due_ = false;
   EventLoop::SourcePtr retry_timer_;
 };

@@ -1,9 +1,9 @@
-// The order of the waiting jobs, where their owner has changed it: the names of the first of them. It is kept
-// on the disk, so that it is the same after a restart. Event loop's thread only.
+// The order of the waiting jobs as users have changed it: the names of the first jobs of the queue. It is
+// saved on the disk, so that it survives a restart. Event loop's thread only.
 //
-// INVARIANT: the queue's first jobs are those named here, in this order; the others came later than all of
-// them. What is named and not in the queue (yet: a daemon that starts hears of one file after the other) has
-// its place among them.
+// INVARIANT: the queue's first jobs are those named here, in this order; the others arrived later than all of
+// them. A name without a job in the queue keeps its place: a starting daemon learns of one file after the
+// other.
 #pragma once
 
 #include <cstddef>
@@ -22,19 +22,19 @@ class QueueOrder {
  public:
   using Names = RecordKeeper::Lines;
   using Keep = RecordKeeper::Keep;
-  // As RecordKeeper's.
+  // For `keep` and `failed` see RecordKeeper.
   QueueOrder(Keep keep, std::function<void(const std::string& trouble)> failed)
       : keeper_(std::move(keep), std::move(failed)) {}
 
-  // What the last process has kept.
+  // Restores the order that the last process saved.
   void load(Names names) {
     keeper_.load(names);
     names_ = std::move(names);
   }
   [[nodiscard]] const Names& names() const { return names_; }
 
-  // Where a new job belongs among these, which are in the queue's order: before the job of that number; their
-  // number when it is the last.
+  // Returns the place at which the new job `file` belongs among `jobs`, which are in the queue's order;
+  // jobs.size() if it is the last.
   template <typename Jobs, typename FileOf>
   [[nodiscard]] std::size_t place_of(const std::string& file, const Jobs& jobs, FileOf file_of) const {
     auto name = names_.begin();
@@ -47,11 +47,11 @@ class QueueOrder {
     return jobs.size();
   }
 
-  // `file` now comes right before `next`, or last without one. `first` are the queue's first jobs as they
-  // were, down to where it is or was, whichever is later.
+  // Places `file` right before `next`, or last if there is no `next`, and saves the order. `first` are the
+  // queue's first jobs in their old order, up to the old or the new place of `file`, whichever is later.
   void move(const std::string& file, const std::optional<std::string>& next,
             const std::vector<std::string_view>& first);
-  // It has left the queue, or has no place of its own any more.
+  // Removes `file`, which has left the queue or lost its place, and saves the order.
   void remove(const std::string& file);
 
  private:

@@ -12,7 +12,7 @@ void RecordKeeper::keep_now() {
   keeping_ = true;
   keep_(wanted_, [this, lines = wanted_](const std::string& trouble) {
     keeping_ = false;
-    // What was not taken is tried with the next change: it counts when contourd starts again.
+    // A failed write is repeated with the next change; the record matters only when contourd starts again.
     kept_ = lines;
     if (trouble_ != trouble && !trouble.empty()) failed_(trouble);
     trouble_ = trouble;

@@ -1,5 +1,5 @@
-// Has the latest lines of a record on the disk, one write at a time, without waiting for it. Event loop's
-// thread only.
+// Saves the latest lines of a record on the disk, one write at a time, without blocking. Event loop's thread
+// only.
 #pragma once
 
 #include <functional>
@@ -12,14 +12,15 @@ namespace contourd {
 class RecordKeeper {
  public:
   using Lines = std::vector<std::string>;
-  // Has these lines on the disk, and calls `done` from the loop with why it could not; empty when it could.
+  // Writes these lines to the disk, and calls `done` from the loop with the error; empty on success.
   using Keep = std::function<void(const Lines& lines, std::function<void(const std::string& trouble)> done)>;
-  // `failed` is told why the disk does not have the lines, once for the same reason.
+  // `failed` is called with the error if a write fails, once for the same error.
   RecordKeeper(Keep keep, std::function<void(const std::string& trouble)> failed)
       : keep_(std::move(keep)), failed_(std::move(failed)) {}
 
-  // What the last process has kept.
+  // Sets the lines that the last process saved.
   void load(Lines lines) { wanted_ = kept_ = std::move(lines); }
+  // Saves these lines, after a write that is under way.
   void keep(const Lines& lines);
 
  private:
@@ -29,7 +30,7 @@ class RecordKeeper {
   std::function<void(const std::string&)> failed_;
   Lines wanted_, kept_;
   bool keeping_ = false;
-  std::string trouble_;  // told already
+  std::string trouble_;  // already reported
 };
 
 }  // namespace contourd

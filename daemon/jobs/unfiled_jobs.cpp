@@ -15,7 +15,7 @@ constexpr const char* kInterrupted =
 
 void UnfiledJobs::file_all() {
   while (!jobs_.empty()) {
-    const auto& [files, end, tell] = jobs_.back();
+    const auto& [files, end, report] = jobs_.back();
     const Spool::Folder folder = end ? folder_for(end->outcome) : Spool::Folder::Failed;
     move_job(spool_, log_, files, folder,
              end ? reason_text(*end)
@@ -25,7 +25,7 @@ void UnfiledJobs::file_all() {
         "interrupted",
         fmt::format("{}: moved to {}", printable(files.name), spool_.folder(folder).filename().string()),
         job_fields(files.name));
-    if (tell && filed_) {
+    if (report && filed_) {
       const PrintEnd how = end.value_or(PrintEnd{PrintOutcome::Failed, kInterrupted});
       filed_(EndedJob{.name = files.name,
                       .outcome = std::string(name_of(how.outcome)),
@@ -38,7 +38,8 @@ void UnfiledJobs::file_all() {
 
 void UnfiledJobs::tell_they_stay() const {
   for (const Job& job : jobs_)
-    log_.error("spool", fmt::format("{}: stays in printing until then", printable(job.files.name)),
+    log_.error("spool",
+               fmt::format("{}: stays in printing until the state is saved", printable(job.files.name)),
                job_fields(job.files.name));
 }
 

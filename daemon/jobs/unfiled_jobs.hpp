@@ -1,5 +1,5 @@
-// Jobs that lie in printing/ and whose print is over: left there by a contourd that ended before it filed
-// them, or as the disk did not take them. Event loop's thread only.
+// Jobs in printing/ whose print is over: a former contourd ended before it filed them, or the disk did not
+// accept them. Event loop's thread only.
 #pragma once
 
 #include <functional>
@@ -19,35 +19,35 @@ namespace contourd {
 class UnfiledJobs {
  public:
   using Filed = std::function<void(const EndedJob&)>;
-  // Spool and log must outlive it. `filed` is told of those whose end nobody has heard of.
+  // Spool and log must outlive this object. `filed` is called for each job whose end was not reported before.
   UnfiledJobs(const Spool& spool, const Log& log, Filed filed)
       : spool_(spool), log_(log), filed_(std::move(filed)) {}
 
-  // Left by another process. `end` is nothing when the print was interrupted.
+  // Adds a job that another process left. `end` is nullopt if its print was interrupted.
   void add_left(const JobFiles& files, const std::optional<PrintEnd>& end) {
     jobs_.push_back({files, end, true});
   }
-  // One of this process', whose end is known already.
+  // Adds a job of this process, whose end was reported already.
   void add_known(const JobFiles& files, const PrintEnd& end) { jobs_.push_back({files, end, false}); }
 
   [[nodiscard]] bool empty() const { return jobs_.empty(); }
-  // REQUIRES: not empty.
+  // Returns the name of the job that was added last. REQUIRES: not empty.
   [[nodiscard]] const std::string& last() const {
     expects(!empty(), "there is a job");
     return jobs_.back().files.name;
   }
 
-  // Moves each to where its end says; one without an end was interrupted, and has failed. The latest is the
-  // first. Throws std::system_error; the rest of them stays where it is.
+  // Moves each job to the folder for its end, the latest first; a job without an end was interrupted, and has
+  // failed. Throws std::system_error; the remaining jobs then stay in printing/.
   void file_all();
-  // Logs of each that it stays in printing/ until the disk takes it.
+  // Logs for each job that it stays in printing/ until the disk accepts it.
   void tell_they_stay() const;
 
  private:
   struct Job {
     JobFiles files;
     std::optional<PrintEnd> end;
-    bool tell = false;
+    bool report = false;  // true if filed_ is called for it
   };
 
   const Spool& spool_;

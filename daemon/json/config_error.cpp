@@ -13,17 +13,17 @@ namespace contourd {
 namespace {
 
 constexpr std::size_t kLongestQuote = 60;
-// How much of what is wrong is told: more than anybody mends at once.
+// The limits of a message: more violations than a person corrects at once are not listed.
 constexpr std::size_t kMaxLines = 20;
 constexpr std::size_t kLongestPointer = 200;
 
-// Cut at `bytes`, with dots for the rest.
+// Returns the text cut at `bytes`, with dots in place of the rest.
 std::string cut(std::string_view text, std::size_t bytes) {
   const std::string_view shown = cut_utf_8(text, bytes);
   return std::string(shown) + (shown.size() == text.size() ? "" : "...");
 }
 
-// "FILE: severity/pointer: message"
+// Returns "FILE: severity/pointer: message".
 std::string line(const Violation& violation, const char* severity) {
   std::string text = violation.file + ": " + severity;
   if (!violation.pointer.empty()) text += cut(violation.pointer, kLongestPointer) + ": ";
@@ -46,7 +46,7 @@ std::string lines(const std::vector<Violation>& violations, const std::string& d
 
 ConfigError::ConfigError(std::vector<Violation> violations)
     : std::runtime_error(lines(violations)), violations_(std::move(violations)) {
-  expects(!violations_.empty(), "something is wrong");
+  expects(!violations_.empty(), "there is at least one violation");
 }
 
 std::string ConfigError::in_one_line() const {

@@ -1,5 +1,5 @@
-// What is wrong or implausible in an owner's file: every violation, with its file and its place. Value types;
-// thread-safe as any value is.
+// Errors and warnings about a user's file: every violation, with its file and place. Value types; thread-safe
+// as any value is.
 #pragma once
 
 #include <cstddef>
@@ -18,34 +18,34 @@ struct Violation {
   bool operator==(const Violation&) const = default;
 };
 
-// The search ends after so many: a file of a megabyte may have half a million.
+// The check stops after this many violations: a file of a megabyte may have half a million.
 inline constexpr std::size_t kMaxViolations = 1000;
 
-// what() is one line a violation: `FILE: /pointer: message`, fit for a person (printable.hpp); of many, the
-// first 30 and how many there are more, or at least.
+// The violations of one or more files. what() has one line per violation, `FILE: /pointer: message`, safe to
+// show (printable.hpp): the first 20 violations, then the number of further ones.
 class ConfigError : public std::runtime_error {
  public:
   // REQUIRES: at least one violation.
   explicit ConfigError(std::vector<Violation> violations);
 
   [[nodiscard]] const std::vector<Violation>& violations() const noexcept { return violations_; }
-  // what() with semicolons for its line breaks.
+  // Returns what() with semicolons instead of line breaks.
   [[nodiscard]] std::string in_one_line() const;
 
  private:
   std::vector<Violation> violations_;
 };
 
-// `FILE: warning: /pointer: message`, in the same way: of what is no error.
+// Returns `FILE: warning: /pointer: message`, safe to show.
 [[nodiscard]] std::string warning_line(const Violation& warning);
 
-// The text in double quotes, cut at 60 bytes, fit for a message (printable.hpp).
+// Returns the text in double quotes, cut at 60 bytes, safe to show (printable.hpp).
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
-// The shortest decimal form of a number in a file.
+// Returns the shortest decimal form of a number.
 [[nodiscard]] std::string decimal(double number);
 
-// The pointer to the member or element `token` of what `pointer` points to.
+// Returns the JSON pointer to the member or element `token` of the value at `pointer`.
 [[nodiscard]] std::string child_pointer(std::string_view pointer, std::string_view token);
 
 }  // namespace contourd

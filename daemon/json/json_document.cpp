@@ -24,7 +24,7 @@ void check_size(std::size_t bytes, const std::string& file) {
   if (bytes > JsonDocument::kLargestBytes) reject(file, "it is larger than the limit, 1 MiB");
 }
 
-// Of the file, up to one byte more than is allowed.
+// Reads the file, up to one byte more than is allowed.
 std::string read_all(const FileDescriptor& file, const std::string& name) {
   std::string text(JsonDocument::kLargestBytes + 1, '\0');
   std::size_t size = 0;
@@ -40,7 +40,7 @@ std::string read_all(const FileDescriptor& file, const std::string& name) {
 }
 
 void normalize_number(nlohmann::json& number) {
-  constexpr double kExactLimit = 9007199254740992.0;  // 2^53: up to here a double holds every whole number
+  constexpr double kExactLimit = 9007199254740992.0;  // 2^53: doubles hold every whole number up to here
   if (number.is_number_float()) {
     const auto value = number.get<double>();
     if (std::fabs(value) <= kExactLimit && std::trunc(value) == value)

@@ -1,5 +1,5 @@
-// The schema files of config/, built into the program: the truth for shape, ranges, units and defaults.
-// Immutable once made; thread-safe.
+// The schema files of config/, built into the program. They alone define structure, ranges, units and
+// defaults. Immutable; thread-safe.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -14,23 +14,23 @@ namespace contourd {
 
 class JsonSchema {
  public:
-  // Draft 7, of which it knows: type, enum, minimum, maximum, minLength, maxLength, pattern, required,
-  // properties, additionalProperties, items (one schema for all), minItems, maxItems, oneOf, definitions,
-  // $ref (schema_reader.hpp), and what says nothing about what fits: title, description, default, examples,
-  // $comment, $schema, $id. Throws nlohmann::json::exception when the text is not JSON, ConfigError for all
-  // else. `name` is the file's in messages.
+  // Reads a schema in the subset of draft 7 with the keywords type, enum, minimum, maximum, minLength,
+  // maxLength, pattern, required, properties, additionalProperties, items (one schema for all), minItems,
+  // maxItems, oneOf, definitions, $ref (schema_reader.hpp), and the annotations title, description, default,
+  // examples, $comment, $schema, $id. Throws nlohmann::json::exception if the text is not JSON, ConfigError
+  // for any other error. `name` is the file's name in messages.
   explicit JsonSchema(std::string_view text, std::string name = "schema");
-  // A schema that borrows parts of another, by its name: {"$ref": "NAME#/pointer"}.
+  // Reads a schema that may refer to parts of `other` by its name: {"$ref": "NAME#/pointer"}.
   JsonSchema(std::string_view text, std::string name, const JsonSchema& other);
   JsonSchema(const JsonSchema&) = delete;
   JsonSchema& operator=(const JsonSchema&) = delete;
 
-  // Adds every violation of the schema to the document, then gives the keys that are missing their defaults.
+  // Adds every violation of the schema to the document, then sets missing keys to their defaults.
   void check(JsonDocument& document) const;
 
   [[nodiscard]] const SchemaNode& root() const { return *nodes_.front(); }
-  // What a value at that place must fit. Its keys are members of objects. Throws std::out_of_range for one
-  // that is not known.
+  // Returns the schema for the value at that place, a pointer through members of objects. Throws
+  // std::out_of_range for an unknown key.
   [[nodiscard]] const SchemaNode& at(const nlohmann::json::json_pointer& place) const;
 
  private:
@@ -38,7 +38,7 @@ class JsonSchema {
   SchemaNodes nodes_;
 };
 
-// All of them are read when the first one is asked for.
+// Return the built-in schemas; the first call of any of them reads all of them.
 [[nodiscard]] const JsonSchema& printer_schema();
 [[nodiscard]] const JsonSchema& projector_schema();
 [[nodiscard]] const JsonSchema& plate_schema();

@@ -1,5 +1,5 @@
-// Checked reading of a validated object: no read converts between kinds, wraps around or cuts off a fraction.
-// Holds a reference to the document; thread-safe as long as that does not change.
+// Typed access to an object of a validated document: no read converts between types, wraps around or drops a
+// fraction. Holds a reference to the document; thread-safe as long as the document does not change.
 #pragma once
 
 #include <concepts>
@@ -16,26 +16,27 @@
 
 namespace contourd {
 
-// Every read throws ConfigError when the key is missing or its value is of another kind.
+// An object of a JSON document. Every read throws ConfigError if the key is missing or its value has another
+// type.
 class JsonSection {
  public:
-  // The document's outermost object. The document must outlive the section.
+  // The section is the document's outermost object. The document must outlive the section.
   explicit JsonSection(const JsonDocument& document);
 
   [[nodiscard]] bool has(std::string_view key) const;
   [[nodiscard]] bool is_section(std::string_view key) const;
   [[nodiscard]] JsonSection section(std::string_view key) const;
-  // A list of objects.
+  // Returns the objects of a list.
   [[nodiscard]] std::vector<JsonSection> sections(std::string_view key) const;
   [[nodiscard]] bool boolean(std::string_view key) const;
   [[nodiscard]] std::string text(std::string_view key) const;
-  // A list of texts.
+  // Returns the texts of a list.
   [[nodiscard]] std::vector<std::string> texts(std::string_view key) const;
-  // A text, or the digits of a whole number.
+  // Returns a text, or a whole number as digits.
   [[nodiscard]] std::string text_or_digits(std::string_view key) const;
-  // Finite. An integer or a fraction.
+  // Returns a finite number, whole or not.
   [[nodiscard]] double number(std::string_view key) const;
-  // Throws ConfigError for a fraction and for what T cannot hold.
+  // Returns a whole number. Throws ConfigError for a fraction or if T cannot hold the number.
   template <std::integral T>
   [[nodiscard]] T integer(std::string_view key) const {
     const std::int64_t value = int64(key);
@@ -43,12 +44,16 @@ class JsonSection {
     return static_cast<T>(value);
   }
 
-  // In the unit that the key ends in, rounded to whole nanometres: _mm or _um. REQUIRES: one of these.
+  // Returns a length in the unit that the key ends in, rounded to whole nanometres. REQUIRES: the key ends in
+  // _mm or _um.
   [[nodiscard]] Nanometers length(std::string_view key) const;
-  // In the unit that the key ends in, rounded to whole nanoseconds: _s, _ms or _us. REQUIRES: one of these.
+  // Returns a duration in the unit that the key ends in, rounded to whole nanoseconds. REQUIRES: the key ends
+  // in _s, _ms or _us.
   [[nodiscard]] Duration duration(std::string_view key) const;
-  // A list's, each in the unit that the list's key ends in. REQUIRES: as above.
+  // Returns the lengths of a list, in the unit that the key ends in. REQUIRES: the key ends in _mm or _um.
   [[nodiscard]] std::vector<Nanometers> lengths(std::string_view key) const;
+  // Returns the durations of a list, in the unit that the key ends in. REQUIRES: the key ends in _s, _ms or
+  // _us.
   [[nodiscard]] std::vector<Duration> durations(std::string_view key) const;
 
  private:

@@ -15,14 +15,14 @@ namespace contourd {
 namespace {
 
 constexpr std::size_t kDeepestNesting = 64;
-// Also what a regular expression of a schema may have to chew: libstdc++ recurses once a character.
+// Also limits the recursion of schema patterns: libstdc++'s std::regex recurses once per character.
 constexpr std::size_t kLongestTextBytes = 1024;
 
 bool is_space(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
-// `line 3, column 7`, counted from 1 in characters.
+// Returns `line 3, column 7`, counted from 1 in characters.
 std::string place(std::string_view text, std::size_t offset) {
   const std::string_view before = text.substr(0, offset);
   const auto line = 1 + std::count(before.begin(), before.end(), '\n');
@@ -33,7 +33,7 @@ std::string place(std::string_view text, std::size_t offset) {
   return "line " + std::to_string(line) + ", column " + std::to_string(column);
 }
 
-// The run of characters around `offset` that could be one word or number; one character if it is none.
+// Returns the word or number around `offset`, or the character there if it is a delimiter.
 std::string word_at(std::string_view text, std::size_t offset) {
   constexpr std::string_view kDelimiters = " \t\r\n,:{}[]\"";
   const std::size_t start = text.substr(0, offset).find_last_of(kDelimiters) + 1;  // npos + 1 is 0
@@ -41,21 +41,20 @@ std::string word_at(std::string_view text, std::size_t offset) {
   return std::string(start < end ? text.substr(start, end - start) : text.substr(offset, 1));
 }
 
-// What a person most likely did at `offset`, where the parser gave up.
+// Describes the most likely mistake at `offset`, where the parser gave up.
 std::string syntax_sentence(std::string_view text, std::size_t offset) {
-  if (std::all_of(text.begin(), text.end(), is_space))
-    return "there is nothing in it; a JSON object is expected";
+  if (std::all_of(text.begin(), text.end(), is_space)) return "it is empty; a JSON object is expected";
   if (offset >= text.size()) return "the text ends before its last bracket or quote is closed";
   const std::size_t before = text.substr(0, offset).find_last_not_of(" \t\r\n");
   const bool after_comma = before != std::string_view::npos && text[before] == ',';
   const char here = text[offset];
   if (here == '/' || here == '#') return "JSON has no comments";
   if (here == '\'') return "keys and texts are written in double quotes";
-  if ((here == '}' || here == ']') && after_comma) return "the comma before this bracket is one too many";
+  if ((here == '}' || here == ']') && after_comma) return "remove the comma before this bracket";
   return in_quotes(word_at(text, offset)) + " is not expected here";
 }
 
-// Follows where in the document the parser is.
+// Checks the parser's events and keeps track of the current place in the document.
 class SyntaxCheck final : public nlohmann::json_sax<nlohmann::json> {
  public:
   SyntaxCheck(std::string_view text, const std::string& file) : text_(text), file_(file) {}
@@ -119,10 +118,10 @@ bool SyntaxCheck::check_text(const std::string& text, std::string_view what) {
 }
 
 bool SyntaxCheck::key(string_t& name) {
-  levels_.back().key = name.substr(0, 32);  // a pointer that can be read, should the key be too long
+  levels_.back().key = name.substr(0, 32);  // keeps the pointer short if the key is too long
   if (!check_text(name, "this key")) return false;
   levels_.back().key = name;
-  if (++levels_.back().times_seen[name] == 2) add("this key is there more than once");
+  if (++levels_.back().times_seen[name] == 2) add("this key occurs more than once");
   return true;
 }
 

@@ -1,5 +1,5 @@
-// The pass over a JSON text before it is read into values: syntax, bounds, duplicate keys.
-// Pure functions, thread-safe.
+// Checks a JSON text before it is parsed into values: syntax, limits, duplicate keys. Pure functions,
+// thread-safe.
 #pragma once
 
 #include <string>
@@ -10,9 +10,9 @@
 
 namespace contourd {
 
-// Returns the duplicate keys of a text that can be read. Throws ConfigError when it cannot: not UTF-8, not
-// JSON, nested deeper than 64, a key or text longer than 1024 bytes or with a NUL in it (system calls would
-// see it end there). REQUIRES: no byte order mark.
+// Returns a violation for each duplicate key. Throws ConfigError if the text is not UTF-8, is not JSON, is
+// nested deeper than 64, or has a key or text that is longer than 1024 bytes or contains a NUL (which would
+// end it in system calls). REQUIRES: the text has no byte order mark.
 [[nodiscard]] std::vector<Violation> check_json_syntax(std::string_view text, const std::string& file);
 
 }  // namespace contourd

@@ -1,5 +1,5 @@
-// Where an owner's file refers to: paths, and profiles by name, NAME being the file NAME.json in a folder.
-// Thread-safe (no shared state).
+// Resolves references in a user's file: paths, and profiles by name, where NAME is the file NAME.json in a
+// folder. Thread-safe (no shared state).
 #pragma once
 
 #include <filesystem>
@@ -10,20 +10,21 @@
 
 namespace contourd {
 
-// What relative paths of the file start from.
+// Returns the folder of the file, from which its relative paths start.
 [[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path& file);
-// The absolute path that the text means in a file of that folder.
+// Returns the absolute form of a path in a file of that folder.
 [[nodiscard]] std::filesystem::path resolved(const std::filesystem::path& folder, const std::string& text);
 
-// The names of all profiles in the folder, hidden files aside, in order. Throws std::system_error.
+// Returns the sorted names of all profiles in the folder, without hidden files. Throws std::system_error.
 [[nodiscard]] std::vector<std::string> profiles_in(const std::filesystem::path& folder);
 
-// Nothing when there is no such profile. The name may come from anywhere: it can never lead out of the
-// folder.
+// Returns the profile's file, or nullopt if there is no such profile. Safe for untrusted names: the result is
+// always directly in the folder.
 [[nodiscard]] std::optional<std::filesystem::path> profile_file(const std::filesystem::path& folder,
                                                                 std::string_view name);
 
-// The sentence for that, with the profiles there are. `kind` is what they are: "resin profile".
+// Returns the message about a missing profile, with the names of the existing ones. `kind` is a noun such as
+// "resin profile".
 [[nodiscard]] std::string no_such_profile(std::string_view kind, const std::filesystem::path& folder,
                                           std::string_view name);
 

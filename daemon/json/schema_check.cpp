@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-// What was found so far, up to a limit.
+// The violations found so far, up to a limit.
 class Findings {
  public:
   struct Finding {
@@ -38,7 +38,8 @@ class Findings {
   std::vector<Finding> findings_;
 };
 
-// The named schema is the one that describes the value, though it may refer to another for the rules.
+// Checks the value against the schema `named`. That schema describes the value in messages, even if its rules
+// are those of a schema that it refers to.
 void check(const SchemaNode& named, const json& value, const std::string& pointer, Findings& findings);
 
 bool fits(const SchemaNode& schema, const json& value) {
@@ -47,13 +48,13 @@ bool fits(const SchemaNode& schema, const json& value) {
   return first.all().empty();
 }
 
-// Exact for every number that there is in a document.
+// Returns the number. The type holds every number of a document exactly.
 long double number(const json& value) {
   static_assert(std::numeric_limits<long double>::digits >= 64);
   return value.get<long double>();
 }
 
-// 1 and 1.0 are equal, 1 and true are not. Recursion is bounded by the schema's depth.
+// Compares by JSON Schema's rules: 1 equals 1.0, but not true. Recursion is bounded by the schema's depth.
 bool is_equal(const json& a, const json& b) {
   if (a.is_number() && b.is_number()) return number(a) == number(b);
   if (a.type() != b.type() || a.size() != b.size()) return false;
@@ -123,7 +124,7 @@ std::optional<std::string> wrong_size(const SchemaNode& rules, const json& value
   return std::nullopt;
 }
 
-// A set of keys that a choice offers: they must be there, and others, of the other sets, must not.
+// True if the branch only names keys that must be present and keys (of the other branches) that must not be.
 bool is_key_set(const SchemaNode& branch) {
   return !branch.required.empty() && std::ranges::all_of(branch.properties, [](const auto& property) {
     return property.second->followed().is_false;

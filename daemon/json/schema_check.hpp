@@ -1,4 +1,4 @@
-// Checks a document by a schema and says what is wrong. Pure functions, thread-safe.
+// Validates a document against a schema. Pure functions, thread-safe.
 #pragma once
 
 #include "daemon/json/json_document.hpp"
@@ -6,12 +6,11 @@
 
 namespace contourd {
 
-// Adds every violation to the document, the first 1,000 of them: more than that is a hostile document's, and
-// nobody is told of them. Units come from the last key of a place that names one. Recursion is bounded by the
-// document's depth.
+// Adds the violations to the document, at most 1,000; only a hostile document has more. A message takes its
+// unit from the last key in the pointer that names one. Recursion is bounded by the document's depth.
 void check_by_schema(const SchemaNode& schema, JsonDocument& document);
 
-// Gives the keys that are missing their defaults, also in what is itself a default.
+// Sets missing keys to their defaults, also within values that are defaults themselves.
 void fill_defaults(const SchemaNode& schema, nlohmann::json& value);
 
 }  // namespace contourd

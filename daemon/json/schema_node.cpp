@@ -8,7 +8,7 @@ namespace {
 
 using nlohmann::json;
 
-// A whole number too large for an integer is out of range, not of the wrong type.
+// True also for whole numbers too large for an integer: they are out of range, not of the wrong type.
 bool is_whole(const json& value) {
   return value.is_number_integer() || (value.is_number_float() && std::trunc(value.get<double>()) == value);
 }

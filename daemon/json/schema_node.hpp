@@ -1,5 +1,4 @@
-// A JSON schema in the form that documents are checked with: read once, every keyword known.
-// Immutable once made; thread-safe.
+// A parsed JSON schema, ready for checking documents. Immutable; thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -16,24 +15,24 @@
 
 namespace contourd {
 
-// A name that `type` may give.
+// A type name of the keyword "type".
 struct JsonType {
   std::string_view name;
-  std::string_view expected;  // in a sentence
+  std::string_view expected;  // as a noun phrase in messages
   bool (*fits)(const nlohmann::json&);
 };
 
 [[nodiscard]] std::span<const JsonType> json_types();
 
-// One schema. What is empty asks for nothing. Points to other nodes of the same SchemaNodes, also in a
-// circle.
+// One schema. Empty members impose no rule. The pointers refer to nodes of the same SchemaNodes and may form
+// cycles.
 struct SchemaNode {
-  // Stands for this one but for the description and the default that are given here.
+  // The schema that "$ref" names. It replaces this one except for the description and the default given here.
   const SchemaNode* reference = nullptr;
   std::string description;
   std::optional<nlohmann::json> default_value;
 
-  bool is_false = false;  // nothing fits
+  bool is_false = false;  // no value fits
   std::vector<const JsonType*> types;
   std::vector<nlohmann::json> enumeration;
   std::optional<nlohmann::json> minimum, maximum;  // numbers
@@ -46,11 +45,11 @@ struct SchemaNode {
   const SchemaNode* additional_properties = nullptr;
   std::vector<const SchemaNode*> one_of;
 
-  // This one, or what it refers to at last.
+  // Returns the node at the end of the chain of references, possibly this one.
   [[nodiscard]] const SchemaNode& followed() const;
-  // Its own, or that of what it refers to.
+  // Returns the first default along the chain of references, or null.
   [[nodiscard]] const nlohmann::json* default_here() const;
-  // In the same way, without its full stop; "see the schema" where there is none.
+  // Returns the first description along the chain, without its full stop; "see the schema" if there is none.
   [[nodiscard]] std::string description_here() const;
 };
 

@@ -10,7 +10,7 @@
 namespace contourd {
 namespace {
 
-// One wchar_t is one character.
+// Returns the text with one wchar_t per character.
 std::wstring wide(std::string_view text) {
   static_assert(std::numeric_limits<wchar_t>::digits >= 21);
   const std::u32string points = code_points(text);
@@ -22,14 +22,14 @@ void check_escapes(std::string_view pattern) {
   for (std::size_t at = pattern.find('\\'); at != std::string_view::npos; at = pattern.find('\\', at + 2)) {
     const std::string_view escape = pattern.substr(at, 2);
     if (escape.size() < 2 || kKnown.find(escape[1]) == std::string_view::npos)
-      throw std::invalid_argument("the escape " + in_quotes(escape) + " is not known");
+      throw std::invalid_argument("the escape " + in_quotes(escape) + " is not supported");
   }
 }
 
 void check_named_classes(std::string_view pattern) {
   for (const std::string_view start : {"[:", "[.", "[="}) {
     if (pattern.find(start) != std::string_view::npos)
-      throw std::invalid_argument(in_quotes(start) + " in a pattern is not known");
+      throw std::invalid_argument(in_quotes(start) + " in a pattern is not supported");
   }
 }
 
@@ -39,7 +39,7 @@ std::wregex compiled(std::string_view pattern) {
   try {
     return std::wregex(wide(pattern));
   } catch (const std::regex_error&) {
-    throw std::invalid_argument(in_quotes(pattern) + " is no regular expression");
+    throw std::invalid_argument(in_quotes(pattern) + " is not a regular expression");
   }
 }
 

@@ -1,5 +1,5 @@
-// A regular expression of a schema: ECMA 262, searched for anywhere in a text, by characters.
-// Immutable once made; thread-safe.
+// A regular expression of a schema (ECMA 262), matched anywhere in a text, by Unicode characters. Immutable;
+// thread-safe.
 #pragma once
 
 #include <regex>
@@ -9,11 +9,13 @@ namespace contourd {
 
 class SchemaPattern {
  public:
-  // Throws std::invalid_argument, with a sentence, for what is none, and for what std::regex takes otherwise
-  // than ECMA 262: other escapes than \d, \w, \D, \W, \n, \r, \t and those of punctuation, and named classes.
+  // Throws std::invalid_argument with a readable message if `pattern` is not a regular expression or uses
+  // what std::regex treats differently from ECMA 262: named classes, and escapes other than \d, \w, \D, \W,
+  // \n, \r, \t and those of punctuation.
   explicit SchemaPattern(std::string_view pattern);
 
-  // Recursion is bounded by the text's length, which json_syntax.hpp bounds.
+  // True if the pattern occurs in the text. Recursion is bounded by the text's length (limited in
+  // json_syntax.hpp).
   [[nodiscard]] bool is_in(std::string_view text) const;
 
  private:

@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-// Of one schema or keyword.
+// The place of a schema or keyword: the text and a pointer into it.
 struct Place {
   const SchemaText* text;
   std::string pointer;
@@ -43,7 +43,7 @@ const std::string& text_at(const json& value, const Place& place) {
 }
 
 std::size_t size_at(const json& value, const Place& place) {
-  constexpr double kExactLimit = 9007199254740992.0;  // 2^53: up to here a double holds every whole number
+  constexpr double kExactLimit = 9007199254740992.0;  // 2^53: doubles hold every whole number up to here
   const bool fits = value.is_number() && value >= 0 && value <= kExactLimit &&
                     std::trunc(value.get<double>()) == value.get<double>();
   expect(fits, place, "a whole number that is not negative");
@@ -56,7 +56,7 @@ json number_at(const json& value, const Place& place) {
 }
 
 const json& list_at(const json& value, const Place& place) {
-  expect(value.is_array() && !value.empty(), place, "a list with something in it");
+  expect(value.is_array() && !value.empty(), place, "a list that is not empty");
   return value;
 }
 
@@ -65,7 +65,7 @@ const json& object_at(const json& value, const Place& place) {
   return value;
 }
 
-// "%25" is '%' in a reference.
+// Decodes percent escapes in a reference: "%25" is '%'.
 std::string percent_decoded(std::string_view text, const Place& place) {
   std::string decoded;
   for (std::size_t at = 0; at < text.size(); ++at) {
@@ -92,7 +92,7 @@ SchemaPattern pattern_at(const json& value, const Place& place) {
   }
 }
 
-// One name, or a list of them, in the table's order.
+// Returns the named types (one name or a list of names), in the order of json_types().
 std::vector<const JsonType*> types_at(const json& value, const Place& place) {
   const std::vector<json> names =
       value.is_array() ? list_at(value, place).get<std::vector<json>>() : std::vector{value};
@@ -100,7 +100,7 @@ std::vector<const JsonType*> types_at(const json& value, const Place& place) {
   for (const json& name : names) {
     const auto has_name = [&](const JsonType& type) { return type.name == text_at(name, place); };
     if (std::ranges::none_of(json_types(), has_name))
-      reject(place, "the type " + in_quotes(text_at(name, place)) + " is not known");
+      reject(place, "the type " + in_quotes(text_at(name, place)) + " is not supported");
   }
   for (const JsonType& type : json_types()) {
     const auto is_it = [&type](const json& name) { return name == type.name; };
@@ -113,10 +113,11 @@ class SchemaReader {
  public:
   SchemaReader(const SchemaText& text, const SchemaText* other) : text_(text), other_(other) {}
 
-  // To be called once.
+  // Reads the whole schema. Call it only once.
   SchemaNodes read();
-  // The one at this place, which is read when it is asked for the first time.
+  // Returns the schema at this place; the first call for a place reads it.
   const SchemaNode* schema(const json& value, const Place& place);
+  // Returns the schema that the reference names.
   const SchemaNode* referred(const std::string& reference, const Place& place);
 
  private:
@@ -131,7 +132,7 @@ struct Keyword {
   void (*read)(SchemaReader&, SchemaNode&, const json&, const Place&);
 };
 
-// What says nothing about what fits.
+// Keywords without an effect on validation.
 constexpr std::array<std::string_view, 3> kAnnotations{"$comment", "examples", "title"};
 
 constexpr std::array<Keyword, 20> kKeywords{{
@@ -139,13 +140,12 @@ constexpr std::array<Keyword, 20> kKeywords{{
      [](SchemaReader&, SchemaNode&, const json& value, const Place& place) {
        const std::string& draft = text_at(value, place);
        if (!draft.starts_with("http://json-schema.org/draft-07/schema"))
-         reject(place, "the draft " + in_quotes(draft) + " is not known, only draft 7 is");
+         reject(place, "the draft " + in_quotes(draft) + " is not supported; only draft 7 is");
      }},
     {"$id",
      [](SchemaReader&, SchemaNode&, const json& value, const Place& place) {
        text_at(value, place);
-       if (place.pointer != "/$id")
-         reject(place, "a name within a schema is not known, only that of the whole");
+       if (place.pointer != "/$id") reject(place, "$id is only supported for the whole schema");
      }},
     {"$ref", [](SchemaReader& reader, SchemaNode& node, const json& value,
                 const Place& place) { node.reference = reader.referred(text_at(value, place), place); }},
@@ -178,7 +178,8 @@ constexpr std::array<Keyword, 20> kKeywords{{
                     const Place& place) { node.max_items = size_at(value, place); }},
     {"items",
      [](SchemaReader& reader, SchemaNode& node, const json& value, const Place& place) {
-       if (value.is_array()) reject(place, "a schema for each element is not known, only one for all");
+       if (value.is_array())
+         reject(place, "a schema for each element is not supported, only one for all elements");
        node.items = reader.schema(value, place);
      }},
     {"required",
@@ -207,18 +208,19 @@ void read_keyword(SchemaReader& reader, SchemaNode& node, const std::string& nam
                   const Place& place) {
   if (std::ranges::count(kAnnotations, name) > 0) return;
   const auto keyword = std::ranges::find(kKeywords, name, &Keyword::name);
-  if (keyword == kKeywords.end()) reject(place, "the keyword " + in_quotes(name) + " is not known");
+  if (keyword == kKeywords.end()) reject(place, "the keyword " + in_quotes(name) + " is not supported");
   keyword->read(reader, node, value, place);
 }
 
-// What checking a value goes on with at the same value.
+// Returns the schemas that are also checked against the same value.
 std::vector<const SchemaNode*> of_same_value(const SchemaNode& node) {
   std::vector<const SchemaNode*> next = node.one_of;
   if (node.reference != nullptr) next.push_back(node.reference);
   return next;
 }
 
-// What giving defaults goes on with at values that were not there. There is no circle of references.
+// Returns the schemas of the members that fill_defaults() adds to a new object. The references must have no
+// cycle.
 std::vector<const SchemaNode*> of_defaults(const SchemaNode& node) {
   std::vector<const SchemaNode*> next;
   for (const auto& [key, property] : node.followed().properties) {
@@ -227,7 +229,7 @@ std::vector<const SchemaNode*> of_defaults(const SchemaNode& node) {
   return next;
 }
 
-// Searches nodes, depth first, for one that leads to itself. Recursion is bounded by the schema's size.
+// Finds cycles by a depth-first search. Recursion is bounded by the schema's size.
 class CircleSearch {
  public:
   using Next = std::vector<const SchemaNode*> (*)(const SchemaNode&);
@@ -281,7 +283,7 @@ SchemaNodes SchemaReader::read() {
   for (const auto next : {of_same_value, of_defaults}) {
     CircleSearch search(next);
     for (const auto& [place, node] : by_place_) {
-      if (search.finds_from(*node)) reject(place, "this leads back to itself");
+      if (search.finds_from(*node)) reject(place, "this schema refers back to itself");
     }
   }
   return std::move(nodes_);

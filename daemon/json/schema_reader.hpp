@@ -1,4 +1,4 @@
-// Reads a JSON schema (draft 7) into nodes and refuses what it does not know. Pure functions, thread-safe.
+// Parses a JSON schema (draft 7) into nodes and rejects unsupported keywords. Pure functions, thread-safe.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,16 +9,15 @@
 namespace contourd {
 
 struct SchemaText {
-  std::string name;  // the file's
+  std::string name;  // name of the file
   nlohmann::json value;
 };
 
-// The nodes, the outermost schema first. `{"$ref": "#/pointer"}` refers to a part of the text that it stands
-// in,
-// `{"$ref": "NAME#/pointer"}` to one of `other`, which may be null. What stands beside "$ref" is ignored, as
-// the draft says, but for "description" and "default". Throws ConfigError, which names the place, for a
-// keyword that is not known or has a value that it cannot have, for a reference to nothing, and for a circle
-// of references that says nothing about what is in a value.
+// Returns the nodes, with the outermost schema first. The reference "#/pointer" is to a part of the same
+// text, "NAME#/pointer" to a part of `other`, which may be null. Keywords beside "$ref" are ignored, as the
+// draft requires, except "description" and "default". Throws ConfigError with the place of an unsupported
+// keyword, an invalid value of a keyword, a reference to a missing part, or a cycle of references that never
+// descends into a value.
 [[nodiscard]] SchemaNodes read_schema(const SchemaText& text, const SchemaText* other);
 
 }  // namespace contourd

@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-// Levenshtein's.
+// Returns the Levenshtein distance.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -86,7 +86,7 @@ std::string unknown_key(const std::string& key, const std::vector<std::string>& 
   std::vector<std::string> quoted;
   for (const std::string& name : known) {
     quoted.push_back(in_quotes(name));
-    if (key.size() >= name.size() + best) continue;  // it is at least that far
+    if (key.size() >= name.size() + best) continue;  // the distance is at least `best`
     const std::size_t distance = edit_distance(key, name);
     if (distance < best && distance < name.size()) {
       best = distance;
@@ -95,7 +95,7 @@ std::string unknown_key(const std::string& key, const std::vector<std::string>& 
   }
   const std::string sentence = "there is no key " + in_quotes(key) + " here; ";
   if (!closest.empty()) return sentence + "did you mean " + in_quotes(closest) + "?";
-  return sentence + "the known ones are " + joined(quoted, ", ");
+  return sentence + "the known keys are " + joined(quoted, ", ");
 }
 
 }  // namespace contourd

@@ -1,4 +1,4 @@
-// The schema files' bytes; the definitions are generated from config/*.schema.json when the program is built.
+// The contents of the schema files; the build generates the definitions from config/*.schema.json.
 #pragma once
 
 #include <string_view>

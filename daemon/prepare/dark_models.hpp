@@ -1,5 +1,5 @@
-// Models of which nothing would be printed: smaller than a pixel, such as one drawn in metres, or taken away
-// by their drain holes. Thread-safe (no shared state).
+// Finds models of which nothing would be printed: smaller than a pixel, for instance drawn in metres, or
+// removed completely by their drain holes. Thread-safe (no shared state).
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,15 @@
 
 namespace contourd {
 
+// Heights and limits of a search for a bright pixel.
 struct LightSearch {
   EngineSettings settings;
   std::span<const Nanometers> heights;
-  std::uint8_t least_grey;  // of a pixel that cures; what the settings leave dark does not
-  Duration mask_budget;
+  std::uint8_t least_grey;  // lowest grey value that cures; the tone threshold of the settings may raise it
+  Duration mask_budget;     // for each mask
 };
-// Whether a pixel is so bright at one of the heights, by a copy of the model alone; true where a mask
-// overruns its budget, or `stop` was asked for. Blocks: as a rule for one mask.
+// True if one copy of the model, alone on the plate, lights a pixel brightly enough at one of the heights.
+// Also true if a mask overruns its budget or `stop` is requested. Blocks, usually for one mask.
 [[nodiscard]] bool lights_a_pixel(const PlateModel& model, const LightSearch& search,
                                   const std::stop_token& stop);
 

@@ -13,16 +13,17 @@
 namespace contourd {
 namespace {
 
-// The axis as two corners of a facet: it is turned and scaled as facets are.
+// Returns the axis as two corners of a facet, so that it is turned and scaled exactly as facets are.
 Facet axis_of(const DrainHole& hole) {
-  // Of any length: the squares of a tiny one would be none.
+  // Divide by the largest component first: the squares of a tiny vector would underflow, of a huge one
+  // overflow.
   const double longest =
       std::max({std::fabs(hole.inwards.x), std::fabs(hole.inwards.y), std::fabs(hole.inwards.z)});
   const Direction d{hole.inwards.x / longest, hole.inwards.y / longest, hole.inwards.z / longest};
   const double length = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-  const auto at = [&](double way_mm) {
+  const auto at = [&](double distance_mm) {
     const auto along = [&](double from_mm, double part) {
-      return static_cast<float>(from_mm + part / length * way_mm);
+      return static_cast<float>(from_mm + part / length * distance_mm);
     };
     return Vertex{along(hole.x_mm, d.x), along(hole.y_mm, d.y), along(hole.z_mm, d.z)};
   };
@@ -41,11 +42,11 @@ struct HeightRange {
   Nanometers low, high;
 };
 
-// Above the plate, what a cylinder in the model reaches.
+// Returns the heights above the plate between which the cylinder may cut the model.
 HeightRange reach_of(const Frustum& cylinder, const StandingModel& model) {
   const Bounds& bounds = model.model->bounds();
   const auto height = [&](double z_mm) {
-    // Clamped to where there is something to cut.
+    // Clamped to the model, outside of which there is nothing to cut.
     const double within = std::clamp(z_mm, double{bounds.min_z} - 1, double{bounds.max_z} + 1);
     return model.elevation.height_at(Millimeters{within}, bounds).value_or(Nanometers{});
   };
@@ -53,6 +54,7 @@ HeightRange reach_of(const Frustum& cylinder, const StandingModel& model) {
           height(cylinder.upper.z + cylinder.upper_radius_mm)};
 }
 
+// True if the cylinder changes a mask of the model, or if the deadline passes first.
 bool cuts(const Frustum& cylinder, const PlateModel& model, const HoleSearch& search) {
   PlateModel whole{model, {model.copies.front()}, nullptr};
   PlateModel drilled = whole;
@@ -79,9 +81,8 @@ std::vector<Frustum> drain_cylinders(const ModelTicket& ticket, const Scale& sca
     if (ticket.fit) enlarge(std::span(&axis, 1), scale);
     cylinders.push_back(cylinder_of(axis, hole.diameter_mm / 2 * (all.x + all.y + all.z) / 3));
     if (cylinders.back().lower == cylinders.back().upper) {
-      throw JobRefused(
-          fmt::format("drain hole {} at {:g}, {:g}, {:g} mm is too small to be one: {:g} mm deep",
-                      cylinders.size(), hole.x_mm, hole.y_mm, hole.z_mm, hole.depth_mm));
+      throw JobRefused(fmt::format("drain hole {} at {:g}, {:g}, {:g} mm is too small: {:g} mm deep",
+                                   cylinders.size(), hole.x_mm, hole.y_mm, hole.z_mm, hole.depth_mm));
     }
   }
   return cylinders;
@@ -99,15 +100,14 @@ void refuse_holes_beside(const DrilledModel& drilled, const std::string& name, c
     const DrainHole& hole = drilled.ticket.drain[i];
     const Bounds& bounds = drilled.model.model->bounds();
     const Frustum& made = drilled.cylinders[i];
-    throw JobRefused(
-        fmt::format("drain hole {} of {} is beside the model: from {:g}, {:g}, {:g} mm on, {:g} mm wide and "
-                    "{:g} mm deep, it "
-                    "takes nothing away; as printed it goes from {:.2f}, {:.2f}, {:.2f} to {:.2f}, {:.2f}, "
-                    "{:.2f} mm, the "
-                    "model from {:.2f}, {:.2f}, {:.2f} to {:.2f}, {:.2f}, {:.2f} mm",
-                    i + 1, name, hole.x_mm, hole.y_mm, hole.z_mm, hole.diameter_mm, hole.depth_mm,
-                    made.lower.x, made.lower.y, made.lower.z, made.upper.x, made.upper.y, made.upper.z,
-                    bounds.min_x, bounds.min_y, bounds.min_z, bounds.max_x, bounds.max_y, bounds.max_z));
+    throw JobRefused(fmt::format(
+        "drain hole {} of {} misses it: the hole starts at {:g}, {:g}, {:g} mm, is {:g} mm wide "
+        "and {:g} mm deep, and removes nothing; as printed, it reaches from {:.2f}, {:.2f}, {:.2f} "
+        "to {:.2f}, {:.2f}, {:.2f} mm, and the model from {:.2f}, {:.2f}, {:.2f} to {:.2f}, "
+        "{:.2f}, {:.2f} mm",
+        i + 1, name, hole.x_mm, hole.y_mm, hole.z_mm, hole.diameter_mm, hole.depth_mm, made.lower.x,
+        made.lower.y, made.lower.z, made.upper.x, made.upper.y, made.upper.z, bounds.min_x, bounds.min_y,
+        bounds.min_z, bounds.max_x, bounds.max_y, bounds.max_z));
   }
 }
 

@@ -1,5 +1,5 @@
-// The drain holes of a ticket, as they lie in the model that is turned and scaled by it, and whether each of
-// them takes something away. Thread-safe (no shared state).
+// Places a ticket's drain holes in the turned and scaled model, and checks that each hole removes something
+// from it. Thread-safe (no shared state).
 #pragma once
 
 #include <chrono>
@@ -14,30 +14,31 @@
 
 namespace contourd {
 
-// Cylinders in the coordinates of the model that was turned by its ticket, scaled by these factors of its and
-// the resin's, in the ticket's order. Throws JobRefused for one that has no length there.
+// Returns the ticket's holes as cylinders, in the ticket's order and in the coordinates of the turned and
+// scaled model. `scale` is the model's, `shrinkage` the resin's. Throws JobRefused if a hole has no length
+// there.
 [[nodiscard]] std::vector<Frustum> drain_cylinders(const ModelTicket& ticket, const Scale& scale,
                                                    const Scale& shrinkage);
-// As the engine takes them out of the model. Null where there are none.
+// Returns the cylinders as the engine subtracts them from the model; null if there are none.
 [[nodiscard]] std::shared_ptr<const SectionSource> holes_of(std::span<const Frustum> cylinders);
 
-// Where holes are looked for in a model.
+// A model and the holes to check in it.
 struct DrilledModel {
-  const PlateModel& model;  // its own holes do not count
+  const PlateModel& model;  // the member `holes` is ignored
   const ModelTicket& ticket;
   std::span<const Frustum> cylinders;  // the ticket's holes in it
 };
-// How they are looked for: what is not known by the deadline is believed.
+// Layers and time limit of the check. A hole that is not checked by the deadline counts as good.
 struct HoleSearch {
   EngineSettings settings;
-  std::vector<Nanometers> heights;  // where the print cuts its layers
+  std::vector<Nanometers> heights;  // at which the print cuts its layers
   MaskBudget::Clock::time_point deadline;
 };
-// At the holes of a whole job. One that is good shows in the first layers that it reaches.
+// Time limit for all holes of a job. A good hole shows in the first layers that it reaches.
 inline constexpr std::chrono::seconds kLongestHoleSearch{5};
 
-// Throws JobRefused for the first hole that takes nothing away from any layer; `name` is the model's. Blocks
-// for two masks of each layer that a hole reaches, up to the first that it cuts.
+// Throws JobRefused for the first hole that removes nothing from any layer; `name` is the model's. Blocks for
+// two masks of each layer that a hole reaches, up to the first layer that it cuts.
 void refuse_holes_beside(const DrilledModel& drilled, const std::string& name, const HoleSearch& search);
 
 }  // namespace contourd

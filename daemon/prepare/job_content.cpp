@@ -11,6 +11,7 @@
 namespace contourd {
 namespace {
 
+// True if both models are made from the same file, turned and scaled alike.
 bool made_alike(const ModelTicket& a, const ModelTicket& b) {
   return a.file == b.file && a.rotation == b.rotation && a.up == b.up && a.orientation == b.orientation &&
          a.scale == b.scale && a.fit == b.fit;
@@ -60,7 +61,7 @@ void JobContent::require_room_to_repair(std::span<const Facet> facets) {
   const std::uint64_t repairing = memory_to_repair(facets.size());
   if (needed_ + repairing > room_.bytes) {
     if (is_sound(facets)) return;
-    throw JobTooLarge(to_read_, ", which disagree with each other", needed_ + repairing, room_);
+    throw JobTooLarge(to_read_, ", which have to be repaired", needed_ + repairing, room_);
   }
   repairing_ = std::max(repairing_, repairing);
 }
@@ -76,7 +77,7 @@ void JobContent::require_room_for_supports(std::span<const PlateModel> models,
   const std::uint64_t needed = needed_ + memory_for_supports(display);
   if (needed + most_memory_for_sections(models, false) <= room_.bytes) return;
   const std::uint64_t with_sections = needed + memory_for_sections(models, false);
-  if (with_sections > room_.bytes) throw JobTooLarge(to_read_, ", to be supported", with_sections, room_);
+  if (with_sections > room_.bytes) throw JobTooLarge(to_read_, ", with supports", with_sections, room_);
 }
 
 std::vector<Facet> JobContent::take_facets(std::size_t model) {

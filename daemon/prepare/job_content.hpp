@@ -1,6 +1,6 @@
-// The models that a job's ticket names and the files that they are made of: opened together, checked against
-// the memory that there is, then read. A plate may name a file many times: it is read once, and what is alike
-// is made once. Thread-safe (no shared state).
+// The models that a job's ticket names and their files: all files are opened, checked against the available
+// memory, then read. A plate may name a file many times: the file is read once, and models that are turned
+// and scaled alike are built once. Thread-safe (no shared state).
 #pragma once
 
 #include <cstddef>
@@ -18,38 +18,44 @@
 
 namespace contourd {
 
+// A model of a job's ticket.
 struct NamedModel {
   ModelTicket ticket;
-  std::string name;  // as messages have it
-  std::size_t file;  // of the job's files
-  std::size_t
-      made_as;  // the first model that is turned and scaled alike, of the same file: itself, or one before
+  std::string name;  // as messages name it
+  std::size_t file;  // index of its file
+  // Index of the first model that is made from the same file, turned and scaled alike; its own if there is
+  // none before.
+  std::size_t made_as;
 };
 
 class JobContent {
  public:
-  // Opens the files. `folder_or_model`: the plate's folder, or the one model's file. Throws JobRefused.
+  // Opens the files. `folder_or_model` is the plate's folder or the single model's file. Throws JobRefused.
   JobContent(const std::filesystem::path& folder_or_model, bool plate, Links links, const JobTicket& ticket);
 
   [[nodiscard]] const std::vector<NamedModel>& models() const { return models_; }
+  // True if no earlier model is made from the same file.
   [[nodiscard]] bool is_first_of_file(std::size_t model) const;
 
-  // Reads them all, if there is room for what the job is to take. Throws JobRefused, of which JobTooLarge
-  // says that there is none; then nothing was read.
+  // Reads all files. Blocks. Throws JobRefused; JobTooLarge if there is not enough memory for the job, before
+  // any file is read.
   void read(const DisplayGeometry& display, const MemoryRoom& room);
-  // What shows only behind that. Throw JobTooLarge if it is too much for the room that there was before
-  // anything was read: to mend these facets of a model; to find and lead what holds all of them; to have
-  // masks of them, whose contours may be moved.
+  // The next three functions check needs that are known only after reading. They throw JobTooLarge if the job
+  // would not fit into the memory that was available before anything was read.
+  // Checks the memory to repair these facets of a model.
   void require_room_to_repair(std::span<const Facet> facets);
+  // Checks the memory to generate supports for the models.
   void require_room_for_supports(std::span<const PlateModel> models, const DisplayGeometry& display) const;
+  // Checks the memory to compute masks of the models. `moved`: their contours are moved (see Compensation).
   void require_room_for_masks(std::span<const PlateModel> models, bool moved) const;
 
   [[nodiscard]] std::string_view format(std::size_t file) const { return files_[file].outline().format; }
-  // Of a file, once it is read.
+  // Returns the warnings from reading a file. Valid after read().
   [[nodiscard]] const std::vector<std::string>& warnings(std::size_t file) const {
     return read_[file].warnings;
   }
-  // What the model is made of. To be called in the models' order, for those that are made.
+  // Returns the facets of the model's file. Call it in the models' order, only for models whose `made_as` is
+  // their own index: the last call for a file takes the facets over, earlier ones copy them.
   [[nodiscard]] std::vector<Facet> take_facets(std::size_t model);
 
  private:
@@ -57,11 +63,11 @@ class JobContent {
 
   std::vector<NamedModel> models_;
   std::vector<ModelFile> files_;
-  std::vector<FileToRead> to_read_;  // of each
+  std::vector<FileToRead> to_read_;  // outlines, by file
   std::vector<Model> read_;          // by file
-  std::uint64_t needed_ = 0;
-  std::uint64_t repairing_ = 0;  // that may be needed beside it
-  MemoryRoom room_;
+  std::uint64_t needed_ = 0;         // bytes
+  std::uint64_t repairing_ = 0;      // bytes in addition, for the largest repair
+  MemoryRoom room_;                  // before reading
 };
 
 }  // namespace contourd

@@ -11,34 +11,35 @@
 namespace contourd {
 namespace {
 
-// Bytes a facet. Facets whose number is not known are collected in memory that is doubled whenever it is
+// Bytes per facet while a file is read. If the number of facets is unknown, the buffer doubles whenever it is
 // full.
 constexpr std::uint64_t kRead = sizeof(Facet), kReadGrowing = 2 * sizeof(Facet);
-// With its entry in the height index.
+// Bytes per facet with its entry in the height index.
 constexpr std::uint64_t kIndexed = sizeof(Facet) + sizeof(HeightIndex::Candidate);
-// Beside that while a closed mesh is inspected: 12 for the numbers of its corners and 36 for its edges
-// (measured: 96 in all, of 3 to 4 million facets).
+// Additional bytes per facet while a closed mesh is inspected: 12 for the numbers of its corners and 36 for
+// its edges (measured: 96 in total, with 3 to 4 million facets).
 constexpr std::uint64_t kInspected = 60;
-// Beside both while a mesh is repaired, at the most: one in which no two facets share a vertex (measured: 313
-// in all, of a million facets).
+// Additional bytes per facet, beside both, while a mesh is repaired. Worst case: no two facets share a vertex
+// (measured: 313 in total, with a million facets).
 constexpr std::uint64_t kRepaired = 222;
 
-// Bytes a facet that is crossed, in two engines, the print's and its analysis', each with memory that is
-// doubled whenever it is full. (Measured, in all: 200 where contours are closed, 1,000 where none is, and
-// with contours that are moved 2,400.)
+// Bytes per facet crossed by a height, in two engines, the print's and its analysis', whose buffers double
+// whenever they are full. (Measured in total: 200 if contours close, 1,000 if none does, and 2,400 if
+// contours are moved.)
 constexpr std::uint64_t kCrossed = 1000, kMoved = 1500;
-// And for each copy.
+// Additional bytes per crossed facet for each copy.
 constexpr std::uint64_t kPainted = 200;
-// Where there are several models, what is kept of each one's cut until the next mask: its segments.
+// Additional bytes per crossed facet if there are several models: the segments of each model's cut are kept
+// until the next mask.
 constexpr std::uint64_t kKept = 4 * sizeof(Segment);
 
-// Bytes a pixel, while a plate is looked through for what has to be held.
+// Bytes per pixel while a plate is searched for places to support.
 constexpr std::uint64_t kSupported = 16;
 
-// In how many parts a model's height is looked at.
+// Number of parts into which a model's height is divided to count crossed facets.
 constexpr std::size_t kParts = 1024;
 
-// Facets with a point in the same part of the height, at most.
+// Returns the largest number of facets with a point in the same part of the model's height.
 std::uint64_t most_crossed(const HeightIndex& model) {
   const Bounds& bounds = model.bounds();
   if (!(bounds.size_z() > 0)) return 0;
@@ -58,8 +59,8 @@ std::uint64_t most_crossed(const HeightIndex& model) {
   return static_cast<std::uint64_t>(most);
 }
 
-// `crossed` says of how many of a model's facets. They are cut one model after the other, and painted
-// together.
+// `crossed` returns the number of facets of a model that a height crosses. Models are cut one after another,
+// but painted together.
 template <typename Crossed>
 std::uint64_t memory_for(std::span<const PlateModel> models, bool moved, Crossed crossed) {
   const std::uint64_t kept = models.size() > 1 ? kKept : 0;
@@ -93,7 +94,7 @@ std::uint64_t memory_to_prepare(std::span<const FileToRead> files, const Display
         std::max(most_while_reading,
                  read + file.outline.buffered_bytes + facets * (file.outline.exact ? kRead : kReadGrowing));
     read += facets * kRead;
-    // The last of a file's models takes its facets over.
+    // The last model of a file takes the facets over; each model before has a copy.
     indexed += facets * kIndexed * file.models;
     most_inspected = std::max(most_inspected, facets * kInspected);
   }
@@ -114,7 +115,7 @@ std::uint64_t memory_for_supports(const DisplayGeometry& display) {
 }
 
 std::uint64_t memory_for_sections(std::span<const PlateModel> models, bool moved) {
-  std::map<const HeightIndex*, std::uint64_t> crossed;  // the same model may stand there many times
+  std::map<const HeightIndex*, std::uint64_t> crossed;  // a plate may hold a model many times
   return memory_for(models, moved, [&](const HeightIndex& model) {
     const auto [at, is_new] = crossed.try_emplace(&model, 0);
     if (is_new) at->second = most_crossed(model);

@@ -1,4 +1,5 @@
-// How much memory a job takes, estimated before any of it is taken. Thread-safe (no shared state).
+// Estimates of the memory that a job takes, made before it takes any. All in bytes. Thread-safe (no shared
+// state).
 #pragma once
 
 #include <cstddef>
@@ -13,39 +14,41 @@
 
 namespace contourd {
 
+// A model file and the number of models made from it.
 struct FileToRead {
   ModelOutline outline;
-  std::size_t models = 1;  // that are made of it: turned or scaled in so many ways
+  std::size_t models = 1;  // made from the file: each way to turn or scale it is one
 };
 
-// To read these, index and inspect them and to have masks of an ordinary model, at the most: one whose facets
-// agree with each other, few of them at one height.
+// Returns an upper bound for reading, indexing and inspecting these files and computing masks of ordinary
+// models: their facets agree with each other, and few of them are at any one height.
 [[nodiscard]] std::uint64_t memory_to_prepare(std::span<const FileToRead> files,
                                               const DisplayGeometry& display);
 
-// The same for a model without facets.
+// Returns the part of memory_to_prepare() that does not depend on the facets.
 [[nodiscard]] std::uint64_t memory_for_display(const DisplayGeometry& display);
 
-// What a model adds whose mesh is to be repaired.
+// Returns the additional memory to repair the mesh of a model.
 [[nodiscard]] std::uint64_t memory_to_repair(std::size_t facets);
 
-// What finding the supports of a plate adds to the sections of its models.
+// Returns the additional memory, beside that for sections, to find the places to support on a plate.
 [[nodiscard]] std::uint64_t memory_for_supports(const DisplayGeometry& display);
 
-// What the sections of these add: masks and their analysis, at the height that crosses most facets; `moved`
-// where their contours are (see Compensation).
+// Returns the additional memory for sections of these models, for the print and its analysis, at the height
+// that crosses the most facets. `moved`: the contours are moved (see Compensation).
 [[nodiscard]] std::uint64_t memory_for_sections(std::span<const PlateModel> models, bool moved);
-// The same if a height crossed all of them; nothing is looked at for that.
+// Returns an upper bound of memory_for_sections(), as if one height crossed all facets. Does not read the
+// facets.
 [[nodiscard]] std::uint64_t most_memory_for_sections(std::span<const PlateModel> models, bool moved);
 
-// There is not that much room.
+// Thrown if a job needs more memory than is available.
 class JobTooLarge : public JobRefused {
  public:
-  // `addition` is said of the models beside how many facets they hold.
+  // `addition` follows the number of facets in the message: ", many of them at one height".
   JobTooLarge(std::span<const FileToRead> files, std::string_view addition, std::uint64_t bytes,
               const MemoryRoom& room);
 
-  // Whether there would be room if this process held nothing else.
+  // True if the job would fit if this process held nothing else.
   [[nodiscard]] bool fits_alone() const { return fits_alone_; }
 
  private:

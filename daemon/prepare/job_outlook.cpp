@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// As far as the files are there still.
+// Returns the total size of the job's files; a file that is gone counts as 0.
 std::uintmax_t bytes_of(const JobFiles& files) {
   std::uintmax_t all = 0;
   try {
@@ -24,7 +24,7 @@ std::uintmax_t bytes_of(const JobFiles& files) {
       if (!gone) all += bytes;
     }
   } catch (const ConfigError&) {
-    // A plate's ticket that is being written anew: the check will be, too.
+    // A plate's ticket that is being rewritten; the job is then checked again as well.
   }
   return all;
 }

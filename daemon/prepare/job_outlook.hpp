@@ -1,4 +1,4 @@
-// What a job that waits will be, as far as its check can tell. A value.
+// Figures of a waiting job, as far as its check can predict them. A value.
 #pragma once
 
 #include <cstddef>
@@ -16,20 +16,21 @@
 
 namespace contourd {
 
+// A waiting job's size, settings, layers and print time.
 struct JobOutlook {
-  std::uintmax_t bytes = 0;  // of its files
-  std::size_t parts = 0;     // on the plate: models and their copies
-  std::string resin{};       // the profile's name
+  std::uintmax_t bytes = 0;  // size of the job's files
+  std::size_t parts = 0;     // number on the plate: models and their copies
+  std::string resin{};       // name of the profile
   OverriddenSettings overridden{};
   std::int32_t layers = 0;
   Nanometers thinnest_layer{}, thickest_layer{};
   double height_mm = 0;
-  Duration print_time{};                    // of its layers
-  std::optional<SupportCounts> supports{};  // nothing where none are wanted
-  std::optional<AnalyzedJob> question{};    // which is asked whatever the printer's file names
+  Duration print_time{};                    // sum over all layers
+  std::optional<SupportCounts> supports{};  // nullopt if the job has supports off
+  std::optional<AnalyzedJob> question{};    // findings that need confirmation even if ask_before is empty
 };
 
-// Looks at the files' sizes. Thread-safe.
+// Returns the outlook of a prepared job. Reads the sizes of its files. Thread-safe.
 [[nodiscard]] JobOutlook outlook_of(const PreparedJob& job, const JobFiles& files,
                                     const PrinterConfig& printer);
 

@@ -18,6 +18,7 @@ JobTicket ticket_of(const JobFiles& files) {
   return files.ticket ? load_job_ticket(*files.ticket, files.links) : JobTicket{};
 }
 
+// Returns the first mistake in the profile and the number of others.
 std::string in_one_line(const std::string& resin, const ConfigError& error) {
   const std::size_t others = error.violations().size() - 1;
   return fmt::format("the resin profile {} cannot be used: {}{}", in_quotes(resin),
@@ -34,7 +35,7 @@ ResinProfile resin_for(const JobTicket& ticket, const PrinterConfig& printer) {
     const auto is_there = [&](const std::string& resin) {
       return profile_file(printer.resins_folder, resin).has_value();
     };
-    // Where the printer's own is missing too, the folder is.
+    // If the printer's own profile is missing too, the folder is missing, and the ticket is not at fault.
     const bool unknown = ticket.resin && !is_there(name) && is_there(printer.resin);
     const std::string sentence = in_one_line(name, error);
     if (!unknown) throw ProfileTrouble(Fault::Profile, sentence, sentence);

@@ -1,6 +1,6 @@
-// How a job is printed: by its ticket, and by the profile of the resin that this names, or else the printer's
-// file. The printer's file is read when contourd starts; these are read when the job is claimed, and hold to
-// its end. Thread-safe (no shared state).
+// Settings of a job: its ticket, and the profile of the resin named by the ticket or else by the printer's
+// file. The printer's file is read when contourd starts; ticket and profile are read when the job is claimed,
+// and then apply until its end. Thread-safe (no shared state).
 #pragma once
 
 #include <string>
@@ -13,17 +13,18 @@
 
 namespace contourd {
 
+// The settings that a job is printed with.
 struct JobSettings {
   JobTicket ticket;
-  ResinProfile resin;                           // with what the ticket sets in its place
-  OverriddenSettings overridden{};              // which that is
+  ResinProfile resin;                           // with the ticket's overrides applied
+  OverriddenSettings overridden{};              // overrides from the ticket
   SupportPolicy supports = SupportPolicy::Off;  // the ticket's, or else the printer's
   bool operator==(const JobSettings&) const = default;
 };
 
-// The resin's profile cannot be used. what() is a reason to refuse the job by, which only a ticket deserves
-// that names a profile which there is none of; a profile that is broken, or the printer's own that is
-// missing, is nobody's fault who queued a job.
+// Thrown if the resin's profile cannot be used; what() is a reason to refuse the job. The ticket is at fault
+// if it names a profile that does not exist. If the profile is broken, or the printer's own is missing, the
+// person who queued the job is not to blame, and the job need not be refused.
 class ProfileTrouble : public JobRefused {
  public:
   enum class Fault { Ticket, Profile };
@@ -31,7 +32,7 @@ class ProfileTrouble : public JobRefused {
       : JobRefused(reason), fault_(fault), sentence_(std::move(sentence)) {}
 
   [[nodiscard]] Fault fault() const { return fault_; }
-  // The same in one line.
+  // Returns what is wrong with the profile, in one line.
   [[nodiscard]] const std::string& sentence() const { return sentence_; }
 
  private:
@@ -39,10 +40,11 @@ class ProfileTrouble : public JobRefused {
   std::string sentence_;
 };
 
-// Throws JobRefused with what is wrong with the ticket, ProfileTrouble among it.
+// Reads the job's ticket and its resin's profile. Throws JobRefused if the ticket is wrong, and
+// ProfileTrouble.
 [[nodiscard]] JobSettings read_settings(const JobFiles& files, const PrinterConfig& printer);
-// The same of a ticket at hand; `file` is its name in messages. Throws ConfigError with what the profile does
-// not let it set, and ProfileTrouble.
+// Applies a ticket to its resin's profile; `file` is the ticket's name in messages. Throws ConfigError if the
+// ticket overrides settings beyond the profile's limits, and ProfileTrouble.
 [[nodiscard]] JobSettings settings_by(JobTicket ticket, const std::string& file,
                                       const PrinterConfig& printer);
 

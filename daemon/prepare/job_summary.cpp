@@ -19,10 +19,10 @@ std::string describe_correction(const JobSummary& summary) {
                     std::fabs(c.growth.count())));
   }
   if (c.elephant_foot != Micrometers{}) {
-    add(fmt::format("elephant foot of {:g} um over {:g} um of height taken off", c.elephant_foot.count(),
+    add(fmt::format("elephant foot of {:g} um compensated over {:g} um of height", c.elephant_foot.count(),
                     to_millimeters(c.elephant_foot_height).count() * 1000));
   }
-  if (summary.uniformity_mask) add("lamp evened out");
+  if (summary.uniformity_mask) add("uniformity mask applied");
   if (summary.tone.gamma != 1.0) add(fmt::format("gamma {:g}", summary.tone.gamma));
   if (summary.tone.threshold != 0) add(fmt::format("grey below {} left dark", summary.tone.threshold));
   return text;
@@ -30,21 +30,21 @@ std::string describe_correction(const JobSummary& summary) {
 
 std::string describe_settings(const JobSummary& summary) {
   const ResinProfile& resin = summary.resin;
-  // In a layer behind the fade, and in the first.
-  const auto light = [&](Nanometers thickness, std::int32_t layer) {
+  const auto exposure_ms = [&](Nanometers thickness, std::int32_t layer) {
     return milliseconds(exposure_time(resin, thickness, layer, summary.irradiance_mw_cm2));
   };
   const LayerSummary& layers = summary.layers;
+  // The first layer after the bottom layers and the fade.
   const std::int32_t normal = resin.bottom_layers + resin.fade_layers;
-  const double least = light(layers.thinnest, normal), most = light(layers.thickest, normal);
+  const double least = exposure_ms(layers.thinnest, normal), most = exposure_ms(layers.thickest, normal);
   std::string text = least == most
-                         ? fmt::format("{}: light of {:g} ms", printable(resin.name), least)
-                         : fmt::format("{}: light of {:g} to {:g} ms", printable(resin.name), least, most);
+                         ? fmt::format("{}: exposure {:g} ms", printable(resin.name), least)
+                         : fmt::format("{}: exposure {:g} to {:g} ms", printable(resin.name), least, most);
   if (resin.bottom_layers > 0)
-    text += fmt::format(", {:g} ms in {} bottom layers, fading over {}", light(layers.thinnest, 0),
+    text += fmt::format(", {:g} ms in {} bottom layers, fading over {}", exposure_ms(layers.thinnest, 0),
                         resin.bottom_layers, resin.fade_layers);
   text += fmt::format(
-      "; lift of {:g} mm at {:g} mm/s, back at {:g} mm/s; waits of {:g} ms before the light, {:g} ms after",
+      "; lift {:g} mm at {:g} mm/s, retract at {:g} mm/s; wait {:g} ms before exposure, {:g} ms after",
       to_millimeters(resin.lift).count(), resin.lift_speed.count(), resin.retract_speed.count(),
       milliseconds(resin.settle), milliseconds(resin.rest));
   if (!summary.overridden.empty()) text += "; by its ticket: " + describe(summary.overridden);

@@ -1,4 +1,4 @@
-// What a job is, for the log and the report. Values.
+// Figures and settings of a job, for the log and the report. Values.
 #pragma once
 
 #include <cstddef>
@@ -23,50 +23,51 @@ namespace contourd {
 // One of a job's models.
 struct ModelSummary {
   std::string file;         // in the plate's folder; empty for a job of one model
-  std::string_view format;  // its name
+  std::string_view format;  // name of the file format
   MeshReport mesh;          // as placed and repaired
   MeshRepairs repairs;
   double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;  // as placed
-  Scale scale;                                         // the resin's shrinkage not included
+  Scale scale;                                         // without the resin's shrinkage
   RotationDegrees rotation_deg;
   std::optional<Direction> up;
   std::size_t drain_holes = 0;
-  std::optional<ModelOrientation> orientation;  // by which `up` was found
-  std::vector<Point> centers;                   // by copy, from the plate's centre, in millimetres
+  std::optional<ModelOrientation> orientation;  // the search that found `up`; nullopt if there was none
+  std::vector<Point> centers;                   // one for each copy, from the plate's centre, in millimetres
 };
 
-// Figures of layers that are still to come: the print decides as it goes.
+// Estimates made before the print, which decides layer by layer.
 struct LayerSummary {
   std::int32_t count = 0;
-  Nanometers thinnest{}, thickest{};  // the same when all are alike
+  Nanometers thinnest{}, thickest{};  // equal if all layers are alike
   std::optional<AdaptiveLayers> adaptive;
 };
 
+// Figures and settings of a job and its models.
 struct JobSummary {
   std::vector<ModelSummary> models;  // at least one
   bool plate = false;
-  double height_mm = 0;           // of the highest model's top, above the plate
+  double height_mm = 0;           // top of the highest model above the plate
   ResinProfile resin;             // as the job is printed
-  OverriddenSettings overridden;  // what of it is the ticket's
-  double irradiance_mw_cm2 = 0;   // of the printer, and the next two
+  OverriddenSettings overridden;  // values of `resin` that the ticket sets
+  double irradiance_mw_cm2 = 0;   // the printer's, as are `tone` and `uniformity_mask`
   ToneCurve tone;
-  bool uniformity_mask = false;  // whether the printer has one
+  bool uniformity_mask = false;  // true if the printer has one
   LayerSummary layers;
-  std::optional<Supports> supports;  // nothing where none are wanted
-  Duration reading{};                // the files, to facets
-  Duration supporting{};             // its models, where that is wanted
-  Duration indexing{};               // placement and height index
-  Duration first_mask{};             // from the first facet to the mask of layer 1
-  bool prepared_before = false;      // while it waited, and not again when its turn came
+  std::optional<Supports> supports;  // nullopt if the job has supports off
+  Duration reading{};                // time to read the files
+  Duration supporting{};             // time to generate the supports
+  Duration indexing{};               // time for placement and height index
+  Duration first_mask{};             // time to build the engine and compute the mask of layer 1
+  bool prepared_before = false;      // true if the job was prepared while it waited, not at its turn
   std::vector<std::string> warnings;
 };
 
-// What is done to contours and masks beyond slicing, for a person: "contours moved outwards by 50 um, ...".
-// Empty when nothing is.
+// Returns the corrections of contours and masks, for a person: "contours moved outwards by 50 um, ...". Empty
+// if there are none.
 [[nodiscard]] std::string describe_correction(const JobSummary& summary);
 
-// The values that the job is printed with, for a person: "standard: light of 3000 ms, ...". At the end, which
-// of them are the ticket's.
+// Returns the settings that the job is printed with, for a person: "standard: exposure 3000 ms, ...".
+// Settings from the ticket are named at the end.
 [[nodiscard]] std::string describe_settings(const JobSummary& summary);
 
 }  // namespace contourd

@@ -10,7 +10,7 @@
 namespace contourd {
 namespace {
 
-// Between models: a foot of one of them, and what it keeps clear on both sides.
+// Returns the gap between models: room for one foot, and its clearance on both sides.
 Millimeters gap_for(const SupportSettings& settings) {
   return std::max(kCopyGap, settings.foot_diameter + 2 * settings.clearance);
 }
@@ -43,7 +43,7 @@ std::vector<PlateModel> stand_on_plate(const std::vector<ModelToPlace>& models,
     PlateModel& model = standing.emplace_back(PlateModel{models[i].standing(), {}, models[i].holes});
     const Point middle = model.model->bounds().center();
     for (const Point& center : arrangement[i]) {
-      // The point of the model that comes to lie on the display's centre.
+      // The point of the model that lies at the display's centre.
       model.copies.push_back(PixelMap::true_scale(display, {middle.x - center.x, middle.y - center.y}));
     }
   }

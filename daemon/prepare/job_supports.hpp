@@ -1,5 +1,5 @@
-// The supports of a job: its models lifted where they do not stand by themselves, arranged with room for what
-// holds them, and what that is. Thread-safe (no shared state).
+// Supports of a job: lifts models that do not stand by themselves, arranges all models with room for supports
+// and generates the supports. Thread-safe (no shared state).
 #pragma once
 
 #include <optional>
@@ -13,26 +13,28 @@
 
 namespace contourd {
 
-// Sets the models' elevations, whole numbers of these layers. Throws JobRefused where one is too high then.
+// Sets the models' elevations to multiples of `layer`. Throws JobRefused if a lifted model is too high.
 void lift_models(std::vector<ModelToPlace>& models, const SupportSettings& settings, Nanometers layer,
                  const BuildVolume& volume);
 
+// An arrangement of models and their supports.
 struct HeldPlate {
   Arrangement arrangement;
   Supports supports;
 };
 
-// Models that need no supports lie as they lie without; otherwise there is room for feet between all of
-// them. Nothing when `stop` was asked for meanwhile. Throws JobRefused: as arrange() and check_arrangement(),
-// and JobTooLarge. Blocks: see make_supports().
+// Arranges and supports the models of a plate.
 class PlateHolding {
  public:
-  // All must outlive it.
+  // All arguments must outlive this object.
   PlateHolding(const std::vector<ModelToPlace>& models, const BuildVolume& volume,
                const SupportSettings& settings, const JobContent& content)
       : models_(models), volume_(volume), settings_(settings), content_(content) {}
 
-  // `layer` is the thinnest: in such steps models are looked at for collisions.
+  // Arranges the models and generates their supports; nullopt if `stop` was requested. If no model needs
+  // supports, the arrangement is the same as without; otherwise there is room for feet between all models.
+  // `layer`, the thinnest layer, is the step in height of the search for collisions. Throws JobRefused as
+  // arrange() and check_arrangement() do, and JobTooLarge. Blocks as make_supports() does.
   [[nodiscard]] std::optional<HeldPlate> hold(Nanometers layer, const std::stop_token& stop) const;
 
  private:
@@ -45,7 +47,7 @@ class PlateHolding {
   const JobContent& content_;
 };
 
-// As the engine takes them.
+// Returns the models and their copies in the form that the engine takes.
 [[nodiscard]] std::vector<PlateModel> stand_on_plate(const std::vector<ModelToPlace>& models,
                                                      const Arrangement& arrangement,
                                                      const DisplayGeometry& display);

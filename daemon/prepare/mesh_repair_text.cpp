@@ -9,14 +9,15 @@ namespace contourd {
 
 std::string describe(const MeshRepairs& repairs) {
   std::string text;
-  const auto add = [&text](std::uint64_t count, std::string_view what) {
+  const auto add = [&text](std::uint64_t count, std::string_view kind, std::string_view repair) {
     if (count == 0) return;
-    text += fmt::format("{}{} {} {}", text.empty() ? "" : ", ", count, count == 1 ? "facet" : "facets", what);
+    text += fmt::format("{}{} {}{} {}", text.empty() ? "" : ", ", count, kind,
+                        count == 1 ? "facet" : "facets", repair);
   };
-  add(repairs.turned, "turned round");
-  add(repairs.doubled, "left out for being there once more");
-  add(repairs.reversed, "left out for being there once more, reversed");
-  add(repairs.inner_walls, "of walls inside left out");
+  add(repairs.turned, "", "turned round");
+  add(repairs.doubled, "duplicate ", "removed");
+  add(repairs.reversed, "reversed duplicate ", "removed");
+  add(repairs.inner_walls, "inner wall ", "removed");
   return text;
 }
 

@@ -1,4 +1,4 @@
-// What was repaired in a model's mesh, in words and as JSON. Thread-safe (no shared state).
+// Formats the repairs of a model's mesh as text and as JSON. Thread-safe (no shared state).
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,12 +8,13 @@
 
 namespace contourd {
 
-// "17 facets turned round, 2 facets of walls inside left out"; empty when nothing was.
+// Returns "17 facets turned round, 2 inner wall facets removed"; empty if nothing was repaired.
 [[nodiscard]] std::string describe(const MeshRepairs& repairs);
 
-// The same as a warning.
+// Returns the repairs as a warning, a sentence.
 [[nodiscard]] std::string repair_warning(const MeshRepairs& repairs);
 
+// Returns the number of facets by kind of repair.
 [[nodiscard]] nlohmann::ordered_json repairs_json(const MeshRepairs& repairs);
 
 }  // namespace contourd

@@ -15,7 +15,7 @@
 namespace contourd {
 
 template <typename Work>
-auto ModelFile::refusing(Work work) const {
+auto ModelFile::or_refuse(Work work) const {
   try {
     return work();
   } catch (const UnreadableFile& error) {
@@ -29,7 +29,7 @@ auto ModelFile::refusing(Work work) const {
 
 ModelFile::ModelFile(std::filesystem::path path, const std::string& name, Links links)
     : path_(std::move(path)), prefix_(name.empty() ? "" : name + ": ") {
-  refusing([&] {
+  or_refuse([&] {
     open(links);
     outline_ = outline_of_model(file_.get(), bytes_, path_);
     return 0;
@@ -37,7 +37,7 @@ ModelFile::ModelFile(std::filesystem::path path, const std::string& name, Links 
 }
 
 Model ModelFile::read() {
-  return refusing([this] {
+  return or_refuse([this] {
     Model model = read_model_file(file_.get(), bytes_, path_);
     file_.reset();
     if (model.facets.empty()) throw JobRefused(prefix_ + "the file holds no facets");

@@ -1,5 +1,5 @@
-// An STL file that a job names: opened, looked at, then read. What was looked at is what is read, whatever is
-// put in its place meanwhile. Thread-safe (no shared state).
+// A model file named by a job: opened and outlined first, read later. The opened file stays the one that is
+// read, even if another file replaces it meanwhile. Thread-safe (no shared state).
 #pragma once
 
 #include <cstdint>
@@ -15,12 +15,13 @@ namespace contourd {
 
 class ModelFile {
  public:
-  // Opens it and looks at its beginning. `name` stands before what is wrong with it, if there are several.
-  // Throws JobRefused.
+  // Opens the file and reads its outline from its beginning. `name` precedes error messages; empty if the job
+  // has only one model. Throws JobRefused.
   ModelFile(std::filesystem::path path, const std::string& name, Links links);
 
   [[nodiscard]] const ModelOutline& outline() const { return outline_; }
-  // As long as it was when it was opened. To be called once; blocks. Throws JobRefused.
+  // Reads the model, up to the length that the file had when it was opened. Call it once. Blocks. Throws
+  // JobRefused.
   [[nodiscard]] Model read();
 
  private:
@@ -29,8 +30,9 @@ class ModelFile {
   };
 
   void open(Links links);
+  // Calls `work` and turns its exceptions into JobRefused.
   template <typename Work>
-  auto refusing(Work work) const;
+  auto or_refuse(Work work) const;
 
   std::filesystem::path path_;
   std::string prefix_;

@@ -36,7 +36,7 @@ std::optional<ModelOrientation> find_orientation(std::span<const Facet> facets, 
                                                  const OrientationLimits& limits,
                                                  const std::stop_token& stop) {
   expects(ticket.orientation.has_value() && !facets.empty(),
-          "a model's ticket leaves its way up to contourd");
+          "the ticket leaves the orientation to contourd, and there is a facet");
   const auto start = std::chrono::steady_clock::now();
   OrientationRequest request;
   request.scale = ticket.scale.value_or(Scale{}) * limits.shrinkage;
@@ -52,7 +52,7 @@ std::optional<ModelOrientation> find_orientation(std::span<const Facet> facets, 
 }
 
 std::string text_of(const Direction& up) {
-  // No minus in front of what is rounded to 0.
+  // Adding 0.0 turns -0 into 0, so that it is printed without a minus.
   const auto rounded = [](double along) { return std::round(along * 1000) / 1000 + 0.0; };
   return fmt::format("{:g}, {:g}, {:g}", rounded(up.x), rounded(up.y), rounded(up.z));
 }
@@ -61,11 +61,11 @@ std::string describe(const OrientationFigures& figures) {
   const double contacts = std::ceil(figures.contacts);
   std::string text = contacts > 0 ? fmt::format("about {:.0f} contact{}, {:.2f} ml of supports", contacts,
                                                 contacts == 1 ? "" : "s", figures.support_mm3 / 1000)
-                                  : "nothing hangs over";
-  text += fmt::format(", {:.2f} mm high, {:.0f} mm2 at most", figures.size_z_mm, figures.largest_mm2);
+                                  : "no overhangs";
+  text += fmt::format(", {:.2f} mm high, largest layer {:.0f} mm2", figures.size_z_mm, figures.largest_mm2);
   if (figures.stands) text += ", stands by itself";
   if (figures.touched_mm2 > 0)
-    text += fmt::format(", {:.0f} mm2 touched of what is to be kept clean", figures.touched_mm2);
+    text += fmt::format(", {:.0f} mm2 of the surfaces to be kept clean are touched", figures.touched_mm2);
   if (!figures.fits) text += ", does not fit into the machine";
   return text;
 }
@@ -73,8 +73,7 @@ std::string describe(const OrientationFigures& figures) {
 std::string describe(const ModelOrientation& orientation) {
   const OrientationChoice& choice = orientation.choice;
   const std::string preset(name_of(orientation.preset));
-  if (choice.as_drawn())
-    return fmt::format("stays as it is drawn ({}): {}", preset, describe(choice.chosen()));
+  if (choice.as_drawn()) return fmt::format("stays as drawn ({}): {}", preset, describe(choice.chosen()));
   const auto drawn = std::ranges::find(choice.ranked, Direction{0, 0, 1}, &OrientationFigures::up);
   return fmt::format("{} points up ({}): {}; as drawn: {}", text_of(choice.chosen().up), preset,
                      describe(choice.chosen()), describe(*drawn));

@@ -1,4 +1,4 @@
-// Which way up a job's model is printed when its ticket leaves that to contourd. Thread-safe (no shared
+// Chooses which way up a job's model is printed if its ticket leaves that to contourd. Thread-safe (no shared
 // state).
 #pragma once
 
@@ -14,40 +14,43 @@
 
 namespace contourd {
 
+// The orientation chosen for a model.
 struct ModelOrientation {
   OrientationPreset preset = OrientationPreset::Auto;
   OrientationChoice choice;
-  Duration took{};
+  Duration took{};  // by the search
 };
 
-// What holds for all models of a job, beside what one's ticket says.
+// The limits and weights for all models of a job.
 struct OrientationLimits {
   BuildSize build;
-  Scale shrinkage;             // that makes good the resin's
+  Scale shrinkage;             // factors that compensate the resin's shrinkage
   OrientationWeights weights;  // the resin's
-  Millimeters lift{};          // 0 where there are no supports
-  Millimeters bridge{1.5};
+  Millimeters lift{};          // height of a supported model above the plate; 0 without supports
+  Millimeters bridge{1.5};     // span that the resin bridges without support
 };
 
-// Blocks, for a second for a million facets. Nothing when `stop` was asked for meanwhile. A model that is to
-// fill the display is rated as large as its file has it. REQUIRES: a ticket that leaves it to contourd, at
-// least one facet.
+// Finds the best orientation for the model; nullopt if `stop` was requested. A model with `fit` is rated at
+// the size in its file. Blocks for about a second per million facets. REQUIRES: the ticket leaves the
+// orientation to contourd; at least one facet.
 [[nodiscard]] std::optional<ModelOrientation> find_orientation(std::span<const Facet> facets,
                                                                const ModelTicket& ticket,
                                                                const OrientationLimits& limits,
                                                                const std::stop_token& stop = {});
 
-// For a person: "0.35, -0.66, 0.66 points up (clean): about 10 contacts, 0.25 ml of supports, 35.43 mm high;
-// as drawn about 26 contacts, ...".
+// Returns a sentence: "0.354, -0.661, 0.661 points up (clean): about 10 contacts, 0.25 ml of supports, 35.43
+// mm high, largest layer 287 mm2; as drawn: about 26 contacts, ...".
 [[nodiscard]] std::string describe(const ModelOrientation& orientation);
-// "about 10 contacts, 0.25 ml of supports, 35.43 mm high, 287 mm2 at most", and what else is to be said.
+// Returns "about 10 contacts, 0.25 ml of supports, 35.43 mm high, largest layer 287 mm2" and, if they apply,
+// that the model stands by itself, touches surfaces to be kept clean or does not fit.
 [[nodiscard]] std::string describe(const OrientationFigures& figures);
-// "0.354, -0.661, 0.661".
+// Returns the direction, rounded to thousandths: "0.354, -0.661, 0.661".
 [[nodiscard]] std::string text_of(const Direction& up);
 
-// The chosen direction's and the best others' figures.
 inline constexpr std::size_t kAlternativesTold = 8;
+// Returns the figures of the chosen direction and of the next best ones, at most kAlternativesTold in all.
 [[nodiscard]] std::span<const OrientationFigures> told_of(const OrientationChoice& choice);
+// Returns the choice with the figures of told_of().
 [[nodiscard]] nlohmann::ordered_json orientation_json(const ModelOrientation& orientation);
 
 }  // namespace contourd

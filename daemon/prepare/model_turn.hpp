@@ -1,5 +1,5 @@
-// How a model is turned and scaled by its ticket before it stands on the plate, and what belongs to it with
-// it. Thread-safe (no shared state).
+// Turns and scales a model, or facets that move with it, as its ticket says, before it is placed on the
+// plate. Thread-safe (no shared state).
 #pragma once
 
 #include <span>
@@ -10,9 +10,10 @@
 
 namespace contourd {
 
-// By the ticket and the resin's shrinkage. What is to fill the display is turned, and enlarged by what that
-// takes afterwards.
+// Turns the facets by the ticket's rotation and scales them by its scale and the resin's shrinkage. If the
+// ticket asks for `fit`, its scale is ignored: enlarge() follows, once the size of the turned model is known.
 void turn_and_scale(std::span<Facet> facets, const ModelTicket& ticket, const Scale& shrinkage);
+// Scales the facets.
 void enlarge(std::span<Facet> facets, const Scale& scale);
 
 }  // namespace contourd

@@ -1,5 +1,5 @@
-// What a ticket sets in the place of its resin's profile, in words and as JSON. Thread-safe (no shared
-// state).
+// Formats the settings in which a ticket overrides its resin's profile, as text and as JSON. Thread-safe (no
+// shared state).
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,10 +9,10 @@
 
 namespace contourd {
 
-// "exposure_ms 4000 instead of 3000, lift_mm 8 instead of 6"; empty where there is none.
+// Returns "exposure_ms 4000 instead of 3000, lift_mm 8 instead of 6"; empty if nothing is overridden.
 [[nodiscard]] std::string describe(const OverriddenSettings& overridden);
 
-// A list of these.
+// Returns a list of objects: setting, asked, profile.
 [[nodiscard]] nlohmann::ordered_json overrides_json(const OverriddenSettings& overridden);
 
 }  // namespace contourd

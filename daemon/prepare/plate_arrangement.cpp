@@ -16,7 +16,7 @@ namespace {
 // A thousandth of a millimetre: the rounding of float coordinates, far below a pixel.
 constexpr double kRoundingMm = 1e-3;
 
-// Rows of columns, as near to a square as the plate allows.
+// Returns the centres of the copies in a grid around the position, as near to a square as the plate allows.
 std::vector<Point> grid_of_copies(const ModelToPlace& model, const BuildVolume& volume, double gap_mm) {
   const Bounds& bounds = model.model->bounds();
   const double pitch_x = bounds.size_x() + gap_mm, pitch_y = bounds.size_y() + gap_mm;
@@ -43,7 +43,7 @@ std::vector<Point> grid_of_copies(const ModelToPlace& model, const BuildVolume& 
   return centers;
 }
 
-// Puts what has no position where there is room.
+// Finds room for the models without a position.
 class RoomFinder {
  public:
   RoomFinder(const std::vector<ModelToPlace>& models, const BuildVolume& volume, double gap_mm)
@@ -62,7 +62,7 @@ class RoomFinder {
       for (const Point& center : arrangement[i])
         occupy(models_[i], center);
     }
-    // The deepest first: what comes later fits beside it.
+    // Places the deepest models first, since the others fit beside them.
     std::stable_sort(free.begin(), free.end(), [this](std::size_t a, std::size_t b) {
       return models_[a].model->bounds().size_y() > models_[b].model->bounds().size_y();
     });
@@ -86,7 +86,7 @@ class RoomFinder {
     PlateRectangle rectangle;
   };
 
-  // Whole pixels that hold this length, but for the rounding of floats.
+  // Returns the number of pixels that cover the length, not counting an excess from the rounding of floats.
   [[nodiscard]] std::int64_t pixels_for(double length_mm) const {
     return std::max<std::int64_t>(
         1, static_cast<std::int64_t>(std::ceil((length_mm - kRoundingMm) / volume_.pitch_mm())));
@@ -100,7 +100,7 @@ class RoomFinder {
       return static_cast<std::int64_t>(std::floor(from_middle_mm / volume_.pitch_mm() + size.count() / 2.0));
     };
     const Bounds& bounds = model.model->bounds();
-    // A pixel more, since an edge may lie within one.
+    // One more pixel each way, since an edge may lie within a pixel.
     packing_.occupy({line(center.x - bounds.size_x() / 2, volume_.display.width),
                      line(center.y - bounds.size_y() / 2, volume_.display.height),
                      pixels_for(bounds.size_x()) + 1, pixels_for(bounds.size_y()) + 1});
@@ -117,7 +117,7 @@ class RoomFinder {
         bounds.size_y()));
   }
 
-  // Pixels that stay free to the right of and behind everything.
+  // Returns the number of pixels that stay free to the right of all models, and at the back of the plate.
   [[nodiscard]] std::tuple<std::int64_t, std::int64_t> slack_beside_all() const {
     std::int64_t right = 0, back = 0;
     for (const auto& [i, place] : places_) {
@@ -188,9 +188,7 @@ void check_arrangement(const std::vector<ModelToPlace>& models, const Arrangemen
       const auto collision = find_collision(copies[a].placed, copies[b].placed, volume.display, layer);
       if (!collision) continue;
       throw JobRefused(fmt::format(
-          "{} and {} are in each other's way: at a height of {:.3f} mm both are at {:.2f}, {:.2f} mm from "
-          "the "
-          "plate's centre",
+          "{} and {} collide: at a height of {:.3f} mm both are at {:.2f}, {:.2f} mm from the plate's centre",
           copy_name(copies[a].model, copies[a].number), copy_name(copies[b].model, copies[b].number),
           to_millimeters(collision->height).count(), collision->place.x, collision->place.y));
     }

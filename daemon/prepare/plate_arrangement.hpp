@@ -1,5 +1,5 @@
-// Where the models of a job and their copies stand on the plate, checked against the build area and against
-// each other. Thread-safe (no shared state).
+// Arranges a job's models and their copies on the plate and checks them against the build volume and each
+// other. Thread-safe (no shared state).
 #pragma once
 
 #include <memory>
@@ -14,21 +14,22 @@
 
 namespace contourd {
 
-// A model that is turned and scaled already.
+// A model that is already turned and scaled.
 struct ModelToPlace {
-  std::string name;  // as messages have it: "the model", or its file
+  std::string name;  // as messages name it: "the model", or its file
   std::shared_ptr<const HeightIndex> model;
-  std::optional<PlateOffset> position;  // of the copies' centre; where there is room without it
+  std::optional<PlateOffset> position;  // centre of all copies; nullopt: wherever there is room
   int copies = 1;
-  Elevation elevation{};  // of each copy
-  // Of each copy; see PlateModel. Null: none.
+  Elevation elevation{};  // height of each copy above the plate
+  // Drain holes in each copy (see PlateModel); null if there are none.
   std::shared_ptr<const SectionSource> holes{};
 
   [[nodiscard]] StandingModel standing() const { return {model, elevation}; }
 };
 
+// The space in which the machine can print.
 struct BuildVolume {
-  DisplayGeometry display;  // its pixels are the plate
+  DisplayGeometry display;  // the plate is as large as the display's picture
   double height_mm = 0;
 
   [[nodiscard]] double width_mm() const { return display.width_mm(); }
@@ -36,18 +37,20 @@ struct BuildVolume {
   [[nodiscard]] double pitch_mm() const { return to_millimeters(display.pixel_pitch).count(); }
 };
 
-// Between models and copies that are arranged, so that cured resin does not join them.
+// The gap between arranged models and copies, so that cured resin does not join them.
 inline constexpr Millimeters kCopyGap{2.0};
 
-// By model, by copy: the centre of its bounds, from the plate's centre, in millimetres. Copies of a model
-// with a position lie in rows and columns around it, a gap apart; everything else is put where there is room,
-// a gap from all else, with its edges on the pixel grid, and in the middle of the plate if nothing has a
-// position. Whether it is all on the plate: see check_arrangement(). Throws JobRefused when there is no room.
+// For each model and each of its copies, the centre of the bounds, from the plate's centre, in millimetres.
 using Arrangement = std::vector<std::vector<Point>>;
+// Arranges the models. Copies of a model with a position stand in rows and columns around it, `gap` apart.
+// Every other copy is put where there is room, at least `gap` from all others, with its edges on the pixel
+// grid; if no model has a position, all of them together are centred on the plate. Throws JobRefused if there
+// is not enough room. Positions that reach over the plate's edge are found by check_arrangement().
 [[nodiscard]] Arrangement arrange(const std::vector<ModelToPlace>& models, const BuildVolume& volume,
                                   Millimeters gap = kCopyGap);
 
-// Throws JobRefused with a sentence when a copy reaches out of the build volume, or when two meet in a layer.
+// Throws JobRefused if a copy reaches over the edge of the build area or if two copies collide in a layer.
+// `layer` is the step in height of the search for collisions.
 void check_arrangement(const std::vector<ModelToPlace>& models, const Arrangement& arrangement,
                        const BuildVolume& volume, Nanometers layer);
 

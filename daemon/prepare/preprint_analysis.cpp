@@ -23,7 +23,7 @@ bool is_open(const ModelSummary& model) {
   return !model.mesh.watertight;
 }
 
-// They are told to each who asks for the queue.
+// Limits of the warnings, since every request for the queue sends them all.
 constexpr std::size_t kMostWarnings = 20, kLongestWarning = 500;
 
 void bound(std::vector<std::string>& warnings) {
@@ -36,7 +36,8 @@ void bound(std::vector<std::string>& warnings) {
     warning = shortened(warning, kLongestWarning);
 }
 
-// What holds the part on the plate, as a share of what the peel tears at.
+// Returns the area of the first layer, which holds the part on the plate, in percent of the largest layer,
+// where the peel pulls hardest.
 double first_layer_percent(const PrintFindings& findings) {
   if (findings.area_mm2.empty() || findings.largest_area_mm2 <= 0) return 100;
   return 100 * findings.area_mm2.front() / findings.largest_area_mm2;
@@ -96,8 +97,7 @@ std::optional<PreprintAnalysis> analyze_before_print(const PreparedJob& job, con
     PreprintAnalysis analysis{.resin_ml = {}, .findings = {std::string(kNotAnalyzed)}, .warnings = {}};
     if (has_unheld_places(job.summary)) analysis.findings.emplace_back(kUnheldPlaces);
     analysis.warnings = job.summary.warnings;
-    analysis.warnings.push_back(
-        fmt::format("the layers could not be looked through: {}", printable(error.what())));
+    analysis.warnings.push_back(fmt::format("the layers could not be analyzed: {}", printable(error.what())));
     bound(analysis.warnings);
     return analysis;
   }

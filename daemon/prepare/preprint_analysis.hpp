@@ -1,5 +1,5 @@
-// What a look through all layers of a job has found before its turn, and which of it the printer's owner
-// wants to be asked about (ask_before in the printer's file). Values; thread-safe (no shared state).
+// The analysis of all layers of a job before its turn, and the findings that need the operator's confirmation
+// (ask_before in the printer's file). Values; thread-safe (no shared state).
 #pragma once
 
 #include <optional>
@@ -14,42 +14,46 @@
 
 namespace contourd {
 
+// Result of the analysis.
 struct PreprintAnalysis {
-  std::optional<double> resin_ml{};   // nothing where the layers were not looked through
-  std::vector<std::string> findings;  // their names, as ask_before has them
+  std::optional<double> resin_ml{};   // nullopt if the layers were not analyzed
+  std::vector<std::string> findings;  // names, spelled as in ask_before
   std::vector<std::string> warnings;  // about the models, then about the layers; a sentence each
 };
 
-// The finding of a job whose layers could not be looked through. The owner is asked about it whatever
-// ask_before names.
+// Finding of a job whose layers could not be analyzed. Needs confirmation even if ask_before does not name
+// it.
 inline constexpr std::string_view kNotAnalyzed = "not_analyzed";
-// The same of one with places that have to be held and cannot be.
+// Finding of a job with places that no support can hold. Needs confirmation even if ask_before does not name
+// it.
 inline constexpr std::string_view kUnheldPlaces = "unheld_places";
 
-// A job of whose findings its owner may be asked, as it was then.
+// An analysis, and the job's content and settings at that time.
 struct AnalyzedJob {
   PreprintAnalysis analysis;
-  std::string content;  // as content_mark() has it
+  std::string content;  // from content_mark()
   JobSettings settings;
 };
 
-// What its preparation alone has found of which its owner is asked; nothing when there is none.
+// Returns the findings that the preparation alone makes and that need confirmation; nullopt if there are
+// none.
 [[nodiscard]] std::optional<PreprintAnalysis> analysis_of_preparation(const JobSummary& job);
 
+// Returns the names and warnings of what the preparation and the analysis of the layers found.
 [[nodiscard]] PreprintAnalysis preprint_analysis_of(const JobSummary& job, const PrintFindings& findings,
                                                     const PrinterConfig& printer);
 
-// Computes the mask of every layer, by the job's analysis engine. What goes wrong there is a finding. Nothing
-// when `stop` was asked for meanwhile. Blocks.
+// Computes the mask of every layer with the job's analysis engine and returns the findings; nullopt if `stop`
+// was requested. An error becomes the finding kNotAnalyzed. Blocks.
 [[nodiscard]] std::optional<PreprintAnalysis> analyze_before_print(const PreparedJob& job,
                                                                    const PrinterConfig& printer,
                                                                    const std::stop_token& stop);
 
-// Those of a job's findings that the printer's owner wants to be asked about.
+// Returns the findings that need confirmation on this printer.
 [[nodiscard]] std::vector<std::string> asked_findings(const PreprintAnalysis& analysis,
                                                       const PrinterConfig& printer);
 
-// For people: "islands, tiny first layer".
+// Returns the names as text: "islands, tiny first layer".
 [[nodiscard]] std::string findings_text(const std::vector<std::string>& names);
 
 }  // namespace contourd

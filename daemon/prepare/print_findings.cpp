@@ -13,46 +13,46 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// How many islands, and stretches of layers, a sentence names.
+// Maximum number of islands, or of runs of layers, that a sentence names.
 constexpr std::size_t kMaxNamedFindings = 3;
 
-// Three digits, and all that stand before the point; where {:g} would take to exponents, something else.
+// Returns the area with three significant digits and all digits before the point, never with an exponent.
 std::string area_text(double area_mm2) {
   if (area_mm2 < 0.0001) return "less than 0.0001 mm2";
   return area_mm2 < 999.5 ? fmt::format("{:.3g} mm2", area_mm2) : fmt::format("{:.0f} mm2", area_mm2);
 }
 
-// The ends of the first stretches of layers that follow each other, for layers in rising order.
-std::vector<std::span<const std::int32_t>> first_stretches(std::span<const std::int32_t> layers) {
-  std::vector<std::span<const std::int32_t>> stretches;
-  for (std::size_t i = 0; i < layers.size() && stretches.size() < kMaxNamedFindings;) {
+// Returns the first kMaxNamedFindings runs of consecutive layers. `layers` is in rising order.
+std::vector<std::span<const std::int32_t>> first_runs(std::span<const std::int32_t> layers) {
+  std::vector<std::span<const std::int32_t>> runs;
+  for (std::size_t i = 0; i < layers.size() && runs.size() < kMaxNamedFindings;) {
     std::size_t end = i + 1;
     while (end < layers.size() && layers[end] == layers[end - 1] + 1)
       ++end;
-    stretches.push_back(layers.subspan(i, end - i));
+    runs.push_back(layers.subspan(i, end - i));
     i = end;
   }
-  return stretches;
+  return runs;
 }
 
-// "3", "3 to 7", "3 to 7, 9, 12 and 4 more".
-std::string stretches(std::span<const std::int32_t> layers) {
+// Returns the layers, counted from 1: "3", "3 to 7", "3 to 7, 9, 12 and 4 more".
+std::string layers_text(std::span<const std::int32_t> layers) {
   std::string text;
-  std::size_t told = 0;
-  for (const auto& stretch : first_stretches(layers)) {
-    text += fmt::format("{}{}", text.empty() ? "" : ", ", stretch.front() + 1);
-    if (stretch.size() > 1) text += fmt::format(" to {}", stretch.back() + 1);
-    told += stretch.size();
+  std::size_t named = 0;
+  for (const auto& run : first_runs(layers)) {
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", run.front() + 1);
+    if (run.size() > 1) text += fmt::format(" to {}", run.back() + 1);
+    named += run.size();
   }
-  if (told < layers.size()) text += fmt::format(" and {} more", layers.size() - told);
+  if (named < layers.size()) text += fmt::format(" and {} more", layers.size() - named);
   return text;
 }
 
 FindingWarning warning_about(std::span<const std::int32_t> layers, std::string_view mark,
                              std::string sentence) {
   FindingWarning warning{std::move(sentence), mark, {}};
-  for (const auto& stretch : first_stretches(layers))
-    warning.layers.push_back(stretch.front());
+  for (const auto& run : first_runs(layers))
+    warning.layers.push_back(run.front());
   return warning;
 }
 
@@ -78,13 +78,13 @@ FindingWarning island_warning(const PrintFindings& findings) {
   return warning;
 }
 
-// "800 mm3", and from a millilitre on "1.2 ml".
+// Returns "800 mm3", or "1.2 ml" from one millilitre on.
 std::string volume_text(double volume_mm3) {
   if (volume_mm3 >= 999.5) return fmt::format("{:.1f} ml", volume_mm3 / 1000);
   return fmt::format("{:.3g} mm3", volume_mm3);
 }
 
-// "layers 12 to 40, at 3.10, -2.00 mm from the plate's centre in layer 20".
+// Returns "layers 12 to 40, at 3.10, -2.00 mm from the plate's centre in layer 20".
 std::string place_text(const PrintVoid& each) {
   const std::string layers =
       each.first_layer == each.last_layer
@@ -94,11 +94,12 @@ std::string place_text(const PrintVoid& each) {
                      each.plate_mm.y, each.widest_layer + 1);
 }
 
+// A warning about suction cups or resin traps, without the voids themselves.
 struct VoidsWarning {
-  std::string sentence;  // up to the first of them
+  std::string sentence;  // up to the first void
   std::string_view mark;
-  std::uint64_t count;
-  double PrintVoid::*figure;  // by which they are large
+  std::uint64_t count;        // including voids that are not listed
+  double PrintVoid::*figure;  // by which the largest voids are chosen
 };
 
 FindingWarning void_warning(VoidsWarning about, const std::vector<PrintVoid>& voids) {
@@ -150,14 +151,14 @@ void add_empty_layers_warnings(const PrintFindings& findings, std::vector<Findin
     if (layers.empty()) return;
     const bool one = layers.size() == 1;
     warnings.push_back(warning_about(layers, "empty",
-                                     fmt::format("layer{} {} {} empty: {}", one ? "" : "s", stretches(layers),
-                                                 one ? "is" : "are", consequence)));
+                                     fmt::format("layer{} {} {} empty: {}", one ? "" : "s",
+                                                 layers_text(layers), one ? "is" : "are", consequence)));
   };
   std::size_t inside = empty.size();
   for (std::int32_t top = findings.layers() - 1; inside > 0 && empty[inside - 1] == top; --top)
     --inside;
-  warn(empty.first(inside), "what comes above has nothing to hold it");
-  warn(empty.subspan(inside), "the print ends beneath");
+  warn(empty.first(inside), "nothing holds the layers above");
+  warn(empty.subspan(inside), "the print ends below");
 }
 
 FindingWarning open_contours_warning(const PrintFindings& findings) {
@@ -169,7 +170,7 @@ FindingWarning open_contours_warning(const PrintFindings& findings) {
       open, "crack",
       fmt::format(
           "the model is cracked: contours of {} ({}) did not close; the widest gap bridged is {:.3f} mm",
-          count_of(open.size(), "layer", "layers"), stretches(open), findings.cracks.widest_gap.count()));
+          count_of(open.size(), "layer", "layers"), layers_text(open), findings.cracks.widest_gap.count()));
 }
 
 FindingWarning turned_chains_warning(const PrintFindings& findings) {
@@ -179,7 +180,7 @@ FindingWarning turned_chains_warning(const PrintFindings& findings) {
   }
   return warning_about(turned, "turned facets",
                        fmt::format("facets of {} ({}) are turned against the others; they were turned back",
-                                   count_of(turned.size(), "layer", "layers"), stretches(turned)));
+                                   count_of(turned.size(), "layer", "layers"), layers_text(turned)));
 }
 
 Json voids_json(const std::vector<PrintVoid>& voids) {
@@ -225,7 +226,7 @@ std::vector<FindingWarning> findings_warnings(const PrintFindings& findings) {
     warnings.push_back(warning_about(
         abandoned, "no mask",
         fmt::format("the mask of {} ({}) takes far longer than mask_budget_ms: the print will stop there",
-                    count_of(abandoned.size(), "layer", "layers"), stretches(abandoned))));
+                    count_of(abandoned.size(), "layer", "layers"), layers_text(abandoned))));
   }
   if (findings.cracks.open_chains > 0) warnings.push_back(open_contours_warning(findings));
   if (findings.cracks.turned_chains > 0) warnings.push_back(turned_chains_warning(findings));

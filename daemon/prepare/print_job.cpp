@@ -30,8 +30,7 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-constexpr std::string_view kRepairIt =
-    "mend the model, or print it with \"cracks\": \"repair\" in its ticket";
+constexpr std::string_view kRepairIt = "fix the model, or print it with \"cracks\": \"repair\" in its ticket";
 
 EngineSettings engine_settings(const PrinterConfig& printer, const ResinProfile& resin,
                                const BuildVolume& volume) {
@@ -39,8 +38,8 @@ EngineSettings engine_settings(const PrinterConfig& printer, const ResinProfile&
           printer.tone, printer.uniformity};
 }
 
-// What models that are to fill the machine leave free beneath them: they may have to stand on supports, a
-// whole number of layers high.
+// Returns the height that models with `fit` leave free beneath them, since they may have to stand on
+// supports, a whole number of layers high.
 double room_for_supports_mm(const JobSettings& settings) {
   if (settings.supports == SupportPolicy::Off) return 0;
   return (settings.resin.supports.lift + to_millimeters(settings.resin.layer_height_max)).count();
@@ -53,18 +52,19 @@ BuildVolume build_volume(const PrinterConfig& printer, const ResinProfile& resin
           to_millimeters(printer.travel - resin.lift).count()};
 }
 
-// As large as the thesis's equations 3.6 to 3.19 draw it, but in all three directions alike, and no higher
-// than the machine: a part that is to be printed must keep its shape.
+// Returns the scale at which the model fills the display, as in the thesis's equations 3.6 to 3.19, but equal
+// in all three directions, since a printed part must keep its shape, and no higher than the machine can
+// print.
 double scale_to_fit(const Bounds& bounds, const BuildVolume& volume, double beneath_mm) {
   const double pixels_per_mm = PixelMap::fit(volume.display, bounds).pixels_per_mm();
-  // Of a machine that hardly has that much, half.
+  // If the machine is hardly higher than the supports, the model gets half of its height.
   const double height_mm = std::max(volume.height_mm - beneath_mm, volume.height_mm / 2);
   return std::min(pixels_per_mm * volume.pitch_mm(), height_mm / bounds.size_z());
 }
 
-// Turns and scales the facets; the scale that the owner asked for comes back.
-Scale make_of_its_size(std::vector<Facet>& facets, const ModelTicket& ticket, const BuildVolume& volume,
-                       const JobSettings& settings) {
+// Turns and scales the facets. Returns the scale without the resin's shrinkage.
+Scale turn_to_size(std::vector<Facet>& facets, const ModelTicket& ticket, const BuildVolume& volume,
+                   const JobSettings& settings) {
   turn_and_scale(facets, ticket, settings.resin.shrinkage_factors);
   if (!ticket.fit) return ticket.scale.value_or(Scale{});
   const Scale scale{scale_to_fit(bounds_of(facets), volume, room_for_supports_mm(settings))};
@@ -84,14 +84,14 @@ void check_size(const Bounds& bounds, const std::string& name, const BuildVolume
   }
 }
 
-// By what a job's models are made ready, until it is told to stop.
-struct Making {
+// Settings for making a job's models, and the request to stop.
+struct MakingContext {
   const JobSettings& settings;
   const BuildVolume& volume;
   const std::stop_token& stop;
 };
 
-OrientationLimits orientation_limits(const Making& making) {
+OrientationLimits orientation_limits(const MakingContext& making) {
   const ResinProfile& resin = making.settings.resin;
   const BuildVolume& volume = making.volume;
   return {{Millimeters{volume.width_mm()}, Millimeters{volume.depth_mm()}, Millimeters{volume.height_mm}},
@@ -101,17 +101,17 @@ OrientationLimits orientation_limits(const Making& making) {
           resin.supports.bridge};
 }
 
-// Finds which way up the model is printed, where its ticket leaves that to contourd; then the ticket says it.
-void find_up(JobContent& content, std::span<const Facet> facets, ModelTicket& ticket, const Making& making,
-             ModelSummary& figures) {
+// Chooses the model's orientation if its ticket leaves that to contourd, and sets it in the ticket.
+void find_up(JobContent& content, std::span<const Facet> facets, ModelTicket& ticket,
+             const MakingContext& making, ModelSummary& figures) {
   if (!ticket.orientation || facets.empty()) return;
-  content.require_room_to_repair(facets);  // no less than this takes
+  content.require_room_to_repair(facets);  // orienting takes no more memory than repairing
   figures.orientation = find_orientation(facets, ticket, orientation_limits(making), making.stop);
   if (figures.orientation) ticket.up = figures.orientation->choice.chosen().up;
 }
 
-// Takes the facets.
-ModelSummary make_model(JobContent& content, std::size_t number, const Making& making,
+// Takes the model's facets from `content`, turns and scales them, and sets `made` to their height index.
+ModelSummary make_model(JobContent& content, std::size_t number, const MakingContext& making,
                         std::shared_ptr<const HeightIndex>& made) {
   const auto& [given, name, file, made_as] = content.models()[number];
   ModelTicket ticket = given;
@@ -122,7 +122,7 @@ ModelSummary make_model(JobContent& content, std::size_t number, const Making& m
   std::vector<Facet> facets = content.take_facets(number);
   find_up(content, facets, ticket, making, figures);
   figures.up = ticket.up;
-  figures.scale = make_of_its_size(facets, ticket, making.volume, making.settings);
+  figures.scale = turn_to_size(facets, ticket, making.volume, making.settings);
   const Bounds bounds = bounds_of(facets);
   check_size(bounds, name, making.volume);
   figures.size_x_mm = bounds.size_x();
@@ -133,12 +133,12 @@ ModelSummary make_model(JobContent& content, std::size_t number, const Making& m
   return figures;
 }
 
-// Fewer when it was told to stop.
-std::vector<ModelToPlace> make_ready(JobContent& content, const Making& making, JobSummary& summary) {
+// Makes the job's models; fewer if a stop was requested.
+std::vector<ModelToPlace> make_models(JobContent& content, const MakingContext& making, JobSummary& summary) {
   std::vector<ModelToPlace> models;
   for (std::size_t i = 0; i < content.models().size() && !making.stop.stop_requested(); ++i) {
     const auto& [ticket, name, file, made_as] = content.models()[i];
-    // A model alone stands in the middle.
+    // A single model without a position stands in the middle.
     const std::optional<PlateOffset> position =
         summary.plate ? ticket.position : ticket.position.value_or(PlateOffset{});
     models.push_back({name, nullptr, position, ticket.copies});
@@ -152,10 +152,10 @@ std::vector<ModelToPlace> make_ready(JobContent& content, const Making& making, 
   return models;
 }
 
-// Without supports every model lies on the plate. With them, what stands on them is still cut in whole
-// layers: where layers are of many thicknesses, those beneath a model are the thickest.
-void raise(std::vector<ModelToPlace>& models, const JobSettings& settings, const BuildVolume& volume,
-           JobSummary& summary) {
+// Lifts the models that stand on supports, by whole layers, and sets the print's height. With adaptive
+// layers, the layers beneath a lifted model have the maximum thickness.
+void lift(std::vector<ModelToPlace>& models, const JobSettings& settings, const BuildVolume& volume,
+          JobSummary& summary) {
   const JobTicket& ticket = settings.ticket;
   const ResinProfile& resin = summary.resin;
   if (settings.supports == SupportPolicy::Auto) {
@@ -167,7 +167,7 @@ void raise(std::vector<ModelToPlace>& models, const JobSettings& settings, const
     summary.height_mm = std::max(summary.height_mm, model.standing().top().count());
 }
 
-// Where all of them stand, and what holds them. Nothing when it was told to stop.
+// Arranges the models and generates their supports; nullopt if a stop was requested.
 std::optional<Arrangement> place(const std::vector<ModelToPlace>& models, const JobSettings& settings,
                                  const BuildVolume& volume, const JobContent& content, JobSummary& summary,
                                  const std::stop_token& stop) {
@@ -187,7 +187,8 @@ std::optional<Arrangement> place(const std::vector<ModelToPlace>& models, const 
   return std::move(held->arrangement);
 }
 
-// A part that fills the display is not refused for some micrometres that it grows by.
+// Warns if contours grow beyond the display. Only a warning, so that a part that fills the display is not
+// refused for some micrometres.
 void warn_if_grown_beyond(const std::vector<ModelToPlace>& models, const Arrangement& arrangement,
                           const BuildVolume& volume, JobSummary& summary) {
   const double growth_mm = to_millimeters(summary.resin.compensation.growth).count();
@@ -208,9 +209,10 @@ void warn_if_grown_beyond(const std::vector<ModelToPlace>& models, const Arrange
                   beyond * 1000));
 }
 
-// By model.
+// Drain holes of each model.
 using Cylinders = std::vector<std::vector<Frustum>>;
 
+// Gives the models their tickets' drain holes.
 Cylinders drill(std::vector<ModelToPlace>& models, const JobContent& content, JobSummary& summary) {
   Cylinders cylinders;
   for (std::size_t i = 0; i < models.size(); ++i) {
@@ -225,7 +227,7 @@ Cylinders drill(std::vector<ModelToPlace>& models, const JobContent& content, Jo
 
 void check_holes(const JobContent& content, const Cylinders& cylinders, const PrintPlan& plan,
                  EngineSettings settings) {
-  settings.anti_aliasing = AntiAliasing::On;  // the least cut shows
+  settings.anti_aliasing = AntiAliasing::On;  // so that the smallest cut shows
   const HoleSearch search{std::move(settings), middles_of(plan.expected_layers),
                           MaskBudget::Clock::now() + kLongestHoleSearch};
   for (std::size_t i = 0; i < cylinders.size(); ++i) {
@@ -240,7 +242,7 @@ void refuse_dark_models(const JobContent& content, std::span<const PlateModel> m
     if (lights_a_pixel(models[i], search, stop)) continue;
     const Bounds& bounds = models[i].model->bounds();
     throw JobRefused(fmt::format(
-        "nothing of {} would be printed: in {}, no pixel of {:g} mm gets {} of 255 of the light; it is "
+        "nothing of {} would be printed: in {}, no pixel of {:g} mm reaches grey {} of 255; it measures "
         "{:.3g} x {:.3g} x {:.3g} mm{}",
         content.models()[i].name, count_of(search.heights.size(), "layer", "layers"),
         to_millimeters(search.settings.display.pixel_pitch).count(),
@@ -262,8 +264,8 @@ AdaptiveLayers adaptive_limits(const AdaptiveTicket& ticket, const ResinProfile&
                                const PrinterConfig& printer) {
   if (std::holds_alternative<FixedExposure>(resin.exposure)) {
     throw JobRefused(fmt::format(
-        "adaptive layers need a resin with a working curve: the exposure times of {} hold for its "
-        "layer height of {:g} um only",
+        "adaptive layers need a resin with a working curve: the exposure times of {} are valid only "
+        "for its layer height of {:g} um",
         in_quotes(resin.name), to_millimeters(resin.layer_height).count() * 1000));
   }
   const AdaptiveLayers limits{ticket.thinnest.value_or(resin.layer_height_min),
@@ -295,7 +297,7 @@ PrintLayers choose_layers(const JobTicket& ticket, const PrinterConfig& printer,
   return PrintLayers(layers_for(Millimeters{summary.height_mm}, thickness));
 }
 
-// Asks for every layer beforehand, for the estimates. Refuses a print without any.
+// Computes all layers in advance, for the estimates. Throws JobRefused if there are none.
 void count_layers(PrintPlan& plan, JobSummary& summary) {
   plan.expected_layers = plan.layers.all();
   if (plan.expected_layers.empty())
@@ -307,6 +309,7 @@ void count_layers(PrintPlan& plan, JobSummary& summary) {
   summary.layers.thickest = *thickest;
 }
 
+// Adds the mesh's figures and warnings.
 void inspect(const PlateModel& model, const std::string& prefix, ModelSummary& figures,
              std::vector<std::string>& warnings) {
   if (model.model->turned_outwards()) warnings.push_back(prefix + std::string(kTurnedOutwardsWarning));
@@ -325,7 +328,7 @@ void inspect(const PlateModel& model, const std::string& prefix, ModelSummary& f
 
 Duration warm_up_of(const PrinterConfig& printer) {
   if (!printer.real) return printer.simulated.projector.warm_up;
-  // Its table's is at least the configuration's.
+  // The projector table's time is at least the configured one.
   return printer.real->projector ? printer.real->projector->table.warm_up : printer.real->warm_up;
 }
 
@@ -348,10 +351,11 @@ void take_settings(const PrinterConfig& printer, const ResinProfile& resin, Prin
   if (printer.real) plan.home_height = printer.real->axis.switch_height;
 }
 
-// Every layer is cut, before any is exposed: a guess is not to be printed, not even in the last one.
+// Throws JobRefused if any layer needs a guess to close its contours. Cuts all layers before the first one is
+// exposed, since even a guess in the last layer must not be printed.
 void refuse_guesses(const ModelToPlace& model, const PrintLayers& layers, const BuildVolume& volume) {
   if (const MeshRepairs& repairs = model.model->repairs(); repairs.has_guesses()) {
-    throw JobRefused(fmt::format("{} is cracked: its facets disagree with each other (to print it: {}); {}",
+    throw JobRefused(fmt::format("{} is cracked: its facets disagree with each other (repair: {}); {}",
                                  model.name, describe(repairs), kRepairIt));
   }
   const std::vector<Nanometers> heights = middles_of(layers.all());
@@ -369,8 +373,8 @@ void refuse_guesses(const ModelToPlace& model, const PrintLayers& layers, const 
                   survey.cracks.widest_gap.count(), kRepairIt));
 }
 
-// At each file and each model once, however often it stands on the plate.
-void look_at_models(const JobContent& content, const ContourEngine& engine, JobSummary& summary) {
+// Inspects each file and each model once, however often the plate contains it.
+void inspect_models(const JobContent& content, const ContourEngine& engine, JobSummary& summary) {
   for (std::size_t i = 0; i < content.models().size(); ++i) {
     const auto& [ticket, name, file, made_as] = content.models()[i];
     if (made_as != i) {
@@ -387,7 +391,7 @@ void look_at_models(const JobContent& content, const ContourEngine& engine, JobS
   }
 }
 
-// Of the models, as the ticket wants them placed, until it is told to stop.
+// Prepares one job: prepare_job() in steps.
 class Preparation {
  public:
   Preparation(const JobFiles& files, const JobSettings& settings, const PrinterConfig& printer)
@@ -397,15 +401,15 @@ class Preparation {
         volume_(build_volume(printer, settings.resin)),
         content_(files.model, files.plate, files.links, settings.ticket) {}
 
-  // Nothing when it was.
+  // Returns the prepared job, or nullopt if a stop was requested.
   std::optional<PreparedJob> run(const std::stop_token& stop) {
     take_printer();
     content_.read(volume_.display, memory_room(printer_.memory_limit_bytes));
     summary_.reading = SteadyClock::now() - start_;
-    models_ = make_ready(content_, {settings_, volume_, stop}, summary_);
+    models_ = make_models(content_, {settings_, volume_, stop}, summary_);
     if (stop.stop_requested()) return std::nullopt;
     cylinders_ = drill(models_, content_, summary_);
-    raise(models_, settings_, volume_, summary_);
+    lift(models_, settings_, volume_, summary_);
     job_.plan.layers = choose_layers(settings_.ticket, printer_, models_, summary_);
     const std::optional<Arrangement> arrangement =
         place(models_, settings_, volume_, content_, summary_, stop);
@@ -415,11 +419,11 @@ class Preparation {
     summary_.indexing = indexed - start_ - summary_.reading - summary_.supporting;
     make_engines(*arrangement);
     summary_.first_mask = job_.first_mask_at - indexed;
-    look_at_layers(stop);
+    check_layers(stop);
     if (stop.stop_requested()) return std::nullopt;
     for (std::size_t i = 0; i < models_.size(); ++i)
       summary_.models[i].centers = (*arrangement)[i];
-    look_at_models(content_, *job_.plan.engine, summary_);
+    inspect_models(content_, *job_.plan.engine, summary_);
     return std::move(job_);
   }
 
@@ -434,7 +438,7 @@ class Preparation {
     summary_.irradiance_mw_cm2 = printer_.irradiance_mw_cm2;
     summary_.tone = printer_.tone;
     summary_.uniformity_mask = printer_.uniformity.has_value();
-    // It gives way to the print: its masks take longer by the clock.
+    // The analysis yields the processor to the print, so its masks take longer.
     constexpr int kSlack = 4;
     job_.analysis = {summary_.resin.support, kSlack * printer_.mask_budget};
     take_settings(printer_, summary_.resin, job_.plan);
@@ -447,7 +451,8 @@ class Preparation {
     plan.engine = std::make_unique<ContourEngine>(std::move(standing),
                                                   engine_settings(printer_, summary_.resin, volume_),
                                                   summary_.supports ? summary_.supports->structure : nullptr);
-    // Computed for its time, and to have the engine's memory grown before the print needs it.
+    // Computes the first mask to measure the time, and to make the engine allocate its memory before the
+    // print.
     const std::optional<Nanometers> first = plan.layers.thickness_at(Nanometers{});
     MaskBudget budget(MaskBudget::Clock::now() + kSampledBudgets * printer_.mask_budget);
     if (first) (void)plan.engine->mask_within(*first / 2, budget);
@@ -455,7 +460,7 @@ class Preparation {
     job_.analysis_engine = std::make_unique<ContourEngine>(*plan.engine);
   }
 
-  void look_at_layers(const std::stop_token& stop) {
+  void check_layers(const std::stop_token& stop) {
     const EngineSettings settings = engine_settings(printer_, summary_.resin, volume_);
     count_layers(job_.plan, summary_);
     refuse_costly_masks(*job_.plan.engine, job_.plan.expected_layers, printer_.mask_budget);
@@ -477,7 +482,7 @@ class Preparation {
   PreparedJob job_;
   JobSummary& summary_ = job_.summary;
   std::vector<ModelToPlace> models_;
-  Cylinders cylinders_;  // of their drain holes
+  Cylinders cylinders_;  // the models' drain holes
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
-// From a model's file and its ticket, or a plate's folder, to a print that can begin: read, placed, checked
-// against the machine, its first mask computed. Thread-safe (no shared state): runs on the worker's thread.
+// Prepares a job, a model's file and its ticket or a plate's folder, for printing: reads and places the
+// models, checks them against the machine and computes the first mask. Thread-safe (no shared state): runs on
+// the worker's thread.
 #pragma once
 
 #include <memory>
@@ -16,22 +17,23 @@
 
 namespace contourd {
 
+// A job that is ready to print.
 struct PreparedJob {
   PrintPlan plan;
-  // The same engine once more, with the same settings: to look through the whole print beside it.
+  // A copy of the plan's engine with the same settings, to analyze all layers while the print runs.
   std::unique_ptr<ContourEngine> analysis_engine;
   DisplayGeometry display;
   AnalysisOptions analysis;
   JobSummary summary;
-  JobSettings settings;       // by which it was prepared
+  JobSettings settings;       // with which the job was prepared
   TimePoint first_mask_at{};  // CLOCK_MONOTONIC, whatever clock the machine runs by
 };
 
-// Blocks: a few hundred milliseconds for a million facets. Throws JobRefused, of which JobTooLarge says that
-// there is no room for it in memory; then nothing was read.
+// Prepares the job. Throws JobRefused; JobTooLarge if there is not enough memory for it, in most cases before
+// its files are read. Blocks for a few hundred milliseconds per million facets.
 [[nodiscard]] PreparedJob prepare_job(const JobFiles& files, const JobSettings& settings,
                                       const PrinterConfig& printer);
-// The same; nothing when `stop` was asked for while supports were made.
+// Does the same, and returns nullopt if `stop` was requested before the job was ready.
 [[nodiscard]] std::optional<PreparedJob> prepare_job(const JobFiles& files, const JobSettings& settings,
                                                      const PrinterConfig& printer,
                                                      const std::stop_token& stop);

@@ -1,4 +1,4 @@
-// What a print's supports are, in figures. Values; thread-safe (no shared state).
+// Counts the supports of a print. Values; thread-safe (no shared state).
 #pragma once
 
 #include <cstddef>
@@ -8,18 +8,20 @@
 
 namespace contourd {
 
+// Counts of a print's contacts, branches and feet.
 struct SupportCounts {
   std::size_t islands = 0, overhangs = 0, peel = 0;  // contacts by their cause
-  std::size_t unheld = 0;                            // places
+  std::size_t unheld = 0;                            // places that no support holds
   std::uint32_t branches = 0, feet = 0, feet_on_models = 0;
   double volume_mm3 = 0;
 
   [[nodiscard]] std::size_t contacts() const { return islands + overhangs + peel; }
-  // Something has to be held.
+  // True if any place has to be held.
   [[nodiscard]] bool any() const { return contacts() + unheld > 0; }
   bool operator==(const SupportCounts&) const = default;
 };
 
+// Returns the counts of the supports.
 [[nodiscard]] inline SupportCounts counts_of(const Supports& supports) {
   SupportCounts counts{.islands = 0,
                        .overhangs = 0,

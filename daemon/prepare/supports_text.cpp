@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// How many places a sentence names.
+// Maximum number of places that a sentence names.
 constexpr std::size_t kMaxNamedPlaces = 3;
 
 Json contact_json(const SupportContact& contact) {
@@ -25,7 +25,7 @@ Json contact_json(const SupportContact& contact) {
 }  // namespace
 
 std::string supports_line(const SupportCounts& supports) {
-  if (!supports.any()) return "nothing has to be held";
+  if (!supports.any()) return "none needed";
   std::string text =
       fmt::format("{} ({}, {}, {} peel), {}, {}", count_of(supports.contacts(), "contact", "contacts"),
                   count_of(supports.islands, "island", "islands"),

@@ -1,4 +1,4 @@
-// How long the layers of a print take on a printer. Thread-safe (no shared state).
+// The time that each layer of a print takes on a printer. Thread-safe (no shared state).
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace contourd {
 
-// Of each of the plan's expected layers: light, moves and waits.
+// Returns the duration of each of the plan's expected layers: exposure, moves and waits.
 [[nodiscard]] std::vector<Duration> layer_durations(const PrintPlan& plan, const PrinterConfig& printer);
 
 }  // namespace contourd

@@ -16,11 +16,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// For devices that do not answer, as in a print.
+// Deadlines for devices that do not answer, the same as in a print.
 constexpr Duration kManualProjectorDeadline = 30s;
 constexpr Duration kManualWarmUpDeadline = 1h;
 constexpr Duration kDarkDeadline = 5s;
-// A lamp that was powered on by hand, and forgotten.
+// A projector that was powered on manually and then forgotten is powered off after this time.
 constexpr Duration kPoweredOnUnused = 10min;
 
 }  // namespace
@@ -31,7 +31,7 @@ ManualProcess::ManualProcess(Machine& machine, Clock& clock, std::function<void(
 ManualProcess::~ManualProcess() {
   if (state_ == ManualState::Idle && picture_.empty()) return;
   make_safe(machine_);
-  machine_.projector().when_dark({});  // not to this one any more
+  machine_.projector().when_dark({});  // drops the callback, which refers to this object
 }
 
 // --- operations
@@ -49,9 +49,9 @@ void ManualProcess::move_to(Nanometers target, MillimetersPerSecond speed) {
   begin(ManualEvent::Move);
 }
 
-void ManualProcess::nudge(Nanometers way, MillimetersPerSecond speed) {
-  expects(way >= -kLongestNudge && way <= kLongestNudge, "a nudge is short");
-  way_ = way;
+void ManualProcess::nudge(Nanometers distance, MillimetersPerSecond speed) {
+  expects(distance >= -kLongestNudge && distance <= kLongestNudge, "a nudge is short");
+  nudge_distance_ = distance;
   speed_ = speed;
   begin(ManualEvent::Nudge);
 }
@@ -97,7 +97,7 @@ void ManualProcess::fail(const std::string& what) {
 void ManualProcess::give_way() {
   expects(state_ == ManualState::Idle, "no operation is under way");
   hide();
-  powered_on_ = false;  // it is the print's to power off
+  powered_on_ = false;  // the print powers the projector off
   power_end_.reset();
 }
 
@@ -105,7 +105,8 @@ void ManualProcess::give_way() {
 
 void ManualProcess::show(Mask picture, const std::string& name, Duration time) {
   expects(!light_may_be_on(), "nothing shines while the picture changes");
-  (void)machine_.begin_job("test pattern " + name);  // a machine that keeps its masks keeps this one apart
+  (void)machine_.begin_job("test pattern " +
+                           name);  // a machine that saves its masks saves this one separately
   picture_ = name;
   pixels_ = std::move(picture);
   shown_ = {&pixels_, shown_.number + 1, picture_};
@@ -191,7 +192,7 @@ void ManualProcess::perform(ManualEffect effect) {
   }
 }
 
-// A callback that does nothing once the state has changed: late answers belong to the past.
+// Returns a callback that does nothing once the state has changed, so that late answers are ignored.
 template <typename Answer>
 std::function<void(Answer)> ManualProcess::while_in_state(std::function<void(Answer)> call) {
   return [this, entered = states_entered_, call = std::move(call)](Answer answer) {
@@ -201,8 +202,8 @@ std::function<void(Answer)> ManualProcess::while_in_state(std::function<void(Ans
 
 void ManualProcess::expect_within(Duration duration, const std::string& what) {
   deadline_ = clock_.call_after(duration, [this, duration, what] {
-    fail(
-        fmt::format("waited {:.0f} s in vain for {}", std::chrono::duration<double>(duration).count(), what));
+    fail(fmt::format("timed out after {:.0f} s waiting for {}",
+                     std::chrono::duration<double>(duration).count(), what));
   });
 }
 
@@ -226,17 +227,17 @@ void ManualProcess::start_move() {
 }
 
 void ManualProcess::start_nudge() {
-  expect_within(move_timeout(machine_.z_axis(), way_, speed_), "the move to end");
-  machine_.z_axis().nudge(way_, speed_, [this](MoveResult result) {
+  expect_within(move_timeout(machine_.z_axis(), nudge_distance_, speed_), "the move to end");
+  machine_.z_axis().nudge(nudge_distance_, speed_, [this](MoveResult result) {
     motion_ended(result == MoveResult::Reached,
                  fmt::format("the plate did not go all the way: {}", describe(result)));
   });
 }
 
-// One that was stopped ends in Braking, which the state that it began in has become.
-void ManualProcess::motion_ended(bool well, const std::string& why) {
+// Handles the end of a motion. A motion that was stopped ends in Braking.
+void ManualProcess::motion_ended(bool reached, const std::string& why) {
   if (state_ == ManualState::Braking) return handle(ManualEvent::MoveEnded);
-  if (!well) return fail(why);
+  if (!reached) return fail(why);
   if (state_ != ManualState::Homing) return handle(ManualEvent::MoveEnded);
   homing_shift_ = machine_.z_axis().homing_shift();
   handle(ManualEvent::Homed);
@@ -247,7 +248,7 @@ void ManualProcess::motion_ended(bool well, const std::string& why) {
 void ManualProcess::start_power_on() {
   power_end_.reset();
   powered_on_ = true;
-  expect_within(kManualWarmUpDeadline, "the projector's lamp to be warm");
+  expect_within(kManualWarmUpDeadline, "the projector's lamp to warm up");
   machine_.projector().power_on(while_in_state<ProjectorReply>([this](ProjectorReply reply) {
     if (reply == ProjectorReply::Ok) return handle(ManualEvent::ProjectorReady);
     fail(fmt::format("power on: {}", machine_.projector().last_problem()));
@@ -255,13 +256,13 @@ void ManualProcess::start_power_on() {
 }
 
 void ManualProcess::start_light() {
-  expect_within(kManualProjectorDeadline, "the projector to be told to turn the light on");
+  expect_within(kManualProjectorDeadline, "the light-on command to be sent to the projector");
   light_asked_ = true;
   const auto sent = while_in_state<TimePoint>([this](TimePoint earliest) {
     light_end_ = earliest + light_time_;
     handle(ManualEvent::LightOnSent);
   });
-  // It may come while the light is on already.
+  // The reply may arrive after the light-on command was sent, in state Lit.
   const auto answered = [this, operation = operations_](ProjectorReply reply) {
     if (operation == operations_) light_answered(reply);
   };
@@ -291,7 +292,7 @@ void ManualProcess::ask_projector() {
 void ManualProcess::power_off_later() {
   if (!powered_on_) return;
   power_end_ = clock_.call_after(kPoweredOnUnused, [this] {
-    if (!picture_.empty()) return power_off_later();  // somebody looks at it
+    if (!picture_.empty()) return power_off_later();  // a picture is shown, so the projector is in use
     powered_on_ = false;
     machine_.projector().power_off();
   });

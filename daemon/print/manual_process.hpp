@@ -1,8 +1,8 @@
-// The printer controlled by hand: takes one operation at a time through the table of manual_states.hpp, and
-// shows a picture beside it. Each operation ends by itself, dark and still, the picture after its time. Only
-// while nothing prints. Event loop's thread only.
-//
-// It is larger than other classes: each effect of the table is a method of it, as in PrintProcess.
+// Manual control of the printer: carries out one operation at a time by the table of manual_states.hpp, and
+// independently shows a picture. Each operation ends by itself with the light off and the motor still; a
+// picture disappears after its time. Used only while nothing prints. Event loop's thread only.
+// ManualProcess has a method for each effect of the table, like PrintProcess. It is larger than other classes
+// for this reason.
 #pragma once
 
 #include <cstdint>
@@ -20,54 +20,58 @@ namespace contourd {
 
 class ManualProcess {
  public:
-  // Machine and clock must outlive the process. `changed` is called whenever what it tells has changed, from
-  // inside; it must not call back.
+  // Machine and clock must outlive the process. `changed` is called from within the process after every
+  // change of what its functions return; it must not call back into the process.
   ManualProcess(Machine& machine, Clock& clock, std::function<void()> changed);
-  // Ends what is under way, safely.
+  // Makes the machine safe if an operation is under way or a picture is shown.
   ~ManualProcess();
   ManualProcess(const ManualProcess&) = delete;
   ManualProcess& operator=(const ManualProcess&) = delete;
 
-  // Operations. REQUIRES: state() is Idle; none of these looks whether the machine is ready.
+  // Begins homing. Like the other operations below it returns at once and does not check that the machine is
+  // ready. REQUIRES: state() is Idle, as for every operation.
   void home(MillimetersPerSecond homing_speed);
-  // REQUIRES: a known height.
+  // Begins a move to a height. REQUIRES: the plate's height is known.
   void move_to(Nanometers target, MillimetersPerSecond speed);
-  // A short way up, below 0 down, from wherever the plate is; that is unknown then. REQUIRES: as
-  // ZAxis::nudge().
-  void nudge(Nanometers way, MillimetersPerSecond speed);
-  // On and warm; stays on until power_off(), a print's end, or ten minutes behind the last operation.
+  // Begins a short move up or (below 0) down from wherever the plate is; its position is unknown afterwards.
+  // REQUIRES: as ZAxis::nudge().
+  void nudge(Nanometers distance, MillimetersPerSecond speed);
+  // Powers the projector on; the operation ends when it is warm. The projector stays on until power_off(),
+  // the end of a print, or ten minutes after the last operation.
   void power_on();
   void power_off();
-  // Powers the projector on, if need be, then light for this long.
+  // Powers the projector on if necessary, then turns the light on for this long.
   void light_on(Duration time);
   void ask_status();
 
-  // On the screen until hide(), or for this long. Also while an operation is under way, but not lit.
+  // Shows a picture until hide(), or for this long. Allowed during an operation, but not with light.
   // REQUIRES: the mask has the display's size; light_may_be_on() is false.
   void show(Mask picture, const std::string& name, Duration time);
   void hide();
 
-  // Ends the operation: light off, motor still, at once or when it has slowed down. The picture stays.
+  // Ends the operation: light off, and the motor still, at once or after it has slowed down. The picture
+  // stays.
   void stop();
-  // The same at once, with the picture; `what` says why, in one sentence.
+  // Ends the operation at once and hides the picture; `what` says why, in one sentence.
   void fail(const std::string& what);
-  // A print takes over: nothing of what was done by hand comes in its way. REQUIRES: state() is Idle.
+  // Hides the picture and leaves the projector's power to the print that begins now. REQUIRES: state() is
+  // Idle.
   void give_way();
 
   [[nodiscard]] ManualState state() const { return state_; }
-  // From light on's command until the light is confirmed off.
+  // True from the light-on command until the light is confirmed off.
   [[nodiscard]] bool light_may_be_on() const { return light_asked_; }
-  // How many operations have begun.
+  // Returns the number of operations that have begun.
   [[nodiscard]] std::uint64_t operations() const { return operations_; }
-  // Why the last operation did not come to its end; empty when it did, or nothing is known yet.
+  // Returns why the last operation was not completed; empty if it was, or if nothing is known yet.
   [[nodiscard]] const std::string& problem() const { return problem_; }
-  // The picture on the screen; empty when there is none.
+  // Returns the name of the picture on the screen; empty if there is none.
   [[nodiscard]] const std::string& picture() const { return picture_; }
-  // The same as a mask. Valid until it is not shown any more.
+  // Returns the picture on the screen as a mask. Valid as long as it is shown.
   [[nodiscard]] ShownMask shown() const { return shown_; }
-  // As ZAxis::homing_shift(); nothing unless homing was the last operation.
+  // Returns ZAxis::homing_shift() if homing was the last operation, else nullopt.
   [[nodiscard]] std::optional<Nanometers> homing_shift() const { return homing_shift_; }
-  // As the projector answered; nothing unless that was the last operation.
+  // Returns the projector's answer if ask_status() was the last operation, else nullopt.
   [[nodiscard]] const std::optional<ProjectorStatus>& projector() const { return projector_; }
 
  private:
@@ -80,7 +84,7 @@ class ManualProcess {
   void start_home();
   void start_move();
   void start_nudge();
-  void motion_ended(bool well, const std::string& why);
+  void motion_ended(bool reached, const std::string& why);
   void start_power_on();
   void start_light();
   void light_answered(ProjectorReply reply);
@@ -94,10 +98,10 @@ class ManualProcess {
   ManualState state_ = ManualState::Idle;
   std::uint64_t states_entered_ = 0, operations_ = 0;
   std::string problem_, picture_;
-  Mask pixels_;  // of the picture
+  Mask pixels_;  // the picture's mask
   ShownMask shown_;
-  // What was asked for.
-  Nanometers target_{}, way_{};
+  // Parameters of the operation under way.
+  Nanometers target_{}, nudge_distance_{};
   MillimetersPerSecond speed_{0};
   Duration light_time_{};
 

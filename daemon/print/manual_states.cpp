@@ -15,7 +15,7 @@ constexpr ManualTransition row(S from, E on, S to, Effects... effects) {
   return {from, on, to, {effects...}, sizeof...(effects)};
 }
 
-// Light off before anything that can fail; the screen black, the motor still.
+// Turns the light off before any effect that can fail, then blanks the screen and stops the motor.
 constexpr ManualTransition failure(S from) {
   return row(from, E::Failed, S::Extinguishing, F::LightOff, F::BlackNow, F::AbortAxis, F::AwaitDark);
 }
@@ -64,7 +64,7 @@ constexpr auto kTable = std::to_array<ManualTransition>({
     failure(S::Igniting),
     failure(S::Lit),
     failure(S::Asking),
-    // It is awaited already that the light is off.
+    // AwaitDark is in effect already.
     row(S::Extinguishing, E::Failed, S::Extinguishing, F::LightOff, F::BlackNow, F::AbortAxis),
 });
 

@@ -1,5 +1,5 @@
-// The printer controlled by hand, as one table: in which state which event leads where, and what is done on
-// the way. Only while nothing prints. `contourd --print-states` draws it.
+// Manual control of the printer as one table of transitions: for a state and an event, the next state and the
+// effects on the way. Used only while nothing prints. `contourd --print-states` draws it.
 #pragma once
 
 #include <span>
@@ -13,19 +13,19 @@ enum class ManualState {
   Idle,
   Homing,
   Moving,
-  Braking,        // a stopped motion, to a standstill
-  PoweringOn,     // the projector, until it is warm
-  WarmingUp,      // the same before the light
-  Igniting,       // light on, until its command is sent
-  Lit,            // for as long as was asked
+  Braking,        // until a stopped motion has come to a standstill
+  PoweringOn,     // until the projector is on and warm
+  WarmingUp,      // until the projector is on and warm; light follows
+  Igniting,       // until the light-on command is sent
+  Lit,            // until the requested time is over
   Extinguishing,  // until the light is confirmed off
-  Asking,         // the projector's status
+  Asking,         // until the projector's status has arrived
 };
 
 enum class ManualEvent {
   Home,
   Move,
-  Nudge,  // a short way from nobody knows where
+  Nudge,  // a short move from an unknown position
   PowerOn,
   PowerOff,
   LightOn,
@@ -33,13 +33,13 @@ enum class ManualEvent {
   Homed,
   MoveEnded,
   ProjectorReady,
-  LightOnSent,  // from here on there may be light
-  TimeOver,     // the light's
+  LightOnSent,  // there may be light from now on
+  TimeOver,     // the requested time of light
   LightIsOff,   // confirmed
   StatusTold,
-  Stop,    // who asked for it has said so, or is gone
+  Stop,    // requested, or the client that began the operation has disconnected
   Failed,  // a device failed, did not answer in time, or reported an event
-  GaveUp,  // nobody has confirmed in time that the light is off
+  GaveUp,  // the light was not confirmed off in time
 };
 
 enum class ManualEffect {
@@ -61,7 +61,7 @@ enum class ManualEffect {
 
 using ManualTransition = StateTransition<ManualState, ManualEvent, ManualEffect>;
 
-// All rows.
+// Returns all rows of the table.
 [[nodiscard]] std::span<const ManualTransition> manual_transitions();
 
 [[nodiscard]] std::string_view name_of(ManualState state);

@@ -20,14 +20,14 @@ Duration processor_time() {
   return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
-// How many facets each layer cuts.
+// Returns the number of facets that each layer cuts.
 std::vector<std::int64_t> facets_cut(std::span<const PlateModel> models,
                                      std::span<const Nanometers> middles) {
   std::vector<std::int64_t> changes(middles.size() + 1, 0);
   for (const PlateModel& each : models) {
     const auto first_above = [&](float z) {
-      const auto lies_below = [&each](Nanometers middle, double there) {
-        return each.z_at(middle).count() < there;
+      const auto lies_below = [&each](Nanometers middle, double height) {
+        return each.z_at(middle).count() < height;
       };
       return std::lower_bound(middles.begin(), middles.end(), z, lies_below) - middles.begin();
     };
@@ -46,9 +46,10 @@ std::vector<std::int64_t> facets_cut(std::span<const PlateModel> models,
 
 struct SampledCost {
   MaskBudget spent;
-  Duration time{};  // of the processor
+  Duration time{};  // processor time
 };
 
+// Returns the cost of the mask at a height, measured as refuse_costly_masks() describes.
 SampledCost sampled_cost(ContourEngine& engine, Nanometers height, Duration budget) {
   for (int budgets = kSampledBudgets;; budgets *= 4) {
     SampledCost cost{MaskBudget(MaskBudget::Clock::now() + budgets * budget)};
@@ -65,7 +66,7 @@ SampledCost sampled_cost(ContourEngine& engine, Nanometers height, Duration budg
 std::string describe_mask_cost(const ContourEngine& engine, const MaskBudget& spent, Duration time) {
   return fmt::format("{:.0f} ms, {} steps, {} facets cut{}", Milliseconds(time).count(), spent.steps(),
                      engine.intersecting_facets(),
-                     spent.too_many_sides() ? ", more sides than may be held in memory" : "");
+                     spent.too_many_sides() ? ", more contour sides than the memory limit allows" : "");
 }
 
 std::vector<std::size_t> layers_to_sample(std::span<const PlateModel> models,

@@ -1,5 +1,5 @@
-// How long a motion may take before its axis counts as one that does not answer. An axis tells by itself when
-// something is wrong; this is for the day when it does not.
+// Timeouts for the motions of an axis. An axis reports its own failures; the timeouts catch an axis that does
+// not answer at all.
 #pragma once
 
 #include <chrono>
@@ -8,7 +8,7 @@
 
 namespace contourd {
 
-// To come to a standstill. A motion has its expected time and a tenth, plus this (Ember's figure).
+// Time for coming to a standstill. A move gets its expected time, a tenth more, and this (Ember's figure).
 inline constexpr Duration kStopTimeout = std::chrono::seconds{15};
 
 [[nodiscard]] inline Duration move_timeout(const ZAxis& axis, Nanometers distance,
@@ -16,11 +16,12 @@ inline constexpr Duration kStopTimeout = std::chrono::seconds{15};
   return axis.move_duration(distance, speed) * 11 / 10 + kStopTimeout;
 }
 
-// The travel once, and some millimetres beside it, beyond it, back off the switch and to it again, of which a
-// part at half the speed: twice is more than any homing takes.
+// Returns the timeout for homing: twice the time for the travel and 25 mm, which is more than any homing
+// takes. Homing covers the travel at most once, and a few millimetres beyond it, back off the switch and to
+// it again, partly at half the speed.
 [[nodiscard]] inline Duration homing_timeout(const ZAxis& axis, MillimetersPerSecond speed) {
-  constexpr Nanometers kBeside{25'000'000};
-  return axis.move_duration(axis.travel() + kBeside, speed) * 2 + kStopTimeout;
+  constexpr Nanometers kExtra{25'000'000};
+  return axis.move_duration(axis.travel() + kExtra, speed) * 2 + kStopTimeout;
 }
 
 }  // namespace contourd

@@ -17,15 +17,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// How far the plate goes up in a pause, to look at the part.
+// The distance by which the plate moves up in a pause, so that the user can look at the part.
 constexpr Nanometers kLook{30'000'000};
 
-// Devices answer by themselves when something is wrong; these deadlines are for the day when one does not.
+// Deadlines for a device that does not answer at all; otherwise a device reports its own failures.
 constexpr Duration kPresentDeadline = 5s;
 constexpr Duration kProjectorDeadline = 30s;
-// At a print's end: whoever turns the light off goes on with it.
+// The wait for the light to be confirmed off at a print's end. The projector keeps trying after that.
 constexpr Duration kEndingDeadline = 5s;
-// A projector may have to cool down from before first, and cool again when it ignored the command.
+// Warming up includes that the lamp may have to cool down first, and again if it ignored the command.
 constexpr Duration kWarmUpDeadline = 1h;
 
 }  // namespace
@@ -55,7 +55,7 @@ PrintProcess::PrintProcess(Machine& machine, Clock& clock, PrintObserver& observ
 
 PrintProcess::~PrintProcess() {
   make_safe(machine_);
-  machine_.projector().when_dark({});  // not to this one any more
+  machine_.projector().when_dark({});  // drops the callback, which refers to this object
   machine_.projector().power_off();
 }
 
@@ -83,7 +83,7 @@ void PrintProcess::begin_layer(Nanometers bottom) {
   if (!thickness) throw std::logic_error("a print has no layer on top of its last");
   bottom_ = bottom;
   thickness_ = *thickness;
-  layer_exposed_ = layer_told_ = false;
+  layer_exposed_ = layer_reported_ = false;
   record_ = LayerRecord{};
   record_.layer = layer_;
   record_.bottom = bottom_;
@@ -129,11 +129,11 @@ void PrintProcess::resume() {
 
 void PrintProcess::interrupt(const std::string& what) {
   if (state_ == PrintState::Idle) return;
-  // All the light was given, and only the timer's call is still to come.
+  // The exposure is over, and only the timer's callback has not run yet.
   if (state_ == PrintState::Exposing && clock_.now() >= exposure_end_ && !light_went_off())
     handle(PrintEvent::WaitOver);
-  const bool news = interruption_.find(what) == std::string::npos;
-  if (news) interruption_ += (interruption_.empty() ? "" : "; ") + what;
+  const bool is_new = interruption_.find(what) == std::string::npos;
+  if (is_new) interruption_ += (interruption_.empty() ? "" : "; ") + what;
   resume_wanted_ = false;
   const bool goes_up_already = state_ == PrintState::Raising || state_ == PrintState::Paused;
   const bool goes_on =
@@ -141,7 +141,7 @@ void PrintProcess::interrupt(const std::string& what) {
   pause_wanted_ = goes_on && !goes_up_already;
   handle(PrintEvent::Interrupted);
   if (state_ == PrintState::Held) pause_wanted_ = false;
-  if (news && state_ != PrintState::Idle) observer_.interrupted(what);
+  if (is_new && state_ != PrintState::Idle) observer_.interrupted(what);
 }
 
 void PrintProcess::cancel() {
@@ -172,7 +172,7 @@ void PrintProcess::handle(PrintEvent event) {
     observer_.state_changed(state_);
   } catch (const std::exception& error) {
     machine_.projector().light_off();
-    // A failure on the way out of a print is not another way out.
+    // An effect that throws while the print is ending only ends it without waiting any longer.
     if (state_ == PrintState::Idle) throw;
     state_ == PrintState::Ending ? handle(PrintEvent::GaveUp) : fail(error.what());
   }
@@ -233,14 +233,14 @@ void PrintProcess::perform(PrintEffect effect) {
     case PrintEffect::Park:
       return move_to(machine_.z_axis().travel(), plan_->travel_speed);
     case PrintEffect::Finish:
-      return;  // by handle(), when everything else is done
+      return;  // handle() finishes the print after all other effects
   }
 }
 
 template <typename Answer>
 std::function<void(Answer)> PrintProcess::while_in_state(
     std::type_identity_t<std::function<void(Answer)>> call) {
-  // This runs while a transition is performed: its state is the one that has just been entered.
+  // This function is called while a transition is performed, so states_entered_ is the state just entered.
   return [this, entered = states_entered_, call = std::move(call)](Answer answer) {
     if (entered == states_entered_) call(answer);
   };
@@ -253,8 +253,8 @@ void PrintProcess::wait_until(TimePoint when) {
 
 void PrintProcess::expect_within(Duration duration, const std::string& what) {
   deadline_ = clock_.call_after(duration, [this, duration, what] {
-    fail(
-        fmt::format("waited {:.0f} s in vain for {}", std::chrono::duration<double>(duration).count(), what));
+    fail(fmt::format("timed out after {:.0f} s waiting for {}",
+                     std::chrono::duration<double>(duration).count(), what));
   });
 }
 
@@ -265,7 +265,7 @@ Nanometers PrintProcess::current_height() const {
 }
 
 void PrintProcess::power_on() {
-  expect_within(kWarmUpDeadline, "the projector's lamp to be warm");
+  expect_within(kWarmUpDeadline, "the projector's lamp to warm up");
   estimate(plan_->warm_up);
   machine_.projector().power_on(while_in_state<ProjectorReply>([this](ProjectorReply reply) {
     if (reply == ProjectorReply::Ok) return handle(PrintEvent::ProjectorReady);
@@ -295,7 +295,7 @@ void PrintProcess::move_to(Nanometers target, MillimetersPerSecond speed) {
   expect_within(move_timeout(machine_.z_axis(), distance, speed), "a move to end");
   estimate(machine_.z_axis().move_duration(distance, speed));
   machine_.z_axis().move_to(target, speed, [this, move_state = state_](MoveResult result) {
-    // A move that is stopped ends in Halting or Braking, which the state it began in has become.
+    // A move that was stopped ends in Halting or Braking instead of the state in which it began.
     const bool stopping = state_ == PrintState::Halting || state_ == PrintState::Braking;
     if (state_ == move_state || stopping) after_move(result);
   });
@@ -317,7 +317,7 @@ PrintEvent PrintProcess::next_due() const {
   return pause_wanted_ && !nothing_to_pause ? PrintEvent::PauseDue : due;
 }
 
-// The machine may have told why before, and in more words.
+// Interrupts the print; if the machine has reported the cause already, keeps its more detailed text.
 void PrintProcess::display_lost() {
   interrupt(interruption_.empty() ? "the display was lost" : interruption_);
 }
@@ -325,7 +325,7 @@ void PrintProcess::display_lost() {
 // --- Light
 
 void PrintProcess::light_on() {
-  expect_within(kProjectorDeadline, "the projector to be told to turn the light on");
+  expect_within(kProjectorDeadline, "the light-on command to be sent to the projector");
   light_asked_ = true;
   light_.reset();
   const auto sent = while_in_state<TimePoint>([this](TimePoint earliest) {
@@ -336,7 +336,7 @@ void PrintProcess::light_on() {
       exposure_left(), {.sent = sent, .done = [this](ProjectorReply reply) { light_answered(reply); }});
 }
 
-// The exposure may be over by then: its end does not wait for the answer.
+// Handles the reply to light on. The exposure does not wait for it and may be over already.
 void PrintProcess::light_answered(ProjectorReply reply) {
   if (reply == ProjectorReply::Ok) return;
   const std::string what = fmt::format("light on: {}", machine_.projector().last_problem());
@@ -351,7 +351,7 @@ void PrintProcess::time_exposure() {
   });
 }
 
-// Somebody else has turned it off in time to spare: the layer has not had all of it.
+// True if something else turned the light off before the end of the exposure, so that the layer lacks light.
 bool PrintProcess::light_went_off() const {
   const std::optional<LightSpan> light = machine_.projector().last_light();
   return light && light->off_earliest && *light->off_earliest < exposure_end_;
@@ -363,12 +363,13 @@ void PrintProcess::expect_darkness() {
 
 void PrintProcess::is_dark() {
   count_light();
-  if (layer_exposed_ && !layer_told_) tell_layer();
+  if (layer_exposed_ && !layer_reported_) report_layer();
   handle(state_ == PrintState::AwaitingDark ? next_due() : PrintEvent::LightIsOff);
 }
 
-// What the light that has gone off has given; or, where nobody confirms that, has given so far. A projector
-// that was lost meanwhile, and one that was found, know nothing of it: it may shine on.
+// Adds the light that has just gone off to the layer's record; if it is not confirmed off, adds its time so
+// far. A projector that was lost in the meantime, and another that was found, know nothing of this light: it
+// may still be on.
 void PrintProcess::count_light() {
   if (!std::exchange(light_asked_, false)) return;
   observer_.light_gone();
@@ -385,23 +386,24 @@ bool PrintProcess::has_all_light() const {
   return layer_exposed_ || (record_.exposure_parts > 0 && exposure_left() < kShortestExposure);
 }
 
-// In the dark: a mask's loops take their time to link.
-void PrintProcess::tell_layer() {
-  layer_told_ = true;
+// Reports the layer to the observer. Called in the dark, since counting the mask's loops takes time.
+void PrintProcess::report_layer() {
+  layer_reported_ = true;
   record_.complete = layer_exposed_;
   if (layer_exposed_) record_.loops = plan_->engine->count_loops();
   observer_.layer_done(record_);
   if (layer_exposed_) judge_exposure();
 }
 
-// The plate is not down any more, or will be lifted next: nothing else than the pause is due.
+// Requests a pause if the layer's exposure is less certain than its resin tolerates. No other transition is
+// needed: the plate is already up, or is lifted next.
 void PrintProcess::judge_exposure() {
   const Duration apart = record_.exposure_most - record_.exposure_least;
   if (apart <= plan_->tolerance.bounds || plan_->tolerance.policy == ExposureTolerance::Policy::Warn) return;
-  const std::string what =
-      fmt::format("the light of layer {} is known to {:.0f} ms only, its resin tolerates {:.0f} ms",
-                  layer_ + 1, std::chrono::duration<double, std::milli>(apart).count(),
-                  std::chrono::duration<double, std::milli>(plan_->tolerance.bounds).count());
+  const std::string what = fmt::format(
+      "the exposure of layer {} is uncertain by {:.0f} ms, but its resin tolerates only {:.0f} ms",
+      layer_ + 1, std::chrono::duration<double, std::milli>(apart).count(),
+      std::chrono::duration<double, std::milli>(plan_->tolerance.bounds).count());
   interruption_ += (interruption_.empty() ? "" : "; ") + what;
   resume_wanted_ = false;
   pause_wanted_ = true;
@@ -409,8 +411,8 @@ void PrintProcess::judge_exposure() {
 }
 
 void PrintProcess::show_mask() {
-  // The mask belongs to the height that the plate has, not to the one it was meant to have. The new layer
-  // lies below the plate's height, and is cut at its middle.
+  // The mask belongs to the plate's actual height, not to its planned height. The new layer lies below the
+  // plate's height and is cut at its middle.
   record_.plate_height = current_height();
   record_.mask_height = record_.plate_height - thickness_ / 2;
   shown_.mask = nullptr;
@@ -432,10 +434,11 @@ void PrintProcess::show_mask() {
                           }));
 }
 
-// It is dark, and stays so. In the loop's next turn: this one has been long enough.
+// Interrupts the print because its mask exceeded the budget. The screen is black and stays so. The
+// interruption follows in the event loop's next turn, since the current turn has been long already.
 void PrintProcess::abandon_mask(const MaskBudget& spent) {
   const std::string what =
-      fmt::format("the mask at {:.3f} mm was abandoned, as it does not keep mask_budget_ms, {:.0f} ms: {}",
+      fmt::format("the mask at {:.3f} mm was abandoned because it exceeded mask_budget_ms, {:.0f} ms: {}",
                   to_millimeters(record_.mask_height).count(),
                   std::chrono::duration<double, std::milli>(plan_->mask_budget).count(),
                   describe_mask_cost(*plan_->engine, spent, record_.mask_time));
@@ -445,7 +448,7 @@ void PrintProcess::abandon_mask(const MaskBudget& spent) {
 void PrintProcess::record_layer() {
   if (layer_exposed_) return;
   layer_exposed_ = true;
-  if (!light_asked_ && !layer_told_) tell_layer();
+  if (!light_asked_ && !layer_reported_) report_layer();
 }
 
 void PrintProcess::finish() {
@@ -453,7 +456,7 @@ void PrintProcess::finish() {
                                : canceled_       ? PrintOutcome::Canceled
                                                  : PrintOutcome::Done;
   count_light();
-  if (record_.exposure_parts > 0 && !layer_told_) tell_layer();
+  if (record_.exposure_parts > 0 && !layer_reported_) report_layer();
   PrintPlan plan = std::move(*plan_);
   plan_.reset();
   shown_.mask = nullptr;
@@ -470,17 +473,17 @@ std::optional<Duration> PrintProcess::state_left() const {
 
 Duration PrintProcess::time_left() const {
   expects(state_ != PrintState::Idle, "a print is under way");
-  return state_left().value_or(Duration{0}) + left_behind_state();
+  return state_left().value_or(Duration{0}) + left_after_state();
 }
 
-// To the switch, back off it and to it again. A plate of which nobody knows where it is was parked by the
-// last print.
+// Returns the expected duration of homing: to the switch, back off it and to it again. A plate at an unknown
+// height is assumed to be where a print parks it.
 Duration PrintProcess::homing_duration() const {
   const ZAxis& axis = machine_.z_axis();
   const MillimetersPerSecond slow{plan_->homing_speed.count() / 2};
-  const Nanometers way = plan_->home_height - axis.height().value_or(axis.travel());
-  return axis.move_duration(way, plan_->homing_speed) + axis.move_duration(kBackOff, plan_->homing_speed) +
-         axis.move_duration(kBackOff, slow);
+  const Nanometers distance = plan_->home_height - axis.height().value_or(axis.travel());
+  return axis.move_duration(distance, plan_->homing_speed) +
+         axis.move_duration(kBackOff, plan_->homing_speed) + axis.move_duration(kBackOff, slow);
 }
 
 Duration PrintProcess::parking_duration(Nanometers from) const {
@@ -494,7 +497,7 @@ Duration PrintProcess::lowering_duration(std::int32_t layer) const {
   return axis.move_duration(layer_top() - plan_->home_height, plan_->travel_speed);
 }
 
-// Of the layer under way, behind the state under way.
+// Returns the time that the layer under way takes after the current state.
 Duration PrintProcess::left_of_layer() const {
   const Duration lift = machine_.z_axis().move_duration(plan_->lift, plan_->lift_speed);
   const Duration light = std::max(exposure_left(), Duration{0});
@@ -522,7 +525,7 @@ Duration PrintProcess::left_of_layer() const {
   }
 }
 
-Duration PrintProcess::left_behind_state() const {
+Duration PrintProcess::left_after_state() const {
   if (state_ == PrintState::Parking || state_ == PrintState::Ending) return Duration{0};
   if (canceled_) return parking_duration(machine_.z_axis().height().value_or(layer_top()));
   const std::size_t next = static_cast<std::size_t>(layer_) + 1;

@@ -1,9 +1,8 @@
-// Carries a print out: takes events from the machine, the clock and the owner through the table of
-// print_states.hpp and does what its rows say. Whatever happens, a print ends with the light off. Event
-// loop's thread only.
-//
-// It is larger than other classes: each effect of the table is a method of it, and all of them work on the
-// one layer under way and account for its light.
+// Carries out a print: looks up the events from the machine, the clock and the user in the table of
+// print_states.hpp and performs the effects found there. Whatever happens, a print ends with the light off.
+// Event loop's thread only.
+// PrintProcess has a method for each effect of the table, and all of them work on the layer under way and
+// account for its light. It is larger than other classes for this reason.
 #pragma once
 
 #include <algorithm>
@@ -24,28 +23,28 @@
 
 namespace contourd {
 
-// How a print is to be made; everything decided before it starts.
+// The plan of a print: everything that is decided before it starts.
 struct PrintPlan {
   std::string job;
   std::unique_ptr<ContourEngine> engine;
-  PrintLayers layers;  // asked layer by layer
-  // Light of a layer, counted from 0, of this thickness.
+  PrintLayers layers;  // queried layer by layer during the print
+  // Returns the exposure of a layer, counted from 0, of this thickness.
   std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure;
-  std::vector<Nanometers> expected_layers;         // their thicknesses, for the time left only
-  Duration mask_budget = std::chrono::seconds{1};  // for the computation of one mask, on the event loop
+  std::vector<Nanometers> expected_layers;         // thicknesses, used only for the time left
+  Duration mask_budget = std::chrono::seconds{1};  // time limit for one mask, computed on the event loop
   double pixel_area_mm2 = 0;
   ExposureTolerance tolerance;
   Nanometers lift{};
   MillimetersPerSecond lift_speed, retract_speed, travel_speed, homing_speed;
   Duration settle{}, rest{};
-  // For the time left only: how long the lamp takes to be warm, and where the plate is behind homing.
+  // Used only for the time left: the lamp's warm-up time, and the plate's height after homing.
   Duration warm_up{};
   Nanometers home_height{};
 };
 
-// How long one of the expected layers takes on this axis: exposure, peel, the way back and the waits between.
+// Returns the duration of an expected layer on this axis: exposure, peel, the move back down and the waits.
 [[nodiscard]] Duration layer_duration(const PrintPlan& plan, std::int32_t layer, const ZAxis& axis);
-// The same where `move_duration(distance, speed)` stands for the axis.
+// Returns the duration of an expected layer on an axis described by `move_duration(distance, speed)`.
 template <typename MoveDuration>
 [[nodiscard]] Duration layer_duration(const PrintPlan& plan, std::int32_t layer,
                                       const MoveDuration& move_duration) requires
@@ -55,28 +54,28 @@ template <typename MoveDuration>
          move_duration(-plan.lift, plan.retract_speed);
 }
 
-// What really happened to one layer.
+// The measured facts about one layer.
 struct LayerRecord {
   std::int32_t layer = 0;  // from 0
-  Nanometers bottom{};     // where it was meant to lie, above the plate
+  Nanometers bottom{};     // planned height of the layer's lower side above the plate
   Nanometers thickness{};
-  Nanometers plate_height{};  // where the axis said the plate was when the mask was computed
-  Nanometers mask_height{};   // at which the model was cut: half a layer below
+  Nanometers plate_height{};  // the axis' reading when the mask was computed
+  Nanometers mask_height{};   // height of the cut through the model: half a layer below plate_height
   Duration exposure_asked{};
-  // Of the light, all parts: it shone for no less and no more, by what is known of its commands (LightSpan).
+  // Bounds on the total time that the light was on for this layer, as far as its commands show (LightSpan).
   Duration exposure_least{}, exposure_most{};
-  int exposure_parts = 0;      // more than one when the exposure was interrupted and went on later
-  bool complete = false;       // it had all its light; else the print ended before
-  bool dark_confirmed = true;  // or else the light may have shone on: exposure_most is as of the print's end
-  Duration mask_time{};        // processor time from the height to the mask (real time, also when simulated)
-  double area_mm2 = 0;         // exposed
+  int exposure_parts = 0;      // more than 1 if the exposure was interrupted and continued later
+  bool complete = false;       // the layer had all its light; false if the print ended before
+  bool dark_confirmed = true;  // false if the light may have stayed on: exposure_most ends with the print
+  Duration mask_time{};        // time to compute the mask (real time, also on a simulated printer)
+  double area_mm2 = 0;         // exposed area
   std::uint32_t intersecting_facets = 0;
   std::uint32_t loops = 0;
   LayerCracks cracks;
-  TimePoint shown_at{};  // vblank at which the mask was on the screen
+  TimePoint shown_at{};  // vblank at which the mask appeared on the screen
 };
 
-// Those that had all their light.
+// Returns the number of layers that had all their light.
 [[nodiscard]] inline std::int64_t layers_exposed(const std::vector<LayerRecord>& layers) {
   return std::ranges::count(layers, true, &LayerRecord::complete);
 }
@@ -84,7 +83,8 @@ struct LayerRecord {
 enum class PrintOutcome { Done, Canceled, Failed };
 [[nodiscard]] std::string_view name_of(PrintOutcome outcome);
 
-// Told what goes on; called from within the process, which must not be called back from there.
+// The receiver of a print's events. PrintProcess calls it from within its functions, so it must not call back
+// into the process.
 class PrintObserver {
  public:
   PrintObserver() = default;
@@ -94,85 +94,89 @@ class PrintObserver {
 
   virtual void state_changed(PrintState state) = 0;
   virtual void layer_done(const LayerRecord& layer) = 0;
-  // The light is off and the layer, as layer() has it, waits to be gone on with; `what` says why.
+  // Called when the print was interrupted: the light was turned off, and layer() waits for resume(). `what`
+  // says why.
   virtual void interrupted(const std::string& what) = 0;
-  // The light, which may have been on up to now, is confirmed off; or the print ends without that.
+  // Called when a light that may have been on until now is confirmed off, or when the print ends without this
+  // confirmation.
   virtual void light_gone() = 0;
-  // The print is over: the light is off and the process idle. `reason` says why it failed.
+  // Called when the print is over: the light is off and the process idle. `reason` says why it failed.
   virtual void print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan plan) = 0;
 };
 
 class PrintProcess {
  public:
-  // All must outlive the process.
+  // Makes the machine safe. All arguments must outlive the process.
   PrintProcess(Machine& machine, Clock& clock, PrintObserver& observer);
-  // Leaves the machine safe.
+  // Makes the machine safe and powers the projector off.
   ~PrintProcess();
   PrintProcess(const PrintProcess&) = delete;
   PrintProcess& operator=(const PrintProcess&) = delete;
 
-  // REQUIRES: state() is Idle; at least one layer; an exposure.
+  // Starts a print. REQUIRES: state() is Idle; the plan has at least one layer, and an exposure.
   void start(PrintPlan plan);
 
-  // Pause after the layer under way, or no longer.
+  // Requests a pause after the layer under way; if the plate already moves up for a pause, withdraws
+  // resume().
   void pause();
-  // Also after an interruption: the layer under way then gets the light that it still lacks. Does not look
-  // whether anything keeps the machine from printing.
+  // Withdraws a pending pause, or continues a paused or interrupted print; an interrupted layer then gets the
+  // light that it still lacks. Does not check that the machine is ready.
   void resume();
-  // Light off at once; the plate goes up, and the print waits for resume(). `what` says why, in one sentence.
-  // Does nothing while Idle.
+  // Turns the light off at once and moves the plate up; the print waits for resume(). `what` says why, in one
+  // sentence. Does nothing while Idle.
   void interrupt(const std::string& what);
-  // Ends the print: light off at once, plate to its parking height.
+  // Ends the print: turns the light off at once and moves the plate to its parking height.
   void cancel();
   // Ends the print at once and leaves the plate where it is.
   void fail(const std::string& reason);
 
   [[nodiscard]] PrintState state() const { return state_; }
   [[nodiscard]] bool pause_pending() const { return pause_wanted_; }
-  // When a pause asked for now comes, for its owner: "after this layer". Empty where none does: the print
-  // ends before. REQUIRES: not Idle.
+  // Returns when a pause that is requested now takes effect, as a text for the user: "after this layer".
+  // Empty if the print ends before. REQUIRES: not Idle.
   [[nodiscard]] std::string_view next_pause() const;
   [[nodiscard]] bool canceled() const { return canceled_; }
-  // From light on's command until the light is confirmed off, or the print ends without that.
+  // True from the light-on command until the light is confirmed off, or the print ends without this
+  // confirmation.
   [[nodiscard]] bool light_may_be_on() const { return light_asked_; }
-  // What interrupted the print, until it is resumed; empty when nothing did.
+  // Returns what interrupted the print, until it is resumed; empty if nothing did.
   [[nodiscard]] const std::string& interruption() const { return interruption_; }
-  // The layer under way, from 0. REQUIRES: not Idle.
+  // Returns the layer under way, from 0. REQUIRES: not Idle.
   [[nodiscard]] std::int32_t layer() const {
     expects(state_ != PrintState::Idle, "a print is under way");
     return layer_;
   }
-  // Its top above the plate. REQUIRES: not Idle.
+  // Returns the height of the layer's upper side above the plate. REQUIRES: not Idle.
   [[nodiscard]] Nanometers layer_top() const {
     expects(state_ != PrintState::Idle, "a print is under way");
     return bottom_ + thickness_;
   }
-  // REQUIRES: not Idle.
+  // Returns the thickness of the layer under way. REQUIRES: not Idle.
   [[nodiscard]] Nanometers layer_thickness() const {
     expects(state_ != PrintState::Idle, "a print is under way");
     return thickness_;
   }
   [[nodiscard]] bool on_last_layer() const { return !plan_->layers.thickness_at(layer_top()); }
-  // The mask that was on the screen last or is there; none before the first. Valid until the loop's next
-  // turn.
+  // Returns the mask that is or was last on the screen; its mask is null before the first layer. Valid until
+  // the event loop's next turn.
   [[nodiscard]] ShownMask shown() const { return shown_; }
-  // It is there now, as far as is known.
+  // True if the mask is on the screen now, as far as is known.
   [[nodiscard]] bool shows_mask() const {
     return state_ == PrintState::Igniting || state_ == PrintState::Exposing;
   }
-  // Nothing while Idle.
+  // Returns the plan of the print under way; null while Idle.
   [[nodiscard]] const PrintPlan* plan() const { return plan_ ? &*plan_ : nullptr; }
-  // From now to the end, pauses aside, as far as the layers are as expected: with warm-up, homing and
-  // parking. It stands still only where a state takes longer than was expected, or waits for somebody.
-  // REQUIRES: not Idle.
+  // Returns the time from now to the end of the print, with warm-up, homing and parking but without pauses,
+  // provided that the layers are as expected. It stops counting down only while a state takes longer than
+  // expected or waits for the user. REQUIRES: not Idle.
   [[nodiscard]] Duration time_left() const;
-  // From now to the end of the state under way; nothing where nobody knows. REQUIRES: not Idle.
+  // Returns the time from now to the end of the current state; nullopt if unknown. REQUIRES: not Idle.
   [[nodiscard]] std::optional<Duration> state_left() const;
 
  private:
   void handle(PrintEvent event);
   void perform(PrintEffect effect);
-  // A callback that does nothing once the state has changed: late answers belong to the past.
+  // Returns a callback that does nothing once the state has changed, so that late answers are ignored.
   template <typename Answer>
   std::function<void(Answer)> while_in_state(std::type_identity_t<std::function<void(Answer)>> call);
   void wait(Duration duration) { wait_until(clock_.now() + duration); }
@@ -183,7 +187,7 @@ class PrintProcess {
   [[nodiscard]] Duration homing_duration() const;
   [[nodiscard]] Duration parking_duration(Nanometers from) const;
   [[nodiscard]] Duration lowering_duration(std::int32_t layer) const;
-  [[nodiscard]] Duration left_behind_state() const;
+  [[nodiscard]] Duration left_after_state() const;
   [[nodiscard]] Duration left_of_layer() const;
   void move_to(Nanometers target, MillimetersPerSecond speed);
   void power_on();
@@ -203,7 +207,7 @@ class PrintProcess {
   void expect_darkness();
   void is_dark();
   void count_light();
-  void tell_layer();
+  void report_layer();
   void judge_exposure();
   void display_lost();
   [[nodiscard]] PrintEvent next_due() const;
@@ -216,21 +220,21 @@ class PrintProcess {
   std::uint64_t states_entered_ = 0;
   std::optional<PrintPlan> plan_;
   std::int32_t layer_ = 0;
-  Nanometers bottom_{}, thickness_{};  // of the layer under way
+  Nanometers bottom_{}, thickness_{};  // the layer under way
   bool pause_wanted_ = false;
-  bool resume_wanted_ = false;  // while the plate still rises for a pause
+  bool resume_wanted_ = false;  // requested while the plate still moves up for a pause
   bool canceled_ = false;
   std::string failure_;
   std::string interruption_;
-  LayerRecord record_;  // of the layer under way
+  LayerRecord record_;  // the layer under way
   ShownMask shown_;
-  bool layer_exposed_ = false;      // it has had all its light
-  bool layer_told_ = false;         // its record was
-  bool light_asked_ = false;        // what light it gave is not in the record yet
-  std::optional<LightSpan> light_;  // of that light, as it was known when it was told to go off
+  bool layer_exposed_ = false;      // the layer has had all its light
+  bool layer_reported_ = false;     // the record has been passed to the observer
+  bool light_asked_ = false;        // a light was requested that is not in the record yet
+  std::optional<LightSpan> light_;  // the requested light, as known when it was turned off
   TimePoint exposure_end_{};
-  std::vector<Duration> left_after_;  // by expected layer: how long it, those behind it and parking take
-  std::optional<TimePoint> estimated_end_;  // of the state under way
+  std::vector<Duration> left_after_;  // by expected layer: the time for it, all later layers and parking
+  std::optional<TimePoint> estimated_end_;  // end of the current state
   std::unique_ptr<Timer> wait_;
   std::unique_ptr<Timer> deadline_;
 };

@@ -22,18 +22,18 @@ constexpr PrintTransition row(S from, E on, S to, Effects... effects) {
   return {from, on, to, {effects...}, sizeof...(effects)};
 }
 
-// Light off before anything that can fail; the motor still; the lamp may rest. The job's files are dealt with
-// when the light is off, or nobody confirms it.
+// Turns the light off before any effect that can fail, then stops the motor and powers the lamp off. The
+// job's files are moved once the light is confirmed off, or the wait for that has timed out.
 constexpr PrintTransition failure(S from) {
   return row(from, E::Failed, S::Ending, F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::AwaitDark);
 }
 
-// Cancelled where nothing moves: the plate goes up, so that the part can be taken.
+// Cancels a print while nothing moves: the plate moves up so that the part can be taken off.
 constexpr PrintTransition cancel_at_rest(S from) {
   return row(from, E::Canceled, S::Parking, F::LightOff, F::BlackNow, F::Park);
 }
 
-// Interrupted or cancelled where there may be light: nothing moves before it is confirmed off.
+// Interrupts or cancels a print while there may be light: nothing moves before the light is confirmed off.
 constexpr PrintTransition interruption_lit(S from, E on) {
   return row(from, on, S::Interrupting, F::LightOff, F::BlackNow, F::AwaitDark);
 }
@@ -42,18 +42,18 @@ constexpr PrintTransition cancel_moving(S from) {
   return row(from, E::Canceled, S::Halting, F::LightOff, F::BlackNow, F::StopAxis);
 }
 
-// Interrupted at a layer: the plate is peeled off and goes up, so that one can look; the layer is not
-// forgotten.
+// Interrupts a print at a layer: the plate is peeled off and moves up so that the user can look; the layer is
+// continued afterwards.
 constexpr PrintTransition interruption_at_rest(S from) {
   return row(from, E::Interrupted, S::Lifting, F::LightOff, F::BlackNow, F::Lift);
 }
 
-// The same with the plate up already.
+// Interrupts a print while the plate is up already.
 constexpr PrintTransition interruption_above_resin(S from) {
   return row(from, E::Interrupted, S::Raising, F::LightOff, F::BlackNow, F::RaiseForALook);
 }
 
-// Interrupted where nothing more need be done than what is under way.
+// Interrupts a print in a state that already does everything necessary, apart from light and screen.
 constexpr PrintTransition interruption_unmoved(S in) {
   return row(in, E::Interrupted, in, F::LightOff, F::BlackNow);
 }
@@ -85,7 +85,8 @@ constexpr auto kTable = std::to_array<PrintTransition>({
     row(S::Ending, E::LightIsOff, S::Idle, F::Finish),
     row(S::Ending, E::GaveUp, S::Idle, F::Finish),
 
-    // Before the first layer there is nothing to peel off, and while homing no height to go to.
+    // Before the first layer there is nothing to peel off, and during homing there is no known height to go
+    // to.
     row(S::WarmingUp, E::Interrupted, S::Held, F::LightOff, F::BlackNow),
     row(S::Homing, E::Interrupted, S::Held, F::LightOff, F::BlackNow, F::AbortAxis),
     row(S::Held, E::Resumed, S::WarmingUp, F::LightOff, F::BlackNow, F::PowerOn),
@@ -95,7 +96,7 @@ constexpr auto kTable = std::to_array<PrintTransition>({
     interruption_at_rest(S::Showing),
     interruption_lit(S::Igniting, E::Interrupted),
     interruption_lit(S::Exposing, E::Interrupted),
-    // The layer has had its light.
+    // The layer has had all its light.
     row(S::Darkening, E::Interrupted, S::Interrupting, F::LightOff, F::BlackNow, F::RecordLayer,
         F::AwaitDark),
     row(S::Extinguishing, E::Interrupted, S::Interrupting, F::LightOff, F::BlackNow, F::RecordLayer,
@@ -113,7 +114,7 @@ constexpr auto kTable = std::to_array<PrintTransition>({
     interruption_unmoved(S::Parking),
     interruption_unmoved(S::Ending),
 
-    // While homing the plate's position is unknown: it can only be left where it is.
+    // During homing the plate's position is unknown, so the plate is left where it is.
     row(S::WarmingUp, E::Canceled, S::Ending, F::LightOff, F::BlackNow, F::PowerOff, F::AwaitDark),
     row(S::Homing, E::Canceled, S::Ending, F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::AwaitDark),
     row(S::Held, E::Canceled, S::Ending, F::LightOff, F::BlackNow, F::PowerOff, F::AwaitDark),
@@ -128,7 +129,7 @@ constexpr auto kTable = std::to_array<PrintTransition>({
     interruption_lit(S::Exposing, E::Canceled),
     interruption_lit(S::Darkening, E::Canceled),
     interruption_lit(S::Extinguishing, E::Canceled),
-    // Peeled off first, then cancelled again.
+    // The plate is peeled off first; the cancellation is carried out in AwaitingDark.
     row(S::Interrupting, E::Canceled, S::Interrupting, F::LightOff, F::BlackNow),
     cancel_at_rest(S::Resting),
     cancel_at_rest(S::AwaitingDark),

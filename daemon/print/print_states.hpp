@@ -1,5 +1,5 @@
-// The print process as one table: in which state which event leads where, and what is done on the way.
-// Nothing else decides what happens next. `contourd --print-states` draws it.
+// The print process as one table of transitions: for a state and an event, the next state and the effects on
+// the way. Nothing else decides what happens next. `contourd --print-states` draws it.
 #pragma once
 
 #include <array>
@@ -12,26 +12,26 @@ namespace contourd {
 
 enum class PrintState {
   Idle,
-  WarmingUp,  // the lamp
+  WarmingUp,  // until the lamp is warm
   Homing,
-  Lowering,  // the plate, to the layer's height
-  Settling,  // the resin
-  Showing,   // the mask, until the kernel says that it is on the screen
-  Igniting,  // light on, until its command is sent
+  Lowering,  // the plate moves to the layer's height
+  Settling,  // the resin settles
+  Showing,   // until the kernel reports that the mask is on the screen
+  Igniting,  // until the light-on command is sent
   Exposing,
-  Darkening,      // light off is sent; black, until it is on the screen
+  Darkening,      // light off is sent; until black is on the screen
   Extinguishing,  // until the light is confirmed off
-  Interrupting,   // the same where the exposure was interrupted or cancelled
-  Resting,        // before the peel
+  Interrupting,   // until the light of an interrupted or cancelled exposure is confirmed off
+  Resting,        // the wait before the peel
   Lifting,        // peel and lift
-  AwaitingDark,   // before anything goes down into the resin: the light is confirmed off
-  Raising,        // for a look at the part
+  AwaitingDark,   // until the light is confirmed off, before anything moves down into the resin
+  Raising,        // the plate moves up so that the user can look at the part
   Paused,
-  Held,     // interrupted before the first layer, where the plate's position may be unknown
-  Braking,  // an interrupted print's move, to a standstill
-  Halting,  // a cancelled print's move, to a standstill
-  Parking,  // the plate goes up to its parking height
-  Ending,   // all is over but that the light is confirmed off
+  Held,     // interrupted before the first layer, when the plate's position may be unknown
+  Braking,  // until the move of an interrupted print has come to a standstill
+  Halting,  // until the move of a cancelled print has come to a standstill
+  Parking,  // the plate moves up to its parking height
+  Ending,   // until the light is confirmed off; everything else is done
 };
 
 enum class PrintEvent {
@@ -41,18 +41,18 @@ enum class PrintEvent {
   MoveEnded,
   WaitOver,
   MaskShown,
-  LightOnSent,  // from here on there may be light
+  LightOnSent,  // there may be light from now on
   ScreenBlack,
   LightIsOff,       // confirmed
-  LayerDue,         // dark, and another layer is to come
-  LayerUnfinished,  // dark, and the layer has not had all its light
-  PauseDue,         // dark, and the owner asked for a pause or something interrupted the print
+  LayerDue,         // dark, and another layer follows
+  LayerUnfinished,  // dark, and the layer still lacks light
+  PauseDue,         // dark, and the user requested a pause or something interrupted the print
   LayersDone,       // dark after the last layer
-  Interrupted,      // the lid was opened, the display lost: dark, up, and wait for the owner
+  Interrupted,      // the lid was opened or the display lost: turn dark, move up, wait for the user
   Resumed,
   Canceled,
   Failed,  // a device failed, did not answer in time, or an effect threw
-  GaveUp,  // nobody has confirmed in time that the light is off
+  GaveUp,  // the light was not confirmed off in time
 };
 
 enum class PrintEffect {
@@ -70,7 +70,7 @@ enum class PrintEffect {
   TimeExposure,
   ShowBlack,
   AwaitDark,
-  RecordLayer,  // if it is not yet: what remained of it may have been too little for a light of its own
+  RecordLayer,  // unless done already: the rest of an interrupted exposure may be too short to be given
   WaitToRest,
   Lift,
   NextLayer,
@@ -85,24 +85,25 @@ struct PrintTransition {
   PrintState from;
   PrintEvent on;
   PrintState to;
-  std::array<PrintEffect, kMaxEffects> effects;  // in this order; LightOff always first
+  std::array<PrintEffect, kMaxEffects> effects;  // in order of execution; LightOff always first
   std::size_t effect_count;
 
   [[nodiscard]] std::span<const PrintEffect> done() const { return std::span(effects).first(effect_count); }
 };
 
-// All rows. One that stays in its state only adds its effects: what the state waits for stays awaited.
+// Returns all rows of the table. A row that stays in its state only adds its effects: the state keeps waiting
+// for the same event.
 [[nodiscard]] std::span<const PrintTransition> print_transitions();
 
-// The row for an event in a state; nothing when the event means nothing there.
+// Returns the row for an event in a state; null if the state ignores the event.
 [[nodiscard]] const PrintTransition* find_transition(PrintState from, PrintEvent on);
 
 [[nodiscard]] std::string_view name_of(PrintState state);
 [[nodiscard]] std::string_view name_of(PrintEvent event);
 [[nodiscard]] std::string_view name_of(PrintEffect effect);
 
-// The table as a Graphviz graph; the rows for Failed, which are alike, drawn as one. Beside it those of a
-// serial projector's power and light.
+// Draws the table as a Graphviz graph, with the rows for Failed, which are alike, as one; also the tables for
+// manual control, homing, and a serial projector's power and light.
 [[nodiscard]] std::string draw_print_states();
 
 }  // namespace contourd

@@ -1,5 +1,5 @@
-// A mask that the display was given, and what it is of. A reference: whoever tells it says for how long it is
-// valid.
+// A mask that was passed to the display, and its origin. ShownMask only refers to the mask: the function that
+// returns it says how long it stays valid.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 namespace contourd {
 
 struct ShownMask {
-  const Mask* mask = nullptr;           // null: none
-  std::uint64_t number = 0;             // of all that one has shown, from 1
-  std::string_view name{};              // of the job, or of the picture
-  std::optional<std::int32_t> layer{};  // from 0; nothing where it is no layer's
-  Nanometers cut_at{};                  // the layer's, above the plate
+  const Mask* mask = nullptr;           // null if no mask is shown
+  std::uint64_t number = 0;             // running number of the masks of one process, from 1
+  std::string_view name{};              // the job's name, or the picture's
+  std::optional<std::int32_t> layer{};  // from 0; nullopt if the mask belongs to no layer
+  Nanometers cut_at{};                  // height above the plate at which the layer was cut
 };
 
 }  // namespace contourd

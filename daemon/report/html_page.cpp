@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kPlotWidth = 860, kPlotHeight = 190;
 constexpr double kPlotLeft = 104, kPlotBottom = 40, kPlotTop = 20;
-// More points than a plot has room for are drawn as the largest of each group: peaks must not vanish.
+// The largest number of points in a plot. Of more points, the largest of each group is drawn, so that no peak
+// vanishes.
 constexpr std::size_t kMaxPoints = 800;
 
 std::vector<PlotPoint> thinned(std::span<const PlotPoint> points) {
@@ -41,7 +42,7 @@ std::string without_tags(const std::string& html) {
   return text;
 }
 
-// The next of 1, 2, 2.5, 5 times a power of ten.
+// Rounds up to 1, 2, 2.5 or 5 times a power of ten.
 double round_up(double value) {
   if (!(value > 0)) return 1;
   const double power = std::pow(10.0, std::floor(std::log10(value)));

@@ -1,5 +1,5 @@
-// What contourd's HTML pages have in common: their look, text that is safe in them, pictures and plots inside
-// the page. Thread-safe (no shared state).
+// Common parts of contourd's HTML pages: the style sheet, text that is safe in HTML, and plots as SVG.
+// Thread-safe (no shared state).
 #pragma once
 
 #include <cstdint>
@@ -24,15 +24,14 @@ svg text { font: 12px system-ui, sans-serif; fill: var(--ink); } svg .grid { str
 svg .curve { fill: none; stroke: var(--accent); stroke-width: 1.5; stroke-linejoin: round; vector-effect: non-scaling-stroke; }
 )";
 
-// Text from a file name or an error message, safe inside HTML.
+// Returns text, for instance from a file name or an error message, in a form that is safe inside HTML.
 [[nodiscard]] std::string escaped(const std::string& text);
 
 struct PlotPoint {
   double height_mm, value;
 };
 
-// A heading and, under it, a curve over the height as SVG. `title` and what it says must be safe in HTML.
-// REQUIRES: rising heights.
+// Returns a heading and below it a curve over the height as SVG. `title` is HTML. REQUIRES: rising heights.
 [[nodiscard]] std::string svg_plot(const std::string& title, std::span<const PlotPoint> all);
 
 }  // namespace contourd

@@ -13,14 +13,15 @@
 namespace contourd {
 namespace {
 
-// How many of the islands of a layer are marked, and of its hollows; the largest.
-constexpr std::size_t kMaxCurveMarks = 20;
-// A circle is so much larger than the disc of an island's area, and has so many pixels at least.
+// The largest number of marked islands in a layer, and of marked hollows; the largest ones are marked.
+constexpr std::size_t kMaxLayerMarks = 20;
+// The radius of a mark: this many times the radius of a disc with the island's area, and at least this many
+// pixels.
 constexpr double kAround = 1.6, kSmallestMark = 7, kPi = std::numbers::pi;
-// How many interruptions are looked at for a picture of their layer.
+// The largest number of interruptions whose layers may be chosen.
 constexpr std::size_t kMaxInterruptions = 3;
 
-// Layers that have something in common, the most important first. They count from 0.
+// Layers that were chosen for the same reason, the most important first. Layers count from 0.
 struct Group {
   std::string_view why;
   std::vector<std::int32_t> layers;
@@ -47,7 +48,7 @@ class Choice {
  public:
   explicit Choice(std::span<const LayerRecord> layers) : layers_(layers) {}
 
-  // A layer that was not exposed is none to choose.
+  // Adds a layer, or another reason to a layer added before. Ignores a layer that was not exposed.
   void add(std::int32_t layer, std::string_view why) {
     const auto found = std::ranges::lower_bound(layers_, layer, {}, &LayerRecord::layer);
     if (found == layers_.end() || found->layer != layer) return;
@@ -60,7 +61,7 @@ class Choice {
     }
   }
 
-  // Between layers that are chosen; the first and the last are.
+  // Adds layers in the middle of the widest gaps. The first and the last layer have been added already.
   void fill_gaps() {
     while (chosen_.size() < std::min(kMaxLayerPictures, layers_.size())) {
       std::vector<std::size_t> records;
@@ -84,22 +85,22 @@ class Choice {
   std::vector<ChosenLayer> chosen_;
 };
 
-// How many of a picture's pixels are one of the mask's, and a millimetre.
+// The size in a picture's pixels of one pixel of the mask, and of one millimetre.
 struct PictureScale {
   double per_pixel, per_mm;
 };
 
-// What is marked in a layer.
+// A place to be marked in a layer.
 struct MarkedPlace {
   PixelPoint pixel;
   double area_mm2;
 };
 
-// The largest, in the picture of the box.
+// Returns marks for the largest places, in the pixels of a picture of the box.
 std::vector<LayerMark> marks_of(std::vector<MarkedPlace> places, const PixelBox& box,
                                 const PictureScale& scale) {
   std::ranges::stable_sort(places, std::ranges::greater{}, &MarkedPlace::area_mm2);
-  places.resize(std::min(places.size(), kMaxCurveMarks));
+  places.resize(std::min(places.size(), kMaxLayerMarks));
   std::vector<LayerMark> marks;
   for (const MarkedPlace& place : places) {
     const double radius = std::sqrt(place.area_mm2 / kPi) * scale.per_mm;
@@ -110,7 +111,7 @@ std::vector<LayerMark> marks_of(std::vector<MarkedPlace> places, const PixelBox&
   return marks;
 }
 
-// Of the plate: nobody looks at their heights.
+// Returns the bounds of the supports in the plane of the plate; their heights are not used.
 Bounds bounds_of(std::span<const SupportPrimitive> supports) {
   Bounds all;
   const auto include = [&all](const PlatePoint& middle, double radius) {
@@ -130,7 +131,7 @@ Bounds bounds_of(std::span<const SupportPrimitive> supports) {
   return all;
 }
 
-// As the models' copies are drawn on it.
+// Derives the display's geometry from the map of the first model's first copy.
 DisplayGeometry display_of(std::span<const PlateModel> models, Pixels width, Pixels height) {
   const PixelMap& map = models.front().copies.front();
   const PixelPoint origin = map.to_pixels({0, 0}), beside = map.to_pixels({1, 1});
@@ -208,7 +209,7 @@ PixelBox box_around(std::span<const PlateModel> models, Pixels width, Pixels hei
   }
   if (!supports.empty() && !models.empty())
     include(bounds_of(supports), PixelMap::true_scale(display_of(models, width, height), {0, 0}));
-  // Contours may be moved outwards.
+  // The margin leaves room for contours that are offset outwards.
   const double margin = 4 + std::max({right - left, bottom - top, 0.0}) / 20;
   const auto inside = [](double at, Pixels side) {
     return static_cast<std::int32_t>(std::clamp(at, 0.0, static_cast<double>(side.count())));

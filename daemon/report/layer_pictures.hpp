@@ -1,5 +1,5 @@
-// Small pictures of some of a print's layers for its report, from the masks that were shown. Thread-safe (no
-// shared state).
+// Small pictures of some layers of a print for its report, made from the masks that were shown. Thread-safe
+// (no shared state).
 #pragma once
 
 #include <cstddef>
@@ -18,28 +18,30 @@ inline constexpr std::size_t kMaxLayerPictures = 12;
 inline constexpr Pixels kLayerPictureSide{300};  // at most
 
 struct ChosenLayer {
-  std::size_t record = 0;  // which of the report's layers
-  std::string why;         // "first, island"; empty for one that only fills a gap
+  std::size_t record = 0;  // index into the report's layers
+  std::string why;         // "first, island"; empty for a layer that only fills a gap
 
   bool operator==(const ChosenLayer&) const = default;
 };
 
-// Of the layers that were exposed: the first, the largest, the last, those that warnings name and that were
-// interrupted, one of each before a second of any; then those in the middle of the widest gaps. The most
-// important one first, none twice, kMaxLayerPictures at most.
+// Chooses at most kMaxLayerPictures of the exposed layers, the most important first: the first, the largest
+// and the last layer, layers named by warnings and interrupted layers, one of each kind before the second of
+// any kind; then layers in the middle of the widest gaps.
 [[nodiscard]] std::vector<ChosenLayer> choose_layers(const PrintReport& report);
 
-// The part of a display so large in which the masks of these models and of their supports are, with some room
-// around it.
+// Returns the part of a display of this size that the masks of the models and of their supports cover, with a
+// margin around it.
 [[nodiscard]] PixelBox box_around(std::span<const PlateModel> models, Pixels width, Pixels height,
                                   std::span<const SupportPrimitive> supports = {});
-// The supports that the job has.
+// Returns the supports of the job.
 [[nodiscard]] std::span<const SupportPrimitive> supports_of(const JobSummary& job);
-// The display whose masks the engine makes, of which one shows a copy of its first model.
+// Returns the geometry of the display for which the engine makes masks, derived from the first copy of its
+// first model.
 [[nodiscard]] DisplayGeometry display_of(const ContourEngine& engine);
 
-// Computes their masks once more: the same height and engine make the same mask. Those that are not there by
-// the deadline are left out. Takes the memory of the engine's mask, which it has already, and the pictures'.
+// Draws the chosen layers, in rising order. Computes their masks again: the same height and engine make the
+// same mask. Omits layers that are not drawn by the deadline. Takes memory for the pictures only, as the
+// engine's mask exists already.
 [[nodiscard]] std::vector<LayerPicture> draw_layer_pictures(const PrintReport& report, ContourEngine& engine,
                                                             MaskBudget::Clock::time_point deadline);
 

@@ -29,7 +29,7 @@ std::int64_t bin_of(double ms, double width_ms) {
   return std::llround(ms / width_ms);
 }
 
-// 1, 2 or 5 times a power of ten: the finest of which so many bins hold all.
+// Returns the smallest width of 1, 2 or 5 times a power of ten with which kMaxBins bins are enough.
 double width_for(const LightDifference& all) {
   for (double power = LightHistogram::kFinest_ms;; power *= 10) {
     for (const double factor : {1.0, 2.0, 5.0}) {
@@ -42,7 +42,7 @@ double width_for(const LightDifference& all) {
 
 constexpr double kChartWidth = 860, kChartHeight = 200, kChartLeft = 84, kChartRight = 10, kTop = 20,
                  kBottom = 40;
-constexpr double kLeastBar = 3;  // one layer among thousands is to be seen
+constexpr double kLeastBar = 3;  // keeps one layer among thousands visible
 
 std::string bar(const char* name, double x, double width, std::uint64_t layers, std::uint64_t most,
                 const std::string& where) {
@@ -100,9 +100,8 @@ std::string svg_of(const LightHistogram& histogram) {
   const double step = (kChartWidth - kChartLeft - kChartRight) / static_cast<double>(histogram.bins.size());
   const double base = kChartHeight - kBottom, width = std::min(step, 90.0);
   std::string svg = fmt::format(
-      "<svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"Layers by how much longer than asked their "
-      "light "
-      "was on, in milliseconds\">\n"
+      "<svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"Layers by actual minus requested "
+      "exposure, in milliseconds\">\n"
       "<line class=\"grid\" x1=\"{2}\" x2=\"{3}\" y1=\"{4}\" y2=\"{4}\"/>"
       "<text x=\"{5}\" y=\"{6}\" text-anchor=\"end\">{7}</text>\n"
       "<line class=\"grid\" x1=\"{2}\" x2=\"{3}\" y1=\"{8}\" y2=\"{8}\"/>"
@@ -118,13 +117,13 @@ std::string svg_of(const LightHistogram& histogram) {
     if (histogram.exact) {
       svg += bar("most", middle - width * 0.4, width * 0.8, bin.most, highest, where);
     } else {
-      svg += bar("least", middle - width * 0.42, width * 0.4, bin.least, highest, where + " at the least");
-      svg += bar("most", middle + width * 0.02, width * 0.4, bin.most, highest, where + " at the most");
+      svg += bar("least", middle - width * 0.42, width * 0.4, bin.least, highest, where + " at least");
+      svg += bar("most", middle + width * 0.02, width * 0.4, bin.most, highest, where + " at most");
     }
     const std::int64_t from_zero = std::llround(bin.middle_ms / histogram.width_ms);
     if (from_zero % labels != 0) continue;
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>\n", middle,
-                       base + 26, from_zero == 0 ? "as asked" : where);
+                       base + 26, from_zero == 0 ? "as requested" : where);
   }
   return svg + "</svg>\n";
 }

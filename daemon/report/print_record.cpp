@@ -55,7 +55,7 @@ PrintReport PrintRecord::take_report() {
   return report;
 }
 
-// An axis that was lost and opened again counts anew.
+// Returns the late steps of this print. An axis that was lost and opened again counts from 0 again.
 std::uint64_t PrintRecord::late_steps() const {
   const std::uint64_t now = machine_.z_axis().late_steps().count;
   return now >= late_steps_then_ ? now - late_steps_then_ : now;

@@ -1,4 +1,4 @@
-// The record of one print, for its owner.
+// The report on one print, for the user.
 #pragma once
 
 #include <chrono>
@@ -17,26 +17,26 @@
 
 namespace contourd {
 
-// While the light is on or not confirmed off, no callback of the event loop is to take longer.
+// The limit on a turn of the event loop while the light is on or not confirmed off.
 inline constexpr Duration kLongestLitTurn = std::chrono::milliseconds(10);
 
-// A circle around an island, or around where a hollow is widest, in a picture's pixels.
+// A circle around an island, or around the place at which a hollow is widest, in a picture's pixels.
 struct LayerMark {
   PixelPoint middle{};
   double radius = 0;
 };
 
-// What a layer's exposure showed, made small.
+// A small picture of the mask that a layer was exposed with.
 struct LayerPicture {
   std::int32_t layer = 0;  // from 0
-  std::string why;         // it was chosen: "island, crack"
+  std::string why;         // the reasons for choosing it: "island, crack"
   Pixels width, height;
   std::vector<std::uint8_t> png;
-  std::vector<LayerMark> islands;  // that begin there
-  std::vector<LayerMark> voids;    // suction cups and resin traps that are widest there
+  std::vector<LayerMark> islands;  // islands that begin in this layer
+  std::vector<LayerMark> voids;    // suction cups and resin traps that are widest in this layer
 };
 
-// The part as far as it was printed.
+// A picture of the part as far as it was printed.
 struct PartPreview {
   Pixels side;
   std::vector<std::uint8_t> png;
@@ -44,53 +44,53 @@ struct PartPreview {
     PixelPoint at{};  // in the picture's pixels
     ContactCause cause = ContactCause::Island;
   };
-  std::vector<Contact> contacts;  // of supports
+  std::vector<Contact> contacts;  // the supports' contacts
 };
 
-// Why a print was interrupted. Times are from its start, by the machine's clock.
+// An interruption of a print. Times count from the print's start, by the machine's clock.
 struct PrintInterruption {
   std::int32_t layer = 0;  // from 0
   Duration at{};
   std::string what;
 };
 
-// Paused, or held before its first layer.
+// A time during which a print was paused, or held before its first layer.
 struct PrintPause {
   std::int32_t layer = 0;  // from 0
   Duration at{}, lasted{};
 };
 
-// In their order, the first ones.
+// The first kMost interruptions and pauses of a print, in order.
 struct PrintStops {
-  static constexpr std::size_t kMost = 1000;  // of each
+  static constexpr std::size_t kMost = 1000;
 
   std::vector<PrintInterruption> interruptions;
   std::vector<PrintPause> pauses;
-  std::uint64_t more_interruptions = 0, more_pauses = 0;  // than those
+  std::uint64_t more_interruptions = 0, more_pauses = 0;  // beyond kMost
 };
 
 struct PrintReport {
   std::string job;
   std::string printer;
   PrintOutcome outcome = PrintOutcome::Failed;
-  std::string reason;  // why it failed
+  std::string reason;  // why the print failed
   JobSummary summary;
-  std::optional<PrintFindings> findings;  // nothing when the print ended before its analysis
-  std::vector<LayerRecord> layers;        // those that were exposed
+  std::optional<PrintFindings> findings;  // nullopt if the print ended before its analysis
+  std::vector<LayerRecord> layers;        // the exposed layers
   PrintStops stops;
   StateTimes states;
   std::chrono::system_clock::time_point started,
-      ended;                                   // for people; durations come from the monotonic clock
+      ended;                                   // wall-clock times, only to be read; durations are monotonic
   Duration print_time{};                       // by the machine's clock
-  std::uint64_t late_steps = 0;                // of the motor
-  EventLoop::Turn busiest_lit;                 // of those while there was or may have been light
-  Duration first_mask_after{};                 // from the file's arrival, or from the end of its wait
-  std::optional<std::filesystem::path> masks;  // where the simulated display kept them
+  std::uint64_t late_steps = 0;                // the motor's late steps
+  EventLoop::Turn busiest_lit;                 // the longest turn while there was or may have been light
+  Duration first_mask_after{};                 // since the file arrived, or since its wait ended
+  std::optional<std::filesystem::path> masks;  // folder of the simulated display's masks
   std::optional<PartPreview> preview;
-  std::vector<LayerPicture> layer_pictures;  // in rising order of their layers
+  std::vector<LayerPicture> layer_pictures;  // in rising order of layers
 };
 
-// Of the layers that had light: their areas times their thicknesses.
+// Returns the exposed volume: the sum of area times thickness over the layers that had light.
 [[nodiscard]] inline double exposed_volume_mm3(std::span<const LayerRecord> layers) {
   double volume_mm3 = 0;
   for (const LayerRecord& layer : layers)

@@ -20,7 +20,8 @@
 namespace contourd {
 namespace {
 
-// Whatever a print was, its page has so many of each; report.json has all. The bytes are a sentence's.
+// Limits on the page of any print: warnings, interruptions and pauses each; models; bytes of a sentence. The
+// JSON report has all of them.
 constexpr std::size_t kMaxItems = 50, kMaxModels = 20, kMaxSentence = 500;
 
 template <typename Value>
@@ -80,7 +81,8 @@ std::string exposure_rows(const std::vector<LayerRecord>& layers) {
   }
   return row("Exposure", fmt::format("{:.0f} ms first, {:.0f} ms last", in_ms(layers.front().exposure_asked),
                                      in_ms(layers.back().exposure_asked))) +
-         row("Light", fmt::format("{:+.2f} to {:+.2f} ms from what was asked", in_ms(least), in_ms(most)));
+         row("Light",
+             fmt::format("{:+.2f} to {:+.2f} ms from the requested exposure", in_ms(least), in_ms(most)));
 }
 
 std::string mask_row(const std::vector<LayerRecord>& layers) {
@@ -94,11 +96,12 @@ std::string mask_row(const std::vector<LayerRecord>& layers) {
                                   in_ms(sum) / static_cast<double>(layers.size()), in_ms(slowest)));
 }
 
-// What did not go as it should beside stops and the model's own.
+// Returns rows for what went wrong in the print, apart from its stops and the model's warnings.
 std::string trouble_rows(const PrintReport& report) {
   std::string rows;
   if (report.late_steps > 0)
-    rows += row("Late steps", fmt::format("{}: the computer was too busy for them", report.late_steps));
+    rows += row("Late steps",
+                fmt::format("{}: the computer was too busy to make them on time", report.late_steps));
   if (report.busiest_lit.busy > kLongestLitTurn) {
     rows += row("Late light", fmt::format("by up to {:.0f} ms: the event loop was busy with {}",
                                           in_ms(report.busiest_lit.busy), report.busiest_lit.source));
@@ -106,7 +109,7 @@ std::string trouble_rows(const PrintReport& report) {
   return rows;
 }
 
-// What was exposed, and of how much in all.
+// Returns the row with the exposed volume, and the volume of all layers if the print was not completed.
 std::string resin_row(const PrintReport& report) {
   std::string used = fmt::format("{:.2f} ml", exposed_volume_mm3(report.layers) / 1000);
   if (report.findings && report.outcome != PrintOutcome::Done)
@@ -114,7 +117,7 @@ std::string resin_row(const PrintReport& report) {
   return row("Resin used", used);
 }
 
-// A copy of a model is no other model, but a plate may hold hundreds of models.
+// Returns the rows of the models. A plate may hold hundreds of models; copies of a model count as one.
 std::string models_rows(const std::vector<ModelSummary>& models) {
   std::string rows;
   for (std::size_t i = 0; i < std::min(models.size(), kMaxModels); ++i)
@@ -124,15 +127,15 @@ std::string models_rows(const std::vector<ModelSummary>& models) {
   return rows;
 }
 
-// Of each model whose way up was left to contourd, what else there was.
+// Returns a table of the possible ways up for each model whose way up contourd chose.
 std::string orientation_section(const std::vector<ModelSummary>& models) {
   std::string html;
-  std::size_t told = 0;
+  std::size_t tables = 0;
   for (const ModelSummary& model : models) {
-    if (!model.orientation || told == kMaxModels) continue;
-    ++told;
+    if (!model.orientation || tables == kMaxModels) continue;
+    ++tables;
     html += fmt::format("<h2>Ways up{}</h2>\n<table id=\"ways-up-{}\">\n",
-                        model.file.empty() ? "" : ": " + escaped(model.file), told);
+                        model.file.empty() ? "" : ": " + escaped(model.file), tables);
     for (const OrientationFigures& each : told_of(model.orientation->choice))
       html += row(text_of(each.up), describe(each));
     html += "</table>\n";
@@ -150,15 +153,16 @@ std::string facts(const PrintReport& report) {
   rows += resin_row(report) + models_rows(summary.models);
   if (summary.supports) rows += row("Supports", supports_line(counts_of(*summary.supports)));
   rows += settings_rows(summary) + exposure_rows(report.layers) + trouble_rows(report);
-  rows += row("First mask", fmt::format("{:.1f} ms after its turn came", in_ms(report.first_mask_after)));
+  rows +=
+      row("First mask", fmt::format("{:.1f} ms after the job's turn came", in_ms(report.first_mask_after)));
   rows += mask_row(report.layers);
   if (report.findings) rows += row("Analysis", findings_line(*report.findings));
   return rows;
 }
 
-// --- what to look at
+// --- Warnings and stops
 
-// "<a href="#layer-8">layer 8</a>" for each of these that has a picture.
+// Returns "<a href="#layer-8">layer 8</a>" for each of these layers that has a picture.
 std::string links_to(const PrintReport& report, std::span<const std::int32_t> layers) {
   std::string links;
   for (const std::int32_t layer : layers) {
@@ -186,10 +190,10 @@ std::string warning_list(const PrintReport& report) {
   std::string list = "<h2>Warnings</h2>\n<ul class=\"notes warnings\">\n";
   for (const FindingWarning& warning : of_layers)
     list += item(warning.sentence, links_to(report, warning.layers));
-  const std::size_t told = std::min(of_model.size(), kMaxItems);
-  for (std::size_t i = 0; i < told; ++i)
+  const std::size_t listed = std::min(of_model.size(), kMaxItems);
+  for (std::size_t i = 0; i < listed; ++i)
     list += item(of_model[i]);
-  return list + more_items(of_model.size() - told) + "</ul>\n";
+  return list + more_items(of_model.size() - listed) + "</ul>\n";
 }
 
 std::string stop_list(const PrintReport& report) {
@@ -223,22 +227,22 @@ std::string time_section(const PrintReport& report) {
 std::string light_section(const PrintReport& report) {
   const LightHistogram histogram = histogram_of_light(report.layers);
   if (histogram.bins.empty()) return "";
-  std::string html = "<h2>Light given against asked, ms</h2>\n" + svg_of(histogram);
+  std::string html = "<h2>Actual minus requested exposure, ms</h2>\n" + svg_of(histogram);
   std::string text =
-      fmt::format("{}, by how much longer the light was on than was asked for.",
+      fmt::format("{}, by the difference between actual and requested exposure.",
                   histogram.layers == 1 ? "1 layer" : fmt::format("{} layers", histogram.layers));
   if (std::abs(histogram.farthest_ms) >= LightHistogram::kFinest_ms) {
-    text +=
-        fmt::format(" The farthest is layer {}: {:+.2f} ms.", histogram.farthest + 1, histogram.farthest_ms);
+    text += fmt::format(" The largest difference is in layer {}: {:+.2f} ms.", histogram.farthest + 1,
+                        histogram.farthest_ms);
   }
   if (histogram.left_out > 0)
-    text += fmt::format(" Not counted: {} whose light was not all given, or not confirmed off.",
-                        histogram.left_out);
+    text +=
+        fmt::format(" Not counted: {} whose light was incomplete or not confirmed off.", histogram.left_out);
   html += "<p>" + text;
   if (!histogram.exact) {
     html +=
-        " What is known are bounds: <span class=\"swatch least\"></span>at the least, "
-        "<span class=\"swatch most\"></span>at the most.";
+        " Only bounds are known: <span class=\"swatch least\"></span>at least, "
+        "<span class=\"swatch most\"></span>at most.";
   }
   return html + "</p>\n";
 }
@@ -267,7 +271,7 @@ std::string figure(const PrintReport& report, const LayerPicture& picture) {
                                  : fmt::format(", {:.3f} mm, {:.2f} mm²",
                                                to_millimeters(record->mask_height).count(), record->area_mm2);
   std::string html = fmt::format(
-      "<figure id=\"layer-{0}\"><div class=\"shot\"><img alt=\"What the projector showed for layer {0}\" "
+      "<figure id=\"layer-{0}\"><div class=\"shot\"><img alt=\"The projector's picture of layer {0}\" "
       "width=\"{1}\" height=\"{2}\" src=\"data:image/png;base64,{3}\">",
       picture.layer + 1, picture.width.count(), picture.height.count(), base64(picture.png));
   html += rings_on(picture, {picture.islands, "islands", "Islands that begin here"});
@@ -292,7 +296,7 @@ std::string plots(const PrintReport& report) {
          plot_of(report, "Contour loops by height", [](const LayerRecord& l) { return l.loops; });
 }
 
-// The part, with a dot for each contact of its supports.
+// Returns the picture of the part, with a dot for each contact of its supports.
 std::string preview_figure(const PrintReport& report) {
   if (!report.preview) return "";
   const PartPreview& preview = *report.preview;
@@ -326,7 +330,7 @@ std::string report_as_html(const PrintReport& report) {
   const std::string outcome(name_of(report.outcome));
   const std::string reason =
       report.reason.empty() ? "" : ": " + escaped(shortened(report.reason, kMaxSentence));
-  // Nothing is fetched and nothing is run, whatever a name has in it.
+  // This policy keeps a browser from fetching or running anything, whatever a name contains.
   std::string html = fmt::format(
       "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "

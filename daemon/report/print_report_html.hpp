@@ -1,4 +1,4 @@
-// A print's record as one self-contained HTML page: a picture, the settings, the times, plots against height.
+// A print's report as one self-contained HTML page: a picture, the settings, the times, plots against height.
 // Thread-safe (no shared state).
 #pragma once
 

@@ -46,7 +46,7 @@ Json model_json(const ModelSummary& model) {
   return json;
 }
 
-// One model is told as it always was; a plate's are a list.
+// Adds the list "models" for a plate, else the object "model".
 void add_models(const JobSummary& summary, Json& json) {
   if (summary.plate) {
     json["models"] = Json::array();
@@ -67,7 +67,7 @@ void add_models(const JobSummary& summary, Json& json) {
   json["model"] = std::move(model);
 }
 
-// What every layer's light follows from.
+// Returns the settings that determine the exposure of every layer.
 Json exposure_json(const JobSummary& summary) {
   const Scale& made_larger = summary.resin.shrinkage_factors;
   const auto percent = [](double factor) { return 100 * (1 - 1 / factor); };
@@ -99,7 +99,7 @@ void add_layer_figures(const LayerSummary& layers, Json& json) {
   json["layers"] = layers.count;
 }
 
-// Where the print's time went.
+// Adds the times of the states, the interruptions and the pauses.
 void add_stops(const PrintReport& report, Json& json) {
   const PrintStops& stops = report.stops;
   Json states = Json::object(), interruptions = Json::array(), pauses = Json::array();
@@ -170,7 +170,7 @@ std::string report_as_json(const PrintReport& report) {
            {"growth_um", summary.resin.compensation.growth.count()},
            {"elephant_foot_um", summary.resin.compensation.elephant_foot.count()},
            {"elephant_foot_height_um", in_mm(summary.resin.compensation.elephant_foot_height) * 1000},
-           {"lamp_mask", summary.uniformity_mask},
+           {"uniformity_mask", summary.uniformity_mask},
            {"gamma", summary.tone.gamma},
            {"threshold", summary.tone.threshold}});
   if (summary.supports) json["settings"]["supports"] = support_settings_json(summary.resin.supports);

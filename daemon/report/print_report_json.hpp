@@ -1,4 +1,4 @@
-// A print's record as JSON, for programs. Thread-safe (no shared state).
+// A print's report as JSON, for programs. Thread-safe (no shared state).
 #pragma once
 
 #include <string>

@@ -18,7 +18,7 @@ namespace {
 
 using Steady = MaskBudget::Clock;
 
-// Which of the exposed layers is at a height. Asked for rising heights.
+// Finds the exposed layer at a height. Heights have to be queried in rising order.
 class ExposedLayers {
  public:
   explicit ExposedLayers(std::span<const LayerRecord> layers) : layers_(layers), next_(layers.begin()) {}
@@ -31,7 +31,7 @@ class ExposedLayers {
     return top;
   }
 
-  // Null where nothing was exposed.
+  // Returns the layer at this height; null if no layer was exposed there.
   const LayerRecord* at(Nanometers height) {
     while (next_ != layers_.end() && (!next_->complete || next_->bottom + next_->thickness <= height))
       ++next_;
@@ -43,13 +43,14 @@ class ExposedLayers {
   std::span<const LayerRecord>::iterator next_;
 };
 
-// What masks cover, made as small as a picture shows it. The last one is kept.
+// Computes masks and scales them down to the size of the picture. Keeps the last one.
 class SmallMasks {
  public:
   SmallMasks(ContourEngine& engine, const PixelBox& box, Pixels longest, Steady::time_point deadline)
       : engine_(engine), box_(box), longest_(longest), deadline_(deadline) {}
 
-  // Null when the time is over. One that does not keep its budget is taken for dark, as the print took it.
+  // Returns the mask at a height; null after the deadline. A mask with too many sides counts as dark, as it
+  // did in the print.
   const Mask* at(Nanometers height) {
     if (height_ == height) return &last_;
     const Steady::time_point now = Steady::now();
@@ -95,10 +96,10 @@ class PrintedPart {
   [[nodiscard]] bool has_height() const { return height_mm_ > 0; }
 
   struct Drawing {
-    PartPicture::Drawing part;         // a mark for each contact of the supports
-    Steady::duration masks{}, took{};  // of that, to compute masks
+    PartPicture::Drawing part;         // with a mark for each contact of the supports
+    Steady::duration masks{}, took{};  // time to compute the masks, and time in all
   };
-  // Nothing when the time is over before.
+  // Draws the part with this side; returns nullopt if the deadline passes before.
   [[nodiscard]] std::optional<Drawing> draw(Pixels side, Steady::time_point deadline) {
     const Steady::time_point start = Steady::now();
     PartPicture::Box part = box_in_pixels();
@@ -158,20 +159,20 @@ class PrintedPart {
 
   const PrintReport& report_;
   ContourEngine& engine_;
-  std::optional<ContourEngine> supports_;  // alone; nothing where there are none
+  std::optional<ContourEngine> supports_;  // makes masks of the supports alone; nullopt without supports
   PixelBox box_;
   double height_mm_ = 0;
 };
 
-// How long a drawing so many times as wide and high would take: it has that many times as many masks, and
-// each of its pixels looks at them.
+// Estimates the time for a drawing `factor` times as wide and high: it takes `factor` times as many masks,
+// each of which is looked up for factor^2 times as many pixels.
 Steady::duration enlarged(const PrintedPart::Drawing& drawing, double factor) {
   const auto rest = drawing.took - drawing.masks;
   return std::chrono::duration_cast<Steady::duration>(drawing.masks * factor +
                                                       rest * factor * factor * factor);
 }
 
-// As PNG, with supports in a colour of their own: odd values are those.
+// Encodes the picture as PNG. Odd values are pixels of supports and get their own colour.
 std::vector<std::uint8_t> encode(const PrintReport& report, const Mask& part) {
   if (supports_of(report.summary).empty()) return encode_png(part);
   Palette palette;
@@ -196,7 +197,7 @@ std::optional<PartPreview> draw_printed_part(const PrintReport& report, ContourE
                                              Steady::time_point deadline) {
   PrintedPart part(report, engine);
   if (!part.has_height()) return preview_of(report, {Mask(kPrintedPartSide, kPrintedPartSide), {}});
-  constexpr int kSmallest = 4;  // times as small, for what time there is is seen by that
+  constexpr int kSmallest = 4;  // first draws at a quarter of the side, to measure the time
   std::optional<PrintedPart::Drawing> drawing = part.draw(kPrintedPartSide / kSmallest, deadline);
   if (!drawing) return std::nullopt;
   for (const double factor : {4.0, 3.0, 2.0}) {

@@ -1,5 +1,6 @@
-// The shaded picture of a part for the report of its print, from the masks with which it was printed: as the
-// resin has it, all models of a plate, mended, and what stands beside them. Thread-safe (no shared state).
+// The shaded picture of a part for the report of its print, drawn from the masks with which it was printed.
+// It shows the part as printed: all models of a plate, repaired, with their supports. Thread-safe (no shared
+// state).
 #pragma once
 
 #include <cstdint>
@@ -12,13 +13,13 @@
 
 namespace contourd {
 
-// As wide and as high, at most.
+// The largest width and height of the picture.
 inline constexpr Pixels kPrintedPartSide{720};
 
-// The layers that had all their light; what the print was still to make of the models is drawn faint over
-// them. Computes the masks once more, as many as the picture can show: the same height and engine make the
-// same mask. As large as there is time for by the deadline; nothing when there is not even that for a quarter
-// of the side. Supports have a colour of their own.
+// Draws the layers that had all their light, and the rest of the part faintly above them. Computes as many
+// masks again as the picture can show: the same height and engine make the same mask. The picture is as large
+// as the deadline allows; returns nullopt if there is not even time for a quarter of the full side. Supports
+// have their own colour.
 [[nodiscard]] std::optional<PartPreview> draw_printed_part(const PrintReport& report, ContourEngine& engine,
                                                            MaskBudget::Clock::time_point deadline);
 

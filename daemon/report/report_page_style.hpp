@@ -1,4 +1,4 @@
-// How a print's report page looks, beside what contourd's pages have in common.
+// The style sheet of a print's report page, in addition to the style sheet of all of contourd's pages.
 #pragma once
 
 #include <string_view>

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kWidth = 860, kHeight = 132, kLeft = 10, kRight = 10;
 constexpr double kBarTop = 26, kBarHeight = 66;
-// Marks of pauses and interruptions each, and bytes of what is said of one.
+// Limits on the marks of pauses and of interruptions, and on the bytes of a mark's text.
 constexpr std::size_t kMaxMarks = 100, kMaxTitle = 100;
 
 double share(Duration part, Duration whole) {
@@ -24,7 +24,7 @@ double place(Duration at, Duration whole) {
   return kLeft + std::clamp(share(at, whole), 0.0, 1.0) * (kWidth - kLeft - kRight);
 }
 
-// For about six labels.
+// Returns the time between two labels, for at most about six labels.
 double label_step_s(double total_s) {
   constexpr double kMinute = 60, kHour = 3600, kDay = 86400;
   constexpr double kSteps[] = {0.01,         0.02,     0.05,        0.1,         0.2,
@@ -59,7 +59,7 @@ std::string labels(Duration total) {
   return svg;
 }
 
-// One shape for all of an activity: in every slice, as high as its part of it.
+// Draws an activity as one shape, whose height in each slice is the activity's share of that slice.
 std::string shape_of(const StateTimes& states, std::size_t activity) {
   std::string path;
   const auto slices = states.slices();
@@ -108,9 +108,9 @@ std::string state_time_line(const PrintReport& report) {
   const Duration total = report.states.total();
   if (total <= Duration{}) return "";
   std::string svg = fmt::format(
-      "<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"What the printer did from the start of the print "
-      "to "
-      "its end; the table has the figures\">\n",
+      "<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"The printer's activity from the start of the "
+      "print "
+      "to its end; the table has the figures\">\n",
       kWidth, kHeight);
   for (std::size_t activity = 0; activity < kPrintActivities; ++activity)
     svg += shape_of(report.states, activity);

@@ -1,5 +1,5 @@
-// Where a print's time went, for its report: a time line as SVG with its pauses and interruptions, and a
-// table of the states. Thread-safe (no shared state).
+// The distribution of a print's time over its states, for its report: a time line as SVG with pauses and
+// interruptions, and a table of the states. Thread-safe (no shared state).
 #pragma once
 
 #include <string>
@@ -8,10 +8,11 @@
 
 namespace contourd {
 
-// Empty for a print that took no time.
+// Draws the time line as SVG. Empty for a print that took no time.
 [[nodiscard]] std::string state_time_line(const PrintReport& report);
 
-// Each state that was entered with its time, by what it is drawn as. Empty for a print that took no time.
+// Returns a table of the states that were entered, with their times, grouped by activity. Empty for a print
+// that took no time.
 [[nodiscard]] std::string state_table(const StateTimes& states);
 
 }  // namespace contourd

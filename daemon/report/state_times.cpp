@@ -71,7 +71,7 @@ void StateTimes::enter(PrintState state, TimePoint now) {
   state_ = state;
 }
 
-// Half as many slices, each of twice the width.
+// Merges pairs of slices into half as many slices of twice the width.
 void StateTimes::halve() {
   for (std::size_t i = 0; i < slices_.size(); ++i) {
     const Slice slice = slices_[i];

@@ -1,5 +1,5 @@
-// How long a print was in each of its states: in all, and along its time in slices, of which there are never
-// more than kMaxSlices, however long it takes. A value; thread-safe as any value is.
+// The time that a print spent in each of its states: in total, and by slices of its time. There are at most
+// kMaxSlices slices, however long the print takes. A value; thread-safe like any value.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace contourd {
 
-// What the states are drawn as.
+// The activities as which the states are drawn.
 enum class PrintActivity { Preparing, Exposing, Moving, Waiting, Stopped };
 inline constexpr std::size_t kPrintActivities = 5;
 inline constexpr std::size_t kPrintStates = static_cast<std::size_t>(PrintState::Ending) + 1;
@@ -24,22 +24,22 @@ inline constexpr std::size_t kPrintStates = static_cast<std::size_t>(PrintState:
 class StateTimes {
  public:
   static constexpr std::size_t kMaxSlices = 256;
-  // How long each activity lasted within a slice.
+  // The time of each activity within a slice.
   using Slice = std::array<Duration, kPrintActivities>;
 
   StateTimes() = default;
-  // Idle from `start` on.
+  // Begins in the state Idle at `start`.
   explicit StateTimes(TimePoint start) : start_(start), since_(start) {}
 
-  // Counts what the state before it lasted. The same state again does no harm. REQUIRES: times that do not
-  // fall.
+  // Enters a state and adds the time of the state before it. May enter the same state again. REQUIRES: times
+  // do not fall.
   void enter(PrintState state, TimePoint now);
 
   [[nodiscard]] PrintState state() const { return state_; }
-  // Up to the last enter(), as the rest is.
+  // Returns the time spent in a state, up to the last enter(), as all other times.
   [[nodiscard]] Duration in(PrintState state) const { return totals_[static_cast<std::size_t>(state)]; }
   [[nodiscard]] Duration total() const { return since_ - start_; }
-  // From the start, each of slice_width(); the last one is not over.
+  // Returns the slices from the start on, each slice_width() long; the last one may be shorter.
   [[nodiscard]] std::span<const Slice> slices() const { return slices_; }
   [[nodiscard]] Duration slice_width() const { return width_; }
 

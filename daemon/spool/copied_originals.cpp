@@ -36,7 +36,7 @@ std::set<std::string> identities_in(const fs::path& folder, std::error_code& cod
   return there;
 }
 
-// Before the inode and the mark of what is expected.
+// Prefix of the record's line with the inode of the expected copy and the mark of its original.
 constexpr std::string_view kExpected = "copying ";
 
 std::string content_of(const struct stat& status) {
@@ -45,7 +45,7 @@ std::string content_of(const struct stat& status) {
 
 }  // namespace
 
-// What else comes into or leaves a plate's folder does not count.
+// Only files that the plate's ticket names are part of the mark: other files in the folder may come and go.
 std::string mark_of(const JobFiles& job) {
   struct stat status {};
   if (::lstat(job.model.c_str(), &status) != 0) return "";

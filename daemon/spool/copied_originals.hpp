@@ -1,5 +1,5 @@
-// Jobs in incoming/ that were printed from a copy, because the daemon may not move them. Kept on the disk, so
-// that none is printed twice. Thread-safe.
+// The record of the jobs in incoming/ that were printed from a copy, because the daemon may not move them.
+// The record is on the disk, so that no job is printed twice. Thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -16,27 +16,28 @@ namespace contourd {
 
 class CopiedOriginals {
  public:
-  // Reads what `record` holds, if there is one.
+  // Reads the file `record` if it exists.
   explicit CopiedOriginals(std::filesystem::path record);
 
   [[nodiscard]] bool contains(const JobFiles& job) const;
-  // Throw std::system_error.
-  //
-  // The original with this mark has a copy, the folder or file `copy`, which appears in printing/ or
-  // disappears from there in one step. If the process ends before add() or remove(), settle() decides.
+  // Announces that the copy of the original with this mark, the folder or file `copy`, is about to be moved
+  // into or out of printing/ in one step. If the process ends before add() or remove(), settle() decides.
+  // Throws std::system_error.
   void expect(const std::string& mark, const std::filesystem::path& copy);
+  // Throws std::system_error.
   void add(const std::string& mark);
+  // Throws std::system_error.
   void remove(const std::string& mark);
-  // Forgets what is not in the folder any more. Throws std::system_error.
+  // Removes the originals that are no longer in the folder. Throws std::system_error.
   void keep_those_in(const std::filesystem::path& incoming);
-  // An original whose copy lies in printing/ has had its turn, another has not. What the disk does not take
-  // is known to this process.
+  // Completes an expect() that the previous process left open: adds the original if its copy is in printing/,
+  // else removes it. If the disk does not accept the record, only this process remembers it.
   void settle(const std::filesystem::path& printing);
 
  private:
-  // A copy on its way, by its inode.
+  // A copy that is being moved, and the mark of its original.
   struct Expected {
-    std::string copy, mark;
+    std::string copy, mark;  // the copy's inode
   };
 
   void change(const std::function<void(std::set<std::string>&)>& change,
@@ -48,12 +49,12 @@ class CopiedOriginals {
   std::optional<Expected> expected_;
 };
 
-// What tells a job in incoming/ from every other: inodes, sizes and times. Renamed, or with other rights, it
-// is the same. So it is after a restart of the computer, which may give its disk another number.
+// Returns a mark that identifies a job in incoming/ by inodes, sizes and times. The mark stays the same when
+// the job is renamed, its permissions change, or the computer restarts (the device number is not part of it).
 [[nodiscard]] std::string mark_of(const JobFiles& job);
 
-// The files that a job consists of: a model and its ticket, or a plate's ticket and the models that it names.
-// Throws ConfigError when the plate's ticket cannot be used.
+// Returns the files of a job: a model and its ticket, or a plate's ticket and the models that it names.
+// Throws ConfigError if the plate's ticket cannot be used.
 [[nodiscard]] std::vector<std::filesystem::path> parts_of(const JobFiles& job);
 
 }  // namespace contourd

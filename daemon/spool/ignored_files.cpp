@@ -10,9 +10,9 @@
 namespace contourd {
 namespace {
 
-// How many are named in the log before the rest is only counted, and how many are settled in a turn of the
-// event loop.
-constexpr std::size_t kMaxTold = 10, kMaxATurn = 50;
+// Maximum number of files that are reported by name before the rest is counted, and maximum number that
+// settle in one turn of the event loop.
+constexpr std::size_t kMaxNamed = 10, kMaxATurn = 50;
 
 constexpr std::array<std::string_view, 14> kUnfinished{
     ".part",   ".partial", ".tmp",        ".temp",  ".crdownload", ".download", ".filepart",
@@ -54,19 +54,19 @@ std::optional<WhyIgnored> why_ignored(const std::filesystem::path& path) {
 std::string_view sentence_for(WhyIgnored why) {
   switch (why) {
     case WhyIgnored::Folder:
-      return "a folder without plate.json is no plate: it wants one, or its STL files directly in incoming";
+      return "it is a folder without plate.json: add plate.json, or put its STL files directly into incoming";
     case WhyIgnored::Model:
-      return "only STL files are printed: export the model as STL";
+      return "its format is not supported: export the model as STL";
     case WhyIgnored::Sliced:
-      return "it is sliced for another printer: contourd wants the model itself, as an STL file";
+      return "it is sliced for another printer: put the model itself here, as an STL file";
     case WhyIgnored::Archive:
-      return "archives are not unpacked: contourd wants the STL files in it";
+      return "archives are not unpacked: extract the STL files and put them here";
     case WhyIgnored::NotAFile:
-      return "it is a link, a pipe or a device: contourd wants the file itself";
+      return "it is a link, a pipe or a device: put the file itself here";
     case WhyIgnored::Other:
       break;
   }
-  return "it is no STL file by its name: contourd wants NAME.stl, its ticket NAME.json, or a plate's folder";
+  return "its name is not one of an STL file: put NAME.stl, its ticket NAME.json, or a plate's folder here";
 }
 
 IgnoredFiles::IgnoredFiles(EventLoop& loop, Telling tell, Duration settled)
@@ -114,17 +114,17 @@ void IgnoredFiles::settle_some() {
     settle(file, why);
   }
   if (!by_change_.empty()) return wait();
-  if (untold_ > 0) tell_.more(untold_);
-  told_ = untold_ = 0;
+  if (unnamed_ > 0) tell_.more(unnamed_);
+  named_ = unnamed_ = 0;
 }
 
 void IgnoredFiles::settle(const std::string& file, WhyIgnored why) {
   settled_.emplace(file, why);
-  if (told_ == kMaxTold) {
-    ++untold_;
+  if (named_ == kMaxNamed) {
+    ++unnamed_;
     return;
   }
-  ++told_;
+  ++named_;
   tell_.one(file, why);
 }
 

@@ -1,6 +1,6 @@
-// What lies in incoming/ and will not be printed as it is: a folder that is no plate, a file that is no STL.
-// Told of once each, when it has lain there unchanged for some seconds: what is being uploaded may get its
-// right name yet. Event loop's thread only, but for why_ignored(), which any may call.
+// Files in incoming/ that will not be printed as they are: a folder that is not a plate, a file that is not
+// an STL. Each is reported once, after it has been unchanged for some seconds: an upload may still get its
+// final name. Event loop's thread only, except why_ignored(), which any thread may call.
 #pragma once
 
 #include <filesystem>
@@ -18,38 +18,38 @@ namespace contourd {
 
 enum class WhyIgnored {
   Folder,  // without plate.json
-  Model,   // of another format
-  Sliced,  // for another printer
+  Model,   // a format other than STL
+  Sliced,  // sliced for another printer
   Archive,
-  NotAFile,  // a link, a pipe, a device
+  NotAFile,  // a link, a pipe or a device
   Other,
 };
 
-// What is odd about what lies in incoming/ and is neither a model by its name nor a folder. Nothing when it
-// is gone, a ticket, which may wait for its model, hidden, or named as what is still being written.
+// Returns why a path in incoming/ that is neither a folder nor named like a model is ignored. Returns nullopt
+// if it does not exist, is hidden, is a ticket (which may wait for its model), or has the name of an
+// unfinished upload.
 [[nodiscard]] std::optional<WhyIgnored> why_ignored(const std::filesystem::path& path);
 
-// The sentence for it: what is wanted instead.
+// Returns a sentence that says why the file is ignored and what to put there instead.
 [[nodiscard]] std::string_view sentence_for(WhyIgnored why);
 
 class IgnoredFiles {
  public:
-  // `tell` is called for each of the first of many, then once for the rest: with their number in place of a
-  // name.
+  // Reports the first files of many by name, then the number of further ones.
   struct Telling {
     std::function<void(const std::string& file, WhyIgnored why)> one;
     std::function<void(std::size_t files)> more;
   };
-  // `settled` is how long it lies there unchanged.
+  // A file is reported after it has been unchanged for `settled`.
   IgnoredFiles(EventLoop& loop, Telling tell, Duration settled = std::chrono::seconds{5});
 
-  // It is there, new or changed.
+  // Notes that the file exists, is new or has changed, and is ignored.
   void saw(const std::string& file, WhyIgnored why);
-  // It is gone, or is what will be printed.
+  // Notes that the file is gone or will be printed.
   void forget(const std::string& file);
   void forget_all_but(const std::set<std::string>& files);
 
-  // What was told of, or counted among the rest, and is still there.
+  // The files that were reported by name or by number, and still exist.
   [[nodiscard]] const std::map<std::string, WhyIgnored>& files() const { return settled_; }
 
  private:
@@ -67,8 +67,8 @@ class IgnoredFiles {
   Duration settled_after_;
   std::map<std::string, WhyIgnored> settled_;
   std::map<std::string, Unsettled> unsettled_;
-  std::set<std::pair<TimePoint, std::string>> by_change_;  // the unsettled
-  std::size_t told_ = 0, untold_ = 0;                      // since there were none unsettled
+  std::set<std::pair<TimePoint, std::string>> by_change_;  // the keys of unsettled_
+  std::size_t named_ = 0, unnamed_ = 0;                    // reported since unsettled_ was last empty
   EventLoop::SourcePtr timer_;
 };
 

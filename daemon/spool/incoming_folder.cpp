@@ -16,8 +16,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kFolderRetryInterval = 1s;
-// How often it is asked whether the folder is still the one that is watched. No event tells that another file
-// system was mounted over it, or that a folder above it was renamed.
+// Interval of the check that the path still leads to the watched folder. There is no event when a file system
+// is mounted over it, or a folder above it is renamed.
 constexpr Duration kMissingFolderInterval = 3s;
 
 }  // namespace
@@ -48,7 +48,7 @@ IncomingFolder::Opened IncomingFolder::open() const noexcept {
   return opened;
 }
 
-// Throws std::system_error. The descriptor is not kept: it would keep a file system from being unmounted.
+// Throws std::system_error. The descriptor is closed afterwards: an open one would prevent an unmount.
 void IncomingFolder::watch(const Opened& opened) {
   const std::string path = fmt::format("/proc/self/fd/{}", opened.folder.get());
   watch_ = ::inotify_add_watch(inotify_, path.c_str(), kFolderChanges | IN_MOVE_SELF);
@@ -96,7 +96,7 @@ void IncomingFolder::look_later() {
 }
 
 void IncomingFolder::looked(const Identity& identity) {
-  if (watch_ < 0) return;  // watched anew already
+  if (watch_ < 0) return;  // watch_anew() is already at work
   if (identity != identity_) return watch_anew();
   look_later();
 }

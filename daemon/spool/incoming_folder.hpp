@@ -1,5 +1,5 @@
-// Keeps an inotify(7) watch on incoming/, whichever folder that is: it may be removed, renamed, replaced or
-// mounted over while it is watched. Then the one that is there instead is watched. Event loop's thread only.
+// Keeps an inotify(7) watch on the path incoming/. The folder may be removed, renamed, replaced or mounted
+// over while it is watched; then the folder that is now at this path is watched. Event loop's thread only.
 #pragma once
 
 #include <sys/inotify.h>
@@ -15,30 +15,30 @@
 
 namespace contourd {
 
-// Of a folder's files, that are watched.
+// The inotify events that are watched in a folder.
 inline constexpr std::uint32_t kFolderChanges =
     IN_CREATE | IN_CLOSE_WRITE | IN_MOVED_TO | IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR;
 
 class IncomingFolder {
  public:
   struct Calls {
-    // Makes it where it is not there; called by any thread, one at a time; throws std::runtime_error.
+    // Makes the folder if it does not exist; called by any thread, one at a time; throws std::runtime_error.
     std::function<void()> make;
-    std::function<void()> left;                             // it is watched no more
-    std::function<void()> replaced;                         // another one is watched
-    std::function<void(const std::string& why)> not_there;  // there is none that can be; it is tried again
+    std::function<void()> left;                             // the folder is no longer watched
+    std::function<void()> replaced;                         // another folder is watched
+    std::function<void(const std::string& why)> not_there;  // no folder can be watched; this is retried
   };
-  // The loop, the disk and the inotify descriptor must outlive it.
+  // The loop, the disk and the inotify descriptor must outlive the object.
   IncomingFolder(std::filesystem::path path, EventLoop& loop, Worker& disk, Calls calls);
 
-  // Throws std::runtime_error.
+  // Watches the folder by this inotify descriptor. Throws std::runtime_error.
   void watch_by(int inotify);
   [[nodiscard]] bool is_watched_by(int watch) const { return watch == watch_; }
-  // Again and again, until one can be watched.
+  // Stops the watch and watches the folder that is now at the path; retries until that succeeds.
   void watch_anew();
 
  private:
-  // A folder by what it is, whatever its name.
+  // The identity of a folder, independent of its name.
   struct Identity {
     std::uint64_t device = 0, inode = 0;
     bool operator==(const Identity&) const = default;
@@ -46,7 +46,7 @@ class IncomingFolder {
   struct Opened {
     FileDescriptor folder;
     Identity identity;
-    std::string trouble;  // else why it could not be opened
+    std::string trouble;  // why the folder could not be opened, or empty
   };
 
   [[nodiscard]] Opened open() const noexcept;

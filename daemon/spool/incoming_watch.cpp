@@ -18,15 +18,14 @@ namespace {
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
-// How often a file that is not known to be whole is looked at again, and after how many looks without a
-// change it counts as whole where the file system cannot tell whether someone still writes (network shares).
-// An empty file is given as long: it may be the first step of a copy.
+// Interval between looks at a file that is not known to be complete, and the number of looks without a change
+// after which it counts as complete if the file system does not report writers (network shares). An empty
+// file waits as long, since it may be the first step of a copy.
 constexpr Duration kLookInterval = 1s;
 constexpr int kQuietLooks = 3;
-// How many looks are begun in one turn of the event loop.
+// Maximum number of looks that one turn of the event loop starts.
 constexpr std::size_t kLooksATurn = 50;
 
-// In nanoseconds; 0 when it is not there.
 }  // namespace
 
 IncomingWatch::IncomingWatch(const SpoolFolders& folders, const CopiedOriginals& copied,
@@ -54,7 +53,7 @@ void IncomingWatch::open() {
   inotify_ = FileDescriptor(::inotify_init1(IN_CLOEXEC | IN_NONBLOCK));
   if (!inotify_.valid())
     throw std::system_error(errno, std::generic_category(), "cannot watch folders (inotify)");
-  // Watched before it is read, so that nothing can come in between.
+  // The watch starts before the folder is read, so that no file is missed.
   folder_.watch_by(inotify_.get());
   inotify_source_ = loop_.on_ready(inotify_.get(), EPOLLIN, "the spool (inotify)",
                                    [this](std::uint32_t) { read_events(); });
@@ -85,7 +84,7 @@ void IncomingWatch::stop_watching_plates() {
 
 // --- events
 
-// One buffer a turn of the event loop: a folder can have more events than a light could wait for.
+// Reads one buffer in each turn of the event loop: reading all events could delay light off.
 void IncomingWatch::read_events() {
   alignas(inotify_event) std::array<char, 4096> buffer;
   const ssize_t bytes = ::read(inotify_.get(), buffer.data(), buffer.size());
@@ -98,7 +97,7 @@ void IncomingWatch::read_events() {
 
 void IncomingWatch::take_event(const inotify_event& event) {
   if ((event.mask & IN_Q_OVERFLOW) != 0) {
-    // Events were lost: everything in the folder is looked at afresh.
+    // Events were lost, so every file is examined again.
     return consider_all();
   }
   if (const auto plate = plate_watches_.find(event.wd); plate != plate_watches_.end()) {
@@ -109,11 +108,11 @@ void IncomingWatch::take_event(const inotify_event& event) {
     }
     return consider(file, Look::Event);
   }
-  // A folder's that is not watched any more.
+  // The event is of a folder that is no longer watched.
   if (!folder_.is_watched_by(event.wd)) return;
   if ((event.mask & (IN_IGNORED | IN_MOVE_SELF)) != 0) return folder_.watch_anew();
   const std::string file = event.len > 0 ? event.name : "";
-  // One that is created is not written yet.
+  // A file that was just created has no content yet.
   if (event.mask != IN_CREATE) consider_models_of(file);
   if ((event.mask & (IN_DELETE | IN_MOVED_FROM)) == 0) return consider(file, Look::Event);
   looks_.erase(file);
@@ -121,7 +120,7 @@ void IncomingWatch::take_event(const inotify_event& event) {
   seen_to_be_gone(file);
 }
 
-// A model whose ticket has changed arrives again: it is another job.
+// Reports the models of a changed ticket again, since they are other jobs now.
 void IncomingWatch::consider_models_of(const std::string& ticket) {
   if (!ticket.ends_with(".json")) return;
   disk_.run([this, ticket] { return folders_.models_of_ticket(ticket); },
@@ -135,7 +134,8 @@ void IncomingWatch::consider_models_of(const std::string& ticket) {
 
 // --- files
 
-// Oldest first. The change time, since a copied or moved file may keep an old modification time.
+// Returns the names, oldest first. The order is that of the change times, since a copied or moved file may
+// keep an old modification time.
 std::vector<std::string> IncomingWatch::names_in_folder() const {
   std::vector<std::pair<std::int64_t, std::string>> found;
   std::error_code code;
@@ -154,7 +154,7 @@ void IncomingWatch::consider_all() {
   disk_.run([this] { return names_in_folder(); },
             [this](const std::vector<std::string>& names) {
               ignored_.forget_all_but({names.begin(), names.end()});
-              // What is not there any more may have gone without a word.
+              // Known files that are not in the folder may have been removed without an event.
               std::set<std::string> others = arrived_;
               others.insert(originals_.begin(), originals_.end());
               for (const auto& [file, missing] : incomplete_)
@@ -184,14 +184,14 @@ void IncomingWatch::consider_some() {
 }
 
 void IncomingWatch::consider(const std::string& file, Look look) {
-  if (file.empty() || file.starts_with('.')) return;  // hidden: none of ours
+  if (file.empty() || file.starts_with('.')) return;  // hidden files are not jobs
   const std::uint64_t number = looks_[file] = ++looks_begun_;
   disk_.run([this, file] { return look_at(file); },
             [this, file, look, number](const Seen& what) {
               const auto latest = looks_.find(file);
-              if (latest == looks_.end()) return;  // gone since
-              // Where there is a later look it is still told, so that files arrive in the order of their
-              // first looks; the later one tells it again.
+              if (latest == looks_.end()) return;  // the file was removed during the look
+              // An outdated look is reported too, so that files arrive in the order of their first looks; the
+              // later look then updates it.
               if (latest->second == number) looks_.erase(latest);
               seen(file, look, what);
             });
@@ -208,7 +208,7 @@ IncomingWatch::Seen IncomingWatch::look_at(const std::string& file) const noexce
       seen.why = why_ignored(folders_.path(SpoolFolder::Incoming) / file);
     }
   } catch (const std::exception&) {
-    seen.upload.is_there = seen.upload.being_written = true;  // cannot be looked at now: looked at again
+    seen.upload.is_there = seen.upload.being_written = true;  // failed, so the file is examined again
   }
   return seen;
 }
@@ -232,13 +232,13 @@ void IncomingWatch::seen(const std::string& file, Look look, const Seen& seen) {
   }
   originals_.erase(file);
   const bool watched = !upload.is_plate || watch_of_plate_.contains(file);
-  // Watched before it is looked at, so that nothing can come in between. (The disk was asked for its path
-  // just now, the kernel knows it.)
+  // The watch starts before the plate is examined, so that no change is missed. (Adding it does not block:
+  // the disk's thread has just looked up the path, so the kernel has it cached.)
   if (!watched && watch_plate(file)) return consider(file, look);
   note_missing(file, upload.missing);
   if (!upload.missing.empty()) {
     candidates_.erase(file);
-    // What cannot be watched, for want of watches, is looked at by the timer.
+    // If the kernel has no watches left, the timer examines the plate.
     if (!watched) look_later(file);
     return;
   }
@@ -302,7 +302,7 @@ void IncomingWatch::look_again() {
   consider_soon(std::move(files), Look::Timer);
 }
 
-// A folder without plate.json is none of ours, or not yet: see IgnoredFiles.
+// A folder without plate.json is not a plate, or not yet: IgnoredFiles reports it.
 void IncomingWatch::note_missing(const std::string& file, const std::vector<std::string>& missing) {
   if (missing.empty()) {
     incomplete_.erase(file);
@@ -311,7 +311,7 @@ void IncomingWatch::note_missing(const std::string& file, const std::vector<std:
   const bool was_complete = !incomplete_.contains(file);
   if (std::exchange(incomplete_[file], missing) != missing && missing.front() != kPlateTicket)
     observer_.plate_waits(file, missing);
-  // It may be in the queue: a file was taken out of it again.
+  // The plate may be in the queue: one of its files was removed after it had been complete.
   if (was_complete) {
     arrived_.erase(file);
     observer_.model_withdrawn(file);

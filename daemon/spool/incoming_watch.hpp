@@ -1,8 +1,8 @@
-// Watches incoming/ and tells of models and plates when they are whole (inotify(7); what it cannot tell is
-// looked at by a timer). Event loop's thread only. Files are looked at on the disk's thread, as a disk may
-// take seconds while a light is on.
+// Watches incoming/ and reports models and plates when they are complete (by inotify(7), and by a timer for
+// changes that inotify does not report). Event loop's thread only. Files are examined on the disk's thread,
+// since a disk may take seconds while the light is on.
 //
-// It has more members than most: what is known of each file, kept apart by what is waited for.
+// It has more members than most classes: one container for each state that a file can be in.
 #pragma once
 
 #include <sys/inotify.h>
@@ -27,7 +27,7 @@
 
 namespace contourd {
 
-// Told of models and plates in incoming/.
+// Receives reports of the models and plates in incoming/.
 class SpoolObserver {
  public:
   SpoolObserver() = default;
@@ -35,50 +35,51 @@ class SpoolObserver {
   SpoolObserver& operator=(const SpoolObserver&) = delete;
   virtual ~SpoolObserver() = default;
 
-  // incoming/`file` is whole: closed by its writer, or moved in; a plate with all its files. May come again
-  // for the same file when it was written again, or its ticket was, or is gone.
+  // Called when incoming/`file` is complete: closed by its writer, or moved in; a plate with all its files.
+  // Called again when the file or its ticket was written again, or its ticket was removed.
   virtual void model_arrived(const std::string& file) = 0;
-  // The owner took incoming/`file` away, or a plate's file.
+  // Called when a user has removed incoming/`file`, or one of a plate's files.
   virtual void model_withdrawn(const std::string& file) = 0;
-  // The plate incoming/`file` cannot be taken as long as these files are missing, which its plate.json names.
-  // Told when it changes.
+  // Called when the set of files that the plate incoming/`file` lacks has changed. Its plate.json names them,
+  // and the plate cannot be printed without them.
   virtual void plate_waits(const std::string& file, const std::vector<std::string>& missing) = 0;
-  // incoming/`file` will not be printed as it is; or so many more than were named.
+  // Called when incoming/`file` will not be printed as it is.
   virtual void ignored(const std::string& file, WhyIgnored why) = 0;
+  // Called with the number of further ignored files, which are not reported by name.
   virtual void more_ignored(std::size_t files) = 0;
-  // There is no folder incoming/ that can be watched, `why` says why: nothing arrives until there is.
+  // Called when incoming/ cannot be watched, with the reason: no job arrives until it can.
   virtual void incoming_lost(const std::string& why) = 0;
-  // Another folder is there than before, and is watched.
+  // Called when another folder has become incoming/ and is now watched.
   virtual void incoming_replaced() = 0;
 };
 
 class IncomingWatch {
  public:
-  // `make_folders` makes incoming/ and what else the spool needs where it is not there; called by any thread,
-  // one at a time; throws std::runtime_error.
+  // `make_folders` makes incoming/ and the spool's other folders if they do not exist; it is called by any
+  // thread, one at a time, and throws std::runtime_error.
   IncomingWatch(const SpoolFolders& folders, const CopiedOriginals& copied,
                 std::function<void()> make_folders, EventLoop& loop, Worker& disk, SpoolObserver& observer);
 
-  // Watches, and reports what is there already, oldest first. Throws std::runtime_error.
+  // Starts the watch, and reports the jobs that are already there, oldest first. Throws std::runtime_error.
   void open();
 
-  // The spool moved incoming/`file` away: looks at it that are under way tell nothing.
+  // Notes that the spool moved incoming/`file` away: examinations in progress report nothing.
   void moved_away(const std::string& file) {
     looks_.erase(file);
     arrived_.erase(file);
   }
-  // Reports `file` again when it is whole.
+  // Reports `file` again when it is complete.
   void wait_for(const std::string& file) { consider(file, Look::Event); }
 
-  // Plates that wait for files, and for which, or the first of these.
+  // The plates that lack files, with the names of these files, or the first of them.
   [[nodiscard]] const std::map<std::string, std::vector<std::string>>& incomplete() const {
     return incomplete_;
   }
-  // Models and plates that are not whole yet, or that many of them.
+  // Returns the names of at most `most` models and plates that are not complete yet.
   [[nodiscard]] std::vector<std::string> arriving(std::size_t most) const;
-  // What else is there and will not be printed as it is.
+  // The files that will not be printed as they are.
   [[nodiscard]] const std::map<std::string, WhyIgnored>& ignored() const { return ignored_.files(); }
-  // What was taken by copy, or refused there: it may be deleted.
+  // The files that were copied to printing/, or refused but not moved: a user may delete them.
   [[nodiscard]] const std::set<std::string>& originals() const { return originals_; }
   void add_original(const std::string& file) { originals_.insert(file); }
   void remove_original(const std::string& file) { originals_.erase(file); }
@@ -86,19 +87,19 @@ class IncomingWatch {
  private:
   struct Candidate {
     std::uintmax_t bytes = 0;  // a plate's files together
-    int unchanged_looks = 0;   // by the timer: events may come in bursts
-    std::uint64_t number = 0;  // in the order in which they came
+    int unchanged_looks = 0;   // counts the timer's looks only, since events may come in bursts
+    std::uint64_t number = 0;  // increases in the order of arrival
   };
 
   struct Seen {
     UploadState upload;
-    bool taken = false;             // by copy: what lies there is not wanted any more
-    std::optional<WhyIgnored> why;  // of what will not be printed as it is
+    bool taken = false;             // true if the job was copied, so that this original is no longer needed
+    std::optional<WhyIgnored> why;  // why the file will not be printed as it is
   };
 
   enum class Look { Event, Timer };
 
-  // False when there are no more watches.
+  // Returns false if the kernel has no watches left.
   [[nodiscard]] bool watch_plate(const std::string& file);
   void stop_watching_plate(const std::string& file);
   void stop_watching_plates();
@@ -106,10 +107,10 @@ class IncomingWatch {
   void take_event(const inotify_event& event);
   void consider_models_of(const std::string& ticket);
 
-  // All that is there, or was when it was looked at last.
+  // Examines every file that is in the folder, or was there at the last look.
   void consider_all();
   [[nodiscard]] std::vector<std::string> names_in_folder() const;
-  // Some a turn of the event loop, as a folder may hold any number of files.
+  // Examines the files, a few in each turn of the event loop, since a folder may hold any number.
   void consider_soon(std::deque<std::string> files, Look look);
   void consider_some();
   void consider(const std::string& file, Look look);
@@ -131,15 +132,15 @@ class IncomingWatch {
   EventLoop::SourcePtr inotify_source_;
   EventLoop::SourcePtr look_again_timer_, consider_timer_;
   std::deque<std::pair<std::string, Look>> to_consider_;
-  std::map<int, std::string> plate_watches_;  // inotify's number: the plate
+  std::map<int, std::string> plate_watches_;  // the plate of each inotify watch
   std::map<std::string, int> watch_of_plate_;
-  std::map<std::string, Candidate> candidates_;  // not known to be whole yet
+  std::map<std::string, Candidate> candidates_;  // not known to be complete yet
   std::map<std::string, std::vector<std::string>> incomplete_;
   IgnoredFiles ignored_;
   IncomingFolder folder_;
-  std::set<std::string> arrived_;  // and told
+  std::set<std::string> arrived_;  // reported by model_arrived()
   std::set<std::string> originals_;
-  std::map<std::string, std::uint64_t> looks_;  // under way: the number of the latest at each file
+  std::map<std::string, std::uint64_t> looks_;  // the number of the latest look in progress at each file
   std::uint64_t looks_begun_ = 0, candidates_begun_ = 0;
 };
 

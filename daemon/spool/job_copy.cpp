@@ -42,7 +42,7 @@ void write_all(const FileDescriptor& file, const char* bytes, std::size_t size, 
   }
 }
 
-// As many bytes as it has now: whoever goes on writing it writes another job.
+// Copies at most `size` bytes, so that a file that grows meanwhile cannot fill the disk.
 void copy_file(const FileDescriptor& from, std::uintmax_t size, const fs::path& to,
                const std::atomic<bool>& stop) {
   const FileDescriptor file(::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644));

@@ -1,4 +1,4 @@
-// Where a job's files lie. A value.
+// The paths of a job's files. A value.
 #pragma once
 
 #include <filesystem>
@@ -10,15 +10,15 @@
 namespace contourd {
 
 struct JobFiles {
-  std::string name;                             // unique among all jobs in the spool; fit for a file's name
+  std::string name;                             // unique among all jobs in the spool; usable in file names
   std::filesystem::path model;                  // an STL file, or a plate's folder
-  std::optional<std::filesystem::path> ticket;  // beside an STL file
+  std::optional<std::filesystem::path> ticket;  // the ticket beside an STL file
   bool plate = false;
-  Links links = Links::Follow;  // of these files
-  std::string original{};       // in incoming/: what these are a copy of; empty when they were moved
+  Links links = Links::Follow;  // whether symbolic links in place of these files are followed
+  std::string original{};       // the name in incoming/ of the original if these files are a copy, else empty
 };
 
-// Of a print's report; a path is empty where there is none.
+// The files of a print's report; a path is empty if the file does not exist.
 struct ReportFiles {
   std::filesystem::path json, html;
 };

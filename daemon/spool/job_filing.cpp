@@ -14,13 +14,14 @@ void move_job(const Spool& spool, const Log& log, const JobFiles& files, Spool::
   try {
     if (!reason.empty()) spool.write_beside(to, files.name, "reason.txt", reason);
   } catch (const std::system_error& error) {
-    trouble = error.what();  // a full disk has no room for a reason, but a rename needs none
+    trouble = error.what();  // on a full disk the reason cannot be written, but the job can be renamed
   }
   if (!spool.end(files, to))
-    log.error("spool", fmt::format("{} is gone: somebody took it away", printable(files.model.string())),
+    log.error("spool", fmt::format("{} is gone: someone removed it", printable(files.model.string())),
               job_fields(files.name));
   if (!trouble.empty())
-    log.error("spool", fmt::format("{}: no reason beside it: {}", printable(files.name), printable(trouble)),
+    log.error("spool",
+              fmt::format("{}: cannot write its reason file: {}", printable(files.name), printable(trouble)),
               job_fields(files.name));
 }
 

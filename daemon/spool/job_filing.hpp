@@ -1,5 +1,5 @@
-// Files a job that has no report: moves it out of printing/, a reason beside it. What goes wrong is in the
-// log. Event loop's thread only; blocks, so it is for the dark.
+// Files a job that has no report: moves it out of printing/ and writes a reason beside it. Failures are
+// logged. Event loop's thread only; blocks, so the light must be off.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace contourd {
 
-// An empty reason leaves no file. Throws std::system_error when the job stays in printing/.
+// Moves the job; an empty reason writes no file. Throws std::system_error if the job stays in printing/.
 void move_job(const Spool& spool, const Log& log, const JobFiles& files, Spool::Folder to,
               const std::string& reason);
-// The same, but that it stays is told.
+// Does the same as move_job(), but logs an error if the job stays in printing/.
 void file_job(const Spool& spool, const Log& log, const JobFiles& files, Spool::Folder to,
               const std::string& reason);
 

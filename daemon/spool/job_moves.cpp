@@ -19,7 +19,7 @@ void move_ticket(const JobFiles& from, const JobFiles& to, bool shared) {
     try {
       return copy_ticket(*from.ticket, *to.ticket);
     } catch (const JobUnreadable&) {
-      // Moved: whoever reads it says what is wrong with it.
+      // The ticket is moved instead; its reader then reports what is wrong with it.
     }
   }
   std::error_code code;
@@ -33,8 +33,8 @@ void move_ticket(const JobFiles& from, const JobFiles& to, bool shared) {
 
 void move_files(const SpoolFolders& folders, const JobFiles& from, const JobFiles& to) {
   const bool shared = folders.shares_ticket(from);
-  // The model first: where it is, the job is. Cut off in between, a job is filed as interrupted; the other
-  // way round it would be printed without its ticket.
+  // The model moves first, because the model's folder is the job's folder. A power cut between the two moves
+  // then leaves an interrupted job; in the other order the job would be printed without its ticket.
   fs::rename(from.model, to.model);
   try {
     if (from.ticket) move_ticket(from, to, shared);

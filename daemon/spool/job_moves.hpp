@@ -1,5 +1,5 @@
-// Moves a job's files between the spool's folders so that, whenever the power is cut, they are in one place
-// or told apart by their times. Thread-safe (no shared state); blocks.
+// Moves a job's files between the spool's folders so that after a power cut at any moment the files are in
+// one folder, or their times show which of them belong together. Thread-safe (no shared state); blocks.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +10,14 @@
 
 namespace contourd {
 
-// A ticket that is meant for another model too stays where it is, and is copied. On the disk when the call
-// returns. Throws std::system_error; then the files are where they were.
+// Moves the job and syncs the move to the disk. A ticket that belongs to another model too is copied instead.
+// Throws std::system_error; then the files are where they were.
 void move_files(const SpoolFolders& folders, const JobFiles& from, const JobFiles& to);
 
-// What the job consists of, as far as that is possible; but no ticket that is meant for another model too.
+// Removes the job's files as far as possible, except a ticket that belongs to another model too.
 void remove_files(const SpoolFolders& folders, const JobFiles& job);
 
-// When what has this name was changed last, or moved here; in nanoseconds; 0 when it is not there.
+// Returns the inode's change time (ctime) in ns, which a move updates too; 0 if the path does not exist.
 [[nodiscard]] std::int64_t change_time(const std::filesystem::path& path);
 
 }  // namespace contourd

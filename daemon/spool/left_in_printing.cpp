@@ -14,19 +14,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A ticket is moved after its model. Where that was cut off it lies in incoming/ still, and is older there
-// than its model is in printing/.
+// Moves the model's ticket to printing/ if it is still in incoming/ because a power cut separated the two
+// moves. Such a ticket has an older change time than its model, which was moved first.
 void bring_ticket_of(const SpoolFolders& folders, const std::string& file) {
   const JobFiles job = folders.files_of(SpoolFolder::Printing, file);
   const std::string ticket = job.name + ".json";
   const fs::path left = folders.path(SpoolFolder::Incoming) / ticket;
-  std::error_code code;  // where it cannot be moved it stays for its model to be put in again
+  std::error_code code;  // a ticket that cannot be moved stays for the case that its model is submitted again
   if (job.plate || job.ticket || !folders.models_of_ticket(ticket).empty()) return;
   if (change_time(left) < change_time(job.model))
     fs::rename(left, folders.path(SpoolFolder::Printing) / ticket, code);
 }
 
-// Where what lies in printing/ and is no job's belongs: a ticket to its model.
+// Returns the folder for a file in printing/ that belongs to no job there: a ticket goes to its model.
 SpoolFolder folder_of_lost(const SpoolFolders& folders, const std::string& ticket) {
   if (!ticket.ends_with(".json")) return SpoolFolder::Failed;
   std::error_code code;
@@ -62,7 +62,7 @@ std::vector<JobFiles> jobs_left_in_printing(const SpoolFolders& folders) {
         std::any_of(jobs.begin(), jobs.end(), [&](const JobFiles& job) { return job.ticket == other; });
     if (belongs_to_job) continue;
     const fs::path place = folders.path(folder_of_lost(folders, other.filename())) / other.filename();
-    std::error_code code;  // where it cannot be moved it waits for the next start
+    std::error_code code;  // a file that cannot be moved waits for the next start
     if (!fs::exists(fs::symlink_status(place, code))) fs::rename(other, place, code);
   }
   return jobs;

@@ -1,4 +1,5 @@
-// What a daemon that did not end its print left in printing/. Thread-safe (no shared state); blocks.
+// Finds the jobs that a daemon left in printing/ because it ended during a print. Thread-safe (no shared
+// state); blocks.
 #pragma once
 
 #include <vector>
@@ -8,9 +9,9 @@
 
 namespace contourd {
 
-// Models and plates. A ticket that was to follow its model is brought. What else lies there goes to failed/,
-// or back to incoming/ or on to done/ if it is the ticket of a model there, as far as that is possible.
-// Throws std::filesystem::filesystem_error when the folder cannot be read.
+// Returns the models and plates in printing/. Moves a ticket there if its model was moved and the ticket was
+// not yet. Moves all other files to failed/, or to incoming/ or done/ if they are tickets of models there, as
+// far as possible. Throws std::filesystem::filesystem_error if the folder cannot be read.
 [[nodiscard]] std::vector<JobFiles> jobs_left_in_printing(const SpoolFolders& folders);
 
 }  // namespace contourd

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// In printing/: copies under way.
+// The folder for unfinished copies, in printing/.
 constexpr const char* kCopies = ".copies";
 
 }  // namespace
@@ -65,7 +65,7 @@ JobFiles PrintingCopies::copy_whole(const std::string& file) {
     remove_files(folders_, to);
     throw;
   }
-  // Possible where only the move was not, as to another file system.
+  // The original can be removed if only the move was impossible, as between two file systems.
   remove_files(folders_, from);
   if (fs::exists(fs::symlink_status(from.model))) to.original = file;
   return to;
@@ -75,7 +75,7 @@ void PrintingCopies::take_back(const JobFiles& copy) {
   const std::string mark = mark_of(folders_.files_of(SpoolFolder::Incoming, copy.original));
   fs::create_directories(under_way_);
   originals_.expect(mark, copy.model);
-  // At once: half of it would be taken for a print.
+  // One rename removes the copy at once: a partial copy would be taken for a job.
   fs::rename(copy.model, under_way_ / copy.model.filename());
   sync_folder(folders_.path(SpoolFolder::Printing));
   originals_.remove(mark);

@@ -1,6 +1,7 @@
-// Brings to printing/ by copy what may be read but not moved, such as a folder that another made for himself
-// alone, and takes such a copy back. A copy under way lies under a name that is no job's: in printing/, a job
-// is whole. One call at a time, from any thread, but for stop(), which may be called beside it; blocks.
+// Copies jobs to printing/ that can be read but not moved, such as a folder that only its owner may write,
+// and removes such copies again. An unfinished copy has a name that no job can have, so that every job in
+// printing/ is complete. One call at a time, from any thread, except stop(), which may be called at any time;
+// blocks.
 #pragma once
 
 #include <atomic>
@@ -16,29 +17,30 @@
 
 namespace contourd {
 
-// What came of a copy.
+// The result of a copy: a job, or one of two reasons.
 struct JobCopy {
-  std::optional<JobFiles> job;  // in printing/
-  std::string unreadable{};     // else a sentence, when that is why: it can be refused
-  std::string trouble{};        // else why it is to be tried again
+  std::optional<JobFiles> job;  // the copy in printing/
+  std::string unreadable{};     // why the job cannot be read and can be refused, a sentence
+  std::string trouble{};        // why the copy failed and is to be retried
 };
 
 class PrintingCopies {
  public:
-  // All must outlive the copies.
+  // The arguments must outlive the object.
   PrintingCopies(const SpoolFolders& folders, const StateRecords& records, CopiedOriginals& originals);
 
-  // Copies incoming/`file`, under a name that no job has. Where the original could be removed it is; else it
-  // is among the originals, and the job names it.
+  // Copies incoming/`file` to a name that no job has. Then removes the original; if that is impossible, adds
+  // it to the originals and sets the job's `original`.
   [[nodiscard]] JobCopy copy(const std::string& file);
-  // Removes a copy whose original is to be taken again. Throws std::system_error.
+  // Removes a copy from printing/ so that its original can be taken again. Throws std::system_error.
   void take_back(const JobFiles& copy);
-  // Copies to incoming/ what cannot be moved there either. Throws std::runtime_error.
+  // Copies a job to incoming/ that cannot be moved there, and removes it from printing/. Throws
+  // std::runtime_error.
   void give_back(const JobFiles& from, const JobFiles& to);
 
-  // What is being copied, and would be, is given up soon.
+  // Makes the current copy and all later ones fail soon.
   void stop() { stopped_ = true; }
-  // What a daemon that was killed was copying.
+  // Removes the unfinished copy of a daemon that was killed.
   void remove_leftovers() const;
 
  private:

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// One for each start of the kernel.
+// Returns the kernel's boot ID, which is different after each start of the computer.
 std::string boot() {
   std::string id;
   std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), id);
@@ -56,7 +56,7 @@ void ReadingRecord::stop() {
   write();
 }
 
-// Replaced as a whole, since this process may end at any moment.
+// Replaces the file by rename, since this process may end at any moment.
 void ReadingRecord::write() const noexcept {
   std::error_code code;
   if (ended_.empty() && under_way_.empty()) {
@@ -73,7 +73,7 @@ void ReadingRecord::write() const noexcept {
     record.close();
     if (record) fs::rename(next, file_, code);
   } catch (const std::exception&) {
-    fs::remove(file_, code);  // better none than one of another file
+    fs::remove(file_, code);  // no record is better than one that names another model
   }
 }
 

@@ -1,8 +1,8 @@
-// What this process is reading at this moment, for the next one: a model that ended a process (it ran out of
-// memory, crashed or was killed) is not read again by itself. Thread-safe.
+// The record of the model that this process is reading, for the next process: a model during whose reading a
+// process ended (it ran out of memory, crashed or was killed) is not read again automatically. Thread-safe.
 //
-// Not synchronized with the disk: what ends a process leaves the kernel alone, and what the computer was
-// doing when its power was cut says nothing about a file. So a record of an earlier boot does not count.
+// The record is not synced to the disk: the kernel's cache survives the end of a process. A power cut during
+// a reading does not count against the model, so a record of an earlier boot is ignored.
 #pragma once
 
 #include <filesystem>
@@ -15,21 +15,24 @@
 
 namespace contourd {
 
-// What is told of such a model.
+// The message for a user about such a model.
 inline constexpr std::string_view kEndedAProcess =
-    "contourd ended while it read this: it was killed, crashed or ran out of memory. It is not read again by "
-    "itself, as that may end contourd again, and a print with it. To have it read all the same, put it into "
-    "incoming once more.";
+    "contourd ended while it read this: it was killed, crashed or ran out of memory. The model is not read "
+    "again "
+    "automatically, since that may end contourd again, and a print with it. To try again, put it into "
+    "incoming "
+    "once more.";
 
 class ReadingRecord {
  public:
-  // Takes over what the last process left in `file`.
+  // Reads the record that the previous process left in `file`.
   explicit ReadingRecord(std::filesystem::path file);
 
-  // Whether a process ended while it read this job, and the job was not put in again since. True once only.
+  // True if a process ended while it read this job, and the job was not submitted again since. Removes the
+  // job from the record, so that the next call returns false.
   [[nodiscard]] bool take_ended(const JobFiles& job);
-  // As long as there is one, the job is being read; one at a time. What the disk does not take is not
-  // recorded.
+  // Records that the job is being read, from construction to destruction; at most one exists at a time.
+  // Errors of the disk are ignored.
   class Reading {
    public:
     Reading(ReadingRecord& record, const JobFiles& job) : record_(record) { record_.begin(job); }
@@ -40,7 +43,7 @@ class ReadingRecord {
    private:
     ReadingRecord& record_;
   };
-  // This process is to end: whatever it is reading.
+  // Notes that this process is about to end as requested, so that its current reading is not recorded.
   void stop();
 
  private:
@@ -50,7 +53,7 @@ class ReadingRecord {
 
   std::filesystem::path file_;
   std::mutex mutex_;
-  std::set<std::string> ended_;  // as mark_of() has them
+  std::set<std::string> ended_;  // marks, see mark_of()
   std::string under_way_;
   bool stopped_ = false;
 };

@@ -137,14 +137,14 @@ void Spool::reject(const std::string& file, const std::string& reason, Rejected 
       });
 }
 
-// On the disk's thread.
+// Runs on the disk's thread.
 Spool::Rejection Spool::file_rejected(const std::string& file, const std::string& reason) {
   if (is_unfinished(file)) return Rejection::Unfinished;
   const JobFiles from = files_of(Folder::Incoming, file);
   const JobFiles to = folders_.named(Folder::Failed, folders_.unused_name(from.name), from);
   const std::int64_t changed = change_time(from.model);
   write_beside(Folder::Failed, to.name, "reason.txt", reason);
-  // The disk took its time, and the owner wrote it anew meanwhile.
+  // Writing the reason may take seconds, and a user may have written the model again meanwhile.
   if (change_time(from.model) != changed) {
     fs::remove(folder(Folder::Failed) / (to.name + ".reason.txt"));
     return Rejection::Unfinished;

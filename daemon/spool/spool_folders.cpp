@@ -16,15 +16,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// File names have at most 255 bytes; a job's name leaves room for a number and for what is written beside it.
+// File names have at most 255 bytes; a job's name leaves room for a number and for suffixes like
+// ".report.json".
 constexpr std::size_t kLongestName = 200;
 
 bool is_there(const fs::path& path) {
-  std::error_code code;  // a name that is too long is nobody's
+  std::error_code code;  // a name that is too long counts as absent
   return fs::exists(fs::symlink_status(path, code));
 }
 
-// NAME, NAME-2, NAME-3 ...: the first that is free.
+// Returns the first name that is free of NAME, NAME-2, NAME-3 ...
 template <typename IsUsed>
 std::string numbered(const std::string& name, const IsUsed& is_used) {
   std::string candidate = name;
@@ -33,7 +34,7 @@ std::string numbered(const std::string& name, const IsUsed& is_used) {
   return candidate;
 }
 
-// Not cut in the middle of a UTF-8 sequence, which has at most three continuation bytes.
+// Shortens the name without a cut inside a UTF-8 sequence, which has at most three continuation bytes.
 std::string shortened_name(const std::string& stem) {
   std::string name = stem.substr(0, kLongestName);
   const auto continues = [&](std::size_t at) {
@@ -44,7 +45,7 @@ std::string shortened_name(const std::string& stem) {
   return name;
 }
 
-// Of an extension in lower case: each letter in either case.
+// Returns all spellings of a lower-case extension, with each letter in either case.
 std::vector<std::string> spellings_of(std::string_view extension) {
   std::vector<std::string> spellings{""};
   for (const char c : extension) {
@@ -107,7 +108,8 @@ JobFiles SpoolFolders::named(SpoolFolder where, const std::string& name, const J
 }
 
 bool SpoolFolders::is_name_used(const std::string& name) const {
-  // A reason alone is no job: a power cut leaves it without its file, which gets it again.
+  // A reason file alone does not take a name: a power cut can leave it without its job, which is then filed
+  // again.
   std::vector<std::string_view> suffixes = model_extensions();
   suffixes.insert(suffixes.end(), {"", ".json", ".report.json"});
   constexpr std::array kTaken{SpoolFolder::Printing, SpoolFolder::Done, SpoolFolder::Failed};
@@ -143,7 +145,7 @@ bool SpoolFolders::shares_ticket(const JobFiles& job) const {
   if (!job.ticket || job.ticket->parent_path() != path(SpoolFolder::Incoming)) return false;
   const auto models = models_of_ticket(job.ticket->filename().string());
   return std::any_of(models.begin(), models.end(), [&](const fs::path& model) {
-    std::error_code code;  // where upper and lower case are the same, so are the files
+    std::error_code code;  // on a case-insensitive file system both paths are the same file
     return model != job.model && !fs::equivalent(model, job.model, code);
   });
 }

@@ -1,5 +1,5 @@
-// The spool's four folders, and what a job's files are called in each. Looks at the disk and changes nothing.
-// Thread-safe (no state that changes).
+// The spool's four folders and the names of a job's files in them. Reads the disk and changes nothing.
+// Thread-safe (immutable).
 #pragma once
 
 #include <filesystem>
@@ -20,26 +20,25 @@ class SpoolFolders {
   [[nodiscard]] const std::filesystem::path& root() const { return root_; }
   [[nodiscard]] std::filesystem::path path(SpoolFolder folder) const;
 
-  // A folder of any name that is not hidden, but not one called like a model: that is refused as what it is
-  // not.
+  // True if the path is a folder that is neither hidden nor named like a model. A folder named like a model
+  // is later refused as a model that cannot be read.
   [[nodiscard]] bool is_plate(SpoolFolder where, const std::string& file) const;
-  // The files of a model, its ticket with it if there is one; or a plate's folder.
+  // Returns the files of a model, with its ticket if that exists, or a plate's folder.
   [[nodiscard]] JobFiles files_of(SpoolFolder where, const std::string& file) const;
-  // What the files of a job like that are called under this name.
+  // Returns the paths in a folder for the files of the job `like` under another job name.
   [[nodiscard]] JobFiles named(SpoolFolder where, const std::string& name, const JobFiles& like) const;
 
-  // A name that no job in printing/, done/ or failed/ has: `stem`, shortened if need be, with a number behind
-  // it if need be.
+  // Returns a name that no job in printing/, done/ or failed/ has: `stem`, shortened and followed by a number
+  // if necessary.
   [[nodiscard]] std::string unused_name(const std::string& stem) const;
-  // The same for incoming/, where a ticket that is there belongs to another.
+  // Returns paths in incoming/ whose name neither a job nor a ticket there has.
   [[nodiscard]] JobFiles unused_in_incoming(const JobFiles& like) const;
-  // In incoming/, under a name that no job has in any of the four.
+  // Returns paths in incoming/ whose name no job has in any of the four folders.
   [[nodiscard]] JobFiles unused_anywhere(const JobFiles& like) const;
 
-  // Whether there is another model that the ticket of this one is meant for too: "part.STL" beside
-  // "part.stl".
+  // True if the job's ticket in incoming/ belongs to another model too, as with "part.STL" beside "part.stl".
   [[nodiscard]] bool shares_ticket(const JobFiles& job) const;
-  // The models in incoming/ that a ticket of this name is meant for.
+  // Returns the models in incoming/ to which a ticket of this name belongs.
   [[nodiscard]] std::vector<std::filesystem::path> models_of_ticket(const std::string& ticket) const;
 
  private:
@@ -49,13 +48,13 @@ class SpoolFolders {
   std::filesystem::path root_;
 };
 
-// Whether a file in incoming/ is a model, by its name.
+// True if a file in incoming/ is a model by its name.
 [[nodiscard]] bool is_model_name(const std::string& file);
 
-// The name of the job that a model or a plate's folder in incoming/ becomes, but for a number behind it.
+// Returns the job name of a model or a plate's folder in incoming/, without the number that may be appended.
 [[nodiscard]] std::string job_name_of(const std::string& file);
 
-// Why something in the spool cannot be written, for its owner.
+// Returns a message for a user that says why something in the spool cannot be written.
 [[nodiscard]] std::string why_not_written(const std::error_code& code);
 
 }  // namespace contourd

@@ -26,20 +26,20 @@ bool is_same_file(const FileDescriptor& a, const FileDescriptor& b) {
 
 }  // namespace
 
-// The lock can be read by nobody else: whoever can read it could hold it.
+// Other users get no read permission for the lock file: a process that can open it could lock it.
 void SpoolLock::take(const std::filesystem::path& spool) {
   constexpr int kFlags = O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
   FileDescriptor lock(::open((spool / kLock).c_str(), O_RDWR | kFlags, 0600));
-  // A card that has become read-only may be written again later.
+  // A memory card that has become read-only may become writable again later.
   if (!lock.valid() && errno == EROFS)
     lock = FileDescriptor(::open((spool / kLock).c_str(), (O_RDONLY | kFlags) & ~O_CREAT));
   if (!lock.valid()) {
     const std::error_code code(errno, std::generic_category());
     throw std::runtime_error(
-        fmt::format("cannot write in the spool {}: {}", spool.string(), why_not_written(code)));
+        fmt::format("cannot write to the spool {}: {}", spool.string(), why_not_written(code)));
   }
   if (is_same_file(lock, lock_)) return;
-  (void)::fchmod(lock.get(), 0600);  // where it cannot be changed now it is as it was made
+  (void)::fchmod(lock.get(), 0600);  // a failure is ignored: the file keeps the mode that it was created with
   if (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0)
     throw std::runtime_error(fmt::format("another contourd uses the spool {}", spool.string()));
   lock_ = std::move(lock);

@@ -1,5 +1,5 @@
-// Has one process alone use a spool: a lock (flock(2)) in its folder, which goes with the process.
-// Thread-safe where calls are made one at a time.
+// A lock file (flock(2)) in the spool's folder, so that only one process uses the spool. The kernel releases
+// the lock when the process ends. One call at a time, from any thread.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,8 @@ namespace contourd {
 
 class SpoolLock {
  public:
-  // Again where the folder is another by now, and the lock with it. Throws std::runtime_error when it cannot
-  // be written there, or another contourd has the lock.
+  // Takes the lock, or takes it again if another folder has been put in the spool's place. Throws
+  // std::runtime_error if the folder cannot be written or another contourd has the lock.
   void take(const std::filesystem::path& spool);
 
  private:

@@ -18,7 +18,7 @@ namespace contourd {
 namespace {
 
 [[noreturn]] void refuse(const std::filesystem::path& folder, const std::string& why) {
-  throw std::runtime_error(fmt::format("cannot keep a state in {}: {}", folder.string(), why));
+  throw std::runtime_error(fmt::format("cannot use the state folder {}: {}", folder.string(), why));
 }
 
 std::string message(int error) {
@@ -39,7 +39,7 @@ std::filesystem::path state_folder_path(const std::filesystem::path& spool) {
 }
 
 void make_state_folder(const std::filesystem::path& folder) {
-  // Where nothing can be made it may be there already.
+  // mkdir may fail although the folder exists already, as on a read-only disk.
   const int not_made = ::mkdir(folder.c_str(), 0700) == 0 || errno == EEXIST ? 0 : errno;
   const FileDescriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   struct stat status {};

@@ -1,16 +1,16 @@
-// The folder of what a daemon must know again after a restart. It is the daemon's own: whoever may put models
-// into the spool can neither read nor write there. Thread-safe (no shared state).
+// The folder for the state that survives a restart of the daemon. It is private to the daemon: users who may
+// put models into the spool can neither read nor write it. Thread-safe (no shared state).
 #pragma once
 
 #include <filesystem>
 
 namespace contourd {
 
-// The service manager's (STATE_DIRECTORY, systemd.exec(5)), else beside the spool: SPOOL.state.
+// Returns the service manager's folder (STATE_DIRECTORY, systemd.exec(5)), or SPOOL.state beside the spool.
 [[nodiscard]] std::filesystem::path state_folder_path(const std::filesystem::path& spool);
 
-// Makes the folder if it is not there. Throws std::runtime_error when it cannot be made, or is another
-// user's, and takes all rights from others.
+// Makes the folder if it does not exist, and removes all permissions of other users. Throws
+// std::runtime_error if the folder cannot be made or belongs to another user.
 void make_state_folder(const std::filesystem::path& folder);
 
 }  // namespace contourd

@@ -64,7 +64,7 @@ void StateRecords::forget_end_of_print() const {
 std::vector<std::string> StateRecords::texts_of(const char* name, char end) const {
   std::vector<std::string> texts;
   std::ifstream file(folder_ / name);
-  // A last one without its end was not written whole: none is.
+  // A last text without its end was cut off and is ignored.
   for (std::string text; std::getline(file, text, end) && !file.eof();)
     texts.push_back(text);
   return texts;

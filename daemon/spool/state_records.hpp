@@ -1,16 +1,14 @@
-// What a daemon must know again after a restart, a line each in a file of its state folder
-// (state_folder.hpp):
+// Records that survive a restart of the daemon, one file each in its state folder (state_folder.hpp):
 //
-//   plate-occupied   the plate holds a part: the job's name
-//   queue-held       no job begins until the owner has spoken: why
-//   ended-print      how the print of the job in printing/ ended, until that is filed
-//   queue-order      the names of the waiting jobs whose owner has changed their order, as files in
-//   incoming/;
-//                    each ended by a zero byte in the place of a line's end
-//   accepted         what owners have accepted: contents and a finding, a line each (acceptances.hpp)
+//   plate-occupied   one line: the name of the job whose part is on the plate
+//   queue-held       one line: why no job begins until a user confirms it
+//   ended-print      one line: how the print of the job in printing/ ended, until it is filed
+//   queue-order      the waiting jobs in an order that a user has set: file names in incoming/, each followed
+//                    by a zero byte
+//   accepted         the findings that users have accepted, one line each (acceptances.hpp)
 //
-// What is set is on the disk before the call returns; what is there already is not written again. Thread-safe
-// for different records (no shared state). All but what reads throws std::system_error.
+// A setter syncs the record to the disk before it returns, and does not write a line that is unchanged.
+// Thread-safe for different records (no shared state). Setters throw std::system_error.
 #pragma once
 
 #include <filesystem>
@@ -25,21 +23,22 @@ class StateRecords {
  public:
   explicit StateRecords(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  // The job whose part is on the plate; nothing when the plate is clear.
+  // Returns the job whose part is on the plate, or nullopt if the plate is clear.
   [[nodiscard]] std::optional<std::string> plate_occupant() const;
   void set_plate_occupant(const std::optional<std::string>& job) const;
 
-  // Why no job is to begin until the owner has spoken, or nothing.
+  // Returns why no job may begin until a user confirms it, or nullopt.
   [[nodiscard]] std::optional<std::string> hold() const;
   void set_hold(const std::optional<std::string>& why) const;
 
-  // How the print of the job in printing/ ended, as the archivist has it; empty when nobody has told.
+  // Returns how the print of the job in printing/ ended, in the format of PrintArchivist; empty if not
+  // recorded.
   [[nodiscard]] std::string end_of_print() const;
   void keep_end_of_print(const std::string& text) const;
-  // Another job may get this one's name.
+  // Removes the record, since another job may get the name of the filed one.
   void forget_end_of_print() const;
 
-  // The next job first; empty where the order is that of their arrival.
+  // Returns the next job first; empty if the order is that of arrival.
   [[nodiscard]] std::vector<std::string> queue_order() const;
   void keep_queue_order(const std::vector<std::string>& files) const;
 

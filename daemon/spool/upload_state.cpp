@@ -15,21 +15,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As many as are told.
+// Maximum number of missing files that are reported.
 constexpr std::size_t kMaxMissing = 10;
 
 enum class Writers { None, Some, Unknown };
 
-// A read lease (fcntl(2), F_SETLEASE) is given only while nobody has the file open for writing.
+// Finds out if a process writes the file: the kernel grants a read lease (fcntl(2), F_SETLEASE) only while no
+// process has the file open for writing.
 Writers writers_of(const fs::path& path) {
   const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW));
   if (!file.valid()) return Writers::Unknown;
-  if (::fcntl(file.get(), F_SETLEASE, F_RDLCK) == 0) return Writers::None;  // given back on close
+  if (::fcntl(file.get(), F_SETLEASE, F_RDLCK) == 0) return Writers::None;  // the lease ends on close
   return errno == EAGAIN ? Writers::Some : Writers::Unknown;
 }
 
-// Which of a plate's files are not there, or the first of these. Nothing when its plate.json cannot be used:
-// that is for its owner to hear.
+// Returns the plate's missing files, at most kMaxMissing. Returns none if its plate.json cannot be used: the
+// job's check reports that later.
 std::vector<std::string> missing_models(const fs::path& plate) {
   std::vector<std::string> missing;
   try {
@@ -62,7 +63,7 @@ UploadState state_of_plate(const fs::path& path) {
   UploadState state;
   state.is_there = state.is_plate = true;
   std::error_code code;
-  // Anybody's folder, or not yet a plate: what is in it does not matter.
+  // Without plate.json the folder is not a plate, or not yet: its other files do not matter.
   if (!fs::exists(fs::symlink_status(path / kPlateTicket, code)) && code != std::errc::permission_denied) {
     state.missing = {kPlateTicket};
     return state;

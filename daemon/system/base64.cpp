@@ -38,7 +38,7 @@ std::optional<std::vector<std::uint8_t>> from_base64(std::string_view text) {
     for (int shift = 16; shift >= 0; shift -= 8)
       bytes.push_back(static_cast<std::uint8_t>(group >> shift & 0xFFU));
   }
-  // What the padding cuts off is nothing: each text is of one row of bytes alone.
+  // The bits that the padding cuts off must be 0, so that each byte sequence has exactly one encoding.
   for (std::size_t i = 0; i < padding; ++i) {
     if (bytes.back() != 0) return std::nullopt;
     bytes.pop_back();

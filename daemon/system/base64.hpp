@@ -1,4 +1,4 @@
-// Bytes as text and back, by RFC 4648's Base64 with its padding. Pure functions, thread-safe.
+// Encodes and decodes Base64 with padding (RFC 4648). Pure functions, thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace contourd {
 
 [[nodiscard]] std::string base64(std::span<const std::uint8_t> bytes);
 
-// Nothing when the text is not what base64() makes of any bytes.
+// Returns the decoded bytes, or nullopt if base64() never produces this text.
 [[nodiscard]] std::optional<std::vector<std::uint8_t>> from_base64(std::string_view text);
 
 }  // namespace contourd

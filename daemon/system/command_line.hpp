@@ -1,5 +1,5 @@
-// Answers a command line that asks for help or cannot be used, for both programs. Only main.cpp includes this
-// header: CLI11 takes longer to compile than most sources.
+// Handles --help and invalid command lines for both programs. Only main.cpp includes this header, because
+// CLI11 takes longer to compile than most sources.
 #pragma once
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@
 
 namespace contourd {
 
-// Prints the help, or what is wrong. Returns the exit code.
+// Prints the help or the usage error. Returns the exit code.
 inline int end_of_command_line(const CLI::App& app, const CLI::ParseError& error) {
   std::ostringstream help, mistake;
   const bool good = app.exit(error, help, mistake) == 0;

@@ -8,7 +8,7 @@
 namespace contourd {
 
 struct ControlCaller {
-  std::uint64_t connection = 0;  // tells connections apart, also those that are no more; from 1
+  std::uint64_t connection = 0;  // unique among all connections so far, also closed ones; from 1
   uid_t user = 0;
 };
 

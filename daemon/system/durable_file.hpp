@@ -1,4 +1,4 @@
-// Files that are either not there or whole, also after a power cut. Blocks until the disk has them.
+// Writes files that are complete or absent, even after a power cut. Blocks until the data is on the disk.
 // Thread-safe.
 #pragma once
 
@@ -7,15 +7,15 @@
 
 namespace contourd {
 
-// Writes a file of a name that nobody can know, or of none, and gives it this one. Throws std::system_error;
-// then what was there before is still there.
+// Writes an unnamed file, or one with an unpredictable name, and renames it to `path`. Throws
+// std::system_error; then the previous file is unchanged.
 void write_durably(const std::filesystem::path& path, std::string_view text);
 
-// Has a folder's renames on the disk. Where a file system cannot, it is left to that file system.
+// Flushes a folder's renames to the disk. Does nothing if the file system cannot do it.
 void sync_folder(const std::filesystem::path& folder);
 
-// Has what somebody else has written on the disk: a file, or all files of a folder (not of those in it). What
-// cannot be opened or synchronized is left out.
+// Flushes what others have written to the disk: one file, or all files directly in a folder. Ignores what
+// cannot be opened or flushed.
 void sync_contents(const std::filesystem::path& path);
 
 }  // namespace contourd

@@ -14,13 +14,13 @@
 namespace contourd {
 namespace {
 
-// A result of sd-event: negative errno.
+// Throws std::system_error if `result`, of an sd-event function, is a negative errno.
 int check(int result, const char* what) {
   if (result < 0) throw std::system_error(-result, std::generic_category(), what);
   return result;
 }
 
-// How late a timer may be. sd-event's default of 250 ms would show in every exposure.
+// The permitted delay of a timer. sd-event's default of 250 ms would show in every exposure.
 constexpr std::uint64_t kTimerAccuracyUs = 1;
 
 void set_urgency(sd_event_source* source, EventLoop::Urgency urgency) {
@@ -28,7 +28,7 @@ void set_urgency(sd_event_source* source, EventLoop::Urgency urgency) {
   check(sd_event_source_set_priority(source, SD_EVENT_PRIORITY_IMPORTANT), "sd_event_source_set_priority");
 }
 
-// Processor time of this thread.
+// Returns the CPU time of this thread.
 Duration computing_time() {
   timespec time{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -42,7 +42,8 @@ std::uint64_t microseconds(TimePoint when) {
 
 }  // namespace
 
-// The callback lives in a shared_ptr that the running call keeps too, so that it may destroy its own source.
+// Owns an sd-event source. The running call shares ownership of the callback, so that the callback may
+// destroy its own source.
 class EventLoop::SdSource {
  public:
   using Call = std::function<void(std::uint32_t)>;
@@ -78,7 +79,7 @@ class EventLoop::SdSource {
 
 namespace {
 
-// A source of whichever face, around what sd-event knows.
+// Implements the interface `Face` with the sd-event source `Sd`.
 template <typename Face, typename Sd>
 class OwnedSource : public Face {
  public:
@@ -121,7 +122,7 @@ void EventLoop::stop() {
   check(sd_event_exit(event_, 0), "sd_event_exit");
 }
 
-// An exception must not pass through sd-event's C frames: it is kept, and leaves by run().
+// Stores an exception for run() to rethrow, because it must not pass through sd-event's C frames.
 int EventLoop::guarded(std::string_view name, const std::function<void()>& call) {
   turn_source_ = name;
   turn_began_ = std::chrono::steady_clock::now();
@@ -172,8 +173,8 @@ EventLoop::SourcePtr EventLoop::at(TimePoint when, std::string_view name, std::f
       *this, name, [call = std::move(call)](std::uint32_t) { call(); });
   const int result = sd_event_add_time(event_, &source->sd.source, CLOCK_MONOTONIC, microseconds(when),
                                        kTimerAccuracyUs, SdSource::time, &source->sd);
-  // The loop has ended and nothing is due any more: a device that is put away after it may still ask for a
-  // time.
+  // The loop has ended, so no timer fires any more. A device that is destroyed after the loop's end may still
+  // ask for a timer.
   if (result == -ESTALE) return source;
   check(result, "sd_event_add_time");
   set_urgency(source->sd.source, urgency);
@@ -245,12 +246,12 @@ void Mailbox::post(std::function<void()> call) {
     const std::lock_guard lock(mutex_);
     calls_.push_back(std::move(call));
   }
-  // The kernel counts to 2^64.
+  // Cannot fail: the counter of an eventfd goes up to 2^64 - 2.
   const std::uint64_t one = 1;
   [[maybe_unused]] const ssize_t written = ::write(event_.get(), &one, sizeof one);
 }
 
-// It can be read for as long as there are more.
+// The eventfd (EFD_SEMAPHORE) stays readable while calls are queued, so the loop calls this again.
 void Mailbox::deliver_one() {
   std::uint64_t one = 0;
   [[maybe_unused]] const ssize_t read = ::read(event_.get(), &one, sizeof one);

@@ -1,5 +1,5 @@
-// The daemon's one event loop (sd-event): timers, signals, file descriptors. Everything is a
-// callback on the thread that calls run(); only Mailbox::post() may be called from another.
+// The daemon's only event loop (sd-event): timers, signals, file descriptors. All callbacks run on the thread
+// that calls run(); only Mailbox::post() may be called from another thread.
 #pragma once
 
 #include <systemd/sd-bus.h>
@@ -21,7 +21,7 @@ namespace contourd {
 
 class EventLoop {
  public:
-  // Keeps one thing watched; destroying it ends that. Safe to destroy from inside its own callback.
+  // A registered event source; destroying it ends the registration. Safe to destroy inside its own callback.
   class Source {
    public:
     Source() = default;
@@ -32,59 +32,61 @@ class EventLoop {
   using SourcePtr = std::unique_ptr<Source>;
   class IoSource : public Source {
    public:
-    // 0: it is told of nothing, not even of errors and a hang-up.
+    // Changes the events to wait for; 0 disables the source, also for errors and hang-ups.
     virtual void set_events(std::uint32_t events) = 0;
   };
 
-  // What is due at the same time is called in this order; after each call it is seen anew what is due.
+  // The order in which callbacks that are due at the same time are called; after each call, the loop checks
+  // again which ones are due.
   enum class Urgency {
-    Machine,  // an exposure's end, an opened lid
-    Normal,   // clients, the spool, what a worker has done
+    Machine,  // the end of an exposure, an opened lid
+    Normal,   // clients, the spool, results of workers
   };
 
-  // One call of a source: what that is, for people, and how long the call took.
+  // One call of a source, with the source's readable name and the duration of the call.
   struct Turn {
     std::string_view source;
     Duration busy{};
-    Duration computing{};  // of that; in the rest it waited, for a disk or for its processor
+    Duration computing{};  // CPU time; in the rest of `busy` the thread waited for a disk or a processor
   };
 
-  // Throws std::system_error when the kernel has no room for one.
+  // Throws std::system_error if the kernel cannot create the event loop.
   EventLoop();
   ~EventLoop();
   EventLoop(const EventLoop&) = delete;
   EventLoop& operator=(const EventLoop&) = delete;
 
-  // Runs until stop(). Exceptions from callbacks end it and come out of here.
+  // Runs until stop(). An exception from a callback ends the loop and is rethrown here.
   void run();
   void stop();
 
-  // `over` is told every turn that has ended. Nothing ends it.
+  // Calls `over` after every turn, for as long as the loop exists.
   void on_turn_over(std::function<void(const Turn&)> over) { turn_over_ = std::move(over); }
-  // The one under way, up to now; outside of a source's call the last one.
+  // Returns the current turn up to now; outside a source's call, the last turn.
   [[nodiscard]] Turn turn() const;
 
-  // A source's `name` says what it is, as in "a client of the control socket"; it must live as long as the
+  // The `name` of a source is shown to people, as in "a client of the control socket"; it must outlive the
   // source.
 
-  // `events` as for epoll (EPOLLIN, EPOLLOUT); the callback gets those that are due. The descriptor stays the
-  // caller's.
+  // Calls `call` with the events that have occurred. `events` is epoll's bit mask (EPOLLIN, EPOLLOUT). The
+  // caller keeps the ownership of the descriptor.
   [[nodiscard]] std::unique_ptr<IoSource> on_ready(int fd, std::uint32_t events, std::string_view name,
                                                    std::function<void(std::uint32_t)> call,
                                                    Urgency urgency = Urgency::Normal);
-  // Blocks the signal for the whole process, so it must come before any thread is made.
+  // Calls `call` for each signal. Blocks the signal for the whole process, so call this before any thread is
+  // started.
   [[nodiscard]] SourcePtr on_signal(int signal, std::function<void()> call);
-  // Once, when CLOCK_MONOTONIC reaches `when`.
+  // Calls `call` once, when CLOCK_MONOTONIC reaches `when`.
   [[nodiscard]] SourcePtr at(TimePoint when, std::string_view name, std::function<void()> call,
                              Urgency urgency = Urgency::Normal);
-  // Again and again whenever nothing else is due, for as long as the call returns true; then after each
-  // wake(). Unlike other sources it must not be destroyed from inside its call.
+  // A source whose callback runs whenever nothing else is due, until it returns false; wake() enables it
+  // again. Unlike other sources, it must not be destroyed inside its callback.
   class IdleSource : public Source {
    public:
     virtual void wake() = 0;
   };
   [[nodiscard]] std::unique_ptr<IdleSource> when_idle(std::string_view name, std::function<bool()> call);
-  // The bus is served from now on, for as long as it is open. Its callbacks must not throw.
+  // Serves the bus for as long as it is open. Its callbacks must not throw.
   void attach(sd_bus* bus);
 
  private:
@@ -102,8 +104,8 @@ class EventLoop {
   std::function<void(const Turn&)> turn_over_;
 };
 
-// Real time: CLOCK_MONOTONIC, through the event loop, which must outlive it. Its calls come before those of
-// Urgency::Normal.
+// CLOCK_MONOTONIC with timers on the event loop, which must outlive the clock. Its timers have
+// Urgency::Machine.
 class EventLoopClock final : public Clock {
  public:
   explicit EventLoopClock(EventLoop& loop) : loop_(loop) {}
@@ -114,8 +116,8 @@ class EventLoopClock final : public Clock {
   EventLoop& loop_;
 };
 
-// The machine's descriptors, through the event loop, which must outlive it. Its calls come before those of
-// Urgency::Normal.
+// Watches the machine's file descriptors on the event loop, which must outlive the watcher. Its callbacks
+// have Urgency::Machine.
 class EventLoopWatcher final : public DescriptorWatcher {
  public:
   explicit EventLoopWatcher(EventLoop& loop) : loop_(loop) {}
@@ -125,13 +127,13 @@ class EventLoopWatcher final : public DescriptorWatcher {
   EventLoop& loop_;
 };
 
-// Calls handed to the event loop's thread by another: one a turn, in their order.
+// A queue of calls from other threads to the event loop's thread; the loop makes one call per turn, in order.
 class Mailbox {
  public:
-  // Throws std::system_error when the kernel has no descriptor left.
+  // Throws std::system_error if no file descriptor is available.
   explicit Mailbox(EventLoop& loop);
 
-  // From any thread; the call runs on the loop's.
+  // Queues a call for the loop's thread. May be called from any thread.
   void post(std::function<void()> call);
 
  private:

@@ -23,18 +23,19 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A print of some hours has as many entries.
+// About the number of entries of a print of several hours.
 constexpr std::size_t kMaxKept = 10'000;
 constexpr std::size_t kMaxATurn = 100;
 constexpr Duration kJournalRetryInterval = 50ms;
-constexpr Duration kLongestFarewell = 1s;
-// A datagram has some 200 kB at most.
+constexpr Duration kFinalFlushTimeout = 1s;
+// A datagram holds at most about 200 kB.
 constexpr std::size_t kLongestValue = 16'384;
-// A pipe that takes more takes this much without waiting (pipe(7)); with the time and the level before it.
+// poll() reports a pipe as writable if PIPE_BUF bytes fit (pipe(7)); 64 of them are for the time and the
+// level.
 constexpr std::size_t kLongestLine = PIPE_BUF - 64;
 
-// JOURNAL_STREAM is "device:inode" of the stream that systemd connected; it may be inherited by a program
-// whose stderr is something else by now.
+// True if stderr is the stream that systemd connected to the journal: JOURNAL_STREAM holds its
+// "device:inode". The variable alone is not enough: a program with another stderr may have inherited it.
 bool stderr_is_journal() {
   const char* stream = std::getenv("JOURNAL_STREAM");
   struct stat status {};
@@ -54,8 +55,8 @@ spdlog::level::level_enum spdlog_level(LogLevel level) {
   return spdlog::level::info;
 }
 
-// A field of systemd's native journal protocol: the value's length, little-endian, then the value, which may
-// hold anything.
+// Appends a field in systemd's native journal protocol: the length of the value as a little-endian number,
+// then the value, which may contain any bytes.
 void add_field(std::string& entry, std::string_view name, std::string_view whole_value) {
   const std::string_view value = whole_value.substr(0, kLongestValue);
   entry.append(name).append("\n");
@@ -84,17 +85,18 @@ sockaddr_un journal_address() {
   return address;
 }
 
-bool stderr_takes_more() {
+bool stderr_is_writable() {
   pollfd stderr_now{STDERR_FILENO, POLLOUT, 0};
   return ::poll(&stderr_now, 1, 0) != 0;
 }
 
 }  // namespace
 
-// sd_journal_sendv() waits while journald does not read, so its datagrams are sent from here.
+// The queue of entries that are not delivered yet. It sends journald's datagrams itself, because
+// sd_journal_sendv() blocks while journald does not read.
 class Log::Backlog {
  public:
-  // `on_room` is told how many entries were lost once there is room for that again.
+  // Calls `on_room` with the number of lost entries once entries are accepted again.
   Backlog(EventLoop& loop, std::function<void(std::uint64_t lost)> on_room)
       : loop_(loop), on_room_(std::move(on_room)) {
     if (stderr_is_journal())
@@ -114,15 +116,15 @@ class Log::Backlog {
     if (!retry_timer_) retry_later();
   }
 
-  void say_farewell() {
-    const TimePoint end = std::chrono::steady_clock::now() + kLongestFarewell;
+  void final_flush() {
+    const TimePoint end = std::chrono::steady_clock::now() + kFinalFlushTimeout;
     while (!kept_.empty() && std::chrono::steady_clock::now() < end) {
       if (!send_kept(kMaxKept)) std::this_thread::sleep_for(1ms);
     }
   }
 
  private:
-  // False when none was taken.
+  // Sends at most `most` entries. Returns false if none was accepted.
   bool send_kept(std::size_t most) {
     std::size_t sent = 0;
     for (; sent < most && !kept_.empty() && is_taken(kept_.front()); ++sent)
@@ -130,10 +132,11 @@ class Log::Backlog {
     return sent > 0;
   }
 
-  // False when it has to wait. What cannot be taken at all counts as taken.
+  // Sends the entry. Returns false if it has to be sent again later; an entry that can never be sent counts
+  // as sent.
   bool is_taken(const Entry& entry) const {
     if (!to_journal()) {
-      if (!stderr_takes_more()) return false;
+      if (!stderr_is_writable()) return false;
       spdlog::default_logger_raw()->log(entry.time, spdlog::source_loc{}, spdlog_level(entry.level),
                                         entry.text);
       return true;
@@ -155,7 +158,7 @@ class Log::Backlog {
 
   EventLoop& loop_;
   std::function<void(std::uint64_t)> on_room_;
-  FileDescriptor journal_;  // nothing where entries go to stderr
+  FileDescriptor journal_;  // invalid if entries go to stderr
   std::deque<Entry> kept_;
   std::uint64_t lost_ = 0;
   EventLoop::SourcePtr retry_timer_;
@@ -163,7 +166,8 @@ class Log::Backlog {
 
 Log::Log(EventLoop& loop)
     : backlog_(std::make_unique<Backlog>(loop, [this](std::uint64_t lost) {
-        warning("log", fmt::format("{} entries of the log are lost: nobody took them for a while", lost));
+        warning("log",
+                fmt::format("{} log entries were lost: journald or stderr accepted none for a while", lost));
       })) {
   spdlog::set_default_logger(
       std::make_shared<spdlog::logger>("contourd", std::make_shared<spdlog::sinks::stderr_color_sink_st>()));
@@ -171,7 +175,7 @@ Log::Log(EventLoop& loop)
 }
 
 Log::~Log() {
-  backlog_->say_farewell();
+  backlog_->final_flush();
 }
 
 void Log::write(LogLevel level, std::string_view event, const std::string& message,

@@ -1,8 +1,10 @@
 // The daemon's log. Under systemd every entry goes to journald with structured fields; otherwise it is a
-// readable line on stderr. One line an event: what, value, limit, consequence. Event loop's thread only.
+// readable line on stderr. One line per event: what happened, value, limit, consequence. Event loop's thread
+// only.
 //
-// Nothing waits for whoever takes the entries: a light may be on. What is not taken at once is kept for a
-// while, and what is too much to keep is counted, which is told once there is room again.
+// Logging never blocks, because a light may be on. Entries that journald or stderr does not accept at once
+// are kept for a retry; entries beyond the limit are dropped and counted, and the count is logged once there
+// is room again.
 #pragma once
 
 #include <chrono>
@@ -21,14 +23,14 @@ enum class LogLevel { Error = 3, Warning = 4, Info = 6 };
 
 // Journal fields besides the message; names as journald wants them (upper case): JOB_ID, LAYER, Z_NM, EVENT.
 using LogFields = std::vector<std::pair<std::string_view, std::string>>;
-// Those of an entry about a job, whatever its name is made of.
+// Returns the fields of an entry about a job. The job's name may contain any bytes.
 [[nodiscard]] LogFields job_fields(const std::string& job);
 
 class Log {
  public:
   // Chooses journald when stderr is connected to it (JOURNAL_STREAM, systemd.exec(5)).
   explicit Log(EventLoop& loop);
-  // What is still kept gets a second.
+  // Tries to deliver the pending entries for up to a second.
   ~Log();
   Log(const Log&) = delete;
   Log& operator=(const Log&) = delete;
@@ -49,7 +51,7 @@ class Log {
  private:
   struct Entry {
     LogLevel level = LogLevel::Info;
-    std::string text;  // as journald or a reader wants it
+    std::string text;  // in journald's protocol, or a line for a person
     std::chrono::system_clock::time_point time{};
   };
   class Backlog;

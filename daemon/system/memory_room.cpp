@@ -13,16 +13,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What stays free: a print under way, its report and the rest of the system grow meanwhile.
+// Memory that stays free, because a running print, its report and the rest of the system grow meanwhile.
 constexpr std::uint64_t kReserveBytes = 64'000'000;
-constexpr std::uint64_t kBytesPerKb = 1024;  // as /proc counts them
+constexpr std::uint64_t kBytesPerKb = 1024;  // /proc/meminfo's "kB"
 constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
 
 std::uint64_t less(std::uint64_t whole, std::uint64_t part) {
   return whole > part ? whole - part : 0;
 }
 
-// Nothing for what is no number, such as "max".
+// Returns the number at the text's start, or nullopt if there is none, as in "max".
 std::optional<std::uint64_t> number_in(std::string_view text) {
   text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
   std::uint64_t number = 0;
@@ -30,7 +30,7 @@ std::optional<std::uint64_t> number_in(std::string_view text) {
   return code == std::errc() ? std::optional(number) : std::nullopt;
 }
 
-// Of a file's line that begins with `key`.
+// Returns the number after `key` in the first line of the file that begins with `key`.
 std::optional<std::uint64_t> number_in(const fs::path& file, std::string_view key = "") {
   std::ifstream lines(file);
   for (std::string line; std::getline(lines, line);)
@@ -38,7 +38,7 @@ std::optional<std::uint64_t> number_in(const fs::path& file, std::string_view ke
   return std::nullopt;
 }
 
-// What the two versions call the same.
+// The names of the same figures in the two versions of control groups.
 struct GroupFiles {
   const char *limit, *soft_limit, *used, *inactive, *active;
 };
@@ -49,7 +49,7 @@ constexpr GroupFiles kVersion2{"memory.max", "memory.high", "memory.current", "i
 
 std::uint64_t left_in(const fs::path& group, const GroupFiles& files) {
   std::uint64_t limit = number_in(group / files.limit).value_or(kUnlimited);
-  // Beyond this one the kernel slows the process down until it hardly runs.
+  // Above the soft limit, the kernel slows the process down until it hardly runs.
   if (*files.soft_limit != '\0') limit = std::min(limit, number_in(group / files.soft_limit).value_or(limit));
   const auto used = number_in(group / files.used);
   if (limit == kUnlimited || !used) return kUnlimited;
@@ -59,7 +59,7 @@ std::uint64_t left_in(const fs::path& group, const GroupFiles& files) {
   return less(limit, less(*used, pages_of_files));
 }
 
-// In the group and all those around it, as far as they can be seen from here.
+// Returns the least memory left in the group and its ancestors, as far as they are visible to this process.
 std::uint64_t left_in_all(const fs::path& root, fs::path group, const GroupFiles& files) {
   std::uint64_t left = kUnlimited;
   while (true) {
@@ -69,7 +69,8 @@ std::uint64_t left_in_all(const fs::path& root, fs::path group, const GroupFiles
   }
 }
 
-// Its lines are "NUMBER:CONTROLLERS:GROUP"; version 2 has the number 0 and no controllers.
+// Returns the memory left in the groups of /proc/self/cgroup. Its lines are "NUMBER:CONTROLLERS:GROUP";
+// version 2 has the number 0 and no controllers.
 std::uint64_t left_in_groups(const MemorySources& sources) {
   std::uint64_t left = kUnlimited;
   std::ifstream lines(sources.proc / "self" / "cgroup");
@@ -86,7 +87,7 @@ std::uint64_t left_in_groups(const MemorySources& sources) {
   return left;
 }
 
-// What is not of files: in memory, or put on the disk.
+// Returns the anonymous memory of the process, including its swapped pages.
 std::uint64_t held_by_process(const MemorySources& sources) {
   std::uint64_t kilobytes = 0;
   for (const char* const key : {"RssAnon:", "VmSwap:"})

@@ -1,5 +1,5 @@
-// How much memory this process may still take without anything being killed for it. Thread-safe (no shared
-// state).
+// Estimates how much memory this process can allocate before the kernel kills a process for it. Thread-safe
+// (no shared state).
 #pragma once
 
 #include <cstdint>
@@ -9,27 +9,27 @@
 
 namespace contourd {
 
-// Where the kernel says so.
+// The folders from which the kernel's figures are read.
 struct MemorySources {
   std::filesystem::path proc = "/proc";
   std::filesystem::path control_groups = "/sys/fs/cgroup";
 };
 
 struct MemoryRoom {
-  std::uint64_t bytes = 0;  // that may be taken from now on
-  std::string reason;       // why no more, as a clause
-  std::uint64_t held = 0;   // by this process; of its limit, where it has one
+  std::uint64_t bytes = 0;  // bytes that can still be allocated
+  std::string reason;       // for this limit, as a clause
+  std::uint64_t held = 0;   // by this process; at most the limit, if there is one
 };
 
-// Of the process' `limit`, or without one: what the machine has available and the process' control groups
-// leave it, whichever is less, but for a reserve. (Pages of files count as available, where the kernel can
-// drop them.) Both versions of control groups.
+// Returns the rest of the process' `limit`. Without a limit: the memory available on the machine or left in
+// the process' control groups (version 1 or 2), whichever is less, minus a reserve. File pages that the
+// kernel can drop count as available.
 [[nodiscard]] MemoryRoom memory_room(std::optional<std::uint64_t> limit, const MemorySources& sources = {});
 
-// All that the machine has; nothing where nobody knows.
+// Returns the machine's total memory, or nullopt if it is unknown.
 [[nodiscard]] std::optional<std::uint64_t> machine_memory(const MemorySources& sources = {});
 
-// "640 MB"; a MB has 1,000,000 bytes.
+// Returns "640 MB"; a MB has 1,000,000 bytes.
 [[nodiscard]] std::string megabytes(std::uint64_t bytes);
 
 }  // namespace contourd

@@ -22,7 +22,7 @@ std::system_error failure() {
   return std::system_error(errno, std::generic_category());
 }
 
-// A dot file: nobody takes it for a job's. Nobody can know it beforehand.
+// Returns an unpredictable name. The leading dot keeps the spool from taking the file for a job.
 fs::path temporary_name() {
   std::random_device random;
   return fmt::format("{}{:08x}{:08x}{}", kTemporaryStart, random(), random(), kTemporaryEnd);

@@ -1,5 +1,6 @@
-// A file that has a name when it is whole: until then it goes with this object or, where the file system has
-// files without a name, with the process. Blocks until the disk has it. Not thread-safe.
+// A file that gets its name only when it is complete. Until then it is deleted with this object; on file
+// systems with unnamed files (O_TMPFILE) also when the process ends. Blocks until the data is on the disk.
+// Not thread-safe.
 #pragma once
 
 #include <sys/types.h>
@@ -14,22 +15,25 @@ namespace contourd {
 
 class NewFile {
  public:
-  // In the folder in which it is to be. Each call throws std::system_error, and can be given up then.
+  // Creates the file in the folder of its final name. All functions throw std::system_error; then the file
+  // can only be discarded.
   explicit NewFile(std::filesystem::path folder);
   NewFile(const NewFile&) = delete;
   NewFile& operator=(const NewFile&) = delete;
   ~NewFile();
 
-  // Whatever the umask says.
+  // Add read permission, regardless of the umask.
   void let_group_read();
   void let_all_read();
   void write(std::string_view bytes);
 
-  // The last call: it takes the place of what has that name.
+  // Flushes the file and gives it this name, replacing a file that has it. Must be the last call.
   void replace(const std::string& name);
-  // The same for what nobody misses after a power cut: the disk is not waited for.
+  // Does the same without waiting for the disk, for files that may be lost in a power cut.
   void replace_for_now(const std::string& name);
-  // The last call that returns true: nothing has had that name. Whoever sees it there sees nobody writing it.
+  // Flushes the file and gives it this name unless the name is taken; then returns false and may be called
+  // again. Must be the last call once it returns true. The file is not open for writing by the time its name
+  // exists.
   [[nodiscard]] bool appear(const std::string& name);
 
  private:
@@ -43,7 +47,7 @@ class NewFile {
   bool named_ = false, written_ = false;
 };
 
-// Removes what processes that were killed had not given its name yet.
+// Removes the temporary files that killed processes have left in the folder.
 void remove_unfinished_files(const std::filesystem::path& folder);
 
 }  // namespace contourd

@@ -13,8 +13,8 @@ bool is_plain(char c) {
   return c >= 0x20 && c < 0x7F;
 }
 
-// Controls, and what turns or breaks the line without being seen: a name could look like another, or like
-// more than one line.
+// True for control characters and for invisible ones that reorder or break the line: with them, a name could
+// look like another name or like several lines.
 bool is_unprintable(char32_t c) {
   struct Range {
     char32_t first, last;
@@ -34,7 +34,7 @@ bool is_unprintable(char32_t c) {
                              [c](const Range& range) { return c >= range.first && c <= range.last; });
 }
 
-// nlohmann-json replaces broken UTF-8 when it writes a string.
+// Replaces invalid UTF-8 with U+FFFD, as nlohmann-json does when it writes a string.
 std::string valid_utf_8(std::string_view text) {
   const std::string quoted =
       nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);

@@ -1,5 +1,5 @@
-// Text of which nobody knows what is in it (names of files, what a file says), made fit for a person. Every
-// way out to one goes through here. Thread-safe (no shared state).
+// Makes text from untrusted sources (names and contents of files) safe to show. All text that reaches a
+// person goes through these functions. Thread-safe (no shared state).
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,14 @@
 
 namespace contourd {
 
-// At most so many bytes, never half a character; what is left out is said: "... (1,940 bytes more)".
+// Returns at most `bytes` bytes of the text, never part of a character, followed by the length of the rest:
+// "... (1940 bytes more)".
 [[nodiscard]] std::string shortened(std::string_view text, std::size_t bytes);
 
-// Fit for a terminal, the log or a page, whatever bytes it was made of: valid UTF-8 in one line. Control
-// characters become '?', and so does what changes the direction of writing or is not seen at all.
+// Returns the text as one line of valid UTF-8, safe for a terminal, the log or a page. Control characters,
+// invisible characters and those that change the writing direction become '?'.
 [[nodiscard]] std::string printable(std::string_view text);
-// The same, but its line breaks stay.
+// Does the same, but keeps line breaks.
 [[nodiscard]] std::string printable_lines(std::string_view text);
 
 }  // namespace contourd

@@ -1,4 +1,4 @@
-// Values as a person reads them. Thread-safe (no shared state).
+// Formats values for people. Thread-safe (no shared state).
 #pragma once
 
 #include <chrono>
@@ -12,13 +12,13 @@
 
 namespace contourd {
 
-// "3 h 05 min", "12 min 30 s", "4.2 s".
+// Returns "3 h 05 min", "12 min 30 s" or "4.2 s".
 [[nodiscard]] std::string readable(Duration duration);
-// "1 layer", "2 layers".
+// Returns "1 layer" or "2 layers".
 [[nodiscard]] std::string count_of(std::uint64_t count, std::string_view one, std::string_view many);
-// "2026-11-20T19:05:00Z".
+// Returns the time in UTC: "2026-11-20T19:05:00Z".
 [[nodiscard]] std::string iso_time(std::chrono::system_clock::time_point time);
-// For figures that are told in milliseconds.
+// Returns the duration in milliseconds, with fractions.
 [[nodiscard]] inline double milliseconds(Duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }

@@ -9,7 +9,7 @@
 namespace contourd {
 namespace {
 
-// O_NONBLOCK: a FIFO has no writer, a lease of somebody's is not given back at once.
+// O_NONBLOCK: do not wait for a FIFO's writer, or for another process to release its lease on the file.
 constexpr int kReading = O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
 
 std::string clause_for(int error) {

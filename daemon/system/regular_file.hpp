@@ -1,5 +1,5 @@
-// Opens files for reading, with distrust: whatever lies under a name, or is put in its place in that moment,
-// nobody is waited for, and only a regular file is read. Thread-safe (no shared state).
+// Opens untrusted files for reading. Only regular files are opened, and opening never blocks, even if the
+// file is replaced at the same moment (by a FIFO, for example). Thread-safe (no shared state).
 #pragma once
 
 #include <filesystem>
@@ -11,21 +11,20 @@
 
 namespace contourd {
 
-// Whether the file, and the folder that it is in, may be symbolic links: not where others than the owner
-// write.
+// The treatment of symbolic links, for the file and its folder. Refuse them where other users can write.
 enum class Links { Follow, Refuse };
 
-// What lies under that name is no file to be read. what() is a clause about it: "it is a folder, not a file".
+// The error for a path that is not a readable regular file. what() is a clause: "it is a folder, not a file".
 class UnreadableFile : public std::system_error {
  public:
   UnreadableFile(std::error_code code, const std::string& clause);
   [[nodiscard]] const char* what() const noexcept override { return clause_.what(); }
 
  private:
-  std::runtime_error clause_;  // its copies cannot fail
+  std::runtime_error clause_;  // copying it cannot throw
 };
 
-// Throws UnreadableFile.
+// Opens a regular file for reading. Throws UnreadableFile.
 [[nodiscard]] FileDescriptor open_regular_file(const std::filesystem::path& path, Links links);
 
 }  // namespace contourd

@@ -3,7 +3,8 @@
 namespace contourd {
 namespace {
 
-// How many of its instructions SQLite carries out between two looks at the clock: below a millisecond.
+// The number of SQLite's instructions between two checks of the time limit; they take less than a
+// millisecond.
 constexpr int kInstructionsBetweenLooks = 10'000;
 
 }  // namespace
@@ -92,7 +93,7 @@ SqliteTransaction::SqliteTransaction(SqliteDatabase& database) : database_(datab
 
 SqliteTransaction::~SqliteTransaction() {
   if (!open_) return;
-  // Not where SQLite has rolled back by itself, as after a full disk.
+  // Fails if SQLite has already rolled back, as after a full disk; that is fine.
   sqlite3_exec(database_.handle_, "ROLLBACK", nullptr, nullptr, nullptr);
 }
 

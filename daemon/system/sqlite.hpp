@@ -1,5 +1,5 @@
-// SQLite's database and its statements as values that close themselves (sqlite.org/c3ref). All of it blocks,
-// so it is for a worker's thread; one thread at a time.
+// RAII types for SQLite's databases and statements (sqlite.org/c3ref). All functions block, so use them on a
+// worker's thread, from one thread at a time.
 #pragma once
 
 #include <sqlite3.h>
@@ -15,12 +15,12 @@ namespace contourd {
 
 class SqliteError : public std::runtime_error {
  public:
-  // `code` as SQLite's, such as SQLITE_BUSY or an extended one.
+  // `code` is a result code of SQLite, possibly an extended one.
   SqliteError(int code, const std::string& what) : std::runtime_error(what), code_(code) {}
 
-  // Without what an extended code says beyond it.
+  // Returns the primary result code, such as SQLITE_BUSY.
   [[nodiscard]] int code() const { return code_ & 0xff; }
-  // The file is no database, or a damaged one.
+  // True if the file is not a database or is damaged.
   [[nodiscard]] bool is_corruption() const { return code() == SQLITE_CORRUPT || code() == SQLITE_NOTADB; }
 
  private:
@@ -29,16 +29,16 @@ class SqliteError : public std::runtime_error {
 
 class SqliteDatabase {
  public:
-  // Opens the file for reading and writing, or makes it. A lock of another program is waited for this long.
-  // Throws SqliteError; so does all else here.
+  // Opens the file for reading and writing, or creates it. Each access waits up to `patience` for another
+  // program's lock. All functions throw SqliteError.
   SqliteDatabase(const std::filesystem::path& file, std::chrono::milliseconds patience);
   ~SqliteDatabase();
   SqliteDatabase(const SqliteDatabase&) = delete;
   SqliteDatabase& operator=(const SqliteDatabase&) = delete;
 
-  // One or more statements without results that are wanted.
+  // Executes one or more statements and discards their results.
   void execute(const std::string& sql);
-  // The first column of the first row; 0 or empty where there is none.
+  // Returns the first column of the first row; 0 or empty if there is no row.
   [[nodiscard]] std::int64_t integer(const std::string& sql);
   [[nodiscard]] std::string text(const std::string& sql);
   // Rows that the last statement inserted, changed or deleted.
@@ -64,17 +64,17 @@ class SqliteStatement {
   SqliteStatement(const SqliteStatement&) = delete;
   SqliteStatement& operator=(const SqliteStatement&) = delete;
 
-  // Values for the question marks, in their order. Texts are copied.
+  // Binds values to the question marks, in order. Texts are copied.
   template <typename... Values>
   SqliteStatement& bind(const Values&... values) {
     int place = 0;
     (bind_at(++place, values), ...);
     return *this;
   }
-  // The next row; false behind the last.
+  // Advances to the next row. Returns false after the last one.
   bool step();
 
-  // Of the row, by column from 0; what is NULL is 0 or empty.
+  // Return a column of the current row, counted from 0; NULL becomes 0 or empty.
   [[nodiscard]] std::int64_t integer(int column) const { return sqlite3_column_int64(handle_, column); }
   [[nodiscard]] double real(int column) const { return sqlite3_column_double(handle_, column); }
   [[nodiscard]] std::string text(int column) const;
@@ -89,7 +89,8 @@ class SqliteStatement {
   sqlite3_stmt* handle_ = nullptr;
 };
 
-// What happens between its beginning and commit() is in the database as a whole, or not at all.
+// A transaction: the changes between its construction and commit() are applied completely or, without
+// commit(), not at all.
 class SqliteTransaction {
  public:
   explicit SqliteTransaction(SqliteDatabase& database);
@@ -104,7 +105,7 @@ class SqliteTransaction {
   bool open_ = true;
 };
 
-// For as long as it lives, statements that go on beyond this time end with SQLITE_INTERRUPT.
+// A time limit for as long as this object lives: statements that exceed it fail with SQLITE_INTERRUPT.
 class SqliteTimeLimit {
  public:
   SqliteTimeLimit(SqliteDatabase& database, std::chrono::milliseconds time) : database_(database) {

@@ -8,7 +8,7 @@
 namespace contourd {
 
 int print_whole(const std::function<int()>& run) {
-  std::error_code why(EIO, std::generic_category());  // of what was lost earlier, nobody has kept the cause
+  std::error_code why(EIO, std::generic_category());  // the errno of earlier failures is lost
   try {
     const int code = run();
     const bool flushed = std::fflush(stdout) == 0;

@@ -1,4 +1,5 @@
-// Checks that what a program prints has arrived: the last step of every program that prints something.
+// Checks that all output of a program was written; every program that prints something runs through this
+// check.
 #pragma once
 
 #include <functional>
@@ -14,8 +15,8 @@ struct OutputError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Calls `run` and returns its exit code. Throws OutputError when not all that was printed to stdout has
-// arrived (a full disk, a closed descriptor), whatever else came of it; and else what `run` throws.
+// Calls `run` and returns its exit code. Throws OutputError if some of stdout could not be written (a full
+// disk, a closed descriptor), whether or not `run` succeeded; otherwise passes on the exceptions of `run`.
 int print_whole(const std::function<int()>& run);
 
 }  // namespace contourd

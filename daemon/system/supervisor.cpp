@@ -23,7 +23,7 @@ Supervisor::Supervisor(EventLoop& loop) : loop_(loop) {
   }
   std::uint64_t timeout_us = 0;
   if (sd_watchdog_enabled(0, &timeout_us) <= 0) return;
-  // Half of what it waits for, as sd_watchdog_enabled(3) recommends, and a little less.
+  // sd_watchdog_enabled(3) recommends half of the timeout; 2/5 leaves some margin.
   ping_interval_ = std::chrono::microseconds(timeout_us) * 2 / 5;
   ping();
 }
@@ -49,7 +49,7 @@ void Supervisor::ping() {
 void Supervisor::send(const std::string& message) {
   if (!socket_.valid()) return;
   const auto* address = reinterpret_cast<const sockaddr*>(&address_);
-  // A full queue or a manager that is gone: the print goes on.
+  // Ignore errors, such as a full queue or a manager that is gone: the print goes on.
   [[maybe_unused]] const ssize_t sent = ::sendto(socket_.get(), message.data(), message.size(),
                                                  MSG_NOSIGNAL | MSG_DONTWAIT, address, address_bytes_);
 }

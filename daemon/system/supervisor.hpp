@@ -1,8 +1,9 @@
-// The service manager, as sd_notify(3) knows it: readiness, a status line, the watchdog. Nothing happens
-// without one. Event loop's thread only.
+// Notifies the service manager (sd_notify(3)) of readiness and status, and pings its watchdog. Does nothing
+// without a service manager. Event loop's thread only.
 //
-// sd_notify() waits while the manager does not read. That is right for readiness, and wrong while a light may
-// be on: so status and watchdog go out without waiting, and are lost when there is no room for them.
+// sd_notify() blocks while the manager does not read. That is right for readiness, but not while a light may
+// be on. So the status and the watchdog's pings are sent without blocking, and are lost if the socket's queue
+// is full.
 #pragma once
 
 #include <sys/un.h>
@@ -15,14 +16,14 @@ namespace contourd {
 
 class Supervisor {
  public:
-  // Begins to ping the watchdog, if the manager asks for that, for as long as the loop turns.
+  // Starts to ping the watchdog if the manager requires it; the pings continue while the loop runs.
   explicit Supervisor(EventLoop& loop);
 
-  // Start-up is over. Blocks until the manager has room for it.
+  // Reports that start-up is complete. Blocks until the manager accepts the message.
   void ready();
-  // The stop has begun.
+  // Reports that the service is stopping.
   void stopping();
-  // For `systemctl status`.
+  // Sets the status line that `systemctl status` shows.
   void status(const std::string& line);
 
  private:

@@ -1,5 +1,5 @@
-// Users and groups by the system's own lists alone: a directory service could keep the event loop waiting.
-// Thread-safe (no state).
+// Looks up users and groups in the system's own files only, because a directory service could block the event
+// loop. Thread-safe (no state).
 #pragma once
 
 #include <sys/types.h>
@@ -10,7 +10,7 @@
 
 namespace contourd {
 
-// "alice (1000)"; the number alone of whom the list does not know.
+// Returns "alice (1000)", or only the number if the user is not in /etc/passwd.
 [[nodiscard]] std::string user_name(uid_t user);
 
 [[nodiscard]] std::optional<gid_t> find_group(std::string_view name);

@@ -36,7 +36,7 @@ std::optional<std::size_t> first_invalid_utf_8(std::string_view text) {
 
 std::string_view cut_utf_8(std::string_view text, std::size_t bytes) {
   if (text.size() <= bytes) return text;
-  // A character goes on for three bytes at most: what does for longer is none.
+  // A character has at most three continuation bytes; a longer run is not a character.
   for (int i = 0; i < 3 && bytes > 0 && continues_character(text[bytes]); ++i)
     --bytes;
   return text.substr(0, bytes);

@@ -1,4 +1,5 @@
-// UTF-8 (Unicode, table 3-7), which names of files need not be. Pure functions, thread-safe.
+// Decodes and validates UTF-8 (Unicode, table 3-7); file names may contain other bytes. Pure functions,
+// thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -8,22 +9,22 @@
 
 namespace contourd {
 
-// Whether this byte goes on with a character that another one began.
+// True if this byte is a continuation byte of a character.
 [[nodiscard]] bool continues_character(char byte);
 
-// Of bytes: of the well-formed character at the text's start; 0 if there is none.
+// Returns the length in bytes of the well-formed character at the text's start; 0 if there is none.
 [[nodiscard]] std::size_t utf_8_length(std::string_view text);
 
-// The offset in bytes of the first one that is part of no well-formed character.
+// Returns the offset of the first byte that is not part of a well-formed character.
 [[nodiscard]] std::optional<std::size_t> first_invalid_utf_8(std::string_view text);
 
-// At most so many bytes of it, never half a character.
+// Returns the longest start of the text that has at most `bytes` bytes and does not end within a character.
 [[nodiscard]] std::string_view cut_utf_8(std::string_view text, std::size_t bytes);
 
-// Unicode's number of a character. REQUIRES: one that is well-formed, and nothing else.
+// Returns the Unicode code point of a character. REQUIRES: `character` is exactly one well-formed character.
 [[nodiscard]] char32_t code_point(std::string_view character);
 
-// The same of all characters; U+FFFD for a byte that is part of none.
+// Returns the code points of all characters, with U+FFFD for each byte that is not part of one.
 [[nodiscard]] std::u32string code_points(std::string_view text);
 
 }  // namespace contourd

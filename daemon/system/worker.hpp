@@ -1,5 +1,5 @@
-// One thread for what takes too long for the event loop: reading or analysing models. Tasks run one after the
-// other; what they return is handed back on the loop's thread.
+// A thread for work that would block the event loop for too long, such as reading or analysing models. Tasks
+// run one after another; their results are delivered on the loop's thread.
 #pragma once
 
 #include <pthread.h>
@@ -19,11 +19,12 @@ namespace contourd {
 
 class Worker {
  public:
-  // A thread named `name` (15 letters at most). `niceness` as for setpriority(2), up to 19. The event loop's
-  // is lower in a service (see contourd.service).
+  // Starts a thread named `name` (at most 15 characters) with this niceness (setpriority(2), at most 19). In
+  // a service, the event loop's niceness is lower (see contourd.service).
   Worker(EventLoop& loop, const char* name, int niceness = 0)
       : mailbox_(loop), thread_([this, name, niceness](const std::stop_token& stop) {
-          // Linux: of the calling thread. Should one fail, the work is done all the same.
+          // Linux sets the niceness of the calling thread only. The work is done even if one of these calls
+          // fails.
           (void)::pthread_setname_np(::pthread_self(), name);
           (void)::setpriority(PRIO_PROCESS, 0, niceness);
           work(stop);

@@ -195,7 +195,7 @@ void write_record_inputs(const fs::path& folder) {
   write(folder / "held", std::string("hpart failed: the lid is open\nand more"));
   for (const char* outcome : {"done", "cancelled", "failed"})
     write(folder / outcome,
-          R"(e{"job":"part","outcome":")" + std::string(outcome) + R"(","reason":"it is full"})");
+          R"(e{"job":"part","outcome":")" + std::string(outcome) + R"(","reason":"it is full","key":7})");
   write(folder / "copied", std::string("c@\n17 17:684:5\ncopying 17 @\n"));
   write(folder / "copying", std::string("ccopying 99 99 99:684:5\n"));
   write(folder / "reading", std::string("r@\n@\n17 17:684:5"));

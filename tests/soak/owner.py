@@ -18,7 +18,7 @@ REASONS = {
     "kill": "The print was interrupted: the power was cut, or contourd was killed or crashed|contourd ended while it read this: it was killed",
     "stop": "contourd was stopped",
     "switch": "homing failed: the limit switch",
-    "projector": "the projector does not answer|waited 30 s in vain for the projector to confirm",
+    "projector": "the projector does not answer|timed out after 30 s waiting for the projector to confirm",
     "disk": "No space left on device",
 }
 

@@ -50,14 +50,14 @@ class Accept(FolderTest):
         self.assertEqual((job["number"], job["asks"]), (1, ["islands"]))
         for command in (["queue"], ["queue", "show", "odd"], ["status"]):
             result = daemon.ctl(*command).stdout.decode()
-            self.assertIn('islands; "contourctl accept odd" has it printed as it is', result, command)
+            self.assertIn('islands; run "contourctl accept odd" to print it as it is', result, command)
         shown = daemon.ctl("queue", "show", "odd").stdout.decode()
         self.assertRegex(shown, r"(?m)^state     waits to be accepted$")
         self.assertRegex(shown, r"(?m)^warning   1 island begins with nothing under it: layer 3 ")
-        self.assertIn('odd.stl waits: islands; "contourctl accept odd"', daemon.log())
+        self.assertIn('odd.stl waits: islands; run "contourctl accept odd"', daemon.log())
         self.assertIn("odd: accepted", self.accept(daemon, "odd"))
         daemon.wait_done("odd")
-        self.assertRegex(daemon.log(), r"odd\.stl: user \S+ \(\d+\) accepts it with islands")
+        self.assertRegex(daemon.log(), r"odd\.stl: accepted by user \S+ \(\d+\) with islands")
         daemon.stop()
 
     def test_a_waiting_job_lists_its_findings_by_name(self):
@@ -86,7 +86,7 @@ class Accept(FolderTest):
             for line in waiting.stdout:
                 if "contourctl accept" in line:
                     break
-            self.assertEqual(line, 'odd: waits: islands; "contourctl accept odd" has it printed as it is\n')
+            self.assertEqual(line, 'odd: waits: islands; run "contourctl accept odd" to print it as it is\n')
             self.accept(daemon, "odd")
             self.assertEqual(waiting.stdout.read().splitlines()[-1], "odd: done")
         self.assertEqual(waiting.returncode, OK)
@@ -154,10 +154,10 @@ class Accept(FolderTest):
         self.assertIn("its turn has come", self.refused(daemon, "part"))
         daemon.drop("sound.stl", SOUND)
         wait_until(lambda: (self.job(daemon, "sound") or {}).get("state") == "ready", "the job to be checked")
-        self.assertIn("waits for nobody's word", self.refused(daemon, "sound"))
+        self.assertIn("does not wait to be accepted", self.refused(daemon, "sound"))
         daemon.drop("odd.stl", ISLAND)
         self.wait_unaccepted(daemon, "odd")
-        self.assertEqual(self.refused(daemon, "od"), 'contourctl: no job "od" waits; to be accepted there is "odd"\n')
+        self.assertEqual(self.refused(daemon, "od"), 'contourctl: no job "od" waits; jobs that wait to be accepted: "odd"\n')
         for words in ([], [""], ["odd", "sound"]):
             self.assertNotEqual(self.refused(daemon, *words, code=BAD_USAGE), "")
         self.assertEqual(daemon.rpc("accept")["error"]["code"], -32602)

@@ -126,7 +126,7 @@ class CheckConfig(ConfigTest):
         warning, good = result.stdout.decode().splitlines()
         self.assertEqual((result.returncode, good), (OK, f"{path}: good"))
         self.assertTrue(warning.startswith(f"{path}: warning: /z_axis/emergency_stop: "), warning)
-        self.assertIn("a broken wire is silent", warning)
+        self.assertIn("a broken wire goes unnoticed", warning)
 
     def warnings(self, path):
         """Returns the warnings about a valid configuration, without the file's name."""

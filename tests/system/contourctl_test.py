@@ -208,12 +208,12 @@ class SliceAtOneHeight(FolderTest):
     def test_the_height_is_in_the_files_coordinates(self):
         facets = box((0, 0, -30), (10, 10, -20))
         self.assertAlmostEqual(self.slice(facets, -25)["area_mm2"], 100, delta=1e-9)
-        warning = b"contourctl: warning: z is 5 mm, the model from -30 to -20 mm: nothing is cut\n"
+        warning = b"contourctl: warning: z is 5 mm, but the model is from -30 to -20 mm: nothing is cut\n"
         self.assertEqual(self.slice(facets, 5, warning=warning)["contours"], 0)
 
     def test_a_height_outside_the_model_cuts_nothing(self):
         for z in (-1, 20.001, 1e9, -1e300):
-            warning = f"contourctl: warning: z is {z:.6g} mm, the model from 0 to 20 mm: nothing is cut\n"
+            warning = f"contourctl: warning: z is {z:.6g} mm, but the model is from 0 to 20 mm: nothing is cut\n"
             found = self.slice(cube(20), z, warning=warning.encode())
             self.assertEqual((found["segments"], found["contours"], found["area_mm2"]), (0, 0, 0))
 
@@ -333,9 +333,8 @@ class Masks(FolderTest):
         # A uniformity mask made from a mask: 255 over the model, 0 beside it.
         self.masks(cube(20), 20000)
         os.rename(self.path("masks", "0001.png"), self.path("even.png"))
-        for option in ("--uniformity-mask", "--lamp-mask"):  # the second is the old name
-            picture = self.masks(cube(30), 30000, option, self.path("even.png"))["0001.png"]
-            self.assertEqual(picture.lit_box(), (760, 340, 1160, 740))
+        picture = self.masks(cube(30), 30000, "--uniformity-mask", self.path("even.png"))["0001.png"]
+        self.assertEqual(picture.lit_box(), (760, 340, 1160, 740))
         # A quarter of a pixel is grey 64, 255 (64 / 255) ^ (1 / 2.2) = 136.
         facets = box((0, 0, 0), (20.025, 20, 1))
         self.assertEqual(self.masks(facets, 1000, "--gamma", "2.2")["0001.png"].values(), {0, 136, 255})

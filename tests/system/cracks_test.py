@@ -62,7 +62,7 @@ class Policies(FolderTest):
         daemon = self.daemon()
         daemon.drop("part.stl", TURNED, {"layer_height_um": 100, "cracks": "refuse"})
         reason = daemon.wait_refused("part")
-        self.assert_one_line(reason.encode(), "its facets disagree with each other (to print it: 1 facet turned round)")
+        self.assert_one_line(reason.encode(), "its facets disagree with each other (repair: 1 facet turned round)")
         daemon.stop()
 
 

@@ -84,11 +84,11 @@ class Diagnose(FolderTest):
     def test_a_user_who_gave_a_command_is_not_named(self):
         daemon = Daemon(self, {}, {**NIMBLE_RESIN, **ENDLESS}).start()
         daemon.stop()
-        journal = self.write("journalctl", "#!/bin/sh\necho 'pause, says user alice (1000) (process 7)'\n")
+        journal = self.write("journalctl", "#!/bin/sh\necho 'pause requested by user alice (1000) (process 7)'\n")
         os.chmod(journal, 0o755)
         self.diagnose("-o", self.output, "--config", self.path("contourd.json"), "--socket", self.path("none"),
                       env={**os.environ, "PATH": f"{self.folder}:{os.environ['PATH']}"})  # fmt: skip
-        self.assertEqual(self.files()["journal.txt"], "pause, says user *** (process 7)\n")
+        self.assertEqual(self.files()["journal.txt"], "pause requested by user *** (process 7)\n")
 
     def test_a_report_that_is_a_link_is_not_followed(self):
         daemon = Daemon(self, {}, NIMBLE_RESIN).start()

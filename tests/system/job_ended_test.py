@@ -158,7 +158,7 @@ class JobEndedTest(FolderTest):
         daemon.drop("good.stl", binary_stl(cube(1)))
         daemon.wait_done("good")
         wait_until(lambda: len(manager.started) == 4, "four commands to start")
-        self.assertEqual(daemon.log().count("nobody is told"), 1, daemon.log())
+        self.assertEqual(daemon.log().count("no notice is sent"), 1, daemon.log())
         daemon.stop()
 
     def print_two(self, command):

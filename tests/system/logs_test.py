@@ -50,7 +50,7 @@ class Logs(FolderTest):
     def test_without_a_journal_there_is_one_line_of_error(self):
         result = contourctl("logs", env={**os.environ, "PATH": self.folder})
         self.assertEqual(result.returncode, UNAVAILABLE)
-        self.assert_one_line(result.stderr, "there is no journal")
+        self.assert_one_line(result.stderr, "cannot read the journal")
 
     def test_a_wrong_number_of_lines_is_bad_usage(self):
         for wrong in ("0", "-1", "x", "", "1000001"):

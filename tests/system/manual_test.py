@@ -55,11 +55,11 @@ class ManualTest(FolderTest):
 class Commands(ManualTest):
     def test_home_move_and_motor_off_print_the_height_of_the_plate(self):
         daemon = self.daemon()
-        self.refused(self.run_ctl(daemon, "move", "--to", "3"), FAILED, "home comes first")
+        self.refused(self.run_ctl(daemon, "move", "--to", "3"), FAILED, "home first")
         self.well(self.run_ctl(daemon, "home"), "homing\n", "height    0.000 mm")
         self.well(self.run_ctl(daemon, "move", "--to", "3"), "moving\n", "height    3.000 mm")
         self.well(self.run_ctl(daemon, "move", "--by", "-1.5", "--speed", "20"), "height    1.500 mm")
-        self.refused(self.run_ctl(daemon, "move", "--to", "13"), FAILED, "to_mm is a number from 0 to 12 mm")
+        self.refused(self.run_ctl(daemon, "move", "--to", "13"), FAILED, "to_mm must be a number from 0 to 12 mm")
         self.well(self.run_ctl(daemon, "motor", "off"), "height    unknown")
         daemon.stop()
 
@@ -98,7 +98,7 @@ class Commands(ManualTest):
         self.well(self.run_ctl(daemon, "projector", "status"), "projector off")
         self.well(self.run_ctl(daemon, "projector", "on"), "powering on", "projector on")
         self.well(self.run_ctl(daemon, "projector", "status"), "projector on")
-        self.well(self.run_ctl(daemon, "projector", "off"), "projector told to power off")
+        self.well(self.run_ctl(daemon, "projector", "off"), "projector is powering off")
         self.well(self.run_ctl(daemon, "projector", "status"), "projector off")
         daemon.stop()
 
@@ -165,7 +165,7 @@ class Jog(ManualTest):
     def test_keys_home_and_move_the_plate_and_refusals_are_shown(self):
         daemon = self.daemon()
         process, press, _ = self.jog(daemon)
-        press("k", "home comes first")
+        press("k", "home first")
         press("h", "height 0.000 mm   step 1 mm   idle")
         press("\x1b[A", "height 1.000 mm   step 1 mm   idle")
         press("2", "step 0.1 mm")
@@ -205,7 +205,7 @@ class Jog(ManualTest):
     def test_a_dumb_terminal_gets_no_control_sequences(self):
         daemon = self.daemon()
         process, press, _ = self.jog(daemon, terminal="dumb")
-        said = self.beginning + press("k", "home comes first") + press("h", "height 0.000 mm   step 1 mm   idle\r\n")
+        said = self.beginning + press("k", "home first") + press("h", "height 0.000 mm   step 1 mm   idle\r\n")
         self.assertNotIn("\x1b", said)
         lines = said.replace("\r", "").splitlines()
         self.assertTrue(all(line != before for line, before in zip(lines[1:], lines)), lines)
@@ -275,7 +275,7 @@ class Level(ManualTest):
                 before = json.loads(self.config(daemon))
                 result = self.level(daemon, "", "", "", *answers, "0.1", "")
                 self.well(result, "homing", "height    0.000 mm", "mm (Enter: it touches)" if stored > 0 else "Now at 0.300 mm",
-                          f"switch_height_mm was 0 and becomes {stored:g}", "Written.")  # fmt: skip
+                          f"switch_height_mm changes from 0 to {stored:g}", "Written.")  # fmt: skip
                 before["z_axis"]["switch_height_mm"] = stored
                 self.assertEqual(json.loads(self.config(daemon)), before)
                 self.assertEqual(self.manual(daemon)["height_mm"], 12)  # out of the way
@@ -289,7 +289,7 @@ class Level(ManualTest):
             for end in ([], ["q"]):
                 result = self.level(daemon, *answers[:asked], *end)
                 self.assertEqual((result.returncode, result.stderr), (FAILED, b""), result)
-                self.assertIn(b"Nothing is changed.", result.stdout)
+                self.assertIn(b"Nothing was changed.", result.stdout)
         self.assertEqual(self.config(daemon), before)
         daemon.stop()
 
@@ -297,8 +297,8 @@ class Level(ManualTest):
         daemon = self.daemon()
         result = self.level(daemon, "", "", "", "up", "-0.5", "+0.3", "", "1e9", "0.1", "")
         self.assertEqual(result.returncode, OK, result)
-        self.assertIn(b"That is a number from -12 to 12 mm.", result.stdout)
-        self.assertIn(b"That is a number from 0 to 5 mm.", result.stdout)
+        self.assertIn(b"Expected a number from -12 to 12 mm.", result.stdout)
+        self.assertIn(b"Expected a number from 0 to 5 mm.", result.stdout)
         self.assert_one_line(result.stderr, "the plate cannot go to -0.500 mm")
         daemon.stop()
 

@@ -116,7 +116,7 @@ class Room(MemoryTest):
         self.assertRegex(why, r"for which \d+ MB of memory are needed, and there is room for \d+ MB: memory_limit_mb is")
         self.assertEqual(daemon.status()["postponed_more"], 0)
         self.assertIn(b"postponed second.stl: the model holds", daemon.ctl("status").stdout)
-        self.assertIn("second.stl: is read later, because there is not enough memory now: the model holds", daemon.log())
+        self.assertIn("second.stl: will be read later, because there is not enough memory now: the model holds", daemon.log())
         # Small models are read meanwhile.
         daemon.drop("bad.stl", b"no model")
         daemon.wait_refused("bad")

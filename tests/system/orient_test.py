@@ -25,7 +25,7 @@ class Orient(FolderTest):
         result = self.orient()
         self.assertEqual((result.returncode, result.stderr), (OK, b""))
         text = result.stdout.decode()
-        self.assertTrue(text.startswith("0, 0, -1 points up (auto): nothing hangs over, 7.00 mm high"), text)
+        self.assertTrue(text.startswith("0, 0, -1 points up (auto): no overhangs, 7.00 mm high"), text)
         self.assertIn('ticket  {"up":{"x":0.0,"y":0.0,"z":-1.0}}', text.replace("-0.0", "0.0"))
         self.assertIn("as drawn", text)
 
@@ -122,7 +122,7 @@ class Jobs(FolderTest):
         orientation = report["model"]["orientation"]
         self.assertEqual((orientation["preset"], orientation["as_drawn"]), ("clean", False))
         self.assertEqual(orientation["alternatives"][0]["contacts"], 0)
-        self.assertIn("0, 0, -1 points up (clean): nothing hangs over", daemon.read("done", "table.report.html"))
+        self.assertIn("0, 0, -1 points up (clean): no overhangs", daemon.read("done", "table.report.html"))
         self.assertIn("table: 0, 0, -1 points up (clean)", daemon.log())
         daemon.stop()
 

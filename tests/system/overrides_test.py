@@ -60,7 +60,7 @@ class Printed(OverridesTest):
         for key, value in ASKED.items():
             self.assertEqual(report["settings"][key], value)
         self.assertEqual(report["overrides"], overrides(ASKED, source_json("resins", "standard.json")))
-        self.assertIn(f"part: standard: light of 4000.5 ms, 9000 ms in 2 bottom layers", daemon.log())
+        self.assertIn(f"part: standard: exposure 4000.5 ms, 9000 ms in 2 bottom layers", daemon.log())
         self.assertIn(f"by its ticket: {REPORTED}", daemon.log())
         self.assertIn(f"by its ticket: {REPORTED}", daemon.read("done", "part.report.html"))
         ended = daemon.rpc("history")["result"]["ended"][-1]
@@ -167,7 +167,7 @@ class Checked(OverridesTest):
         self.check({})
         self.check({"exposure_ms": [2000, 120001]}, "/ticket_limits/exposure_ms/1: 120001 is more than the limit, 120000 ms")
         self.check({"exposure_ms": [8000, 2000]}, "/ticket_limits/exposure_ms: the least, 8000, is more than the most, 2000")
-        self.check({"exposure_ms": [3001, 8000]}, "/ticket_limits/exposure_ms: ", "leave out the profile's own exposure_ms, 3000")
+        self.check({"exposure_ms": [3001, 8000]}, "/ticket_limits/exposure_ms: ", "exclude the profile's own exposure_ms, 3000")
         self.check({"lift_mm": [1, 200]}, "/ticket_limits/lift_mm/1: 200 is more")
         self.check({"lift_mm": [5]}, "/ticket_limits/lift_mm: ")
         self.check({"lift_speed_mm_s": [1, 2]}, "there is no key")

@@ -51,7 +51,7 @@ class UpgradeTest(FolderTest):
     """The package's postinst with a contourd that runs or not. Scripts in the place of systemctl and other programs record their
     calls; tests/vm tests the package with the real programs."""
 
-    def upgraded(self, configuration_is_good, runs, from_version="0.1.0"):
+    def upgraded(self, configuration_is_good, runs, from_version="0.2.0"):
         """Returns the output of postinst, and those of its calls that change something."""
         calls = self.path("calls")
         with open(calls, "w", encoding="utf-8"):
@@ -72,7 +72,7 @@ class UpgradeTest(FolderTest):
 
     def test_with_a_wrong_configuration_the_old_contourd_keeps_running_and_none_is_started(self):
         for runs in (True, False):
-            for from_version in ("0.1.0", ""):
+            for from_version in ("0.2.0", ""):
                 with self.subTest(runs=runs, from_version=from_version):
                     output, calls = self.upgraded(False, runs, from_version)
                     self.assertEqual(calls, [])

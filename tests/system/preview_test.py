@@ -197,7 +197,7 @@ class Pictures(PreviewTest):
         # A file with the same ticket has the same mask.
         file, given = self.write("a.stl", SMALL), self.write("t", ticket)
         self.assertEqual(self.png(file, "--layer", "80", "--ticket", given, *as_printed[2:]), mask)
-        self.refused(contourctl("preview", "a", "--ticket", given, *as_printed), BAD_USAGE, "--ticket goes with a file")
+        self.refused(contourctl("preview", "a", "--ticket", given, *as_printed), BAD_USAGE, "--ticket needs a model")
         self.refused(contourctl("preview", file, "--ticket", self.write("bad", b"{"), *as_printed[2:]), BAD_DATA, "ticket")
 
     def test_a_plate_is_shown_with_all_its_models(self):
@@ -233,7 +233,7 @@ class Pictures(PreviewTest):
         for name, why in (("high", "500.00 mm high"), ("odd", "copis")):
             result = contourctl("preview", name, "--spool", spool, "--printer", self.printer())
             self.assertEqual(result.returncode, OK, result)
-            self.assert_one_line(result.stderr, "contourctl: warning: shown as its file has it: ", why)
+            self.assert_one_line(result.stderr, "contourctl: warning: drawn as in its file: ", why)
             self.assertIn("facets", result.stdout.decode().splitlines()[0])
             self.refused(contourctl("preview", name, "--layer", "1", "--spool", spool, "--printer", self.printer()), BAD_DATA, why)
 
@@ -277,7 +277,7 @@ class Pictures(PreviewTest):
 
     def test_it_says_so_if_there_is_nothing_to_see(self):
         self.write("point.stl", binary_stl(box((1, 1, 1), (1, 1, 1))))
-        self.assertEqual(self.drawn("point.stl"), ["point.stl: 0 x 0 x 0 mm, 12 facets", "nothing of it can be seen"])
+        self.assertEqual(self.drawn("point.stl"), ["point.stl: 0 x 0 x 0 mm, 12 facets", "nothing is visible"])
         self.png("point.stl")
         # A layer between two parts, one above the other.
         self.write("gap.stl", binary_stl(box((0, 0, 0), (4, 4, 0.5)) + box((0, 0, 1), (4, 4, 2))))
@@ -353,7 +353,7 @@ class Output(PreviewTest):
         spool = self.spool(incoming={"j": (SMALL, None)})
         for arguments in (["a.stl", "-o", "a.stl"], ["a.stl", "-o", "./same.png"], ["a.stl", "--ticket", ticket, "-o", "t.json"],
                           ["j", "--spool", spool, "-o", "spool/incoming/j.stl"]):  # fmt: skip
-            self.refused(contourctl("preview", *arguments), BAD_USAGE, "that is the file that is to be shown")
+            self.refused(contourctl("preview", *arguments), BAD_USAGE, "this file is to be drawn")
         with open(model, "rb") as file:
             self.assertEqual(file.read(), SMALL)
 

@@ -95,10 +95,10 @@ class Masks(PrintTest):
         settings = report["settings"]
         self.assertEqual((settings["growth_um"], settings["elephant_foot_um"], settings["elephant_foot_height_um"]),
                          (40, 120, 600))  # fmt: skip
-        self.assertEqual((settings["lamp_mask"], settings["gamma"], settings["threshold"]), (True, 1.8, 20))
+        self.assertEqual((settings["uniformity_mask"], settings["gamma"], settings["threshold"]), (True, 1.8, 20))
         with open(self.path("spool", "done", "part.report.html"), encoding="utf-8") as file:
-            self.assertIn("contours moved outwards by 40 um, elephant foot of 120 um over 600 um of height taken off, "
-                          "lamp evened out, gamma 1.8, grey below 20 left dark", file.read())  # fmt: skip
+            self.assertIn("contours moved outwards by 40 um, elephant foot of 120 um compensated over 600 um of height, "
+                          "uniformity mask applied, gamma 1.8, grey below 20 left dark", file.read())  # fmt: skip
 
     def test_the_report_s_area_is_the_masks_area(self):
         report = self.printed(binary_stl(wedge(20, 10.013, 2)))
@@ -363,7 +363,7 @@ class HeldQueue(PrintTest):
         self.assertEqual((status["queued"], status["plate"]), (2, "clear"))
         sentence = status["held"]
         self.assertEqual(status["waiting_for"], sentence)
-        self.assertRegex(sentence, 'the queue is held: one failed: homing failed: .*; see to the printer, then say "contourctl resume"')
+        self.assertRegex(sentence, 'the queue is held: one failed: homing failed: .*; check the printer, then run "contourctl resume"')
         self.assertIn(sentence, daemon.log())
         self.assertIn(sentence.encode(), daemon.ctl("status").stdout)
         self.assertEqual(sorted(daemon.names_in("incoming")), ["three.stl", "two.stl"])
@@ -399,8 +399,8 @@ class HeldQueue(PrintTest):
         daemon.drop("one.stl", SMALL)
         daemon.drop("two.stl", SMALL)
         daemon.wait_refused("one")
-        sentence = self.waiting(daemon, "one failed: waited 30 s in vain for the projector")["waiting_for"]
-        self.assertIn('see to the printer and clear the plate, then say "contourctl plate-cleared"', sentence)
+        sentence = self.waiting(daemon, "one failed: timed out after 30 s waiting for the projector")["waiting_for"]
+        self.assertIn('check the printer and clear the plate, then run "contourctl plate-cleared"', sentence)
         daemon.rpc("plate_cleared")
         daemon.wait_refused("two")
         daemon.stop()
@@ -574,7 +574,7 @@ class Fault(PrintTest):
     def test_a_projector_that_falls_silent_ends_the_print(self):
         # The projector gets power on, and then one command for each layer.
         reason = self.fails({"projector_silent_after_commands": 8}, 7)
-        self.assertRegex(reason, "in vain for the projector to confirm that its light is off")
+        self.assertRegex(reason, "timed out after 30 s waiting for the projector to confirm that its light is off")
         last = self.daemon_under_test.report("one", "failed")["layer_records"][-1]
         self.assertEqual((last["layer"], last["complete"], last["dark_confirmed"]), (8, False, False))
         self.assertEqual(last["exposure_least_ms"], 0)

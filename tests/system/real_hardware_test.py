@@ -53,7 +53,7 @@ class Check(RealHardwareTest):
         for line in lines:
             self.assertIn("-missing", line)
         self.assertRegex(lines[-1], "existing serial ports: |no serial port exists")
-        self.assertEqual(last, f"{6 + computer[0].startswith('BAD')} of these keep it from printing")
+        self.assertEqual(last, f"{6 + computer[0].startswith('BAD')} problems prevent printing")
 
     def test_a_simulated_printer_has_no_hardware_to_check(self):
         daemon = self.daemon(hardware="simulated")

@@ -38,7 +38,7 @@ class Refusals(FolderTest):
         for words in (*QUERIES, *CONTROLS, *SERVICE):
             with self.subTest(words):
                 self.refused(contourctl(*words, "--socket", self.path("none")), UNAVAILABLE,
-                             f"cannot reach contourd on {self.path('none')}: No such file", "systemctl status contourd says")  # fmt: skip
+                             f"cannot reach contourd on {self.path('none')}: No such file", "systemctl status contourd shows")  # fmt: skip
 
     def as_other_user(self, *words):
         return subprocess.run([CONTOURCTL, *words], capture_output=True, check=False, timeout=60, user=OTHER_USER, group=OTHER_USER, extra_groups=[])
@@ -63,7 +63,7 @@ class Refusals(FolderTest):
         for words in (*QUERIES, *CONTROLS, *SERVICE):
             with self.subTest(words):
                 self.refused(self.as_other_user(*words, "--socket", daemon.socket_path), UNAVAILABLE, "Permission denied",
-                             "sudo adduser NAME contourd, then log in anew")  # fmt: skip
+                             "sudo adduser NAME contourd, then log in again")  # fmt: skip
         daemon.stop()
 
     def test_without_permission_to_move_the_error_names_the_service_group(self):
@@ -82,7 +82,7 @@ class Refusals(FolderTest):
         before = daemon.status()
         for words, part in ((["pause"], "no print"), (["cancel"], "no print"), (["queue", "show", "part"], "part"),
                             (["queue", "remove", "part"], "part"), (["queue", "move", "part", "--last"], "part"), (["accept", "part"], "part"),
-                            (["mask"], "black"), (["move", "--to", "5"], "home comes first"), (["move", "--to", "5000"], "home comes first"),
+                            (["mask"], "black"), (["move", "--to", "5"], "home first"), (["move", "--to", "5000"], "home first"),
                             (["move", "--by", "3", "--unhomed"], "from -2 to 2 mm"), (["light", "on", "--seconds", "3600", "--confirm"], "from 0.001 to"),
                             (["light", "on", "--seconds", "1", "--confirm"], "--in-resin"), (["show", "gird"], "white, black, grid")):  # fmt: skip
             with self.subTest(words):

@@ -77,7 +77,7 @@ class NonInteractive(SetupTest):
         with open(self.path("printer.setup.txt"), encoding="utf-8") as file:
             notes = file.read()
         self.assertIn("  travel_mm = 150: as answered\n", notes)
-        self.assertIn("  switch_contact = normally_closed: a broken wire is noticed then\n", notes)
+        self.assertIn("  switch_contact = normally_closed: a broken wire is then detected\n", notes)
 
     def test_all_usual_screws_steps_and_tables_make_a_valid_configuration(self):
         tables = [os.path.basename(path)[:-5] for path in glob.glob(self.path("projectors", "*.json"))]
@@ -86,7 +86,7 @@ class NonInteractive(SetupTest):
         for lead, steps, table in cases:
             for chip in ("gpiochip0", "pinctrl-rp1"):
                 with self.subTest(lead=lead, steps=steps, table=table, chip=chip):
-                    self.non_interactive("--replace", "--anew", **{**REAL, "screw_lead_mm": lead, "microsteps": steps, "projector_table": table,
+                    self.non_interactive("--replace", "--restart", **{**REAL, "screw_lead_mm": lead, "microsteps": steps, "projector_table": table,
                                                                    "gpio_chip": chip, "light_line": 24})  # fmt: skip
                     self.assert_good()
 
@@ -101,7 +101,7 @@ class NonInteractive(SetupTest):
 
     def test_a_wrong_answer_is_an_error_and_nothing_is_written(self):
         for key, value, word in (("travel_mm", "high", "from 1 to 500 mm"), ("travel_mm", "", "from 1 to 500"), ("travel_mm", "nan", "from 1"),
-                                 ("step_line", "27", "Line 27 is step_line already"), ("projector_table", "magic", "acer, anhua-df10"),
+                                 ("step_line", "27", "Line 27 is already used for step_line"), ("projector_table", "magic", "acer, anhua-df10"),
                                  ("name", "a\x1b[2J", "printable"), ("hardware", "both", "real, simulated"), ("colour", "red", "one of the keys hardware, name"),
                                  ("serial_port", "ttyUSB0", "below /dev"), ("switch_line", "-1", "from 0 to 65535")):  # fmt: skip
             with self.subTest(key=key, value=value):
@@ -118,7 +118,7 @@ class NonInteractive(SetupTest):
         self.assertEqual((profile["z_axis"]["travel_mm"], profile["wait_for_plate_cleared"]), (77, False))
         # Checks of another printer do not count for this one.
         self.assertNotIn("switch", self.written(self.record).get("checks", {}))
-        for text, word in (("[]", "no object"), ("{", "answers.json"), ('{"colour": 1}', "/colour: no question"), ('{"name": []}', "/name"),
+        for text, word in (("[]", "not an object"), ("{", "answers.json"), ('{"colour": 1}', "/colour: no question"), ('{"name": []}', "/name"),
                            ('{"checks": 1}', "/checks"), ('{"name": "a", "name": "b"}', "name")):  # fmt: skip
             with self.subTest(text):
                 self.write("answers.json", text.encode())
@@ -160,7 +160,7 @@ class NonInteractive(SetupTest):
         os.unlink(self.config)
         self.write("printer.setup.json", b'{"name": ')
         self.assertIn("printer.setup.json", self.non_interactive(code=BAD_CONFIG, hardware="simulated").stderr.decode())
-        self.non_interactive("--anew", hardware="simulated")
+        self.non_interactive("--restart", hardware="simulated")
         self.assert_good()
 
     def test_a_folder_that_cannot_be_written_is_reported_at_once(self):
@@ -222,17 +222,17 @@ class TerminalTest(SetupTest):
 class OnTerminal(TerminalTest):
     def test_the_dialog_leads_to_a_valid_configuration_and_repeats_questions_after_wrong_answers(self):
         self.begin(gpio_chip="gpiochip0", connector="HDMI-A-1", display_mode="1920x1080@60")
-        self.answer(("hardware:", "maybe"), ("That is one of: real, simulated.\nhardware:", "real"), ("name:", "Mine"),
-                    ("screw_lead_mm:", "-1"), ("That is a number from 0.1 to 100 mm", "4"), ("steps_per_turn:", "1.5"), ("whole number", ""),
+        self.answer(("hardware:", "maybe"), ("Expected one of: real, simulated.\nhardware:", "real"), ("name:", "Mine"),
+                    ("screw_lead_mm:", "-1"), ("Expected a number from 0.1 to 100 mm", "4"), ("steps_per_turn:", "1.5"), ("whole number", ""),
                     ("microsteps:", "16"), ("travel_mm:", ""), ("top_speed_mm_s:", ""), ("step_line:", ""), ("direction_line:", "17"),
-                    ("Line 17 is step_line already.", "27"), ("direction_active_low:", "y"), ("enable_line:", "none"), ("switch_line:", ""),
+                    ("Line 17 is already used for step_line.", "27"), ("direction_active_low:", "y"), ("enable_line:", "none"), ("switch_line:", ""),
                     ("switch_contact:", ""), ("switch_wired_to:", ""), ("switch_end:", ""), ("projector_table:", "acer"), ("serial_port:", ""),
                     ("light_line:", "none"), ("This line is needed", "24"), ("light_active_low:", ""), ("build_width_mm:", "57.6"),
                     ("mirror:", ""), ("irradiance_mw_cm2:", ""), ("wait_for_plate_cleared:", ""))  # fmt: skip
-        self.expect("microsteps = 16: all three jumpers", "is written:")
+        self.expect("microsteps = 16: all three jumpers", "Enter: write")
         self.assertFalse(os.path.exists(self.config))
         self.type("top_speed")
-        self.expect("none of the keys", "is written:")
+        self.expect("none of the keys", "Enter: write")
         self.type("travel_mm")
         self.answer(("Enter: 160, as answered before", "120"), ("travel_mm = 120: as answered", ""), ("skip: no checks:", "skip"))
         self.expect("Not checked:", "the limit switch: contourctl switches", "the light's end")
@@ -254,7 +254,7 @@ class OnTerminal(TerminalTest):
 
         def leave():
             self.type("quit")
-            self.assertIn(f"Left. contourctl setup --config {self.config} goes on from here", " ".join(self.ended(FAILED).split()))
+            self.assertIn(f"Quit. contourctl setup --config {self.config} continues from here", " ".join(self.ended(FAILED).split()))
 
         self.begin(hardware="real")
         self.answer(("name:", "Mine"))
@@ -264,21 +264,21 @@ class OnTerminal(TerminalTest):
                 wait_until(lambda key=prompt[:-1]: key in self.written(self.record), "the answer to be stored")
                 end()
                 self.begin()
-                self.expect("Goes on with", "--anew", "Each answer is kept")
+                self.expect("Continuing with", "--restart", "Each answer is saved")
         self.answer(("travel_mm:", "back"), ("Enter: 8, as answered before", ""), ("travel_mm:", ""))
         self.expect("top_speed_mm_s:")
         leave()
         self.assertEqual(self.written(self.record) | {"microsteps": "8", "steps_per_turn": "400", "screw_lead_mm": "2", "name": "Mine"}, self.written(self.record))
-        self.begin("--anew")
+        self.begin("--restart")
         self.expect("hardware:")
-        self.assertNotIn("Goes on", self.shown)
+        self.assertNotIn("Continuing", self.shown)
         self.assertEqual(self.files(), ["printer.setup.json"])
 
     def test_a_copy_of_an_existing_configuration_is_kept(self):
         self.non_interactive(**REAL)
         before = self.written()
         self.begin(travel_mm=90)
-        self.answer(("is replaced, and", ""))
+        self.answer(("Enter: replace", ""))
         self.expect("printer.json.before-setup", "skip: no checks:")
         self.type("quit")
         self.ended(FAILED)
@@ -288,7 +288,7 @@ class OnTerminal(TerminalTest):
     def test_no_line_is_wider_than_the_terminal(self):
         for columns in (40, 80, 200):
             with self.subTest(columns):
-                self.begin("--anew", columns=columns, **REAL)
+                self.begin("--restart", columns=columns, **REAL)
                 self.answer(("name:", ""))
                 self.answer(*((f"{key}:", "") for key in ("steps_per_turn", "microsteps", "top_speed_mm_s", "step_line")))
                 self.expect("direction_line:")
@@ -322,7 +322,7 @@ class Checks(TerminalTest):
         self.record = os.path.join(folder, "printer.setup.json")
         self.non_interactive(**{**REAL, "name": "Mine", "travel_mm": 12})
         self.begin("--socket", daemon.socket_path)
-        self.answer(("is so already, go on:", ""))
+        self.answer(("is up to date, continue:", ""))
 
     def restarted(self, daemon):
         """Restarts the daemon, as setup asks the user to do."""
@@ -341,7 +341,7 @@ class Checks(TerminalTest):
         daemon = self.daemon()
         self.configured(daemon)
         self.answer(("skip: no checks:", ""))
-        self.expect("contourd runs on as it was")
+        self.expect("contourd has not restarted yet")
         self.restarted(daemon)
         self.expect("Check: the limit switch.")
         self.assertEqual(self.outcomes()["configuration"], "taken")
@@ -372,7 +372,7 @@ class Checks(TerminalTest):
         self.type("")
         self.answer(("cannot reach contourd", ""), ("skip:", ""), ("cannot reach contourd", "skip"))
         for check, answer in (("the motor's direction", "skip"), ("homing", "skip"), ("the length of a millimetre", "skip"),
-                              ("the projector's answers", "skip"), ("the picture's sides", ""), ("the picture's shape", ""), ("the pixels' size", ""), ("the light's end", "")):  # fmt: skip
+                              ("the projector's answers", "skip"), ("the picture's orientation", ""), ("the picture's shape", ""), ("the pixels' size", ""), ("the light's end", "")):  # fmt: skip
             self.expect(f"Check: {check}.")
             self.answer(("(no or yes)?" if answer == "" else "skip:", answer))
         self.expect("Not checked:", "the limit switch: contourctl switches", "the light's end: contourctl light on --seconds 2")
@@ -387,25 +387,25 @@ class Checks(TerminalTest):
         self.expect("Enter: skip.")
         self.assertEqual(contourctl("home", "--socket", daemon.socket_path).returncode, OK)
         self.assertEqual(contourctl("move", "--to", "6", "--socket", daemon.socket_path).returncode, OK)
-        self.expect("Its line changes: it is wired.\n")
-        self.answer(("Check: the motor's direction.", ""), ("It went:", "up"))
+        self.expect("Its line changes: the switch is wired.\n")
+        self.answer(("Check: the motor's direction.", ""), ("It moved:", "up"))
         self.assertIsNone(self.manual(daemon)["height_mm"])
-        self.answer(("Check: homing.", ""), ("The switch was found 0.0 um higher than by the homing before.", ""), ("both times", "yes"))
-        self.answer(("the plate goes to 3 mm", ""), ("3 mm further up", ""), ("is it higher now", "1.5"))
-        self.expect("would be a millimetre, not 800")
+        self.answer(("Check: homing.", ""), ("The switch was found 0.0 um higher than at the previous homing.", ""), ("both times", "yes"))
+        self.answer(("move the plate to 3 mm", ""), ("3 mm further up", ""), ("did the plate rise", "1.5"))
+        self.expect("microsteps, not 800")
         self.answer(("(no or yes)?", "yes"))
         self.restarted(daemon)
         self.assertEqual(self.written()["z_axis"]["microsteps_per_mm"], 1600)
         self.answer(("Check: the projector's answers.", ""))
-        self.answer(("Check: the picture's sides.", "yes"), ("The square was:", "x"))
+        self.answer(("Check: the picture's orientation.", "yes"), ("The square was:", "x"))
         self.restarted(daemon)
         self.answer(("UV light", "yes"), ("The square was:", "right"))
         self.answer(("Check: the picture's shape.", "yes"), ("The grid is right", "bent"), ("keystone", "yes"), ("The grid is right", "blurred"),
                     ("the focus", "yes"), ("The grid is right", "yes"))  # fmt: skip
-        self.answer(("Check: the pixels' size.", "yes"), ("Up to which tick", "50"), ("How long is that", "49"))
+        self.answer(("Check: the pixels' size.", "yes"), ("Up to which tick", "50"), ("How long is this distance", "49"))
         self.restarted(daemon)
         self.answer(("Check: the light's end.", "yes"), ("go off by itself", "yes"))
-        self.expect("All checks are passed.")
+        self.expect("All checks passed.")
         self.ended(OK)
         self.assertEqual(self.outcomes(), {"configuration": "taken", **dict.fromkeys(
             ("switch", "direction", "homing", "steps", "projector", "picture", "grid", "pixels", "light"), "passed")})  # fmt: skip
@@ -414,8 +414,8 @@ class Checks(TerminalTest):
         self.assert_good()
         # Passed checks are not repeated.
         self.begin("--socket", daemon.socket_path)
-        self.answer(("is so already, go on:", ""))
-        self.expect("All checks are passed.")
+        self.answer(("is up to date, continue:", ""))
+        self.expect("All checks passed.")
         self.ended(OK)
         daemon.stop()
 
@@ -423,11 +423,11 @@ class Checks(TerminalTest):
         daemon = self.daemon(start_height_mm=6)
         self.configured(daemon)
         self.restarted(daemon)
-        self.answer(("Check: the limit switch.", "skip"), ("Check: the motor's direction.", ""), ("It went:", "down"))
-        self.expect("So DIR is turned round.")
+        self.answer(("Check: the limit switch.", "skip"), ("Check: the motor's direction.", ""), ("It moved:", "down"))
+        self.expect("DIR is inverted.")
         self.restarted(daemon)
         self.assertTrue(self.written()["z_axis"]["direction"]["active_low"])
-        self.answer(("Enter: it moves;", ""), ("It went:", "no"), ("Look at the driver's supply", ""), ("It went:", "up"))
+        self.answer(("Enter: move;", ""), ("It moved:", "no"), ("Check the driver's supply", ""), ("It moved:", "up"))
         self.expect("Check: homing.")
         self.assertEqual(self.outcomes()["direction"], "passed")
         self.type("quit")
@@ -441,7 +441,7 @@ class Checks(TerminalTest):
         self.answer(("Check: the limit switch.", ""))
         self.expect("Enter: skip.")
         self.assertEqual(contourctl("home", "--socket", daemon.socket_path).returncode, OK)
-        self.expect("switch_contact becomes that")
+        self.expect("switch_contact is changed")
         self.restarted(daemon)
         self.expect("Check: the motor's direction.")
         self.assertEqual(self.written()["z_axis"]["limit_switch"]["contact"], "normally_open")

@@ -590,7 +590,7 @@ class Members(SpoolTest):
         self.printer.wait_done("plate")
         self.assertTrue(self.printer.has("done", "plate", "part.stl"))
         self.assertTrue(self.printer.has("incoming", "plate", "part.stl"))
-        self.assertIn("plate: a copy of it is printed", self.printer.log())
+        self.assertIn("plate: printing a copy", self.printer.log())
         self.assertIn(b"deletable plate", self.printer.ctl("status").stdout)
         # With other permissions and another name, it is still the same plate.
         self.member("chmod -R a+r $incoming/plate; mv $incoming/plate $incoming/renamed")
@@ -729,11 +729,11 @@ class Members(SpoolTest):
         call = [self.contourctl, "cancel", "--socket", self.printer.socket_path]
         result = subprocess.run(call, user=self.MEMBER, group=self.MEMBER, extra_groups=[self.GROUP], capture_output=True, check=False)
         self.assertIn(b"no print to cancel", result.stderr)
-        self.assertIn(f"cancel, says user {self.MEMBER} (process ", self.printer.log())
+        self.assertIn(f"cancel requested by user {self.MEMBER} (process ", self.printer.log())
         self.printer.rpc("pause")
-        self.assertIn("pause, says user root (0) (process ", self.printer.log())
+        self.assertIn("pause requested by user root (0) (process ", self.printer.log())
         self.printer.status()
-        self.assertNotIn("status, says", self.printer.log())
+        self.assertNotIn("status requested", self.printer.log())
         self.printer.stop()
 
     def test_a_member_can_neither_replace_nor_remove_the_spools_folders(self):
@@ -851,8 +851,8 @@ class Profiles(SpoolTest):
         os.rename(self.path("plate"), daemon.file("incoming", "plate"))
         for job in ("none", "empty", "named", "plate"):
             self.assertEqual(self.exposure(daemon.wait_done(job)), (3500, 3500), job)
-            self.assertIn(f"{job}: standard: light of 3500 ms", daemon.log())
-            self.assertIn("light of 3500 ms", daemon.read("done", job + ".report.html"))
+            self.assertIn(f"{job}: standard: exposure 3500 ms", daemon.log())
+            self.assertIn("exposure 3500 ms", daemon.read("done", job + ".report.html"))
         model, ticket = self.write("same.stl", tall), self.write("ticket.json", '{"resin": "standard"}')
         edited = self.analyzed_s(daemon, model)
         self.assertEqual(self.analyzed_s(daemon, model, ticket), edited)
@@ -881,7 +881,7 @@ class Profiles(SpoolTest):
                     os.unlink(self.path("resins", "standard.json"))
                 daemon.drop("one.stl", SMALL)
                 daemon.drop("two.stl", SMALL, {"resin": "standard"})
-                self.waits_for(daemon, "standard", *words, "mended")
+                self.waits_for(daemon, "standard", *words, "fixed")
                 wait_until(lambda: daemon.status()["queued"] == 2, "both jobs in the queue")
                 self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), ([], []))
                 daemon.write_resin("standard", {})
@@ -1210,7 +1210,7 @@ class SlowDisk(SpoolTest):
         daemon.wait_refused("bad")
         self.assertTrue(daemon.has("failed", "bad.stl"))
         self.assertEqual(daemon.wait_done("part")["layers_exposed"], 20)
-        self.assertNotIn("taken away", daemon.log())
+        self.assertNotIn("removed from incoming", daemon.log())
         daemon.stop()
 
     def test_a_file_that_is_removed_while_it_is_refused_leaves_the_queue(self):
@@ -1229,7 +1229,7 @@ class SlowDisk(SpoolTest):
         self.assertEqual(daemon.status()["queued"], 1)
         os.unlink(os.path.join(slow, "writes"))
         wait_until(lambda: daemon.status()["queued"] == 0, "the queue to be empty", 10)
-        self.assertIn("bad.stl: taken away by the owner", daemon.log())
+        self.assertIn("bad.stl: removed from incoming by a user", daemon.log())
         self.assertFalse(daemon.has("failed", "bad.reason.txt"))
         daemon.stop()
 
@@ -1373,7 +1373,7 @@ class DiskThatTakesNothing(SpoolTest):
         daemon.rpc("cancel")
         daemon.wait_ended("first")
         self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), ([], ["first.stl"]))
-        self.assertIn("no reason", daemon.log())
+        self.assertIn("cannot write its reason file", daemon.log())
         self.assertIn("no report", daemon.log())
         daemon.stop()
 
@@ -1398,7 +1398,7 @@ class DiskThatTakesNothing(SpoolTest):
         log = daemon.log()
         self.assertNotIn("moved to failed", log)
         self.assertEqual(state == "read-only", "ReadWritePaths" in log)
-        self.assertEqual(log.count("the state for the next start is not on the disk"), 2, log)
+        self.assertEqual(log.count("cannot save the state for the next start"), 2, log)
         self.assertEqual(log.count("first: stays in printing"), 2, log)
         self.is_repaired(state)
         daemon.drop("more.stl", SMALL)

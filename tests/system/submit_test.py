@@ -242,7 +242,7 @@ class Outlook(SubmitTest):
         for keys, code, queued in ((b"n\n", FAILED, []), (b"\x04", FAILED, []), (b"\x03", -signal.SIGINT, []), (b"\n", OK, ["island.stl"]), (b"y\n", OK, ["island-2.stl", "island.stl"])):
             with self.subTest(keys):
                 seen, ended = self.in_terminal(keys, self.island)
-                self.assertIn("Queue it all the same? [Y/n] ", seen)
+                self.assertIn("Queue it anyway? [Y/n] ", seen)
                 self.assertEqual((ended, self.incoming()), (code, queued), seen)
 
     def test_without_a_warning_or_with_yes_there_is_no_question(self):
@@ -255,10 +255,10 @@ class Outlook(SubmitTest):
     def test_an_unknown_time_is_reported_and_the_model_is_queued(self):
         flat = self.write("flat.stl", binary_stl(box((0, 0, 0), (5, 5, 0))))
         lines = self.lines(self.submit(flat))
-        self.assertTrue(lines[0].endswith("flat.stl: time and resin not known"), lines)
+        self.assertTrue(lines[0].endswith("flat.stl: time and resin unknown"), lines)
         self.assertRegex(lines[1], "^  warning: contourd would not print it: .*flat")
         lines = self.lines(contourctl("submit", flat, "--spool", self.spool()))
-        self.assertRegex(lines[0], r"flat\.stl: time and resin not known: the printer is not known: .*; --printer FILE says it$")
+        self.assertRegex(lines[0], r"flat\.stl: time and resin unknown: the printer is unknown: .*; specify it by --printer FILE$")
         self.assertEqual(self.incoming(), ["flat-2.stl", "flat.stl"])
 
     def test_a_large_file_is_queued_without_being_read_first(self):
@@ -267,7 +267,7 @@ class Outlook(SubmitTest):
             file.write(b"\0" * 80 + (2_100_000).to_bytes(4, "little"))
             file.truncate(84 + 50 * 2_100_000)
         lines = self.lines(self.submit(large))
-        self.assertIn("105 MB are too much to be looked at here", lines[0])
+        self.assertIn("105 MB is too large for a forecast", lines[0])
 
     def test_a_wrong_configuration_is_an_error_and_nothing_is_queued(self):
         for file, code in ((self.path("none.json"), BAD_CONFIG), (self.write("bad.json", b"{}"), BAD_CONFIG)):

@@ -149,7 +149,7 @@ class Suction(FolderTest):
 
     def test_a_hole_beside_the_model_is_refused_with_its_place(self):
         beside = {**SIDE_HOLE, "position_mm": {"x": -20, "y": 5, "z": 0.3}}
-        self.refused(CLOSED, [SIDE_HOLE, beside], "drain hole 2 of the model is beside the model: from -20, 5, 0.3 mm on, 0.4 mm wide")
+        self.refused(CLOSED, [SIDE_HOLE, beside], "drain hole 2 of the model misses it: the hole starts at -20, 5, 0.3 mm, is 0.4 mm wide")
         self.refused(CLOSED, [{**SIDE_HOLE, "direction": {}}], "/drain/0/direction: a direction must not be zero")
 
 

@@ -93,7 +93,7 @@ class Supports(FolderTest):
         daemon = self.daemon()
         report = self.printed(daemon, "box", BOX, {"copies": 2})
         self.assertEqual((report["supports"]["contacts"], report["supports"]["unheld"]), (0, 0))
-        self.assertIn("box: supports: nothing has to be held", daemon.log())
+        self.assertIn("box: supports: none needed", daemon.log())
         self.assertIsNone(self.printed(daemon, "bare", BOX, {"copies": 2, "supports": "off"})["supports"])
         self.assertEqual(self.masks(self.path("masks", "box")), self.masks(self.path("masks", "bare")))
         daemon.stop()
@@ -126,7 +126,7 @@ class Supports(FolderTest):
         self.assertEqual(job["asks"], ["unheld_places"])
         self.assertGreaterEqual(job["supports"]["unheld"], 1)
         self.assertRegex(" ".join(job["warnings"]), r"places? cannot be held: at -?\d+\.\d\d, -?\d+\.\d\d mm from the plate's centre, \d+\.\d\d mm above the plate \(")
-        self.assertIn('caged.stl waits: unheld places; "contourctl accept caged" has it printed as it is', daemon.log())
+        self.assertIn('caged.stl waits: unheld places; run "contourctl accept caged" to print it as it is', daemon.log())
         shown = daemon.ctl("queue", "show", "caged").stdout.decode()
         self.assertRegex(shown, r"(?m)^supports  .*[1-9]\d* places? not held")
         self.assertRegex(shown, r"(?m)^warning   .*places? cannot be held: at ")
@@ -167,7 +167,7 @@ class Supports(FolderTest):
         model = self.write("ball.stl", BALL)
         result = contourctl("support", model, "--scale", "1000")
         self.assertEqual(result.returncode, BAD_DATA)
-        self.assert_one_line(result.stderr, "the model is 8005 mm high: supports are looked for up to 3000 mm")
+        self.assert_one_line(result.stderr, "the model is 8005 mm high: supports are possible up to 3000 mm")
         result = contourctl("support", model)
         self.assertEqual(result.returncode, OK, result.stderr)
         self.assertRegex(result.stdout.decode(), r"(?m)^supports   \d+ contacts?.*\nlift       5 mm$")
@@ -222,15 +222,15 @@ class Supports(FolderTest):
         name = os.fsdecode(model)
         for words, code, part in (
             (["slice", model, "--z", "1", "--supports", "on"], BAD_USAGE, "--supports"),
-            (["slice", model, "--layer-height-um", "50", "--supports", "auto", "--fit"], BAD_USAGE, "--supports auto does not go with --fit"),
+            (["slice", model, "--layer-height-um", "50", "--supports", "auto", "--fit"], BAD_USAGE, "--supports auto excludes --fit"),
             (["slice", model, "--z", "1", "--scale", "0"], BAD_USAGE, "--scale 0: expected 0.001 to 1000"),
-            (["support", model, "--with-model"], BAD_USAGE, "--with-model goes with --stl"),
+            (["support", model, "--with-model"], BAD_USAGE, "--with-model needs --stl"),
             (["support", self.write("none.stl", b"no model")], BAD_DATA, "none.stl"),
-            (["support", model, "--stl", model], BAD_USAGE, f"--stl {name}: that is the model"),
-            (["analyze", model, "--html", model], BAD_USAGE, f"--html {name}: that is the model"),
-            (["orient", model, "--html", self.link(model)], BAD_USAGE, "same.html: that is the model"),
-            (["slice", model, "--z", "1", "--mask", model], BAD_USAGE, f"--mask {name}: that is the model"),
-            (["slice", model, "--layer-height-um", "50", "--csv", model], BAD_USAGE, f"--csv {name}: that is the model"),
+            (["support", model, "--stl", model], BAD_USAGE, f"--stl {name}: this file is the model"),
+            (["analyze", model, "--html", model], BAD_USAGE, f"--html {name}: this file is the model"),
+            (["orient", model, "--html", self.link(model)], BAD_USAGE, "same.html: this file is the model"),
+            (["slice", model, "--z", "1", "--mask", model], BAD_USAGE, f"--mask {name}: this file is the model"),
+            (["slice", model, "--layer-height-um", "50", "--csv", model], BAD_USAGE, f"--csv {name}: this file is the model"),
         ):
             result = contourctl(*words)
             self.assertEqual(result.returncode, code, words)

@@ -32,7 +32,7 @@ const std::map<std::string, std::string_view>& schemas() {
   return all;
 }
 
-// A printer's file that fits its schema.
+// A printer's configuration file that conforms to its schema. Throws ConfigError if it does not.
 struct Documents {
   explicit Documents(const std::filesystem::path& file)
       : effective(JsonDocument::from_file(file)), written(effective.value()) {
@@ -40,12 +40,12 @@ struct Documents {
     effective.throw_if_violated();
   }
 
-  JsonDocument effective;
-  nlohmann::json written;
+  JsonDocument effective;  // with defaults
+  nlohmann::json written;  // as in the file
 };
 
-// A line for each mistake, as contourd has it. Returns the exit code.
-int told(const std::function<void()>& call) {
+// Calls `call` and prints a line for each mistake in the configuration. Returns the exit code.
+int report_mistakes(const std::function<void()>& call) {
   try {
     call();
     return kOk;
@@ -55,7 +55,7 @@ int told(const std::function<void()>& call) {
   }
 }
 
-// The schema's own word on what is not given; nothing where it has none.
+// Returns the schema's default for this key, or nullptr if the schema has no default.
 const nlohmann::json* default_at(const Pointer& place) {
   try {
     return printer_schema().at(place).default_here();
@@ -64,7 +64,7 @@ const nlohmann::json* default_at(const Pointer& place) {
   }
 }
 
-// As the manual has it: z_axis.travel_mm.
+// Returns the key in the manual's notation: z_axis.travel_mm.
 std::string name_of(const Pointer& place) {
   std::string name;
   for (Pointer rest = place; !rest.empty(); rest.pop_back())
@@ -95,14 +95,14 @@ int config_check(const ConfigOptions& options) {
 }
 
 int config_show(const ConfigOptions& options) {
-  return told([&] {
-    // ASCII: nothing in it that a terminal obeys.
+  return report_mistakes([&] {
+    // Escaped to ASCII: no control sequence of the file reaches the terminal.
     fmt::print("{}\n", Documents(options.file).effective.value().dump(2, ' ', true));
   });
 }
 
 int config_diff(const ConfigOptions& options) {
-  return told([&] {
+  return report_mistakes([&] {
     nlohmann::json written = Documents(options.file).written;
     written.erase("$schema");
     print_differences(written, Pointer());

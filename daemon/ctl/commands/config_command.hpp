@@ -1,5 +1,5 @@
-// A printer's configuration as its owner wrote it, and what contourd makes of it. Prints, and returns the
-// exit code; throws ConfigError when it is not good.
+// contourctl config: checks and shows a printer's configuration. Each command prints its result, reports
+// mistakes on standard error, and returns the exit code.
 #pragma once
 
 #include <filesystem>
@@ -12,18 +12,19 @@ namespace contourd::ctl {
 
 struct ConfigOptions {
   std::filesystem::path file = kDefaultConfig;
-  std::string format = "printer";  // whose schema
+  std::string format = "printer";  // for config_schema(): one of config_formats()
 };
 
-// As contourd --check-config.
+// Checks the file as contourd --check-config does.
 int config_check(const ConfigOptions& options);
-// With all defaults, as JSON.
+// Prints the file with all defaults, as JSON.
 int config_show(const ConfigOptions& options);
-// A line for each value that is not the default, or for which there is none.
+// Prints a line for each value that differs from its default or has no default.
 int config_diff(const ConfigOptions& options);
+// Prints the JSON schema of a format. REQUIRES: the format is one of config_formats().
 int config_schema(const ConfigOptions& options);
 
-// Those that have a schema.
+// Returns the names of the file formats that have a schema.
 [[nodiscard]] std::vector<std::string> config_formats();
 
 }  // namespace contourd::ctl

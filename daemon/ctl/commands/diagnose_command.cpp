@@ -31,13 +31,13 @@ using Json = DaemonConnection::Json;
 using namespace std::chrono_literals;
 
 constexpr const char* kFolder = "contourd-diagnosis";
-// Of one file; the journal has about 2000 lines then.
+// Limit for one file: room for about 2000 lines of the journal.
 constexpr std::size_t kMostBytes = 1'000'000;
 constexpr std::size_t kMostArchived = 20'000'000;
 constexpr std::size_t kMostProfiles = 50;
 constexpr auto kLongestAnswer = 5s;
 
-// What is to be in the archive, by its name there; without private words.
+// The files of the archive by name, with private words removed.
 class Diagnosis {
  public:
   void add(const std::string& name, std::string_view text) {
@@ -45,7 +45,7 @@ class Diagnosis {
     if (text.size() >= kMostBytes) clean += "(the rest is left out)\n";
     files_[name] = std::move(clean);
   }
-  // Why it cannot be read in its place.
+  // Adds a file's text, or the reason why the file cannot be read.
   void add_file(const std::string& name, const fs::path& file, Links links) {
     try {
       add(name, beginning_of(file, kMostBytes, links));
@@ -59,7 +59,7 @@ class Diagnosis {
   std::map<std::string, std::string> files_;
 };
 
-// A folder for this user alone, that goes with this object.
+// A temporary folder that only this user can read; the destructor removes it.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -80,7 +80,7 @@ class TemporaryFolder {
   fs::path path_;
 };
 
-// What contourd says; the status is null where it says nothing.
+// Adds contourd's answers. Returns its status, or null if contourd does not answer.
 Json ask_daemon(const ClientOptions& client, Diagnosis& diagnosis) {
   Json status;
   try {
@@ -112,22 +112,23 @@ void add_profiles(const fs::path& folder, const char* name, Diagnosis& diagnosis
   }
 }
 
-// The files as they are, and what contourd has to say of them. Returns the spool's folder where it is known.
+// Adds the configuration files and contourd's findings about them. Returns the spool's folder, or an empty
+// path if the configuration cannot be loaded.
 fs::path add_configuration(const fs::path& file, Diagnosis& diagnosis) {
   diagnosis.add_file("configuration/contourd.json", file, Links::Follow);
   fs::path spool, resins = folder_of(file) / "resins";
-  std::string said;
+  std::string findings;
   try {
     const PrinterConfig config = load_printer_config(file);
     for (const Violation& warning : config.warnings)
-      said += warning_line(warning) + "\n";
-    said += "good\n";
+      findings += warning_line(warning) + "\n";
+    findings += "good\n";
     spool = config.spool_folder;
     resins = config.resins_folder;
   } catch (const std::exception& error) {
-    said += fmt::format("{}\n", error.what());
+    findings += fmt::format("{}\n", error.what());
   }
-  diagnosis.add("configuration/check.txt", said);
+  diagnosis.add("configuration/check.txt", findings);
   add_profiles(resins, "resins", diagnosis);
   add_profiles(folder_of(file) / "projectors", "projectors", diagnosis);
   return spool;
@@ -140,13 +141,13 @@ void add_journal(const std::string& name, const std::vector<std::string>& matche
   words.insert(words.end(), matches.begin(), matches.end());
   try {
     const std::string text = run_program(words, kMostBytes).text;
-    diagnosis.add(name, text.empty() ? "(the journal has no such lines that you may read)\n" : text);
+    diagnosis.add(name, text.empty() ? "(the journal has no matching lines that you may read)\n" : text);
   } catch (const std::system_error& error) {
     diagnosis.add(name, fmt::format("({})\n", error.what()));
   }
 }
 
-// Its journal, and what was filed of it.
+// Adds the job's lines in the journal, and its report or the reason of its failure.
 void add_job(const std::string& job, const fs::path& spool, Diagnosis& diagnosis) {
   add_journal("job/journal.txt", {"JOB_ID=" + printable(job)}, diagnosis);
   if (spool.empty() || job.find('/') != std::string::npos) return;
@@ -155,7 +156,7 @@ void add_job(const std::string& job, const fs::path& spool, Diagnosis& diagnosis
       const fs::path file = spool / folder / fmt::format("{}.{}", job, suffix);
       std::error_code none;
       if (fs::exists(fs::symlink_status(file, none)))
-        // Others write there, too.
+        // Other users can write to these folders: no link is followed.
         diagnosis.add_file(fmt::format("job/{}.{}", folder, suffix), file, Links::Refuse);
     }
   }
@@ -187,11 +188,11 @@ std::string list_of(const Diagnosis& diagnosis) {
 }
 
 [[noreturn]] void refuse(const fs::path& output) {
-  throw OutputError(fmt::format("{} is there already, and stays as it is", output.string()));
+  throw OutputError(fmt::format("{} exists already and is not overwritten", output.string()));
 }
 
 void write_new(const fs::path& output, std::string_view bytes) {
-  // What is in it is its owner's to show.
+  // Only this user can read the archive, and decides who else may.
   (void)::umask(S_IRWXG | S_IRWXO);
   try {
     NewFile file(folder_of(output));
@@ -211,7 +212,7 @@ fs::path output_of(const DiagnoseOptions& options) {
 
 int diagnose(const ClientOptions& client, const DiagnoseOptions& options) {
   const fs::path output = output_of(options);
-  // Before anything takes time; write_new() looks again.
+  // Checked early, before the slow part; write_new() checks again.
   if (std::error_code none; fs::exists(fs::symlink_status(output, none))) refuse(output);
   Diagnosis diagnosis;
   const Json status = ask_daemon(client, diagnosis);
@@ -229,14 +230,14 @@ int diagnose(const ClientOptions& client, const DiagnoseOptions& options) {
   const std::string list = list_of(diagnosis);
   diagnosis.add(
       "README.txt",
-      fmt::format("By contourctl diagnose. Passwords, keys and the like, and users' names, are struck "
-                  "out (***). Names of jobs are not.\n\n{}",
+      fmt::format("Made by contourctl diagnose. Passwords, keys and the like, and users' names, are replaced "
+                  "by ***. Names of jobs are not.\n\n{}",
                   list));
   write_new(output, archive(diagnosis));
   fmt::print(
-      "{}{} has these, for you alone to read: look into it before you show it to others, the names of jobs "
-      "are "
-      "in it\n",
+      "{}{} contains these files, and only you can read it: check it before you share it, because it "
+      "contains "
+      "the names of jobs\n",
       list, printable(output.string()));
   return kOk;
 }

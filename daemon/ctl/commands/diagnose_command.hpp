@@ -1,4 +1,4 @@
-// One archive with what somebody who is to help wants to know: nothing in it is secret, and it is small.
+// contourctl diagnose: collects the facts for a bug report in one small archive without secrets.
 #pragma once
 
 #include <filesystem>
@@ -11,13 +11,13 @@
 namespace contourd::ctl {
 
 struct DiagnoseOptions {
-  std::optional<std::filesystem::path> output;  // nothing: named by the time, in the working folder
+  std::optional<std::filesystem::path> output;  // nullopt: named by the time, in the working folder
   std::filesystem::path config = kDefaultConfig;
-  std::optional<std::string> job;  // nothing: the latest
+  std::optional<std::string> job;  // nullopt: the latest
 };
 
-// Works with or without a daemon. Says what is in it. Returns the exit code; throws OutputError when the
-// archive cannot be written, or something has its name already.
+// Writes the archive, with or without a running daemon, and lists its files. Returns the exit code; throws
+// OutputError if the archive cannot be written or a file of that name exists.
 int diagnose(const ClientOptions& client, const DiagnoseOptions& options);
 
 }  // namespace contourd::ctl

@@ -26,7 +26,7 @@ namespace {
 
 using Topics = std::span<const HelpTopic* const>;
 
-// In the order in which an owner needs them.
+// The pages in the order in which a user needs them.
 std::array<HelpPage, 10> pages() {
   return {{{"first-print", first_print_page},
            {"printing", printing_page},
@@ -40,13 +40,14 @@ std::array<HelpPage, 10> pages() {
            {"glossary", glossary_page}}};
 }
 
-// Longer lines are hard to read.
+// Returns the width of the text: at most 100 columns, because longer lines are hard to read.
 std::size_t columns() {
   constexpr int kNarrowest = 20, kWidest = 100;
   return static_cast<std::size_t>(std::clamp(terminal_columns(), kNarrowest, kWidest));
 }
 
-// Whoever gets it reads it as a file, and need not be waited for. Not valid where there cannot be one.
+// Returns an in-memory file with the text, so that the pager can read at its own pace after contourctl has
+// become the pager. Invalid if the file cannot be made.
 FileDescriptor file_with(std::string_view text) {
   FileDescriptor file(::memfd_create("help", MFD_CLOEXEC));
   while (file.valid() && !text.empty()) {
@@ -58,7 +59,7 @@ FileDescriptor file_with(std::string_view text) {
   return file;
 }
 
-// As git does it: PAGER as a shell has it; less is told to stay out of the way of what fits the screen.
+// Shows the text as git does: PAGER is run by a shell, and LESS makes less quit if the text fits the screen.
 void show(const std::string& text) {
   const char* const wanted = std::getenv("PAGER");
   const std::string pager = wanted != nullptr ? wanted : "pager";
@@ -72,7 +73,7 @@ void show(const std::string& text) {
   fmt::print("{}", text);
 }
 
-// What the page says of itself in the sentence behind its heading.
+// Returns the first sentence after the page's heading.
 std::string summary_of(const HelpTopic& page) {
   std::string words = page.text.substr(page.text.find("\n\n") + 2);
   words.resize(std::min(words.find("\n\n"), words.size()));
@@ -83,8 +84,8 @@ std::string summary_of(const HelpTopic& page) {
 
 std::string list_of(const HelpTopics& topics) {
   std::string text =
-      "contourctl help TOPIC shows one of these, or one of their sections, or what they say of a word.\n"
-      "contourctl help COMMAND shows how a command is used.\n\n";
+      "contourctl help TOPIC shows one of these pages or sections, or the sections that mention a word.\n"
+      "contourctl help COMMAND shows the usage of a command.\n\n";
   for (const HelpTopic& topic : topics.all()) {
     if (topic.whole_page)
       text += fmt::format("  {:14} {}\n", topic.page, cut_to_columns(summary_of(topic), columns() - 17));
@@ -122,9 +123,9 @@ int help(const std::vector<std::string>& words, const CommandHelp& commands) {
     show(plain_text(topic.text, columns()) + see_also(others));
   } else {
     const std::vector<std::string> names = topics.nearest(wanted, commands.names);
-    const std::string like = names.empty() ? "" : fmt::format("there is: {}; ", fmt::join(names, ", "));
+    const std::string similar = names.empty() ? "" : fmt::format("similar: {}; ", fmt::join(names, ", "));
     throw UsageError(
-        fmt::format("no page speaks of {}; {}contourctl help lists the topics", in_quotes(wanted), like));
+        fmt::format("no page mentions {}; {}contourctl help lists the topics", in_quotes(wanted), similar));
   }
   return kOk;
 }

@@ -1,5 +1,4 @@
-// contourctl help. Prints its result and returns the exit code; a topic that there is none of comes out as
-// UsageError.
+// contourctl help: shows pages of the manual and the usage of commands.
 #pragma once
 
 #include <functional>
@@ -9,14 +8,15 @@
 
 namespace contourd::ctl {
 
-// The commands, as the command line knows them.
+// The commands' names and help texts, as the command line parser knows them.
 struct CommandHelp {
   std::vector<std::string> names;
-  // Of the command of these words; empty when there is none.
+  // Returns the help text of the command with these words, or an empty string if there is no such command.
   std::function<std::string(std::span<const std::string> words)> of;
 };
 
-// A list of the topics where there are no words. In a terminal by the user's pager.
+// Shows the topic, or a list of the topics if there are no words; in a terminal through the user's pager.
+// Returns the exit code. Throws UsageError if nothing matches the words.
 int help(const std::vector<std::string>& words, const CommandHelp& commands);
 
 }  // namespace contourd::ctl

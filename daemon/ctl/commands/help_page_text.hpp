@@ -1,4 +1,4 @@
-// The project's pages for owners (docs/), as they are written, each under its file's name.
+// The project's pages for users (docs/*.md) as Markdown, each named after its file.
 #pragma once
 
 #include <string_view>

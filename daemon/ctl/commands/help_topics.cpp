@@ -15,7 +15,7 @@ bool is_word_character(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0;
 }
 
-// Lower case, in single spaces, without what is no word.
+// Returns the text in lower case, with single spaces in place of other characters.
 std::string normalized(std::string_view text) {
   std::string words;
   for (const char c : text) {
@@ -29,7 +29,7 @@ std::string normalized(std::string_view text) {
   return words;
 }
 
-// How often words begin like that, of normalized texts.
+// Counts the places where `words` begin at the start of a word. Both texts are normalized.
 std::size_t times_in(std::string_view text, std::string_view words) {
   std::size_t times = 0;
   for (std::size_t at = text.find(words); at != std::string_view::npos; at = text.find(words, at + 1))
@@ -58,7 +58,7 @@ std::string title_of(std::string_view section) {
   return plain_words(line);
 }
 
-// Levenshtein's.
+// Returns the Levenshtein distance.
 std::size_t distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -112,23 +112,23 @@ std::vector<const HelpTopic*> HelpTopics::find(std::string_view words) const {
   };
   const std::string wanted = normalized(words);
   std::vector<Found> found;
-  const auto look_at = [&](const HelpTopic& topic, std::size_t behind) {
+  const auto add_if_matching = [&](const HelpTopic& topic, std::size_t handicap) {
     const std::string page = normalized(topic.page), title = normalized(topic.title);
     const std::size_t times = topic.whole_page ? 0 : times_in(normalized(topic.text), wanted);
     const bool is_called =
         topic.whole_page ? wanted == page : wanted == title || wanted == page + " " + title;
     if (is_called || (topic.whole_page && wanted == title))
-      found.push_back({&topic, is_called ? behind : 1, times});
+      found.push_back({&topic, is_called ? handicap : 1, times});
     else if (times_in(title, wanted) > 0)
-      found.push_back({&topic, 2 + behind, times});
-    else if (times > 0 && behind == 0)
+      found.push_back({&topic, 2 + handicap, times});
+    else if (times > 0 && handicap == 0)
       found.push_back({&topic, 4, times});
   };
   if (wanted.empty()) return {};
   for (const HelpTopic& topic : topics_)
-    look_at(topic, 0);
+    add_if_matching(topic, 0);
   for (const HelpTopic& word : words_)
-    look_at(word, 1);
+    add_if_matching(word, 1);
   std::ranges::stable_sort(found, [](const Found& a, const Found& b) {
     return a.rank != b.rank ? a.rank < b.rank : a.times > b.times;
   });

@@ -1,5 +1,5 @@
-// What `contourctl help` knows: pages, their sections, and the words of the glossary. Thread-safe (no state
-// that changes).
+// The topics of `contourctl help`: pages, their sections, and the words of the glossary. Thread-safe
+// (immutable).
 #pragma once
 
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace contourd::ctl {
 
-// In Markdown, with one heading of the first level, at its beginning.
+// A page in Markdown, with one heading of the first level, at its beginning.
 struct HelpPage {
   std::string_view name;
   std::string_view text;
@@ -24,15 +24,16 @@ struct HelpTopic {
 
 class HelpTopics {
  public:
-  // The pages' texts must outlive it.
+  // The pages' names and texts must outlive this object.
   explicit HelpTopics(std::span<const HelpPage> pages);
 
-  // The pages, in their order, each with its sections behind it.
+  // The pages in their order, each followed by its sections.
   [[nodiscard]] const std::vector<HelpTopic>& all() const { return topics_; }
-  // What is meant first: named so, named by these words among others, or speaking of them. Upper and lower
-  // case, and hyphens and spaces, are alike; a page's name may stand before a section's.
+  // Finds the topics that match, best first: topics with this name, then topics with these words in their
+  // names, then topics that mention the words. Case is ignored, a hyphen equals a space, and a page's name
+  // may precede a section's.
   [[nodiscard]] std::vector<const HelpTopic*> find(std::string_view words) const;
-  // Names that are nearly so, of these and of `others`; the nearest first.
+  // Returns up to three similar names, of topics or of `others`, the most similar first.
   [[nodiscard]] std::vector<std::string> nearest(std::string_view words,
                                                  std::span<const std::string> others) const;
 
@@ -41,10 +42,10 @@ class HelpTopics {
   void add_words(const HelpPage& page);
 
   std::vector<HelpTopic> topics_;
-  std::vector<HelpTopic> words_;  // the glossary's
+  std::vector<HelpTopic> words_;  // entries of the glossary
 };
 
-// As the user types it behind `contourctl help`.
+// Returns the words after `contourctl help` that show this topic.
 [[nodiscard]] std::string typed(const HelpTopic& topic);
 
 }  // namespace contourd::ctl

@@ -24,12 +24,12 @@ namespace {
 using Json = DaemonConnection::Json;
 using std::chrono::system_clock;
 
-// The daemon's.
+// The daemon returns at most this many jobs per request.
 constexpr int kLongestPage = 100;
-// The year 2200: what the clock's type still holds.
+// The year 2200, which std::chrono::system_clock can still represent.
 constexpr std::time_t kLatest = 7'258'118'400;
 
-// "30d", "12h", or a date of this computer's calendar.
+// Parses "30d", "12h", or a date in the local time zone.
 system_clock::time_point parse_since(const std::string& word) {
   int number = 0, used = 0;
   char unit = ' ';
@@ -41,7 +41,7 @@ system_clock::time_point parse_since(const std::string& word) {
     return system_clock::now() - std::chrono::hours((unit == 'd' ? 24 : 1) * number);
   std::tm date{};
   const char* const end = ::strptime(word.c_str(), "%Y-%m-%d", &date);
-  // mktime() takes the 31st of February for a day of March.
+  // Checked here because mktime() accepts February 31 and returns a day of March.
   const bool is_day = std::chrono::year_month_day(std::chrono::year(date.tm_year + 1900),
                                                   std::chrono::month(static_cast<unsigned>(date.tm_mon + 1)),
                                                   std::chrono::day(static_cast<unsigned>(date.tm_mday)))
@@ -65,7 +65,8 @@ Json parameters_of(const HistoryOptions& options) {
   return parameters;
 }
 
-// All pages' jobs in one answer, as the daemon gives one.
+// Requests pages until there are enough jobs. Returns one answer with the jobs of all pages, or the daemon's
+// error.
 Json ask(DaemonConnection& connection, const HistoryOptions& options) {
   Json parameters = parameters_of(options);
   std::vector<Json> jobs;  // the latest first
@@ -87,7 +88,7 @@ Json ask(DaemonConnection& connection, const HistoryOptions& options) {
   return answer;
 }
 
-// A time of the answer, as this computer's clock has it; as it came where it is none.
+// Converts a time of the daemon's answer to local time. Returns the text unchanged if it is not a time.
 std::string local_time(const std::string& text) {
   std::tm utc{};
   if (::strptime(text.c_str(), "%Y-%m-%dT%H:%M:%SZ", &utc) == nullptr) return printable(text);
@@ -102,7 +103,8 @@ Duration seconds(double number) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(number));
 }
 
-// "800 layers of 800, 3 h 05 min, 12.34 ml of standard"; empty for what was not printed.
+// Returns "800 of 800 layers, 3 h 05 min, 12.34 ml of standard", or an empty text for a job that was not
+// printed.
 std::string figures_of(const Json& job) {
   if (job.value("resin", "").empty()) return "";
   return fmt::format("{} of {} layers, {}, {:.2f} ml of {}", job.value("layers_exposed", 0),
@@ -122,7 +124,7 @@ void print_lines(const Json& jobs) {
   }
 }
 
-// As RFC 4180 has it. What a spreadsheet would take for a formula is a text by the mark before it.
+// Returns a quoted cell (RFC 4180). An apostrophe keeps a spreadsheet from running a text as a formula.
 std::string csv_text(const std::string& text) {
   std::string cell = printable(text);
   if (!cell.empty() && std::string_view("=+-@").find(cell.front()) != std::string_view::npos)
@@ -162,12 +164,12 @@ std::string counted(int number, std::string_view what) {
   return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
 }
 
-// Of a limit, " of 300"; empty where there is none.
+// Returns " of 300" for a limit of 300, or an empty text if there is no limit.
 std::string limit_of(const Json& part, const char* key) {
   return part[key].is_number() ? fmt::format(" of {:.10g}", part[key].get<double>()) : "";
 }
 
-// What it has been used since it was new.
+// Prints the part's use since it was new.
 void print_part(const Json& part) {
   const std::string since = part["replaced"].is_string()
                                 ? "since " + local_time(part["replaced"].get<std::string>())
@@ -201,7 +203,7 @@ int history(const ClientOptions& client, const HistoryOptions& options) {
     else
       print_lines(result["ended"]);
     if (result["trouble"].is_string())
-      fmt::print(stderr, "contourctl: these are the jobs since contourd started: {}\n",
+      fmt::print(stderr, "contourctl: only jobs since contourd started are listed: {}\n",
                  printable(result["trouble"].get<std::string>()));
   }
   return failed ? kFailed : kOk;
@@ -209,7 +211,7 @@ int history(const ClientOptions& client, const HistoryOptions& options) {
 
 void print_usage(const Json& usage) {
   if (usage["trouble"].is_string()) {
-    fmt::print("nothing is known: {}\n", printable(usage["trouble"].get<std::string>()));
+    fmt::print("the usage is unknown: {}\n", printable(usage["trouble"].get<std::string>()));
     return;
   }
   fmt::print("jobs      {}\nlayers    {}\nlamp      {:.2f} h lit\nresin     {:.2f} ml\n",

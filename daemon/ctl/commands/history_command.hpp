@@ -1,4 +1,4 @@
-// contourctl history and usage: what became of jobs, and what they used. They return the exit code.
+// contourctl history and usage: the outcomes of jobs, and the consumption of resin and parts.
 #pragma once
 
 #include <string>
@@ -7,17 +7,18 @@
 
 namespace contourd::ctl {
 
-// What the user typed; empty where it was not.
+// Arguments as the user typed them; empty if not given.
 struct HistoryOptions {
   int last = 20;
   std::string since, outcome, resin, job;
   bool csv = false;
 };
 
-// The most that can be asked for.
+// Upper limit of HistoryOptions::last.
 inline constexpr int kLongestHistory = 10'000;
 
-// Asks page by page, and prints the jobs as lines, as JSON or as CSV. Throws UsageError.
+// Asks contourd page by page, and prints the jobs as lines, as JSON or as CSV. Returns the exit code. Throws
+// UsageError.
 int history(const ClientOptions& client, const HistoryOptions& options);
 
 void print_usage(const nlohmann::ordered_json& usage);

@@ -26,7 +26,7 @@ constexpr std::string_view kHelp =
     "up, down (or k, j)  move by the step     h  home       m  motor off\n"
     "1 2 3 4 5           step 0.01 to 50 mm   l  light      g  next picture\n"
     "space               stop                 q  quit\n";
-// For a terminal that is not as wide.
+// Minimum width for kHelp; a narrower terminal gets kNarrowHelp.
 constexpr int kHelpColumns = 71;
 constexpr std::string_view kNarrowHelp =
     "up, down, k, j  move by the step\n"
@@ -38,12 +38,12 @@ constexpr std::array kSteps_mm{0.01, 0.1, 1.0, 10.0, 50.0};
 constexpr std::array<const char*, 5> kPictures{"grid", "border", "focus", "dimensions", "black"};
 constexpr char kCtrlC = 3, kCtrlD = 4;
 
-// Keys on one side, the daemon on the other.
+// Translates keys into requests to the daemon, and its answers into the line with the state.
 class Jog {
  public:
   Jog(DaemonConnection& connection, const JogOptions& options) : connection_(connection), options_(options) {}
 
-  // False when it is over.
+  // Handles a key. Returns false if the user wants to quit.
   [[nodiscard]] bool take(const Key& key) {
     if (asks_for_light_) {
       asks_for_light_ = false;
@@ -63,9 +63,10 @@ class Jog {
     return true;
   }
 
+  // Handles a message of the daemon.
   void take(const Json& message) {
     if (message.contains("error")) {
-      tell(message["error"].value("message", ""));
+      print_sentence(message["error"].value("message", ""));
       asked_ = false;
       draw();
       return;
@@ -74,7 +75,8 @@ class Jog {
     if (message.value("id", 0) == kJogRequest) asked_ = false;
     if (!status.is_object() || !status.contains("manual")) return;
     const Json problem = status["manual"]["problem"];
-    if (problem.is_string() && problem != manual_.value("problem", Json())) tell(problem.get<std::string>());
+    if (problem.is_string() && problem != manual_.value("problem", Json()))
+      print_sentence(problem.get<std::string>());
     manual_ = status["manual"];
     prints_ = status.contains("job") && status["job"].is_object();
     draw();
@@ -83,7 +85,7 @@ class Jog {
   void draw() {
     std::string line;
     if (asks_for_light_) {
-      line = fmt::format("UV light for {:g} s. Eyes protected, nobody near the vat? y/n", options_.light_s);
+      line = fmt::format("UV light for {:g} s. Eyes protected, no one near the vat? y/n", options_.light_s);
     } else if (manual_.is_object()) {
       const Json &height = manual_["height_mm"], &picture = manual_["picture"];
       line = fmt::format("{}   step {:g} mm   {}{}",
@@ -102,15 +104,15 @@ class Jog {
   }
 
  private:
-  // A sentence, above the line with the state.
-  void tell(const std::string& sentence) const {
+  // Prints a sentence above the line with the state.
+  void print_sentence(const std::string& sentence) const {
     fmt::print("{}{}\n", in_place_ ? "\r\x1b[K" : "", printable_lines(sentence));
   }
-  // While a job is printed, the printer is not idle, but nobody controls it by hand.
+  // During a print, the manual state is "idle" although the printer is busy.
   [[nodiscard]] std::string state() const {
     return prints_ ? "printing" : printable(manual_.value("state", ""));
   }
-  // A key that is pressed while something goes on is not kept for later.
+  // True if a key starts an operation. A key that is pressed during an operation is ignored.
   [[nodiscard]] bool is_idle() const {
     return !asked_ && manual_.is_object() && manual_.value("state", "") == "idle";
   }
@@ -156,11 +158,11 @@ class Jog {
   std::size_t next_picture_ = 0;
   bool asked_ = false, asks_for_light_ = false, prints_ = false;
   Json manual_;
-  bool in_place_ = knows_sequences();  // the state has one line; else one each time it changes
+  bool in_place_ = knows_sequences();  // redraw one line; otherwise print a line for each change
   std::string shown_;
 };
 
-// The line with the state is the last one, however it ends.
+// Ends the line with the state when jog() returns or throws.
 struct LineEnd {
   LineEnd() = default;
   LineEnd(const LineEnd&) = delete;

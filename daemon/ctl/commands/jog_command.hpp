@@ -1,4 +1,4 @@
-// The plate moved by keys, in a terminal.
+// contourctl jog: moves the plate by keys, in a terminal.
 #pragma once
 
 #include "daemon/ctl/terminal/client.hpp"
@@ -10,8 +10,8 @@ struct JogOptions {
   bool plate_is_clear = false, in_resin = false;
 };
 
-// Until q, Ctrl-C, or the end of the terminal, which ends what a key has begun. Returns the exit code. Throws
-// UsageError where there is no terminal.
+// Runs until q, Ctrl-C, or the end of the terminal; each of these also stops the current operation. Returns
+// the exit code. Throws UsageError if standard input or output is not a terminal.
 int jog(const ClientOptions& client, const JogOptions& options);
 
 }  // namespace contourd::ctl

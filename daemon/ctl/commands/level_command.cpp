@@ -25,12 +25,12 @@ namespace {
 
 using Json = DaemonConnection::Json;
 
-constexpr double kClearance_mm = 20;  // for hands, above the film
+constexpr double kClearance_mm = 20;  // room for hands between plate and film
 constexpr double kMostPaper_mm = 5, kMostGap_mm = 20;
-// A height that the configuration and the daemon say; a step is less.
+// Tolerance when heights of the configuration and the daemon are compared; a motor step is smaller.
 constexpr double kSame_mm = 0.02;
 
-// Of whoever stands at the printer. Nothing when they do not want to go on.
+// Asks the user. Returns nullopt on q or at the end of standard input.
 std::optional<std::string> ask(const std::string& question) {
   fmt::print("{} ", question);
   std::fflush(stdout);
@@ -40,7 +40,8 @@ std::optional<std::string> ask(const std::string& question) {
   return answer;
 }
 
-// A number, asked for until there is one; `usual` for an empty line.
+// Asks until the answer is a number within the limits. Returns `usual` for an empty line, and nullopt if the
+// user quits.
 std::optional<double> ask_number(const std::string& question, double usual, double least, double most) {
   while (const std::optional<std::string> answer = ask(question)) {
     if (answer->empty()) return usual;
@@ -48,7 +49,7 @@ std::optional<double> ask_number(const std::string& question, double usual, doub
     const char* const end = answer->data() + answer->size();
     const auto read = std::from_chars(answer->data() + (answer->front() == '+' ? 1 : 0), end, number);
     if (read.ec == std::errc() && read.ptr == end && number >= least && number <= most) return number;
-    fmt::print("That is a number from {:g} to {:g} mm.\n", least, most);
+    fmt::print("Expected a number from {:g} to {:g} mm.\n", least, most);
   }
   return std::nullopt;
 }
@@ -71,7 +72,7 @@ class Level {
 
  private:
   static int give_up() {
-    fmt::print("\nNothing is changed.\n");
+    fmt::print("\nNothing was changed.\n");
     return kFailed;
   }
   int send(const char* method, const Json& parameters) {
@@ -88,15 +89,15 @@ class Level {
 
   int prepare() {
     fmt::print(
-        "q ends this at any question; Ctrl-C stops the plate, too.\n"
-        "1. The vat is in its place, empty and clean; nothing is on the plate or in its way.\n");
-    if (!ask("Enter: the plate finds its switch.")) return give_up();
+        "q quits at any question; Ctrl-C also stops the plate.\n"
+        "1. Put the empty, clean vat in its place. Nothing may be on the plate or in its way.\n");
+    if (!ask("Press Enter to home the plate.")) return give_up();
     if (const int code = send("home", {{"plate_is_clear", true}}); code != kOk) return code;
     switch_height_ = height();
     if (!(std::abs(switch_height_ - configured()) <= kSame_mm)) {
       fmt::print(stderr,
-                 "contourctl: contourd has the switch at {:.3f} mm, {} at {:.3f} mm: it runs with another "
-                 "configuration, or with one from before; sudo systemctl reload contourd comes first\n",
+                 "contourctl: contourd has the switch at {:.3f} mm, but {} at {:.3f} mm: contourd runs with "
+                 "another or an older configuration; run sudo systemctl reload contourd first\n",
                  switch_height_, printable(file_.string()), configured());
       return kFailed;
     }
@@ -111,32 +112,31 @@ class Level {
     fmt::print(
         "2. Loosen the plate's clamp, so that the plate swings freely, and lay a sheet of paper on the "
         "film.\n");
-    if (!ask("Enter: the plate goes down to 0 mm.")) return give_up();
+    if (!ask("Press Enter to move the plate down to 0 mm.")) return give_up();
     if (const int code = move_to(0); code != kOk) return code;
     fmt::print("3. Press the plate flat onto the paper, and tighten the clamp.\n");
-    return ask("Enter: it is tight.") ? kOk : give_up();
+    return ask("Press Enter when the clamp is tight.") ? kOk : give_up();
   }
 
-  // How much higher than it says the plate is.
+  // Returns how much higher the plate is than contourd's height, mm; nullopt if the user quits.
   std::optional<double> measure() {
     fmt::print(
-        "4. Find the height at which the paper just drags when it is pulled: the plate goes by what you say, "
-        "mm, "
-        "downwards below 0.\n");
+        "4. Find the height at which the paper just drags when it is pulled: enter distances in mm to move "
+        "the "
+        "plate, negative for down.\n");
     const double most = travel();
     while (true) {
-      const auto way =
-          ask_number(fmt::format("Now at {:.3f} mm. By how much (Enter: the paper just drags)?", height()), 0,
-                     -most, most);
-      if (!way) return std::nullopt;
-      if (*way == 0) break;
-      (void)send("move", {{"by_mm", *way}, {"plate_is_clear", true}});  // what is wrong with it is told
+      const auto distance = ask_number(
+          fmt::format("Now at {:.3f} mm. Move by (Enter: the paper just drags)?", height()), 0, -most, most);
+      if (!distance) return std::nullopt;
+      if (*distance == 0) break;
+      (void)send("move", {{"by_mm", *distance}, {"plate_is_clear", true}});  // send() prints a failure
     }
     const double drags_at = height();
     double gap = 0;
     if (drags_at < kSame_mm) {
-      const auto asked = ask_number(
-          "How far above the paper does the plate hang at 0 mm, mm (Enter: it touches)?", 0, 0, kMostGap_mm);
+      const auto asked = ask_number("How far is the plate above the paper at 0 mm, mm (Enter: it touches)?",
+                                    0, 0, kMostGap_mm);
       if (!asked) return std::nullopt;
       gap = *asked;
     }
@@ -148,12 +148,12 @@ class Level {
   int store(double off) {
     const double height = std::round((configured() + off) * 1000) / 1000;
     fmt::print(
-        "5. z_axis.switch_height_mm was {:g} and becomes {:g}: the plate is {:g} mm {} than it said.\n",
+        "5. z_axis.switch_height_mm changes from {:g} to {:g}: the plate is {:g} mm {} than reported.\n",
         configured(), height, std::abs(off), off < 0 ? "lower" : "higher");
-    if (!ask(fmt::format("Enter: it is written into {}.", printable(file_.string())))) return give_up();
+    if (!ask(fmt::format("Press Enter to write it to {}.", printable(file_.string())))) return give_up();
     set_config_number(file_, "z_axis", "switch_height_mm", height);
     if (const int code = move_to(std::min(kClearance_mm, travel())); code != kOk) return code;
-    fmt::print("Written. contourd takes it by: sudo systemctl reload contourd; then the plate homes anew.\n");
+    fmt::print("Written. Apply it with: sudo systemctl reload contourd; then the plate homes again.\n");
     return kOk;
   }
 

@@ -1,4 +1,4 @@
-// The plate's levelling, step by step with whoever stands at the printer.
+// contourctl level: levels the plate, step by step, together with the user at the printer.
 #pragma once
 
 #include <filesystem>
@@ -12,8 +12,8 @@ struct LevelOptions {
   std::filesystem::path config = kDefaultConfig;
 };
 
-// Asks by lines on standard input; its end is as good as Ctrl-C. Stores z_axis.switch_height_mm in the
-// configuration. Returns the exit code.
+// Asks questions on standard input and stores z_axis.switch_height_mm in the configuration. The end of
+// standard input quits, as q does. Returns the exit code.
 int level(const ClientOptions& client, const LevelOptions& options);
 
 }  // namespace contourd::ctl

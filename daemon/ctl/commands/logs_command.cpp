@@ -16,14 +16,15 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-// Without a job, whose lines end.
+// Default number of lines without a job.
 constexpr int kLines = 100;
 
-// What journalctl is asked for, but for how it is to be printed.
+// Returns the journalctl command that selects the lines, without options for their format.
 Words question(const LogsOptions& options) {
   Words words{"journalctl", "--unit=contourd.service"};
   if (!options.job) return words;
-  // As the log has it; a file's name stands for its job, too. Of one field any value counts.
+  // The name as it is logged. A file name stands for its job, too: journalctl accepts any of a field's
+  // values.
   words.push_back("JOB_ID=" + printable(*options.job));
   if (is_model_name(*options.job)) words.push_back("JOB_ID=" + printable(job_name_of(*options.job)));
   return words;
@@ -46,10 +47,12 @@ int logs(const LogsOptions& options) {
   try {
     if (!options.follow && !has_lines(options)) {
       const std::string whose = options.job ? "of a job " + in_quotes(*options.job) : "of contourd";
-      fmt::print(stderr,
-                 "contourctl: the journal has no lines {} that you may read; all are for root and the group "
-                 "systemd-journal, and a contourd that systemd did not start writes to its standard error\n",
-                 whose);
+      fmt::print(
+          stderr,
+          "contourctl: the journal has no lines {} that you may read; only root and the group "
+          "systemd-journal can read all lines, and a contourd that was not started by systemd logs to its "
+          "standard error\n",
+          whose);
       return kFailed;
     }
     Words words = with(question(options), {"--output=short", "--no-hostname"});
@@ -58,7 +61,7 @@ int logs(const LogsOptions& options) {
     if (options.follow) words.emplace_back("--follow");
     become_program(words);
   } catch (const std::system_error& error) {
-    throw DaemonError(fmt::format("there is no journal to look into: {}", error.what()));
+    throw DaemonError(fmt::format("cannot read the journal: {}", error.what()));
   }
 }
 

@@ -1,4 +1,4 @@
-// contourd's lines in the journal, by journalctl(1).
+// contourctl logs: shows contourd's lines in the journal, by journalctl(1).
 #pragma once
 
 #include <optional>
@@ -7,12 +7,13 @@
 namespace contourd::ctl {
 
 struct LogsOptions {
-  std::optional<std::string> job;  // its lines alone
-  std::optional<int> lines;        // the latest; without it all of a job's
+  std::optional<std::string> job;  // only lines about this job
+  std::optional<int> lines;        // at most; nullopt: all lines of a job, or the latest 100
   bool follow = false;
 };
 
-// Ends as journalctl, which prints them; or returns the exit code after a word on why there is nothing.
+// Replaces this process by journalctl, which prints the lines. If there are none, prints the reason and
+// returns the exit code. Throws DaemonError if journalctl cannot be started.
 int logs(const LogsOptions& options);
 
 }  // namespace contourd::ctl

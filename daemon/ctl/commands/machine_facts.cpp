@@ -19,19 +19,20 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostOfAFile = 65'536;
-constexpr unsigned kMostLines = 512;  // of a GPIO chip
+constexpr unsigned kMostLines = 512;  // listed per GPIO chip
 constexpr std::size_t kMostEntries = 256;
 
 std::string section(const fs::path& file) {
   return fmt::format("{}:\n{}\n\n", file.string(), text_of(file));
 }
 
-// Of a USB device's interface: the device is above it.
+// Returns ", USB vendor:product manufacturer product" for a port of a USB device, else an empty text. The
+// device is a parent folder of the interface in sysfs.
 std::string usb_maker(const fs::path& tty) {
   std::error_code code;
   fs::path device = fs::canonical(tty / "device", code);
-  constexpr int kMostFloors = 4;
-  for (int i = 0; !code && i < kMostFloors; ++i, device = device.parent_path()) {
+  constexpr int kMostLevels = 4;
+  for (int i = 0; !code && i < kMostLevels; ++i, device = device.parent_path()) {
     if (fs::exists(device / "idVendor", code))
       return fmt::format(", USB {}:{} {} {}", text_of(device / "idVendor"), text_of(device / "idProduct"),
                          text_of(device / "manufacturer"), text_of(device / "product"));

@@ -1,5 +1,5 @@
-// What a computer says of itself that matters to a printer, as text. Changes nothing and takes no device.
-// What cannot be read says why. Not thread-safe.
+// Facts about the computer that matter to a printer, as text. Only reads, and occupies no device. If a file
+// cannot be read, the text has the reason in its place. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -11,25 +11,26 @@
 
 namespace contourd::ctl {
 
-// So many bytes of a regular file at most. Throws UnreadableFile.
+// Returns the beginning of a regular file, at most `most` bytes. Throws UnreadableFile.
 [[nodiscard]] std::string beginning_of(const std::filesystem::path& file, std::size_t most, Links links);
 
-// What is in it, in order, and only the first of very many. Nothing where it cannot be read.
+// Returns the folder's entries, sorted, at most 256. Empty if the folder cannot be read.
 [[nodiscard]] std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folder);
-// A kernel's or system's file, without the line breaks at its end; why it cannot be read in its place.
+// Returns the text of a file of the kernel or the system without the line breaks at its end, or the reason in
+// parentheses why it cannot be read.
 [[nodiscard]] std::string text_of(const std::filesystem::path& file);
-// Of what it leads to; empty when it is no link.
+// Returns the file name of the link's target, or an empty string if the file is not a link.
 [[nodiscard]] std::string name_of_link(const std::filesystem::path& link);
 
-// contourctl's, the system's, the packages'.
+// Returns the versions of contourctl, the system and its packages.
 [[nodiscard]] std::string versions();
-// Kernel, computer, memory; not the computer's name.
+// Describes kernel, computer and memory, without the computer's name.
 [[nodiscard]] std::string kernel_facts();
-// Connectors with state and modes.
+// Lists display connectors with their states and modes.
 [[nodiscard]] std::string display_facts();
-// Chips with their lines, and who holds them.
+// Lists GPIO chips with their lines and consumers.
 [[nodiscard]] std::string gpio_facts();
-// Serial ports with their drivers and makers; not their serial numbers.
+// Lists serial ports with their drivers and manufacturers, without serial numbers.
 [[nodiscard]] std::string serial_facts();
 
 }  // namespace contourd::ctl

@@ -31,7 +31,7 @@ namespace {
 
 using Json = DaemonConnection::Json;
 
-// contourd names the parameters that would allow it; here they are options.
+// Replaces the names of parameters in contourd's refusal by the names of contourctl's options.
 std::string with_options(std::string sentence) {
   for (const auto& [parameter, option] :
        {std::pair("plate_is_clear", "--plate-is-clear"), std::pair("in_resin", "--in-resin")}) {
@@ -43,12 +43,12 @@ std::string with_options(std::string sentence) {
 
 enum Question { kWatch = 1, kRequest, kUpload };
 
-// What has come of the request, message by message.
+// The progress of one request, followed message by message.
 class Operation {
  public:
   Operation(WaitFor what, bool json) : what_(what), json_(json) {}
 
-  // The exit code, once it is over.
+  // Handles a message. Returns the exit code once the operation has ended.
   std::optional<int> take(const Json& message) {
     if (json_) fmt::print("{}\n", message.dump(-1, ' ', true));
     const bool reply = message.value("id", 0) == kRequest;
@@ -61,12 +61,12 @@ class Operation {
     if (message.contains("params")) last_ = message["params"];
     if (reply) {
       begun_ = true;
-      // What came before the reply may be newer.
+      // A notification that came before the reply may be newer than the reply.
       const Json& result = message["result"];
       if (!last_.is_object() || operations(last_) <= operations(result)) last_ = result;
     }
     if (!last_.is_object() || !last_.contains("manual")) return std::nullopt;
-    tell();
+    print_phase();
     return begun_ && is_over() ? std::optional(end()) : std::nullopt;
   }
 
@@ -78,13 +78,13 @@ class Operation {
     const Json& manual = last_["manual"];
     return what_ == WaitFor::Picture ? manual["picture"].is_null() : manual.value("state", "") == "idle";
   }
-  void tell() {
+  void print_phase() {
     const std::string now = phase();
-    if (json_ || now.empty() || std::exchange(told_, now) == now) return;
+    if (json_ || now.empty() || std::exchange(printed_, now) == now) return;
     fmt::print("{}\n", now);
     std::fflush(stdout);
   }
-  // Empty where there is nothing to say.
+  // Returns the phase to print, or an empty string.
   [[nodiscard]] std::string phase() const {
     const Json& manual = last_["manual"];
     if (what_ != WaitFor::Picture) {
@@ -92,11 +92,11 @@ class Operation {
       return state == "idle" ? "" : printable(state);
     }
     const Json& picture = manual["picture"];
-    return picture.is_string() ? printable(picture.get<std::string>()) + " is shown; Ctrl-C ends that" : "";
+    return picture.is_string() ? printable(picture.get<std::string>()) + " is shown; Ctrl-C stops it" : "";
   }
   [[nodiscard]] int end() const {
     const Json& manual = last_["manual"];
-    // That an operation was stopped is what was wanted.
+    // After `stop`, a problem such as "stopped" in the status is a success.
     const bool well = what_ == WaitFor::Rest        ? manual.value("dark", false)
                       : what_ == WaitFor::Operation ? manual["problem"].is_null()
                                                     : true;
@@ -114,7 +114,7 @@ class Operation {
   WaitFor what_;
   bool json_, begun_ = false;
   Json last_;
-  std::string told_;
+  std::string printed_;
 };
 
 int carry_out(DaemonConnection& connection, const ClientOptions& options, const Request& request,
@@ -137,14 +137,14 @@ Mask read_picture(const std::string& path) {
   }
 }
 
-// As contourd with that configuration would expose the model at that height.
+// Returns the mask that contourd would expose at that height with that configuration.
 Mask mask_at_z(const ShowOptions& show) {
   const std::filesystem::path model = show.what;
   const PrinterConfig printer = load_printer_config(show.printer, Places::Elsewhere);
   const PreparedJob job = prepare_model({model.stem().string(), model, show.ticket}, printer);
   const std::optional<Nanometers> height = to_nanometers(Millimeters{*show.at_z_mm});
   if (!height || *height < Nanometers{} || to_millimeters(*height).count() > job.summary.height_mm)
-    throw UsageError(fmt::format("--at-z {:g}: {} is from 0 to {:.6g} mm high", *show.at_z_mm, show.what,
+    throw UsageError(fmt::format("--at-z {:g}: {} extends from 0 to {:.6g} mm", *show.at_z_mm, show.what,
                                  job.summary.height_mm));
   MaskBudget budget(MaskBudget::Clock::now() + printer.mask_budget);
   const Mask* const mask = job.plan.engine->mask_within(*height, budget);
@@ -154,9 +154,9 @@ Mask mask_at_z(const ShowOptions& show) {
   return *mask;
 }
 
-// Nothing when all of it is there; else what the daemon had to say.
+// Uploads a picture. Returns nullopt, or the daemon's reply if it refused a piece.
 std::optional<Json> upload(DaemonConnection& connection, std::span<const std::uint8_t> bytes) {
-  constexpr std::size_t kPieceBytes = 5'700;  // as much as a message has room for
+  constexpr std::size_t kPieceBytes = 5'700;  // base64 of this fits in one message
   for (std::size_t from = 0; from < bytes.size(); from += kPieceBytes) {
     const auto piece = bytes.subspan(from, std::min(kPieceBytes, bytes.size() - from));
     connection.send("upload", kUpload, {{"from", from}, {"data", base64(piece)}});
@@ -176,14 +176,14 @@ int control_by_hand(const ClientOptions& options, const Request& request, WaitFo
 int power_projector(const ClientOptions& options, bool on) {
   const int code =
       control_by_hand(options, {"projector", {{"power", on ? "on" : "off"}}}, WaitFor::Operation);
-  if (code == kOk && !options.json) fmt::print("projector {}\n", on ? "on" : "told to power off");
+  if (code == kOk && !options.json) fmt::print("projector {}\n", on ? "on" : "is powering off");
   return code;
 }
 
 int show_by_hand(const ClientOptions& options, const ShowOptions& show) {
   Request request{"show"};
   if (show.seconds) request.parameters["seconds"] = *show.seconds;
-  // Patterns' names have none of these.
+  // Names of patterns contain neither a dot nor a slash.
   if (!show.at_z_mm && show.what.find_first_of("./") == std::string::npos) {
     request.parameters["pattern"] = show.what;
     return control_by_hand(options, request, WaitFor::Picture);
@@ -203,8 +203,9 @@ int show_by_hand(const ClientOptions& options, const ShowOptions& show) {
 
 int light_by_hand(const ClientOptions& options, const Request& request, bool confirmed) {
   if (!confirmed) {
-    if (::isatty(STDIN_FILENO) == 0) throw UsageError("light on: nobody can be asked here, so say --confirm");
-    fmt::print("UV light for {} s. Eyes protected, nobody near the vat? yes/no: ",
+    if (::isatty(STDIN_FILENO) == 0)
+      throw UsageError("light on: standard input is not a terminal, so --confirm is required");
+    fmt::print("UV light for {} s. Eyes protected, no one near the vat? yes/no: ",
                request.parameters.value("seconds", 0.0));
     std::fflush(stdout);
     std::array<char, 16> answer{};
@@ -218,7 +219,7 @@ int light_by_hand(const ClientOptions& options, const Request& request, bool con
 }
 
 std::string describe_homing_shift(double shift_um) {
-  return fmt::format("found {:.1f} um {} than by the homing before", std::abs(shift_um),
+  return fmt::format("found {:.1f} um {} than at the previous homing", std::abs(shift_um),
                      shift_um < 0 ? "lower" : "higher");
 }
 

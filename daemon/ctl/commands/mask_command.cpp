@@ -21,7 +21,7 @@ namespace {
 
 using Json = DaemonConnection::Json;
 
-// The daemon has said why there is none.
+// The daemon's reason why there is no picture.
 class Refused : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -36,11 +36,11 @@ Json ask(DaemonConnection& connection, const Json& parameters) {
 
 std::vector<std::uint8_t> piece_in(const Json& reply) {
   const auto piece = from_base64(reply.at("data").get_ref<const std::string&>());
-  if (!piece || piece->empty()) throw std::runtime_error("a piece of it is empty or damaged");
+  if (!piece || piece->empty()) throw std::runtime_error("a piece of the picture is empty or damaged");
   return *piece;
 }
 
-// All of a picture, whose first piece this is.
+// Fetches the remaining pieces of a picture. Returns the whole picture.
 std::vector<std::uint8_t> rest_of(DaemonConnection& connection, const Json& first) {
   const auto size = first.at("bytes").get<std::size_t>();
   std::vector<std::uint8_t> bytes = piece_in(first);
@@ -69,7 +69,7 @@ NotedPicture fetch(DaemonConnection& connection) {
           note_of(first), true};
 }
 
-// Another mask may come while this one's pieces do.
+// Fetches the picture; starts again if a new mask replaces it between two pieces.
 NotedPicture fetch_patiently(DaemonConnection& connection) {
   constexpr int kAttempts = 5;
   for (int attempt = 1;; ++attempt) {
@@ -77,7 +77,7 @@ NotedPicture fetch_patiently(DaemonConnection& connection) {
       return fetch(connection);
     } catch (const Refused&) {
       if (attempt == kAttempts) throw;
-      // Nothing to wait for where there is no mask at all.
+      // Throws if there is no mask at all.
       (void)ask(connection, Json::object());
     }
   }

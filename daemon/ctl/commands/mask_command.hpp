@@ -1,5 +1,4 @@
-// contourctl mask: what the display shows. Prints its result and returns the exit code; what is wrong with
-// the daemon comes out as an exception (see exit_codes.hpp).
+// contourctl mask: the picture on the printer's display.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +8,8 @@
 
 namespace contourd::ctl {
 
-// As a PNG file, "-" for standard output; without it, it is drawn. Nothing is written when nothing is shown.
+// Writes the picture as a PNG file ("-": standard output), or draws it if `output` is nullopt. If nothing is
+// shown, writes nothing. Returns the exit code. Throws DaemonError, OutputError and UsageError.
 int mask(const ClientOptions& client, const std::optional<std::filesystem::path>& output);
 
 }  // namespace contourd::ctl

@@ -18,7 +18,7 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
-// As the text has it but for capitals, whose letters are then found as small ones. ASCII alone.
+// Returns the text with ASCII capitals as small letters.
 std::string in_small_letters(std::string_view text) {
   std::string small(text);
   std::ranges::transform(small, small.begin(),
@@ -26,7 +26,8 @@ std::string in_small_letters(std::string_view text) {
   return small;
 }
 
-// Where a secret's value begins: behind its name, which may end in other letters and quotes, and ':' or '='.
+// Returns the position of a secret's value: after its name, which may continue with other letters and quotes,
+// and after ':' or '='. npos if there is none.
 std::size_t secret_in(const std::string& line) {
   const std::string small = in_small_letters(line);
   std::size_t first = std::string::npos;

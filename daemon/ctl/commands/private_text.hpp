@@ -1,4 +1,4 @@
-// What is struck out of a text before its owner shows it to others. Thread-safe (no state).
+// Removes secrets and names from a text that a user shares with others. Thread-safe (no state).
 #pragma once
 
 #include <string>
@@ -6,8 +6,8 @@
 
 namespace contourd::ctl {
 
-// Line by line: what stands behind a word such as password, token, secret or key and a ':' or '='; the names
-// of users below /home and in "user NAME (NUMBER)".
+// Returns the text with *** in place of each value after a word such as password, token, secret or key and
+// ':' or '=' in its line, and of the names of users after /home/ and in "user NAME (NUMBER)".
 [[nodiscard]] std::string without_private_words(std::string_view text);
 
 }  // namespace contourd::ctl

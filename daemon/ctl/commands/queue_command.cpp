@@ -42,7 +42,8 @@ std::string time_of(const Json& job) {
       std::chrono::duration_cast<Duration>(std::chrono::duration<double>(job["print_time_s"].get<double>())));
 }
 
-// "exposure_ms 4000 instead of 3000, ..."; empty where its ticket sets none in the place of the profile.
+// Returns "exposure_ms 4000 instead of 3000, ...", or an empty text if the ticket overrides no setting of the
+// profile.
 std::string overrides_of(const Json& job) {
   std::string text;
   for (const Json& each : job.value("overrides", Json::array()))
@@ -51,7 +52,7 @@ std::string overrides_of(const Json& job) {
   return text;
 }
 
-// Of one that is not ready.
+// Returns the job's state in words.
 std::string_view state_of(const Json& job) {
   const std::string state = job.value("state", "");
   if (state == "unchecked") return "not checked yet";

@@ -1,4 +1,4 @@
-// What contourctl does with the queue: see request() in client.hpp.
+// contourctl queue and accept; the print functions are for request() in client.hpp.
 #pragma once
 
 #include <string>
@@ -7,14 +7,14 @@
 
 namespace contourd::ctl {
 
-// Two lines a job: number and file, and what is known of it.
+// Prints at least two lines per job: number and file, then state and details.
 void print_queue(const nlohmann::ordered_json& queue);
-// All that is known of the one job that was asked for.
+// Prints all details of the one job in the answer.
 void print_waiting_job(const nlohmann::ordered_json& queue);
 
-// Says what becomes of the job's files. Returns the exit code.
+// Removes the job from the queue, and prints where its files go. Returns the exit code.
 int remove_from_queue(const ClientOptions& options, const std::string& job);
-// Has it printed with what was found in it. Returns the exit code.
+// Accepts a job with its findings, so that it is printed. Returns the exit code.
 int accept_job(const ClientOptions& options, const std::string& job);
 
 }  // namespace contourd::ctl

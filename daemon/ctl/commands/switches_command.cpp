@@ -18,7 +18,7 @@ namespace {
 
 using Json = DaemonConnection::Json;
 
-// Edges are counted by the daemon: none is missed in between.
+// The daemon counts edges, so no edge is missed between two requests.
 constexpr auto kAskInterval = std::chrono::milliseconds(100);
 
 std::string switch_state(const Json& input) {
@@ -53,8 +53,8 @@ class SwitchView {
   }
 
  private:
-  // Where the terminal has become narrower or wider, nobody knows where the lines from before are now: they
-  // are left.
+  // Redraws the lines in place. After a change of the terminal's width, the position of the old lines is
+  // unknown: they stay, and new lines follow.
   void redraw(const Json& inputs) {
     const int columns = std::exchange(columns_, terminal_columns());
     if (columns == columns_ && shown_.is_array() && !shown_.empty()) fmt::print("\x1b[{}A", shown_.size());
@@ -69,7 +69,7 @@ class SwitchView {
   }
 
   bool json_, in_place_;
-  int columns_ = 0;  // of the terminal, when the lines were drawn
+  int columns_ = 0;  // width of the terminal when the lines were drawn
   Json shown_;
 };
 
@@ -92,7 +92,7 @@ int show_switches(const ClientOptions& options, bool once) {
     }
     view.show(inputs);
     if (once) return kOk;
-    // Nothing comes unasked: this waits, and tells when the daemon is gone.
+    // The daemon sends nothing unasked: this waits, and throws if the daemon is gone.
     (void)connection.receive_until(next + kAskInterval);
   }
 }

@@ -1,12 +1,13 @@
-// The live states of the printer's inputs, for whoever wires them.
+// contourctl switches: the live states of the printer's inputs, for wiring.
 #pragma once
 
 #include "daemon/ctl/terminal/client.hpp"
 
 namespace contourd::ctl {
 
-// Prints all inputs, then each that changes: in place on a terminal, else a line each. Until it is
-// interrupted or the daemon refuses, as when a print begins; only once if so wanted. Returns the exit code.
+// Prints all inputs, then each change: in place on a terminal, otherwise one line per change. Runs until it
+// is interrupted or the daemon refuses, for example because a print begins; with `once`, prints the states
+// once. Returns the exit code.
 int show_switches(const ClientOptions& options, bool once);
 
 }  // namespace contourd::ctl

@@ -34,9 +34,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 using SteadyClock = std::chrono::steady_clock;
 
-// A layer's times are the best of so many: what else the machine did meanwhile is not the model's.
+// Each layer is timed this often, and the shortest time counts, to exclude interruptions by other processes.
 constexpr int kRuns = 3;
-// What a page holds: some four megabytes of contours.
+// Limits of the page's picture: about four megabytes of contours.
 constexpr std::int32_t kMaxPictureLayers = 500;
 constexpr std::size_t kMaxPicturePoints = 700'000;
 
@@ -47,7 +47,7 @@ struct AnalysisSubject {
   AnalyzedModel model;
 };
 
-// In the middle of a display, without a printer.
+// Prepares the model in the middle of a display, without a printer's configuration.
 AnalysisSubject subject_alone(const AnalyzeOptions& options) {
   AnalysisSubject subject;
   Model model = read_model(options.model);
@@ -72,7 +72,7 @@ AnalysisSubject subject_alone(const AnalyzeOptions& options) {
   subject.model.size_z_mm = bounds.size_z();
   if (bounds.size_x() > options.display.width_mm() || bounds.size_y() > options.display.height_mm()) {
     subject.model.warnings.emplace_back(
-        "the model is larger than the display: what lies outside is not counted");
+        "the model is larger than the display: parts outside are not counted");
   }
   subject.engine =
       std::make_unique<ContourEngine>(held.engine(EngineSettings{options.display, options.anti_aliasing}));
@@ -84,10 +84,10 @@ AnalysisSubject subject_alone(const AnalyzeOptions& options) {
   return subject;
 }
 
-// As contourd prints it.
+// Prepares the model as contourd prints it.
 AnalysisSubject subject_of_printer(const AnalyzeOptions& options) {
   const PrinterConfig printer = load_printer_config(*options.printer, Places::Elsewhere);
-  // Bad files are told as by the other commands, before anything about the printer.
+  // Reads the model first, so that a bad file gives the same message as with other commands.
   (void)read_model(options.model);
   PreparedJob job = prepare_model({options.model.stem().string(), options.model, options.ticket}, printer,
                                   {options.supports, options.scale});
@@ -107,7 +107,7 @@ AnalysisSubject subject_of_printer(const AnalyzeOptions& options) {
   return subject;
 }
 
-// The thesis's loop of section 3.5: slice, then join, each timed.
+// Times slicing and joining of each layer (thesis, section 3.5).
 class Stopwatch {
  public:
   explicit Stopwatch(const ContourEngine& engine) : engine_(engine) {}

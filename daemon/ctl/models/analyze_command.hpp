@@ -1,5 +1,5 @@
-// contourctl analyze. Prints its result and returns the exit code; what is wrong
-// with the data or the daemon comes out as an exception (see exit_codes.hpp).
+// contourctl analyze: forecasts a whole print. Prints its result and returns the exit code. Problems with the
+// data are thrown as exceptions (see exit_codes.hpp).
 #pragma once
 
 #include <filesystem>
@@ -17,17 +17,17 @@ struct AnalyzeOptions {
   bool json = false;
   std::optional<std::filesystem::path> html;  // one self-contained page
 
-  // As contourd would print it: with this configuration, and a job's ticket.
+  // Configuration and ticket of a print by contourd.
   std::optional<std::filesystem::path> printer, ticket;
-  // Without a printer: turned so, in the middle of this display, and so much time for every layer.
+  // Without a configuration: the direction that points up, the display, and the time of each layer.
   std::optional<UpOption> up;
   DisplayGeometry display;
   AntiAliasing anti_aliasing = AntiAliasing::On;
   Nanometers layer_height{50'000};
   Duration layer_time{};
 
-  std::optional<SupportPolicy> supports;  // as the printer does without it; without a printer none
-  std::optional<double> scale;            // factor on the model's size
+  std::optional<SupportPolicy> supports;  // nullopt: as configured; without a configuration none
+  std::optional<double> scale;            // factor for the model's size
 };
 int analyze(const AnalyzeOptions& options);
 

@@ -21,12 +21,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Rows of the table of islands, and of those of suction cups and resin traps; the largest.
+// Limit of rows in each table of islands, suction cups and resin traps: the largest are listed.
 constexpr std::size_t kMaxRows = 50;
-// Contacts in the picture.
+// Limit of contacts in the picture.
 constexpr std::size_t kMaxContacts = 5000;
 
-// {{name}} in the template becomes the value of that name. What is put in is not looked at again.
+// Replaces each {{name}} in the template by the value of that name. Values are not searched for names.
 std::string filled(std::string_view text, const std::map<std::string, std::string, std::less<>>& values) {
   std::string page;
   while (true) {
@@ -72,12 +72,12 @@ std::string facts(const AnalyzedModel& m) {
   return rows;
 }
 
-// Where a layer is cut.
+// Returns the height at which a layer is cut.
 double height_mm(const AnalyzedModel& m, std::int32_t layer) {
   return to_millimeters(m.layer_middles[static_cast<std::size_t>(layer)]).count();
 }
 
-// The largest first.
+// Returns the islands, the largest first.
 std::vector<Island> islands_by_size(const AnalyzedModel& m) {
   std::vector<Island> islands = m.findings.islands;
   std::ranges::stable_sort(islands, [](const Island& a, const Island& b) { return a.area_mm2 > b.area_mm2; });
@@ -104,7 +104,7 @@ std::string island_table(const AnalyzedModel& m) {
   return table + "</table>\n";
 }
 
-// A kind of voids, and the number of the first of them among the picture's marks.
+// The voids of one kind.
 struct VoidsShown {
   const char* title;
   const char* id;
@@ -113,7 +113,7 @@ struct VoidsShown {
   std::vector<PrintVoid> voids;  // the largest first
 };
 
-// In the order of the picture's marks.
+// Returns the kinds of voids in the order of the picture's marks.
 std::vector<VoidsShown> voids_shown(const AnalyzedModel& m) {
   const PrintFindings& found = m.findings;
   std::vector<VoidsShown> shown{
@@ -159,7 +159,7 @@ std::string plot_of(const AnalyzedModel& m, const std::string& title, Value&& va
   return "<div>" + svg_plot(title, points) + "</div>\n";
 }
 
-// Tables 4.1 to 4.4 and 4.6 have mean and standard deviation above each plot.
+// Returns a plot's title with mean and standard deviation (thesis, tables 4.1 to 4.4 and 4.6).
 std::string titled(const char* name, const MeanAndDeviation& v) {
   return fmt::format("{} <small>mean {:.4g}, SD {:.4g}</small>", name, v.mean, v.deviation);
 }
@@ -191,7 +191,7 @@ Json quantity(const char* name, const char* unit, std::vector<double> values) {
   return {{"name", name}, {"unit", unit}, {"values", std::move(values)}};
 }
 
-// What the picture shows its layers' colours by.
+// Returns the quantities that the colours of the layers can show.
 Json quantities(const AnalyzedModel& m) {
   const auto of = [&m](auto&& value) {
     std::vector<double> values;
@@ -209,7 +209,7 @@ Json quantities(const AnalyzedModel& m) {
       quantity("Exposed area", "mm²", of([&](std::size_t i) { return m.findings.area_mm2[i]; }))};
 }
 
-// [cause, x, y, z, load, whether it is held].
+// Returns an array [cause, x, y, z, load, held] for each contact.
 Json contacts_json(const AnalyzedModel& m) {
   Json contacts = Json::array();
   if (!m.supports) return contacts;
@@ -255,7 +255,7 @@ Json picture_data(const AnalyzedModel& m) {
           {"support_loops", base64(stack.support_words)}};
 }
 
-// As the content of a script element: it must not end there.
+// Escapes JSON for the content of a script element, so that it cannot end the element.
 std::string json_in_html(const Json& json) {
   std::string safe;
   for (const char c : json.dump(-1, ' ', false, Json::error_handler_t::replace)) {
@@ -273,7 +273,7 @@ std::string json_in_html(const Json& json) {
 std::string layer_time_text(const AnalyzedModel& model) {
   std::string text = readable(model.findings.layer_time);
   if (model.assumed_layer_time) {
-    text += fmt::format(", at {:g} s each (--printer tells a printer's own)",
+    text += fmt::format(", at {:g} s each (--printer uses a printer's times)",
                         std::chrono::duration<double>(*model.assumed_layer_time).count());
   }
   return text;

@@ -1,5 +1,5 @@
-// The page that `contourctl analyze --html` writes: figures, the thesis's plots and correlations, and its
-// stacked contours as a picture that can be turned. One file that needs nothing else. Thread-safe.
+// The page of `contourctl analyze --html`: figures, the thesis's plots and correlations, and the stacked
+// contours as a picture that can be rotated. One self-contained file. Thread-safe.
 #pragma once
 
 #include <optional>
@@ -19,12 +19,12 @@ struct AnalyzedModel {
   std::string name;
   std::size_t facets = 0;
   double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;  // as printed
-  double top_mm = 0;                                   // above the plate
+  double top_mm = 0;                                   // height of the top above the plate
   DisplayGeometry display;
-  std::optional<Supports> supports;            // nothing where none are wanted
-  std::vector<Nanometers> layers;              // their thicknesses, from the plate up
-  std::vector<Nanometers> layer_middles;       // where they are cut
-  std::optional<Duration> assumed_layer_time;  // when no printer is known
+  std::optional<Supports> supports;            // nullopt: not wanted
+  std::vector<Nanometers> layers;              // thicknesses, from the plate up
+  std::vector<Nanometers> layer_middles;       // heights of the cuts
+  std::optional<Duration> assumed_layer_time;  // if there is no printer's configuration
   std::vector<std::string> warnings;           // about the file and its mesh
   PrintFindings findings;
   std::vector<LayerMeasurement> measurements;  // by layer; z above the plate
@@ -32,7 +32,7 @@ struct AnalyzedModel {
   ContourStack contours;
 };
 
-// How long the layers take, and where that is from.
+// Returns the time of all layers and its source, as text.
 [[nodiscard]] std::string layer_time_text(const AnalyzedModel& model);
 
 [[nodiscard]] std::string analysis_page(const AnalyzedModel& model);

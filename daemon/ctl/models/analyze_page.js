@@ -1,7 +1,7 @@
 "use strict";
-// The stacked contours as a picture that can be turned (thesis, figures 4.1 to 4.7): lines in WebGL 2, or on a
-// plain canvas where there is none. The marks (box, islands, suction cups, resin traps, what supports hold) are drawn
-// over it.
+// Draws the stacked contours as a picture that can be rotated (thesis, figures 4.1 to 4.7): lines in WebGL 2, or on a
+// 2-D canvas without WebGL. Marks (box, islands, suction cups, resin traps, contacts of supports) are drawn on a second
+// canvas above it.
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
   const places = [...data.islands, ...data.voids];
@@ -14,7 +14,7 @@
 
   // --- the contours, from 16-bit words to millimetres around the middle of the picture
 
-  // Places on the plate (mm) less `middle` are the picture's; it reaches as far as `reach` from there.
+  // The picture's coordinates are those of the plate (mm) minus `middle`; they range from -reach to reach.
   const middle = [0, 0, data.top_mm / 2], reach = [0, 0, data.top_mm / 2];
 
   function decode() {
@@ -30,7 +30,7 @@
       loops.push({layer: word(i), count: word(i + 1) + 65536 * word(i + 2), first: points, at: i + 3, support: 2 * i >= size});
       points += loops[loops.length - 1].count;
     }
-    const ends = [[65535, 0], [65535, 0]];  // lowest and highest word along x and y
+    const ends = [[65535, 0], [65535, 0]];  // smallest and largest word along x and y
     for (const loop of loops) {
       for (let i = 0; i < 2 * loop.count; ++i) {
         const end = ends[i % 2], w = word(loop.at + i);
@@ -70,7 +70,7 @@
     requestAnimationFrame(() => { wanted = false; draw(); });
   };
 
-  // Rows give right, up and away (all in millimetres) of a point.
+  // Returns a matrix whose rows give a point's coordinates on the screen: right, up, away from the viewer (mm).
   function axes() {
     const cy = Math.cos(view.yaw), sy = Math.sin(view.yaw), cp = Math.cos(view.pitch), sp = Math.sin(view.pitch);
     return [[cy, -sy, 0], [sy * sp, cy * sp, cp], [sy * cp, cy * cp, -sp]];
@@ -95,13 +95,13 @@
   const cssOf = (part) => `rgb(${colorOf(part).join(" ")})`;
   const figure = (value) => value === 0 ? "0" : Math.abs(value) >= 1000 ? value.toFixed(0) : value.toPrecision(3);
 
-  // The ends of the scale. The few largest values, where something else held the processor up, share its end.
+  // Returns the ends of the scale. The largest 1 % of values share its upper end: times that other processes disturbed.
   function rangeOf(values) {
     const sorted = [...values].sort((a, b) => a - b);
     const high = sorted[Math.floor((sorted.length - 1) * 0.99)];
     return {low: sorted[0], high, more: sorted[sorted.length - 1] > high};
   }
-  let parts = [];  // of the scale, by layer
+  let parts = [];  // position on the scale (0 to 1), by layer
   function chooseQuantity(index) {
     const quantity = data.quantities[index], range = rangeOf(quantity.values), span = range.high - range.low;
     parts = quantity.values.map((value) => span > 0 ? (value - range.low) / span : 0);
@@ -143,7 +143,7 @@
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) return null;
     gl.useProgram(program);
-    // Each point and the next of its loop; loops come layer by layer.
+    // Pairs of a point and the next point of its loop; loops are ordered by layer.
     const pairs = new Uint32Array(2 * points);
     const ends = [false, true].map(() => new Array(data.layers.length + 1).fill(0));  // of models, of supports
     const begins = [0, 2 * (loops.find((loop) => loop.support) || {first: points}).first];
@@ -199,10 +199,10 @@
     };
   }
 
-  // --- or on a plain canvas: fewer layers while it turns, so that it follows the hand
+  // --- lines on a 2-D canvas: fewer layers during a rotation, so that it follows the pointer
 
   function flatPainter() {
-    // A canvas that has been asked for WebGL gives nothing else.
+    // A canvas that was used for WebGL has no 2-D context, so a copy replaces it.
     const canvas = byId("contours").cloneNode();
     byId("contours").replaceWith(canvas);
     const context = canvas.getContext("2d");
@@ -240,7 +240,7 @@
     };
   }
 
-  // --- the marks: the box around the print, its islands, where its hollows are widest, and where supports hold it
+  // --- marks: the box around the print, islands, the widest layers of voids, and contacts of supports
 
   function drawMarks() {
     const context = marks.getContext("2d"), dot = devicePixelRatio || 1, [w, d, h] = reach;
@@ -283,7 +283,7 @@
     });
   }
 
-  // Dots by their cause; a cross where nothing holds.
+  // Draws a dot for each contact, coloured by its cause, and a cross for a place that is not supported.
   function drawContacts(context, dot, top) {
     const size = (data.contacts.length > 200 ? 2 : 3) * dot;
     for (const [cause, x, y, z, , held] of data.contacts) {
@@ -310,7 +310,7 @@
     drawMarks();
   }
 
-  // --- hands
+  // --- pointer and keys
 
   let turning = false;
   const fingers = new Map();
@@ -318,7 +318,7 @@
   const limit = (value, low, high) => Math.min(Math.max(value, low), high);
   function zoomBy(factor, x, y) {
     const zoom = limit(view.zoom * factor, 0.2, 60), real = zoom / view.zoom;
-    // What lies under the pointer stays there.
+    // The point under the pointer stays in place.
     const from = [x * dot() - marks.width / 2, y * dot() - marks.height / 2];
     view.shift = view.shift.map((shift, i) => from[i] + (shift - from[i]) * real);
     view.zoom = zoom;
@@ -393,7 +393,7 @@
     });
   }
 
-  // --- how much of the stack is shown, and by what colour
+  // --- controls: the layers shown, and their colours
 
   const cut = byId("cut");
   cut.max = String(data.layers.length);

@@ -1,4 +1,4 @@
-// The analysis page's parts; their definitions are made from analyze_page.* when the program is built.
+// Parts of the analysis page; the build generates their definitions from analyze_page.*.
 #pragma once
 
 #include <string_view>

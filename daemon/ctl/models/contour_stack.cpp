@@ -8,7 +8,7 @@ namespace contourd::ctl {
 namespace {
 
 constexpr double kWordMax = 65535;
-// Finer than a screen shows the whole of it.
+// Tolerance relative to the size: finer than a screen can show.
 constexpr double kFinest = 1.0 / 2500;
 
 double distance_to_line(const Point& p, const Point& a, const Point& b) {
@@ -18,7 +18,7 @@ double distance_to_line(const Point& p, const Point& a, const Point& b) {
   return std::fabs((p.x - a.x) * dy - (p.y - a.y) * dx) / length;
 }
 
-// Where all copies lie on the plate.
+// Returns the bounds of all copies on the plate.
 Bounds plate_bounds(const ContourEngine& engine, const DisplayGeometry& display) {
   Bounds all;
   for (const PlateModel& each : engine.models()) {
@@ -41,7 +41,7 @@ class Stacker {
   Stacker(const StackedPrint& print, const DisplayGeometry& display, std::span<const Nanometers> middles)
       : engine_(print.engine), supports_(print.supports), display_(display) {
     Bounds bounds = plate_bounds(engine_, display);
-    // Feet stand wider than anything that stands on them.
+    // Only the layers of the feet are examined: feet are the widest part of supports.
     for (std::size_t i = 0; supports_ != nullptr && i < middles.size(); i += kFeetSteps)
       include_supports(middles[i], bounds);
     if (bounds.empty()) return;
@@ -69,7 +69,7 @@ class Stacker {
   [[nodiscard]] ContourStack take() { return std::move(stack_); }
 
  private:
-  // How many layers are ignored where supports are looked at for how far they reach.
+  // Every n-th layer is examined for the bounds of supports.
   static constexpr std::size_t kFeetSteps = 8;
 
   void include_supports(Nanometers height, Bounds& bounds) {
@@ -127,8 +127,8 @@ class Stacker {
 
 std::vector<Point> simplified(std::span<const Point> polygon, double tolerance) {
   if (polygon.size() < 4) return {polygon.begin(), polygon.end()};
-  // Closed: from a point to the same again. The leftmost (of those the lowest) is a corner, to be kept
-  // anyhow.
+  // The closed polygon starts and ends at the same point: the leftmost (and lowest) point, which is a corner
+  // and always remains.
   const std::size_t n = polygon.size();
   const auto corner = std::ranges::min_element(
       polygon, [](const Point& a, const Point& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
@@ -168,7 +168,7 @@ ContourStack stack_contours(const StackedPrint& print, const DisplayGeometry& di
     Stacker stacker(print, display, middles);
     for (std::int32_t layer = 0; layer < count && stacker.points() <= limits.most_points; layer += step)
       stacker.add_layer(layer, middles[static_cast<std::size_t>(layer)]);
-    // Too many: every other one of them. A single layer is as coarse as it gets.
+    // Too many points: halve the number of layers, down to a single layer.
     if (stacker.points() <= limits.most_points || step >= count) return stacker.take();
     step *= 2;
   }

@@ -26,7 +26,7 @@ HeldModel hold_model(std::shared_ptr<const HeightIndex> model, const HoldingOpti
   HeldModel held = lay_on_plate(std::move(model), map);
   held.model.elevation = Elevation(support_lift(*held.model.model, options.settings, options.layer));
   if (held.model.top() > kHighestSweep) {
-    throw ModelError(fmt::format("the model is {:.0f} mm high: supports are looked for up to {:.0f} mm",
+    throw ModelError(fmt::format("the model is {:.0f} mm high: supports are possible up to {:.0f} mm",
                                  held.model.top().count(), kHighestSweep.count()));
   }
   held.supports = make_supports({{held.model}, options.display, options.settings}).value();

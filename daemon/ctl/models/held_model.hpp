@@ -1,5 +1,5 @@
-// A model as contourctl makes it ready without a printer: scaled, standing in the middle of a display, and
-// held by supports where they are wanted. Thread-safe (no shared state).
+// A model that contourctl prepares without a printer's configuration: scaled, in the middle of a display,
+// with supports if wanted. Thread-safe (no shared state).
 #pragma once
 
 #include <memory>
@@ -13,26 +13,26 @@ namespace contourd::ctl {
 
 struct HeldModel {
   PlateModel model;                  // one copy
-  std::optional<Supports> supports;  // nothing where none are wanted
+  std::optional<Supports> supports;  // nullopt: not wanted
 
   [[nodiscard]] ContourEngine engine(const EngineSettings& settings) const;
 };
 
 struct HoldingOptions {
   DisplayGeometry display;
-  Nanometers layer{50'000};  // the model is lifted by whole ones
+  Nanometers layer{50'000};  // the model is lifted by whole layers
   SupportSettings settings{};
 };
 
-// Blocks: see make_supports(). Nowhere is the model moved in x or y.
+// Prepares a model with supports. Does not move it in x or y. Blocks: see make_supports().
 [[nodiscard]] HeldModel hold_model(std::shared_ptr<const HeightIndex> model, const HoldingOptions& options);
-// The same without supports.
+// Prepares a model without supports.
 [[nodiscard]] HeldModel lay_on_plate(std::shared_ptr<const HeightIndex> model, const PixelMap& map);
 
-// The factor, if there is one. Throws ModelError when coordinates leave the range of numbers.
+// Scales the facets if there is a factor. Throws ModelError if coordinates leave the range of numbers.
 void scale_facets(std::vector<Facet>& facets, std::optional<double> factor);
 
-// What cannot be held, a line each on the standard error, the first ones.
+// Prints a warning about places that cannot be supported, if there are any.
 void warn_of_unheld(const HeldModel& model);
 
 }  // namespace contourd::ctl

@@ -1,5 +1,5 @@
-// contourctl inspect. Prints its result and returns the exit code; what is wrong
-// with the data or the daemon comes out as an exception (see exit_codes.hpp).
+// contourctl inspect: shows the contents and defects of a model's file. Prints its result and returns the
+// exit code. Problems with the data are thrown as exceptions (see exit_codes.hpp).
 #pragma once
 
 #include <filesystem>

@@ -9,7 +9,7 @@ namespace contourd {
 namespace {
 
 std::vector<PreviewPart> parts_of(const JobSummary& summary, const ContourEngine& engine) {
-  constexpr std::uint64_t kMaxFacets = 5'000'000;  // some seconds of drawing
+  constexpr std::uint64_t kMaxFacets = 5'000'000;  // drawing takes some seconds
   std::uint64_t facets = 0;
   for (std::size_t i = 0; i < summary.models.size(); ++i)
     facets += engine.models()[i].model->facets().size() * summary.models[i].centers.size();

@@ -1,4 +1,4 @@
-// The shaded picture of a job's models where they stand, for a person. Thread-safe (no shared state).
+// The shaded picture of a job's models in their places. Thread-safe (no shared state).
 #pragma once
 
 #include "core/engine/contour_engine.hpp"
@@ -7,11 +7,11 @@
 
 namespace contourd {
 
-// As wide and as high.
+// Width and height of the picture.
 inline constexpr Pixels kJobPictureSide{720};
 
-// All of them, from their facets. Takes up to some seconds: of a very large job, one of each model. `engine`
-// is that of the job of which `summary` tells.
+// Draws all models from their facets; for a very large job, one copy of each. Takes up to some seconds.
+// `summary` and `engine` are of the same job.
 [[nodiscard]] Mask draw_job_picture(const JobSummary& summary, const ContourEngine& engine);
 
 }  // namespace contourd

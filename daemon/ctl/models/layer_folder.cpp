@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whether layer_file() gives this name to some layer.
+// True if layer_file() returns this name for some layer.
 bool is_layer_file(const fs::path& path, std::string_view extension) {
   const std::string stem = path.stem().string();
   return path.extension() == extension && stem.size() >= 4 &&
@@ -25,11 +25,11 @@ bool is_layer_file(const fs::path& path, std::string_view extension) {
 std::vector<fs::path> layer_files_in(const fs::path& folder, std::string_view extension) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    // A folder of that name is none of ours.
+    // A folder with such a name is not a layer's file.
     if (is_layer_file(entry.path(), extension) && entry.symlink_status().type() != fs::file_type::directory)
       files.push_back(entry.path());
   }
-  // By number: the shorter names first.
+  // Sorted by number: shorter names first.
   std::ranges::sort(files, {},
                     [](const fs::path& path) { return std::pair(path.native().size(), path.native()); });
   return files;
@@ -49,7 +49,7 @@ void open_layer_folder(const fs::path& folder, std::string_view extension, Earli
     const std::vector<fs::path> files = layer_files_in(folder, extension);
     if (files.empty()) return;
     if (earlier == Earlier::Refuse) {
-      throw OutputError(fmt::format("{} holds {} of an earlier slice, {} to {}; --force replaces them",
+      throw OutputError(fmt::format("{} contains {} of an earlier slice, {} to {}; --force replaces them",
                                     folder.string(),
                                     files.size() == 1 ? "a file" : fmt::format("{} files", files.size()),
                                     files.front().filename().string(), files.back().filename().string()));

@@ -1,4 +1,4 @@
-// A folder with one file a layer: 0001.png, 0002.png and so on. Thread-safe (no shared state).
+// A folder with one file per layer: 0001.png, 0002.png and so on. Thread-safe (no shared state).
 #pragma once
 
 #include <cstddef>
@@ -8,15 +8,15 @@
 
 namespace contourd::ctl {
 
-// The name of a layer's file, the first being 1.
+// Returns the name of a layer's file; layers are counted from 1.
 [[nodiscard]] std::string layer_file(std::size_t layer, std::string_view extension);
 
-// What becomes of the files of an earlier slice: those behind the last new one would pass for layers of this
-// model.
+// The treatment of an earlier slice's files. They cannot stay: files after the last new layer would look like
+// layers of this model.
 enum class Earlier { Refuse, Replace };
 
-// Makes the folder, and removes such files from it, whatever else lies there staying. Throws OutputError when
-// that is not possible, or there are some that are not to be replaced; then nothing is changed.
+// Makes the folder and removes an earlier slice's files from it; other files stay. Throws OutputError if this
+// fails, or if there are such files and `earlier` is Refuse; then nothing is changed.
 void open_layer_folder(const std::filesystem::path& folder, std::string_view extension, Earlier earlier);
 
 }  // namespace contourd::ctl

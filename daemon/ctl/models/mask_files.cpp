@@ -25,12 +25,12 @@ void encode_mask(const std::filesystem::path& path, const Mask& mask, MaskPngEnc
   }
 }
 
-// Hands out the layers from the first to the last, or to the first that failed. Thread-safe.
+// Distributes the layers to threads, from the first to the last or to the first that failed. Thread-safe.
 class LayerQueue {
  public:
   explicit LayerQueue(std::size_t layers) : end_(layers) {}
 
-  // Calls work(layer) for layers that nobody else has, until there are none left.
+  // Calls work(layer) for layers that no other thread has, until none is left.
   template <typename Work>
   void serve(Work&& work) {
     for (std::size_t layer = next_++; layer < end_; layer = next_++) {
@@ -42,7 +42,7 @@ class LayerQueue {
     }
   }
 
-  // What the lowest layer that failed has thrown, if any has.
+  // Throws the exception of the lowest failed layer, if a layer failed.
   void rethrow() const {
     if (failure_) std::rethrow_exception(failure_);
   }
@@ -51,7 +51,7 @@ class LayerQueue {
   void fail(std::size_t layer, std::exception_ptr failure) {
     const std::lock_guard lock(failing_);
     if (layer >= end_) return;
-    end_ = layer;  // those below it are still tried: the lowest failure is the one told
+    end_ = layer;  // lower layers are still tried, so that the lowest failure is reported
     failure_ = std::move(failure);
   }
 
@@ -70,7 +70,7 @@ void write_mask(const std::filesystem::path& path, const Mask& mask) {
 std::vector<LayerCracks> write_masks(const std::filesystem::path& folder, std::span<const Nanometers> layers,
                                      const std::function<ContourEngine()>& make_engine) {
   LayerQueue queue(layers.size());
-  std::vector<LayerCracks> cracks(layers.size());  // each written by the one thread that has the layer
+  std::vector<LayerCracks> cracks(layers.size());  // each element is written by the thread that has the layer
   const auto write_some = [&] {
     std::optional<ContourEngine> engine;
     MaskPngEncoder encoder;

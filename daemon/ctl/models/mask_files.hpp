@@ -1,5 +1,5 @@
-// The masks of all layers as PNG files, made by as many threads as the machine has processors, each with an
-// engine of its own over the shared model. The files are the same however many threads there are.
+// Writes the masks of all layers as PNG files. Uses one thread per processor, each with its own engine for
+// the shared model. The files do not depend on the number of threads.
 #pragma once
 
 #include <filesystem>
@@ -13,12 +13,12 @@
 
 namespace contourd::ctl {
 
-// Replaces the file. Throws OutputError when it cannot be written.
+// Writes or replaces the file. Throws OutputError.
 void write_mask(const std::filesystem::path& path, const Mask& mask);
 
-// Writes 0001.png, 0002.png, ... into the folder, for layers cut at these heights above the plate. Blocks.
-// The first layer that fails stops all; what it throws is thrown here: OutputError when its file cannot be
-// written. `make_engine` is called on several threads at once. Returns what each layer's cracks cost.
+// Writes 0001.png, 0002.png, ... into the folder, for layers cut at these heights above the plate. Blocks. If
+// a layer fails, stops and throws the exception of the lowest failed layer: OutputError if its file cannot be
+// written. `make_engine` is called on several threads at once. Returns the cracks of each layer.
 std::vector<LayerCracks> write_masks(const std::filesystem::path& folder, std::span<const Nanometers> layers,
                                      const std::function<ContourEngine()>& make_engine);
 

@@ -1,5 +1,5 @@
-// contourctl orient. Prints its result and returns the exit code; what is wrong with the data comes out as an
-// exception (see exit_codes.hpp).
+// contourctl orient: finds the best orientation of a model. Prints its result and returns the exit code.
+// Problems with the data are thrown as exceptions (see exit_codes.hpp).
 #pragma once
 
 #include <filesystem>
@@ -13,12 +13,12 @@ struct OrientOptions {
   std::filesystem::path model;
   std::optional<double> scale;
   OrientationPreset preset = OrientationPreset::Auto;
-  // As contourd with this configuration prints it: its build volume, and its resin.
+  // Configuration of contourd, for build volume and resin.
   std::optional<std::filesystem::path> printer;
-  std::optional<std::filesystem::path> resin;     // a profile in the place of the printer's
+  std::optional<std::filesystem::path> resin;     // profile instead of the printer's resin
   std::optional<std::filesystem::path> html;      // one self-contained page
   std::optional<std::filesystem::path> pictures;  // a folder of PNGs
-  bool force = false;                             // replaces what an earlier one left in that folder
+  bool force = false;                             // replace the pictures of an earlier call
   bool json = false;
 };
 int orient(const OrientOptions& options);

@@ -50,7 +50,8 @@ std::string orientation_page(const std::string& name, const ModelOrientation& or
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
       "'unsafe-inline'; base-uri 'none'; form-action 'none'\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>{0}: ways up</title>\n<style>{1}{2}</style>\n<h1>{0}</h1>\n<p>{3}</p>\n<div class=\"ways\">\n",
+      "<title>{0}: orientations</title>\n<style>{1}{2}</style>\n<h1>{0}</h1>\n<p>{3}</p>\n<div "
+      "class=\"ways\">\n",
       escaped(name), kPageStyle, kStyle, describe(orientation));
   const std::span<const OrientationFigures> told = told_of(orientation.choice);
   for (std::size_t i = 0; i < told.size(); ++i)

@@ -1,5 +1,5 @@
-// The page that `contourctl orient --html` writes: the ways up that were rated best, each with its picture
-// and its figures. One file that needs nothing else. Thread-safe.
+// The page of `contourctl orient --html`: the best orientations, each with its picture and figures. One
+// self-contained file. Thread-safe.
 #pragma once
 
 #include <span>
@@ -10,11 +10,11 @@
 
 namespace contourd::ctl {
 
-// What `contourctl preview` shows, with that direction up. `facets` are the model's, as large as it is
+// Draws the model as `contourctl preview` does, with this direction up. `facets` are the model's, scaled as
 // printed.
 [[nodiscard]] Mask picture_of(std::span<const Facet> facets, const Direction& up);
 
-// A picture for each of told_of(). `name` is the model's file's.
+// Returns the page as HTML. `name`: the model's file name; `pictures`: one for each orientation of told_of().
 [[nodiscard]] std::string orientation_page(const std::string& name, const ModelOrientation& orientation,
                                            std::span<const Mask> pictures);
 

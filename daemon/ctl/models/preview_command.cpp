@@ -34,7 +34,7 @@ struct PreviewSubject {
   bool spooled = false;
 };
 
-// --- what is to be shown
+// --- the subject
 
 bool is_there(const fs::path& path) {
   std::error_code code;
@@ -43,7 +43,7 @@ bool is_there(const fs::path& path) {
 
 PreviewSubject file_subject(const PreviewOptions& options) {
   const fs::path path = options.subject;
-  look_at_model(path);  // what cannot be read is told as by the other commands
+  look_at_model(path);  // gives the same messages for unreadable files as other commands
   return {{path.stem().string(), path, options.ticket}, printable(path.filename().string())};
 }
 
@@ -59,10 +59,10 @@ PreviewSubject job_subject(const ClientOptions& client, const PreviewOptions& op
     try {
       return SpoolFolders(find_spool(client, options.spool));
     } catch (const DaemonError& error) {
-      throw DaemonError(
-          fmt::format("there is no file {}, and whether a job is called so is not known: {}; --spool names "
-                      "the folder of the jobs",
-                      in_quotes(options.subject), error.what()));
+      throw DaemonError(fmt::format(
+          "there is no file {}, and jobs cannot be looked up: {}; use --spool to name the spool's "
+          "folder",
+          in_quotes(options.subject), error.what()));
     }
   }();
   const std::optional<SpooledJob> job = find_job(spool, options.subject);
@@ -71,13 +71,13 @@ PreviewSubject job_subject(const ClientOptions& client, const PreviewOptions& op
                             fmt::format("neither a file nor a job in {} is called {}", spool.root().string(),
                                         in_quotes(options.subject)));
   }
-  if (options.ticket) throw UsageError("--ticket goes with a file: a job has its own");
+  if (options.ticket) throw UsageError("--ticket needs a model's file: a job has its own ticket");
   return {job->files,
           fmt::format("{}, in {}{}", printable(job->files.name), name_of(job->folder), elsewhere(*job)),
           true};
 }
 
-// A word with a slash, or that a file of this folder is called, is that file.
+// True if the subject is a file: it contains a slash, or it names an existing file.
 bool is_file(const std::string& subject) {
   std::error_code code;
   return subject.find('/') != std::string::npos || (is_there(subject) && !fs::is_directory(subject, code));
@@ -87,13 +87,13 @@ PreviewSubject subject_of(const ClientOptions& client, const PreviewOptions& opt
   return is_file(options.subject) ? file_subject(options) : job_subject(client, options);
 }
 
-// --- its picture
+// --- the picture
 
 PrinterConfig printer_for(const PreviewOptions& options, std::string_view what) {
   const fs::path file = options.printer.value_or(kDefaultConfig);
   if (!options.printer && !is_there(file)) {
-    throw UsageError(fmt::format(
-        "{} needs a printer's configuration: there is no {}, --printer names another", what, file.string()));
+    throw UsageError(fmt::format("{} needs a printer's configuration, but there is no {}; use --printer FILE",
+                                 what, file.string()));
   }
   return load_printer_config(file, Places::Elsewhere);
 }
@@ -170,22 +170,22 @@ NotedPicture draw(const PreviewSubject& subject, const PreviewOptions& options) 
     return shaded_job(subject, prepare_model(files, printer));
   } catch (const ModelError& error) {
     if (!subject.spooled || files.plate) throw;
-    // A job that cannot be printed can be looked at.
+    // A job that cannot be printed can still be drawn.
     NotedPicture picture = shaded_model(subject);
-    fmt::print(stderr, "contourctl: warning: shown as its file has it: {}\n", printable(error.what()));
+    fmt::print(stderr, "contourctl: warning: drawn as in its file: {}\n", printable(error.what()));
     return picture;
   }
 }
 
 void refuse_to_overwrite(const JobFiles& files, const PreviewOptions& options) {
   if (!options.output) return;
-  std::error_code code;  // of what is not there
+  std::error_code code;  // ignored: a file that does not exist is not the subject
   if (fs::equivalent(*options.output, files.model, code) ||
       (files.ticket && fs::equivalent(*options.output, *files.ticket, code)))
-    throw UsageError(fmt::format("-o {}: that is the file that is to be shown", options.output->string()));
+    throw UsageError(fmt::format("-o {}: this file is to be drawn", options.output->string()));
 }
 
-// A job may be moved while it is looked for: from one folder to the next, and there are four.
+// Tries again if the job is moved meanwhile: it can pass through four folders.
 NotedPicture find_and_draw(const ClientOptions& client, const PreviewOptions& options) {
   PreviewSubject subject = subject_of(client, options);
   refuse_to_overwrite(subject.files, options);

@@ -1,4 +1,4 @@
-// A model as every command reads it.
+// Reading of models, common to all commands.
 #pragma once
 
 #include <filesystem>
@@ -9,21 +9,21 @@
 
 namespace contourd::ctl {
 
-// read_model_file(), with the file's name in front of what is wrong with it; what needs more memory than
-// there is is not read. Throws as that does.
+// Reads a model like read_model_file(), with the file's name at the start of error messages. Refuses a model
+// that needs more memory than there is. Throws the exceptions of read_model_file().
 [[nodiscard]] Model read_model(const std::filesystem::path& path);
-// Throws as that does, as far as the file's beginning shows what is wrong.
+// Throws the exceptions of read_model() for defects that the beginning of the file shows.
 void look_at_model(const std::filesystem::path& path);
 
-// What is asked for beside a job's ticket.
+// Settings that override the job's ticket.
 struct AskedOfJob {
   std::optional<SupportPolicy> supports{};
-  std::optional<double> scale{};  // in the place of the ticket's
+  std::optional<double> scale{};
 };
 
-// As contourd with that configuration makes it ready to be printed, by its ticket if it has one. Throws
-// ModelError with what is wrong with the job, its ticket included, and ProfileTrouble with what is wrong with
-// the printer's own resin.
+// Prepares a job as contourd does with this configuration and the job's ticket, if it has one. Throws
+// ModelError for problems with the job or its ticket, and ProfileTrouble for problems with the printer's own
+// resin.
 [[nodiscard]] PreparedJob prepare_model(const JobFiles& files, const PrinterConfig& printer,
                                         const AskedOfJob& asked = {});
 

@@ -78,9 +78,10 @@ void warn_if_larger_than_display(const SliceOptions& options, const Bounds& boun
 
 void warn_if_beside_model(Millimeters z, const Bounds& bounds) {
   if (bounds.empty() || (z.count() >= bounds.min_z && z.count() <= bounds.max_z)) return;
-  fmt::print(stderr,
-             "contourctl: warning: z is {:.6g} mm, the model from {:.6g} to {:.6g} mm: nothing is cut\n",
-             z.count(), bounds.min_z, bounds.max_z);
+  fmt::print(
+      stderr,
+      "contourctl: warning: z is {:.6g} mm, but the model is from {:.6g} to {:.6g} mm: nothing is cut\n",
+      z.count(), bounds.min_z, bounds.max_z);
 }
 
 Json cracks_json(const LayerCracks& cracks) {
@@ -90,7 +91,7 @@ Json cracks_json(const LayerCracks& cracks) {
           {"widest_gap_mm", cracks.widest_gap.count()}};
 }
 
-// Of the whole print, where there are any.
+// Adds the supports of the whole print, if there are any.
 void add_supports(const HeldModel& held, Json& json) {
   if (held.supports) json["supports"] = supports_summary_json(counts_of(*held.supports));
 }
@@ -134,7 +135,7 @@ int slice_at_height(const SliceOptions& options, const HeldModel& held) {
   return kOk;
 }
 
-// Where each layer is cut, above the plate: at its middle.
+// Returns the heights above the plate at which the layers are cut: their middles.
 std::vector<Nanometers> layer_middles(const SliceOptions& options, const StandingModel& model) {
   const PrintLayers layers = options.adaptive ? PrintLayers({model}, *options.adaptive)
                                               : PrintLayers(layers_for(model.top(), *options.layer_height));
@@ -146,7 +147,7 @@ struct MeasuredLayers {
   std::vector<LayerCracks> cracks;
 };
 
-// The thesis's loop of section 3.5: slice, then join, each timed.
+// Times slicing and joining of each layer (thesis, section 3.5).
 MeasuredLayers measure_layers(const SliceOptions& options, const StandingModel& model,
                               std::span<const Nanometers> layers) {
   const PixelMap map = map_for(options, model.model->bounds());
@@ -240,7 +241,7 @@ int slice_layers(const SliceOptions& options, const HeldModel& held) {
   const Earlier earlier = options.force ? Earlier::Replace : Earlier::Refuse;
   if (options.masks) open_layer_folder(*options.masks, ".png", earlier);
   if (options.contours) open_layer_folder(*options.contours, ".csv", earlier);
-  // Masks alone ask for no measurement; anything else is measured.
+  // Layers are measured unless only masks are written.
   std::vector<LayerCracks> cracks;
   if (options.csv || options.contours || options.json || !options.masks) {
     MeasuredLayers measured = measure_layers(options, standing, layers);

@@ -1,5 +1,5 @@
-// The files that contourctl writes: the thesis's measurements and contours as CSV. Throws OutputError
-// when one cannot be written.
+// Writes the thesis's measurements and contours as CSV files. All functions throw OutputError if a file
+// cannot be written.
 #pragma once
 
 #include <filesystem>
@@ -12,16 +12,17 @@
 
 namespace contourd::ctl {
 
-// Replaces the file.
+// Writes or replaces the file.
 void write_text(const std::filesystem::path& path, std::string_view text);
 
-// One row a layer (thesis, section 3.5), under a heading.
+// Writes a heading, and one row per layer (thesis, section 3.5).
 void write_measurements(const std::filesystem::path& path, std::span<const LayerMeasurement> layers);
 
-// One row a measurement: mean and standard deviation (tables 4.1 to 4.6), then table 4.5's correlations.
+// Writes one row per measurement: mean and standard deviation (tables 4.1 to 4.6); then the correlations of
+// table 4.5.
 void write_statistics(const std::filesystem::path& path, const LayerStatistics& statistics);
 
-// One row a point: its loop, and where it is in the model and on the display.
+// Writes one row per point: its loop, and its positions in the model and on the display.
 void write_contours(const std::filesystem::path& path, const Contours& contours, const PixelMap& map);
 
 }  // namespace contourd::ctl

@@ -18,19 +18,19 @@ namespace fs = std::filesystem;
 
 constexpr std::array kFolders{SpoolFolder::Incoming, SpoolFolder::Printing, SpoolFolder::Done,
                               SpoolFolder::Failed};
-// The first is what is meant, if there is such a job.
-enum class Way { File, Name, Readable };
-constexpr std::array kWays{Way::File, Way::Name, Way::Readable};
-// How many jobs are named of those that are called alike.
+// Kinds of names, in the order in which they are tried.
+enum class NameKind { File, Name, Readable };
+constexpr std::array kNameKinds{NameKind::File, NameKind::Name, NameKind::Readable};
+// Limit of jobs that a message names.
 constexpr std::size_t kMostNamed = 5;
 
-bool is_called(const std::string& file, const std::string& name, Way way) {
-  switch (way) {
-    case Way::File:
+bool is_called(const std::string& file, const std::string& name, NameKind kind) {
+  switch (kind) {
+    case NameKind::File:
       return file == name;
-    case Way::Name:
+    case NameKind::Name:
       return job_name_of(file) == name;
-    case Way::Readable:
+    case NameKind::Readable:
       return printable(file) == name || printable(job_name_of(file)) == name;
   }
   return false;
@@ -40,15 +40,15 @@ bool is_called(const std::string& file, const std::string& name, Way way) {
   throw std::system_error(code, "cannot read " + folder.string());
 }
 
-// The files and folders in it that may be jobs' and are called so.
+// Returns the files and folders in `folder` that may be jobs and have this name.
 std::vector<std::string> found_in(const SpoolFolders& spool, SpoolFolder folder, const std::string& name,
-                                  Way way) {
+                                  NameKind kind) {
   std::vector<std::string> found;
   std::error_code code;
   fs::directory_iterator entry(spool.path(folder), code), end;
   for (; !code && entry != end; entry.increment(code)) {
     const std::string file = entry->path().filename().string();
-    if (is_called(file, name, way) && (is_model_name(file) || spool.is_plate(folder, file)))
+    if (is_called(file, name, kind) && (is_model_name(file) || spool.is_plate(folder, file)))
       found.push_back(file);
   }
   if (code) fail(spool.path(folder), code);
@@ -72,10 +72,10 @@ std::string name_of(SpoolFolder folder) {
 }
 
 std::optional<SpooledJob> find_job(const SpoolFolders& spool, const std::string& name) {
-  for (const Way way : kWays) {
+  for (const NameKind kind : kNameKinds) {
     std::optional<SpooledJob> job;
     for (const SpoolFolder folder : kFolders) {
-      const std::vector<std::string> found = found_in(spool, folder, name, way);
+      const std::vector<std::string> found = found_in(spool, folder, name, kind);
       if (found.empty()) continue;
       if (job) {
         job->others.push_back(folder);

@@ -1,4 +1,4 @@
-// A job in the spool, by what its owner calls it. Looks at the disk and changes nothing.
+// Finds a job in the spool by a name that a user types. Only reads.
 #pragma once
 
 #include <optional>
@@ -12,16 +12,16 @@ namespace contourd::ctl {
 struct SpooledJob {
   JobFiles files;
   SpoolFolder folder{};
-  // Where else there is one of that name.
+  // Other folders with a job of this name.
   std::vector<SpoolFolder> others{};
 };
 
-// "incoming" and so on.
+// Returns "incoming" and so on.
 [[nodiscard]] std::string name_of(SpoolFolder folder);
 
-// By its name, by its file's, or by either as people read it; before others, one that waits or is printed. It
-// may lie elsewhere a moment later. Nothing when there is none. Throws UsageError where more than one in a
-// folder is meant, and std::system_error when there is no spool, or a folder cannot be read.
+// Finds a job by its name, its file's name, or the printable form of either; a waiting or printing job comes
+// before others. The job may be moved at any time. Returns nullopt if there is none. Throws UsageError if the
+// name fits several jobs of a folder, and std::system_error if there is no spool or a folder cannot be read.
 [[nodiscard]] std::optional<SpooledJob> find_job(const SpoolFolders& spool, const std::string& name);
 
 }  // namespace contourd::ctl

@@ -1,5 +1,4 @@
-// The thesis's statistics of a sliced model (tables 4.1 to 4.6), printed for a person or as JSON, and its
-// layers in words.
+// The thesis's statistics of a sliced model (tables 4.1 to 4.6) as text or JSON, and its layers as text.
 #pragma once
 
 #include <span>
@@ -14,7 +13,7 @@ namespace contourd::ctl {
 void print_statistics(const LayerStatistics& statistics);
 [[nodiscard]] nlohmann::ordered_json statistics_json(const LayerStatistics& statistics);
 
-// Such as "400 of 50 um", "372 of 25 to 100 um".
+// Returns text such as "400 of 50 um" or "372 of 25 to 100 um".
 [[nodiscard]] std::string layers_text(std::span<const Nanometers> thicknesses);
 
 }  // namespace contourd::ctl

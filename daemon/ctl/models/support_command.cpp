@@ -24,7 +24,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Lines about contacts, and about places that are not held.
+// Limits of the lines about contacts, and of the lines about places that are not supported.
 constexpr std::size_t kMostLines = 40;
 
 void append_word(std::string& bytes, std::uint32_t word) {
@@ -32,7 +32,7 @@ void append_word(std::string& bytes, std::uint32_t word) {
     bytes += static_cast<char>((word >> shift) & 0xFFU);
 }
 
-// Programs work the normals out themselves.
+// Returns a binary STL file. The normals are 0, because programs compute them from the facets.
 std::string binary_stl(std::span<const Facet> facets) {
   constexpr std::size_t kHeaderBytes = 80, kFacetBytes = 50;
   std::string bytes = "supports by contourctl";

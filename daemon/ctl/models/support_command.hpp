@@ -1,5 +1,5 @@
-// contourctl support. Prints its result and returns the exit code; what is wrong with the data comes out as
-// an exception (see exit_codes.hpp).
+// contourctl support: generates supports. Prints its result and returns the exit code. Problems with the data
+// are thrown as exceptions (see exit_codes.hpp).
 #pragma once
 
 #include <filesystem>
@@ -14,13 +14,13 @@ namespace contourd::ctl {
 struct SupportOptions {
   std::filesystem::path model;
   bool json = false;
-  std::optional<double> scale;  // factor on the model's size
-  std::optional<UpOption> up;   // what points up; as the model is drawn
-  DisplayGeometry display;      // the model stands in its middle
+  std::optional<double> scale;  // factor for the model's size
+  std::optional<UpOption> up;   // direction that points up; nullopt: as drawn
+  DisplayGeometry display;      // the model is in its middle
   Nanometers layer_height{50'000};
-  // Binary: x and y as in the model's file, z above the plate.
+  // Binary STL file to write: x and y as in the model's file, z above the plate.
   std::optional<std::filesystem::path> stl;
-  bool with_model = false;  // in that file too
+  bool with_model = false;  // write the model to this file, too
 };
 int support(const SupportOptions& options);
 

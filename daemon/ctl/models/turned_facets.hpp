@@ -1,4 +1,4 @@
-// A model that is turned by --up before a command looks at it. Thread-safe (no shared state).
+// Turns a model by --up before a command uses it. Thread-safe (no shared state).
 #pragma once
 
 #include <optional>
@@ -10,12 +10,13 @@
 
 namespace contourd::ctl {
 
-// Where no printer is known everything fits, and supports hold what does not stand 5 mm high.
+// Limits without a printer's configuration: every size fits, and supports lift the model by 5 mm.
 inline constexpr OrientationLimits kAnyPrinter{
     {Millimeters{1e9}, Millimeters{1e9}, Millimeters{1e9}}, Scale{}, {}, Millimeters{5}};
 
-// Without `up` they stay as they are. Where the best way up is to be found, stderr is told what that is; no
-// printer is known then, and everything fits. `scale`: how much larger they will be.
+// Turns the facets so that `up` points up; does nothing without `up`. If the best orientation is to be found,
+// uses kAnyPrinter and prints the orientation on stderr. `scale`: factor by which the facets will be scaled
+// later.
 void turn_facets(std::vector<Facet>& facets, const std::optional<UpOption>& up, double scale = 1);
 
 }  // namespace contourd::ctl

@@ -1,4 +1,4 @@
-// What the option --up says: a direction of the model, or that the one which prints best is to be found.
+// The value of the option --up: a direction of the model, or a preset by which the best direction is found.
 // Thread-safe (no shared state).
 #pragma once
 
@@ -12,8 +12,8 @@ namespace contourd::ctl {
 
 using UpOption = std::variant<OrientationPreset, Direction>;
 
-// "auto", "fast", "clean", "safe" or "X,Y,Z". Throws UsageError for any other word, and for a direction that
-// is zero or not finite.
+// Parses "auto", "fast", "clean", "safe" or "X,Y,Z". Throws UsageError for any other word, and for a
+// direction that is zero or not finite.
 [[nodiscard]] UpOption parse_up(const std::string& word);
 
 }  // namespace contourd::ctl

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr unsigned kMostLines = 512;  // of a chip
+constexpr unsigned kMostLines = 512;  // read per chip
 constexpr std::size_t kMostModes = 200;
 
 FoundChip look_at_chip(const fs::path& device) {
@@ -36,13 +36,13 @@ void find_chips(const fs::path& root, MachineDevices& devices) {
     try {
       devices.chips.push_back(look_at_chip(device));
     } catch (const std::exception& error) {
-      devices.troubles.push_back(fmt::format("{}: {}: look as root, or as a member of the group gpio",
+      devices.troubles.push_back(fmt::format("{}: {}: run this as root, or as a member of the group gpio",
                                              device.string(), error.what()));
     }
   }
 }
 
-// "HDMI-A-1" of "card1-HDMI-A-1"; empty of what is no output.
+// Returns "HDMI-A-1" for "card1-HDMI-A-1", or an empty string if the entry is not an output.
 std::string output_name(const std::string& entry) {
   const std::size_t dash = entry.find('-');
   return entry.starts_with("card") && dash != std::string::npos ? entry.substr(dash + 1) : "";
@@ -62,7 +62,7 @@ void find_outputs(const fs::path& root, MachineDevices& devices) {
   }
 }
 
-// A PC has nodes for ports that nobody has built in: their type is 0.
+// True if the port exists. A PC has nodes for serial ports without hardware, and their type is 0.
 bool is_there(const fs::path& tty) {
   std::error_code none;
   return fs::exists(tty / "device" / "driver", none) &&
@@ -91,7 +91,7 @@ std::string describe(const FoundChip& chip) {
 
 std::string describe(const FoundOutput& output) {
   if (!output.connected) return fmt::format("Display: {}, nothing connected", output.name);
-  if (output.modes.empty()) return fmt::format("Display: {}, connected, tells no modes", output.name);
+  if (output.modes.empty()) return fmt::format("Display: {}, connected, reports no modes", output.name);
   const std::size_t others = output.modes.size() - 1;
   return fmt::format("Display: {}, connected, {}{}", output.name, output.modes.front(),
                      others > 0 ? fmt::format(" and {} other sizes", others) : "");
@@ -128,10 +128,10 @@ std::vector<std::string> describe(const MachineDevices& devices) {
         "Pi.");
   if (devices.outputs.empty())
     lines.emplace_back(
-        "Display: none. On a Raspberry Pi, dtoverlay=vc4-kms-v3d in /boot/firmware/config.txt gives the "
+        "Display: none. On a Raspberry Pi, dtoverlay=vc4-kms-v3d in /boot/firmware/config.txt enables the "
         "outputs.");
   else if (connected_output(devices) == nullptr)
-    lines.emplace_back("Display: plug the projector in and switch it on; else its size has to be typed in.");
+    lines.emplace_back("Display: plug the projector in and switch it on; otherwise enter its size by hand.");
   if (devices.ports.empty())
     lines.emplace_back(
         "Serial port: none. Plug in the USB serial adapter of the projector, unless a GPIO line switches the "

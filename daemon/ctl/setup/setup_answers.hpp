@@ -1,4 +1,4 @@
-// What whoever brings a printer up has answered. Thread-safe (no shared state).
+// The user's answers to the questions of contourctl setup. Thread-safe (no shared state).
 #pragma once
 
 #include <map>
@@ -7,12 +7,12 @@
 
 namespace contourd::ctl {
 
-// By the questions' keys; good ones are as setup_questions.hpp leaves them.
+// Answers by the keys of their questions. Valid answers have the form that Question::take() returns.
 using Answers = std::map<std::string, std::string>;
 
-// A finite number, and nothing else; a decimal point, no exponent needed.
+// Parses a finite number with a decimal point. Returns nullopt if the word is not exactly one number.
 [[nodiscard]] std::optional<double> number_of(const std::string& word);
-// The answer as a number. REQUIRES: there is one, and it is a number.
+// Returns the answer as a number. REQUIRES: the question has been answered with a number.
 [[nodiscard]] double number_in(const Answers& answers, const std::string& key);
 
 }  // namespace contourd::ctl

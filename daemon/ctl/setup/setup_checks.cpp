@@ -25,8 +25,8 @@ using namespace std::chrono_literals;
 constexpr const char* kConfiguration = "configuration";
 constexpr const char* kPassed = "passed";
 constexpr auto kAskInterval = 100ms;
-constexpr double kLight_s = 5;       // to look at a picture
-constexpr double kShortLight_s = 2;  // whose end is looked at
+constexpr double kLight_s = 5;       // long enough to examine a picture
+constexpr double kShortLight_s = 2;  // for the check that the light goes off
 constexpr double kMost_mm = 500;
 
 enum class Outcome { Passed, Skipped };
@@ -49,7 +49,7 @@ class Checks {
       outcomes_[check.name] = passed ? kPassed : "skipped";
       with_.keep();
     }
-    tell_end();
+    print_end();
   }
 
  private:
@@ -69,7 +69,7 @@ class Checks {
     return std::string_view(check.name) != "projector" || !is("projector_table", "none");
   }
 
-  // What keeps the daemon from doing it is said, and asked for again.
+  // Makes a check. If the daemon fails, prints the reason and offers another try.
   Outcome make(const Check& check) {
     fmt::print("\n");
     dialog_.say(fmt::format("Check: {}.", check.what));
@@ -79,12 +79,12 @@ class Checks {
       } catch (const DaemonError& error) {
         dialog_.say(fmt::format("{}.", error.what()));
       }
-      if (dialog_.ask_for_word("Enter: once more; skip:", {"again", "skip"}) == "skip")
+      if (dialog_.ask_for_word("Enter: try again; skip:", {"again", "skip"}) == "skip")
         return Outcome::Skipped;
     }
   }
 
-  void tell_end() {
+  void print_end() {
     fmt::print("\n");
     std::string skipped;
     for (const Check& check : kAll) {
@@ -93,22 +93,23 @@ class Checks {
       skipped = check.later;
       dialog_.say(fmt::format("  {}: {}", check.what, check.later), 4);
     }
-    if (skipped.empty()) dialog_.say("All checks are passed.");
+    if (skipped.empty()) dialog_.say("All checks passed.");
     if (outcomes_[kConfiguration] == "written")
-      dialog_.say("contourd takes the configuration by: sudo systemctl reload-or-restart contourd");
-    dialog_.say("Next: sudo contourctl level, for the plate; then docs/printing.md.");
+      dialog_.say("Apply the configuration with: sudo systemctl reload-or-restart contourd");
+    dialog_.say("Next: sudo contourctl level, to level the plate; then docs/printing.md.");
   }
 
-  // False: without.
+  // Restarts contourd if it does not run with the configuration as written. Returns false if the user skips
+  // the restart.
   bool take_configuration() {
     if (outcomes_[kConfiguration] != "written") return true;
-    if (!daemon_.start_anew(with_.config, answers_.at("name"))) return false;
+    if (!daemon_.restart(with_.config, answers_.at("name"))) return false;
     outcomes_[kConfiguration] = "taken";
     with_.keep();
     return true;
   }
-  // The answer, and the configuration with it, which contourd takes. False: not so, and it is as it was, or
-  // contourd is not to take it now.
+  // Changes an answer, writes the configuration and restarts contourd with it. Returns false if the
+  // configuration would not be valid (the answer is then unchanged), or if the user skips the restart.
   bool set_and_take(const char* key, const std::string& answer) {
     const Answers before = answers_;
     answers_[key] = answer;
@@ -121,40 +122,42 @@ class Checks {
   // --- the checks
 
   Outcome check_switch() {
-    if (skips("Leave the switch alone. Enter: its line is looked at; skip:")) return Outcome::Skipped;
+    if (skips("Do not touch the switch. Enter: read its line; skip:")) return Outcome::Skipped;
     const Json rest = daemon_.limit_switch();
     const bool reached = rest["active"].get<bool>();
-    dialog_.say(fmt::format("It is on {}. Now press it and let it go, by hand. Enter: skip.",
+    dialog_.say(fmt::format("Its line is {}. Now press and release it by hand. Enter: skip.",
                             rest.value("line", "")));
     const auto edges = rest.value("edges", std::uint64_t{0});
     while (daemon_.limit_switch().value("edges", std::uint64_t{0}) == edges)
       if (dialog_.typed_within(kAskInterval)) return Outcome::Skipped;
-    dialog_.say("Its line changes: it is wired.");
+    dialog_.say("Its line changes: the switch is wired.");
     if (!reached) return Outcome::Passed;
     const char* const other = is("switch_contact", "normally_closed") ? "normally_open" : "normally_closed";
-    dialog_.say(
-        fmt::format("But it counted as reached while it was left alone, so its contact is {}: switch_contact "
-                    "becomes that.",
-                    other));
+    dialog_.say(fmt::format(
+        "But it read as reached while untouched, so its contact is {}: switch_contact is changed.", other));
     return set_and_take("switch_contact", other) ? Outcome::Passed : Outcome::Skipped;
   }
 
-  // Two millimetres at most, until the switch closes: nobody knows yet which way it goes, and how far.
+  // Moves the plate by at most 2 mm, and only until the switch closes, because the direction and the length
+  // of the motor's steps are not known yet.
   Outcome check_direction() {
     dialog_.say(
-        "Which way does the plate go? Vat out, plate in the middle of its travel, nothing in its way, a hand "
-        "at the power. It goes 2 mm up, slowly, by the steps that were answered, and stops at the switch.");
+        "Which way does the plate move? Remove the vat, put the plate in the middle of its travel with "
+        "nothing "
+        "in its way, and keep a hand at the power switch. The plate moves up slowly, by 2 mm according to "
+        "the "
+        "answers so far, and stops at the switch.");
     while (true) {
-      if (skips("Enter: it moves; skip:")) return Outcome::Skipped;
+      if (skips("Enter: move; skip:")) return Outcome::Skipped;
       daemon_.control("move", {{"by_mm", 2}, {"unhomed", true}, {"plate_is_clear", true}},
-                      "The plate is not moved");
-      const std::string way =
-          dialog_.ask_for_word("It went: up, down, or not at all (no)?", {"again", "up", "down", "no"});
-      if (way == "up") return Outcome::Passed;
-      if (way == "no") {
-        dialog_.say("Look at the driver's supply, its current, ENABLE and STEP, then again.");
-      } else if (way == "down") {
-        dialog_.say("So DIR is turned round.");
+                      "The plate did not move");
+      const std::string direction =
+          dialog_.ask_for_word("It moved: up, down, or not at all (no)?", {"again", "up", "down", "no"});
+      if (direction == "up") return Outcome::Passed;
+      if (direction == "no") {
+        dialog_.say("Check the driver's supply, current, ENABLE and STEP, then try again.");
+      } else if (direction == "down") {
+        dialog_.say("DIR is inverted.");
         if (!set_and_take("direction_active_low", is("direction_active_low", "yes") ? "no" : "yes"))
           return Outcome::Skipped;
       }
@@ -163,78 +166,81 @@ class Checks {
 
   Outcome check_homing() {
     dialog_.say(
-        "The switch is as it was, the plug in. Nothing is on the plate or in its way, the vat is out. A "
-        "hand at the power: the plate goes to its switch, and stops there.");
+        "Does the plate stop at its switch? Put the switch and its plug back in place, remove the vat, make "
+        "sure that nothing is on the plate or in its way, and keep a hand at the power switch.");
     constexpr int kTimes = 2;
-    if (skips("Enter: twice; skip:")) return Outcome::Skipped;
+    if (skips("Enter: home twice; skip:")) return Outcome::Skipped;
     for (int i = 0; i < kTimes; ++i) {
-      daemon_.control("home", {{"plate_is_clear", true}}, "The plate is not homed");
-      if (i + 1 < kTimes) daemon_.control("move", {{"to_mm", middle()}}, "The plate is not moved");
+      daemon_.control("home", {{"plate_is_clear", true}}, "The plate was not homed");
+      if (i + 1 < kTimes) daemon_.control("move", {{"to_mm", middle()}}, "The plate did not move");
     }
-    const bool near = tell_shift();
+    const bool near = print_shift();
     const bool stopped =
         dialog_.ask_for_word("Did it stop at the switch both times (yes or no)?", {"yes", "no"}) == "yes";
     return near && stopped ? Outcome::Passed : Outcome::Skipped;
   }
-  // By the steps between both homings. False: by so much that they cannot be right.
-  bool tell_shift() {
+  // Prints the shift of the switch, from the steps counted between both homings. Returns false if the shift
+  // is too large for a working axis.
+  bool print_shift() {
     const std::optional<double> shift = daemon_.homing_shift_um();
     if (!shift) return true;
-    constexpr double kLayer_um = 50;  // a usual one
+    constexpr double kLayer_um = 50;  // usual layer height
     dialog_.say(fmt::format("The switch was {}.", describe_homing_shift(*shift)));
     if (std::abs(*shift) <= kLayer_um) return true;
     dialog_.say(
-        "That is more than a layer. Coupling or switch may be loose, or the motor loses steps: it wants more "
-        "current, or a lower homing_speed_mm_s or top_speed_mm_s.");
+        "This is more than a layer. The coupling or the switch may be loose, or the motor loses steps: raise "
+        "its current, or lower homing_speed_mm_s or top_speed_mm_s.");
     return false;
   }
   [[nodiscard]] double middle() const { return std::min(20.0, number_in(answers_, "travel_mm") / 2); }
 
-  // A short way first: nobody knows yet how far it goes.
+  // Moves the plate by a quarter of its travel, because the length of its steps is not known yet.
   Outcome check_steps() {
     if (!daemon_.height_mm()) {
-      dialog_.say("The plate's position is unknown: it has to be homed before.");
+      dialog_.say("The plate's position is unknown: home it first.");
       return Outcome::Skipped;
     }
-    const double travel = number_in(answers_, "travel_mm"), from = travel / 4, way = travel / 4;
-    if (skips(fmt::format("How far is a millimetre? Vat out. Enter: the plate goes to {:g} mm; skip:", from)))
+    const double travel = number_in(answers_, "travel_mm"), from = travel / 4, distance = travel / 4;
+    if (skips(fmt::format("How long is a millimetre? Remove the vat. Enter: move the plate to {:g} mm; skip:",
+                          from)))
       return Outcome::Skipped;
-    daemon_.control("move", {{"to_mm", from}, {"plate_is_clear", true}}, "The plate is not moved");
+    daemon_.control("move", {{"to_mm", from}, {"plate_is_clear", true}}, "The plate did not move");
     (void)dialog_.ask(
-        fmt::format("Measure the plate's height with a caliper. Enter: {:g} mm further up.", way));
-    daemon_.control("move", {{"to_mm", from + way}}, "The plate is not moved");
+        fmt::format("Measure the plate's height with a caliper. Enter: move {:g} mm further up.", distance));
+    daemon_.control("move", {{"to_mm", from + distance}}, "The plate did not move");
     const auto measured =
-        dialog_.ask_for_number("By how much is it higher now, mm (Enter: skip)?", 0.1, kMost_mm);
+        dialog_.ask_for_number("By how much did the plate rise, mm (Enter: skip)?", 0.1, kMost_mm);
     if (!measured) return Outcome::Skipped;
-    const double before = microsteps_per_mm(answers_), now = before * way / *measured;
-    // As well as a caliper tells it.
+    const double before = microsteps_per_mm(answers_), now = before * distance / *measured;
+    // Tolerance: the accuracy of a caliper over this distance.
     constexpr double kSame = 0.002;
     if (std::abs(now / before - 1) <= kSame) {
-      dialog_.say(fmt::format("That is right: {:g} microsteps are a millimetre.", before));
+      dialog_.say(fmt::format("Correct: {:g} microsteps are a millimetre.", before));
       return Outcome::Passed;
     }
-    dialog_.say(
-        fmt::format("{:g} mm were meant: {:g} microsteps would be a millimetre, not {:g}. If it is off by 2, "
-                    "4 or so, microsteps or screw_lead_mm is wrong; else the caliper may be.",
-                    way, now, before));
-    if (dialog_.ask_for_word("Is microsteps_per_mm to become that (no or yes)?", {"no", "yes"}) == "no")
+    dialog_.say(fmt::format(
+        "The plate should have risen {:g} mm: by this measurement, a millimetre is {:g} microsteps, "
+        "not {:g}. If it is wrong by a factor such as 2 or 4, microsteps or screw_lead_mm is wrong; "
+        "otherwise the measurement may be wrong.",
+        distance, now, before));
+    if (dialog_.ask_for_word("Change microsteps_per_mm accordingly (no or yes)?", {"no", "yes"}) == "no")
       return Outcome::Skipped;
     return set_and_take("microsteps_per_mm", fmt::format("{:.6g}", now)) ? Outcome::Passed : Outcome::Skipped;
   }
 
   Outcome check_projector() {
-    if (skips("Enter: the projector is asked how it is; skip:")) return Outcome::Skipped;
+    if (skips("Enter: query the projector; skip:")) return Outcome::Skipped;
     daemon_.control("projector", Json::object(), "The projector does not answer as its table says");
     const Json status = daemon_.ask("status");
     const Json& projector = status["manual"]["projector"];
     if (!projector.is_object() || !projector["powered"].is_boolean()) {
-      dialog_.say("Its table has no command to ask that.");
+      dialog_.say("Its table has no command that queries the power.");
       return Outcome::Skipped;
     }
     return Outcome::Passed;
   }
 
-  // Lit with that pattern, after a question. False: not.
+  // Asks for permission, then lights the pattern. Returns false if the answer is no.
   bool light(const char* pattern, double seconds) {
     const std::string answer = dialog_.ask_for_word(
         fmt::format("UV light for {:g} s, with {}. No resin in the vat, eyes protected (no or yes)?", seconds,
@@ -247,8 +253,8 @@ class Checks {
 
   Outcome check_picture() {
     dialog_.say(
-        "Is the picture the right way round? Look at the film from above. The filled square belongs at the "
-        "back on the left, and all of the border on the film.");
+        "Is the picture's orientation right? Look at the film from above: the filled square must be at the "
+        "back left, and the whole border must be on the film.");
     while (true) {
       if (!light("border", kLight_s)) return Outcome::Skipped;
       const std::string seen = dialog_.ask_for_word(
@@ -258,7 +264,7 @@ class Checks {
       if (seen != "again" && !set_and_take("mirror", mirrored(seen))) return Outcome::Skipped;
     }
   }
-  // What turns that round, too.
+  // Returns the value of `mirror` that corrects what the user has seen.
   [[nodiscard]] std::string mirrored(const std::string& seen) const {
     const bool x = (is("mirror", "x") || is("mirror", "both")) != (seen == "x" || seen == "both");
     const bool y = (is("mirror", "y") || is("mirror", "both")) != (seen == "y" || seen == "both");
@@ -267,8 +273,8 @@ class Checks {
 
   Outcome check_grid() {
     dialog_.say(
-        "Is the picture undistorted? The grid has a line every 5 mm. All of them straight, its cells square, "
-        "and as sharp in the corners as in the middle.");
+        "Is the picture undistorted? The grid has a line every 5 mm. All lines must be straight, the cells "
+        "square, and the corners as sharp as the middle.");
     while (true) {
       if (!light("grid", kLight_s)) return Outcome::Skipped;
       const std::string seen =
@@ -277,30 +283,34 @@ class Checks {
       if (seen == "yes") return Outcome::Passed;
       if (seen == "bent")
         dialog_.say(
-            "Turn the projector's keystone correction off, and set it square to the film; then again.");
-      if (seen == "blurred") dialog_.say("Turn the focus, and set it square to the film; then again.");
+            "Turn off the projector's keystone correction, and align the projector square to the film; then "
+            "try again.");
+      if (seen == "blurred")
+        dialog_.say("Adjust the focus, and align the projector square to the film; then try again.");
     }
   }
 
   Outcome check_pixels() {
     const double pitch = pixel_pitch_um(answers_);
     dialog_.say(
-        "How large is a pixel? Measure the rulers of the pattern dimensions, on paper in the film's place.");
+        "How large is a pixel? Put paper in place of the film, and measure the rulers of the pattern "
+        "dimensions.");
     if (!light("dimensions", kLight_s)) return Outcome::Skipped;
-    const auto told =
+    const auto nominal =
         dialog_.ask_for_number("Up to which tick did you measure, mm (Enter: skip)?", 1, kMost_mm);
-    if (!told) return Outcome::Skipped;
-    const auto measured = dialog_.ask_for_number("How long is that, mm (Enter: skip)?", 1, kMost_mm);
+    if (!nominal) return Outcome::Skipped;
+    const auto measured = dialog_.ask_for_number("How long is this distance, mm (Enter: skip)?", 1, kMost_mm);
     if (!measured) return Outcome::Skipped;
-    const double now = pitch * *measured / *told;
+    const double now = pitch * *measured / *nominal;
     dialog_.say(fmt::format("A pixel is {:.6g} um.", now));
-    if (*measured == *told) return Outcome::Passed;
+    if (*measured == *nominal) return Outcome::Passed;
     return set_and_take("pixel_pitch_um", fmt::format("{:.6g}", now)) ? Outcome::Passed : Outcome::Skipped;
   }
 
   Outcome check_light() {
     if (!light("white", kShortLight_s)) return Outcome::Skipped;
-    return dialog_.ask_for_word("Did the light go off by itself, wholly (yes or no)?", {"yes", "no"}) == "yes"
+    return dialog_.ask_for_word("Did the light go off by itself, completely (yes or no)?", {"yes", "no"}) ==
+                   "yes"
                ? Outcome::Passed
                : Outcome::Skipped;
   }
@@ -318,7 +328,7 @@ const Checks::Check Checks::kAll[9] = {
     {"homing", "homing", "contourctl home", &Checks::check_homing},
     {"steps", "the length of a millimetre", "contourctl move --by 50, and a caliper", &Checks::check_steps},
     {"projector", "the projector's answers", "contourctl projector status", &Checks::check_projector},
-    {"picture", "the picture's sides", "contourctl show border", &Checks::check_picture},
+    {"picture", "the picture's orientation", "contourctl show border", &Checks::check_picture},
     {"grid", "the picture's shape", "contourctl show grid", &Checks::check_grid},
     {"pixels", "the pixels' size", "contourctl show dimensions", &Checks::check_pixels},
     {"light", "the light's end", "contourctl light on --seconds 2", &Checks::check_light},

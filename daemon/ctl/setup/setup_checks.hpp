@@ -1,5 +1,5 @@
-// What contourctl setup tries out on the printer, by contourd as it runs with the new configuration, and what
-// follows from it for the answers. Not thread-safe.
+// The checks of contourctl setup on the printer, by a contourd that runs with the new configuration; a check
+// can correct an answer. Not thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -16,16 +16,17 @@ struct SetupChecks {
   SetupDialog& dialog;
   SetupRecord& record;
   std::filesystem::path config;
-  std::function<void()> keep;  // the record, as it is now
-  // The configuration, as the answers are now. False: that would not be good, which is said.
+  std::function<void()> keep;  // saves the record
+  // Writes the configuration from the current answers. Returns false after a message if it would not be
+  // valid.
   std::function<bool()> write;
 };
 
-// Makes those checks that have not been passed, in their order; each can be skipped. Says at the end which
-// have been, and how they are made later. Blocks. Throws SetupLeft.
+// Makes the checks that have not been passed yet, in their order; each can be skipped. At the end, lists the
+// skipped checks and how to make them later. Blocks. Throws SetupLeft.
 void check_printer(const SetupChecks& checks);
 
-// The record knows that contourd has not taken the configuration as it is written now.
+// Notes in the record that contourd must restart to read the new configuration.
 void expect_restart(SetupRecord& record);
 
 }  // namespace contourd::ctl

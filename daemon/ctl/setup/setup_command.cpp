@@ -42,7 +42,8 @@ std::string bytes_of(const fs::path& file) {
   }
 }
 
-// Beside the configuration, else the daemon's own, else the program's.
+// Returns the folder with this name for a new configuration: next to the configuration if there is one, else
+// in /etc/contourd, else the one installed with the program.
 std::string folder_for(const fs::path& config, const char* name) {
   std::error_code none;
   for (const fs::path& folder : {fs::path("/etc/contourd"), fs::path(kShipped)}) {
@@ -52,7 +53,7 @@ std::string folder_for(const fs::path& config, const char* name) {
   return name;
 }
 
-// A simulated printer to begin with where there is no configuration.
+// Returns a simulated printer as the starting point if there is no configuration.
 Json new_profile(const fs::path& config) {
   return {{"$schema", "contourd.schema.json"},
           {"name", "Resin printer"},
@@ -89,7 +90,7 @@ class Setup {
     facts_ = {find_devices(), find_tables(), given_name()};
     read_record();
     take_given();
-    dialog_.say("What is here:");
+    dialog_.say("Devices found:");
     for (const std::string& line : describe(facts_.devices))
       dialog_.say("  " + line, 4);
     try {
@@ -97,8 +98,8 @@ class Setup {
     } catch (const SetupLeft&) {
       fmt::print("\n");
       dialog_.say(record_.answers.empty()
-                      ? "Left, with nothing answered."
-                      : fmt::format("Left. {} goes on from here; {} has what was answered.", command(),
+                      ? "Quit without answers."
+                      : fmt::format("Quit. {} continues from here; the answers are in {}.", command(),
                                     record_file_.string()));
       return kFailed;
     } catch (const std::system_error& error) {  // all that is read has been read
@@ -107,7 +108,7 @@ class Setup {
   }
 
  private:
-  // Whoever runs a simulated printer has not named a real one yet.
+  // Returns the configured name of a real printer. The name of a simulated printer does not count.
   [[nodiscard]] std::string given_name() const {
     return base_.value("hardware", "") == "real" ? base_.value("name", "") : "";
   }
@@ -115,7 +116,7 @@ class Setup {
   void require_folder() const {
     if (::access(file_.parent_path().c_str(), W_OK) != 0)
       throw OutputError(
-          fmt::format("setup: cannot write into {}: {}; say sudo contourctl setup, or --config FILE",
+          fmt::format("setup: cannot write into {}: {}; use sudo contourctl setup, or --config FILE",
                       file_.parent_path().string(), std::strerror(errno)));
   }
   int decide() {
@@ -131,7 +132,7 @@ class Setup {
 
   void keep() const { write_setup_record(record_file_, record_); }
 
-  // --- what there is
+  // --- devices and files
 
   void read_configuration() {
     std::error_code none;
@@ -142,7 +143,7 @@ class Setup {
       (void)load_printer_config(file_);
       base_ = Json::parse(*before_);
     } catch (const ConfigError& error) {
-      dialog_.say(fmt::format("{}. It gives nothing to begin with.", first_line(error.what())));
+      dialog_.say(fmt::format("{}. Setup starts from the defaults instead.", first_line(error.what())));
     }
   }
   static std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
@@ -155,21 +156,21 @@ class Setup {
         try {
           tables[name] = load_projector_table(folder / (name + ".json")).switches_light();
         } catch (const ConfigError& error) {
-          dialog_.say(first_line(error.what()) + ". It is left out.");
+          dialog_.say(first_line(error.what()) + ". This table is ignored.");
         }
       }
     } catch (const std::system_error& error) {
-      dialog_.say(fmt::format("There are no projectors' tables: {}.", error.what()));
+      dialog_.say(fmt::format("No projector tables were found: {}.", error.what()));
     }
     return tables;
   }
 
   void read_record() {
     std::error_code none;
-    if (options_.anew || !fs::exists(record_file_, none)) return;
+    if (options_.restart || !fs::exists(record_file_, none)) return;
     record_ = read_setup_record(record_file_);
-    dialog_.say(fmt::format("Goes on with {} answers of {}; --anew forgets them.", record_.answers.size(),
-                            record_file_.string()));
+    dialog_.say(fmt::format("Continuing with {} answers; --restart discards them. They are in {}.",
+                            record_.answers.size(), record_file_.string()));
   }
 
   // --- answers without questions
@@ -190,8 +191,8 @@ class Setup {
     given_ = std::move(given);
     if (!given_.empty()) check_given();
   }
-  // In their order, with what is not known yet as it would be suggested. What is for another computer need
-  // not be here.
+  // Checks the given answers in the order of the questions; a missing answer counts as suggested. Devices are
+  // not compared with those of this computer, because the answers may be for another one.
   void check_given() const {
     const SetupFacts elsewhere{.devices = {}, .tables = facts_.tables};
     Answers answers = record_.answers;
@@ -229,18 +230,17 @@ class Setup {
     for (const std::string& key : unknown)
       names += (names.empty() ? "" : ", ") + key;
     throw UsageError(
-        fmt::format("setup: nobody can be asked, and no default is safe for {}: give each by --set "
-                    "KEY=VALUE, or in the file "
-                    "of --answers",
+        fmt::format("setup: no default is safe for {}: give an answer for each by --set KEY=VALUE, or in the "
+                    "file of --answers",
                     names));
   }
 
-  // --- with somebody
+  // --- dialog
 
   int lead() {
     dialog_.say(
-        "Enter takes what is suggested, back goes to the question before, quit leaves. Each answer is kept: "
-        "after quit, Ctrl-C or a lost terminal this goes on where it was.");
+        "Enter accepts the suggestion, back returns to the previous question, quit leaves. Each answer is "
+        "saved: after quit, Ctrl-C or a lost terminal, the next call continues here.");
     const auto keep = [this] { this->keep(); };
     dialog_.answer_all(record_.answers, facts_, keep);
     while (true) {
@@ -253,20 +253,20 @@ class Setup {
       } else if (find_question(key) != nullptr && find_question(key)->is_asked(record_.answers, facts_)) {
         dialog_.answer_again(key, record_.answers, facts_, keep);
       } else {
-        dialog_.say("That is none of the keys above.");
+        dialog_.say("This is none of the keys above.");
       }
     }
     return check();
   }
   [[nodiscard]] std::string prompt_to_write() const {
-    const std::string changes = "A key: that question again.";
-    if (is_so_already()) return fmt::format("{} Enter: {} is so already, go on:", changes, file_.string());
-    if (!before_) return fmt::format("{} Enter: {} is written:", changes, file_.string());
-    return fmt::format("{} Enter: {} is replaced, and stays beside it as it was:", changes, file_.string());
+    const std::string changes = "Type a key to answer its question again.";
+    if (is_up_to_date()) return fmt::format("{} Enter: {} is up to date, continue:", changes, file_.string());
+    if (!before_) return fmt::format("{} Enter: write {}:", changes, file_.string());
+    return fmt::format("{} Enter: replace {} and keep a copy:", changes, file_.string());
   }
 
-  // However it is formatted.
-  [[nodiscard]] bool is_so_already() const {
+  // True if the file has the configuration that would be written, in any formatting.
+  [[nodiscard]] bool is_up_to_date() const {
     if (!before_) return false;
     const nlohmann::json before = nlohmann::json::parse(*before_, nullptr, false);
     return before == nlohmann::json::parse(text());
@@ -284,21 +284,22 @@ class Setup {
     fmt::print("\n");
   }
 
-  // False: it would not be good, and why is said.
+  // Writes the configuration and the notes. Returns false after a message if the configuration would not be
+  // valid.
   bool write() {
     const std::string text = this->text();
     if (options_.non_interactive) require_replaceable();
-    if (!is_so_already()) {
+    if (!is_up_to_date()) {
       try {
-        // What this very run has written is nobody's work.
+        // A configuration that this run has written needs no copy.
         const bool own = own_text_ && bytes_of(file_) == *own_text_;
         const auto kept = replace_config(file_, text, own ? FileBefore::Gone : FileBefore::Kept);
-        if (kept) dialog_.say(fmt::format("As it was, it is {} now.", kept->string()));
+        if (kept) dialog_.say(fmt::format("The previous configuration is kept as {}.", kept->string()));
       } catch (const ConfigError& error) {
         if (options_.non_interactive) throw;
         for (const Violation& violation : error.violations())
           dialog_.say(fmt::format("{}: {}: {}", violation.file, violation.pointer, violation.message), 2);
-        dialog_.say("Nothing is written: what was answered does not go together with the rest of the file.");
+        dialog_.say("Nothing was written: the answers do not fit the rest of the file.");
         return false;
       }
       before_ = own_text_ = text;
@@ -306,23 +307,23 @@ class Setup {
     }
     keep();
     write_durably(notes_file_, notes_of(record_.answers, facts_, file_.string()));
-    dialog_.say(
-        fmt::format("{}: good. What was chosen and why is in {}.", file_.string(), notes_file_.string()));
+    dialog_.say(fmt::format("{}: good. The choices and their reasons are in {}.", file_.string(),
+                            notes_file_.string()));
     return true;
   }
-  // Nobody's work is lost.
+  // Throws UsageError if the write would replace an edited configuration without --replace.
   void require_replaceable() const {
-    if (!before_ || options_.replace || is_so_already()) return;
+    if (!before_ || options_.replace || is_up_to_date()) return;
     const fs::path shipped = fs::path(kShipped) / "contourd.json";
     if (std::error_code none; fs::exists(shipped, none) && *before_ == bytes_of(shipped)) return;
     throw UsageError(fmt::format(
-        "setup: {} is not as it was installed: --replace has it replaced, and kept beside the new one",
+        "setup: {} was edited after its installation: use --replace to replace it; a copy is kept",
         file_.string()));
   }
 
   int check() {
     if (record_.answers.at("hardware") != "real") {
-      dialog_.say("contourd takes it by: sudo systemctl reload-or-restart contourd");
+      dialog_.say("Apply it with: sudo systemctl reload-or-restart contourd");
       return kOk;
     }
     check_printer({.client = client_,
@@ -337,7 +338,7 @@ class Setup {
   const ClientOptions& client_;
   const SetupOptions& options_;
   fs::path file_, record_file_, notes_file_;
-  std::optional<std::string> before_, own_text_;  // the configuration as it is there; as it was written here
+  std::optional<std::string> before_, own_text_;  // the configuration's text: on disk; written by this run
   Json base_;
   SetupFacts facts_;
   SetupRecord record_;

@@ -1,4 +1,4 @@
-// From wired parts to a configuration that works, step by step with whoever stands at the printer.
+// contourctl setup: from wired parts to a working configuration, step by step with the user at the printer.
 #pragma once
 
 #include <filesystem>
@@ -13,17 +13,17 @@ namespace contourd::ctl {
 
 struct SetupOptions {
   std::filesystem::path config = kDefaultConfig;
-  std::optional<std::filesystem::path> answers;  // a file of them
+  std::optional<std::filesystem::path> answers;  // JSON file with answers
   std::vector<std::string> set;                  // KEY=VALUE
   bool non_interactive = false;
-  bool anew = false;     // what was answered before is forgotten
-  bool replace = false;  // an edited configuration, without asking
+  bool restart = false;  // discard the answers of earlier calls
+  bool replace = false;  // replace an edited configuration without asking
 };
 
-// Writes the configuration, and beside it what was answered and why. Asks by lines on standard input, unless
-// it is to ask nothing; what was answered stays when that ends anywhere. Returns the exit code. Throws
-// UsageError for what was given and is no answer, or was not and must be; ConfigError for what is wrong with
-// the files; OutputError where nothing can be written.
+// Writes the configuration, and next to it the answers and their reasons. Asks questions on standard input
+// unless `non_interactive` is set; answers are saved one by one, so that an interrupted setup can continue.
+// Returns the exit code. Throws UsageError for an invalid given answer, or a missing answer without a safe
+// default; ConfigError for mistakes in the files; OutputError if nothing can be written.
 int setup(const ClientOptions& client, const SetupOptions& options);
 
 }  // namespace contourd::ctl

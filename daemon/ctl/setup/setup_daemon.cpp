@@ -21,7 +21,7 @@ constexpr auto kDaemonPollInterval = 100ms;
 constexpr auto kLongestRestart = 60s;
 constexpr auto kLongestAnswer = 5s;
 
-// Whether it ends by then. What nobody asked for is nothing.
+// True if the connection ends within this time. Messages that arrive meanwhile are ignored.
 bool ends_within(DaemonConnection& connection, Clock::duration time) {
   try {
     (void)connection.receive_until(Clock::now() + time);
@@ -33,21 +33,20 @@ bool ends_within(DaemonConnection& connection, Clock::duration time) {
 
 }  // namespace
 
-bool SetupDaemon::start_anew(const std::filesystem::path& config, const std::string& name) {
+bool SetupDaemon::restart(const std::filesystem::path& config, const std::string& name) {
   const bool by_systemd = config == kDefaultConfig;
   const std::string prompt =
-      by_systemd
-          ? "Enter: systemctl reload-or-restart contourd; skip: no checks:"
-          : fmt::format("Enter, when contourd has been started anew with --config {}; skip: no checks:",
-                        config.string());
-  dialog_.say("contourd must run with what is written now.");
+      by_systemd ? "Enter: systemctl reload-or-restart contourd; skip: no checks:"
+                 : fmt::format("Restart contourd with --config {}, then press Enter; skip: no checks:",
+                               config.string());
+  dialog_.say("contourd must restart with the new configuration.");
   while (true) {
     std::optional<DaemonConnection> before = connect();
     if (dialog_.ask_for_word(prompt, {"done", "skip"}) == "skip") return false;
     if (by_systemd && !restart_service()) continue;
     if (before &&
         !ends_within(*before, by_systemd ? Clock::duration(kLongestRestart) : kDaemonPollInterval)) {
-      dialog_.say("contourd runs on as it was: it restarts once nothing prints.");
+      dialog_.say("contourd has not restarted yet: it restarts as soon as no job is printed.");
       continue;
     }
     if (answers_as(name)) return true;
@@ -58,7 +57,7 @@ bool SetupDaemon::restart_service() {
   constexpr std::size_t kMostBytes = 1000;
   try {
     if (run_program({"systemctl", "reload-or-restart", "contourd"}, kMostBytes).code == 0) return true;
-    dialog_.say("systemctl could not; systemctl status contourd says why.");
+    dialog_.say("systemctl failed; systemctl status contourd shows why.");
   } catch (const std::system_error& error) {
     dialog_.say(fmt::format("{}.", error.what()));
   }
@@ -69,11 +68,11 @@ bool SetupDaemon::answers_as(const std::string& name) {
   std::string why;
   for (const auto end = Clock::now() + kLongestRestart; Clock::now() < end;) {
     try {
-      const std::string its = ask("status").value("printer", "");
-      if (its == name) return true;
-      dialog_.say(fmt::format("contourd runs as {}, not as {}.", its, name));
+      const std::string printer = ask("status").value("printer", "");
+      if (printer == name) return true;
+      dialog_.say(fmt::format("contourd runs as {}, not as {}.", printer, name));
       return false;
-    } catch (const DaemonError& error) {  // it may be starting
+    } catch (const DaemonError& error) {  // contourd may still be starting
       why = error.what();
     }
     std::this_thread::sleep_for(kDaemonPollInterval);
@@ -99,16 +98,16 @@ SetupDaemon::Json SetupDaemon::ask(const char* method, const Json& parameters) c
   return reply->value("result", Json::object());
 }
 
-void SetupDaemon::control(const char* method, const Json& parameters, const char* otherwise) const {
-  if (control_by_hand(client_, {method, parameters}, WaitFor::Operation) != kOk) throw DaemonError(otherwise);
+void SetupDaemon::control(const char* method, const Json& parameters, const char* failure) const {
+  if (control_by_hand(client_, {method, parameters}, WaitFor::Operation) != kOk) throw DaemonError(failure);
 }
 
 void SetupDaemon::light(const char* pattern, double seconds) const {
-  DaemonConnection picture(client_.socket, kLongestAnswer);  // what it shows goes with it
+  DaemonConnection picture(client_.socket, kLongestAnswer);  // contourd ends the picture with this connection
   picture.send("show", 1, {{"pattern", pattern}});
   const Json reply = picture.receive();
   if (reply.contains("error")) throw DaemonError(reply["error"].value("message", ""));
-  control("light_on", {{"seconds", seconds}, {"in_resin", true}}, "There was no light");
+  control("light_on", {{"seconds", seconds}, {"in_resin", true}}, "The light did not turn on");
 }
 
 SetupDaemon::Json SetupDaemon::limit_switch() const {
@@ -116,7 +115,7 @@ SetupDaemon::Json SetupDaemon::limit_switch() const {
   for (const Json& input : inputs)
     if (input.value("name", "") == "limit switch" && input.contains("active") && input["active"].is_boolean())
       return input;
-  throw DaemonError("contourd cannot read the limit switch: contourctl status says why");
+  throw DaemonError("contourd cannot read the limit switch: contourctl status shows why");
 }
 
 std::optional<double> SetupDaemon::height_mm() const {

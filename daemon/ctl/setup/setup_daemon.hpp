@@ -1,5 +1,5 @@
-// contourd as contourctl setup has it do things: each by a connection of its own, which ends what it began.
-// Not thread-safe; blocks.
+// The running contourd, for contourctl setup. Each request uses its own connection, whose end also stops the
+// operation. Not thread-safe; blocks.
 #pragma once
 
 #include <filesystem>
@@ -16,27 +16,27 @@ class SetupDaemon {
  public:
   using Json = DaemonConnection::Json;
 
-  // Both must outlive it.
+  // Both references must outlive this object.
   SetupDaemon(const ClientOptions& client, SetupDialog& dialog) : client_(client), dialog_(dialog) {}
 
-  // Has it started anew with that configuration, by systemd where it is the service's, else by whoever
-  // answers. True when one answers that was not there before and calls itself by that name; false when that
-  // is skipped.
-  bool start_anew(const std::filesystem::path& config, const std::string& name);
+  // Restarts contourd with this configuration: by systemd if the file is the service's, else by asking the
+  // user. Returns true once a new contourd with this printer name answers, and false if the user skips that.
+  bool restart(const std::filesystem::path& config, const std::string& name);
 
-  // Throws DaemonError, also for what it refuses.
+  // Calls a method and returns its result. Throws DaemonError, also if contourd refuses.
   [[nodiscard]] Json ask(const char* method, const Json& parameters = Json::object()) const;
-  // Until it is over; what goes on and what is wrong is said. Throws DaemonError with that sentence when it
-  // was not done.
-  void control(const char* method, const Json& parameters, const char* otherwise) const;
-  // The pattern, lit for so long. Throws DaemonError.
+  // Runs a manual operation to its end, and prints its phases and problems. If it fails, throws DaemonError
+  // with the sentence `failure`.
+  void control(const char* method, const Json& parameters, const char* failure) const;
+  // Shows the pattern, lit for this time. Throws DaemonError.
   void light(const char* pattern, double seconds) const;
 
-  // As the method `inputs` has it. Throws DaemonError also when it cannot be read.
+  // Returns the limit switch as in the answer of the method `inputs`. Throws DaemonError, also if the switch
+  // cannot be read.
   [[nodiscard]] Json limit_switch() const;
-  // Nothing when it is unknown.
+  // Returns nullopt if the plate's height is unknown.
   [[nodiscard]] std::optional<double> height_mm() const;
-  // Of the homing that was just made; nothing when there was none before it from which steps were counted.
+  // Returns the shift of the switch at the last homing, or nullopt if no steps were counted before it.
   [[nodiscard]] std::optional<double> homing_shift_um() const;
 
  private:

@@ -17,8 +17,8 @@ namespace contourd::ctl {
 namespace {
 
 constexpr std::size_t kLongestLine = 1000;
-constexpr std::size_t kMostColumns = 100;  // that people read with ease
-constexpr std::size_t kNobody = static_cast<std::size_t>(-1);
+constexpr std::size_t kMostColumns = 100;  // longer lines are hard to read
+constexpr std::size_t kNoQuestion = static_cast<std::size_t>(-1);
 
 std::size_t columns() {
   return std::clamp(static_cast<std::size_t>(std::max(terminal_columns(), 0)), std::size_t{20}, kMostColumns);
@@ -95,7 +95,7 @@ std::string SetupDialog::ask_for_word(std::string_view prompt, const std::vector
     std::string choices;
     for (const std::string& word : words)
       choices += (choices.empty() ? "" : ", ") + word;
-    say("That is one of: " + choices + ".");
+    say("Expected one of: " + choices + ".");
   }
 }
 
@@ -105,7 +105,7 @@ std::optional<double> SetupDialog::ask_for_number(std::string_view prompt, doubl
     if (answer.empty()) return std::nullopt;
     const std::optional<double> number = number_of(answer);
     if (number && *number >= least && *number <= most) return number;
-    say(fmt::format("That is a number from {:g} to {:g}.", least, most));
+    say(fmt::format("Expected a number from {:g} to {:g}.", least, most));
   }
 }
 
@@ -117,7 +117,7 @@ bool SetupDialog::typed_within(std::chrono::milliseconds time) {
 }
 
 void SetupDialog::answer_all(Answers& answers, const SetupFacts& facts, const std::function<void()>& kept) {
-  answer_from(kNobody, answers, facts, kept);
+  answer_from(kNoQuestion, answers, facts, kept);
 }
 
 void SetupDialog::answer_again(std::string_view key, Answers& answers, const SetupFacts& facts,
@@ -129,7 +129,8 @@ void SetupDialog::answer_again(std::string_view key, Answers& answers, const Set
 void SetupDialog::answer_from(std::size_t again, Answers& answers, const SetupFacts& facts,
                               const std::function<void()>& kept) {
   const auto all = questions();
-  // What was answered before, or is for another computer, need not be plugged in now.
+  // Earlier answers are not compared with this computer's devices: a device need not be plugged in now, and
+  // the answers may be for another computer.
   const SetupFacts elsewhere{.devices = {}, .tables = facts.tables};
   std::vector<std::size_t> passed;
   for (std::size_t i = 0; i < all.size();) {
@@ -150,7 +151,7 @@ void SetupDialog::answer_from(std::size_t again, Answers& answers, const SetupFa
       continue;
     }
     if (answer_one(question, answers, facts)) {
-      again = kNobody;
+      again = kNoQuestion;
       passed.push_back(i++);
       kept();
     } else if (passed.empty()) {

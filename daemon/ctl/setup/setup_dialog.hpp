@@ -1,4 +1,4 @@
-// What contourctl setup says and asks, line by line on standard output and input. Not thread-safe.
+// The dialog of contourctl setup, line by line on standard output and input. Not thread-safe.
 #pragma once
 
 #include <chrono>
@@ -13,15 +13,15 @@
 
 namespace contourd::ctl {
 
-// Whoever answers wants to leave, or is gone.
+// Thrown when the user quits, or when standard input ends.
 struct SetupLeft {};
 
-// Standard input, line by line. What is longer than any answer is cut.
+// Reads standard input line by line. Lines that are longer than any answer are cut.
 class LineInput {
  public:
-  // Blocks. Nothing at the end of the input.
+  // Blocks until there is a line. Returns nullopt at the end of the input.
   [[nodiscard]] std::optional<std::string> line();
-  // Whether line() would not block by then.
+  // Waits at most this time. True if line() would not block.
   [[nodiscard]] bool wait(std::chrono::milliseconds time);
 
  private:
@@ -33,30 +33,30 @@ class LineInput {
 
 class SetupDialog {
  public:
-  // A paragraph, as wide as the terminal and no wider than people read; later lines begin with so many
-  // spaces.
+  // Prints a paragraph, wrapped to the terminal's width (at most 100 columns). Lines after the first are
+  // indented by `indent` spaces.
   void say(std::string_view text, std::size_t indent = 0) const;
 
-  // One line. Throws SetupLeft at `quit` and at the end of the input.
+  // Asks for one line. This and the next functions throw SetupLeft on `quit` and at the end of the input.
   [[nodiscard]] std::string ask(std::string_view prompt);
-  // For one of the words, until it is; an empty line is the first of them.
+  // Asks until the answer is one of the words or its beginning. An empty line selects the first word.
   [[nodiscard]] std::string ask_for_word(std::string_view prompt, const std::vector<std::string>& words);
-  // For a number; nothing for an empty line.
+  // Asks until the answer is a number within the limits. Returns nullopt for an empty line.
   [[nodiscard]] std::optional<double> ask_for_number(std::string_view prompt, double least, double most);
-  // Whether something was typed by then; it is read, and forgotten.
+  // Waits at most this time for a line, and discards it. True if there was one.
   [[nodiscard]] bool typed_within(std::chrono::milliseconds time);
 
-  // Asks what is asked and has no good answer yet, from there on, and calls `kept` behind each answer. `back`
-  // goes to the question before, and asks that again. Throws SetupLeft.
+  // Asks each applicable question that has no valid answer yet, and calls `kept` after each answer. `back`
+  // returns to the previous question. Throws SetupLeft.
   void answer_all(Answers& answers, const SetupFacts& facts, const std::function<void()>& kept);
-  // Asks that one again, then what has no good answer now.
+  // Asks this question again, then each question that now has no valid answer. Throws SetupLeft.
   void answer_again(std::string_view key, Answers& answers, const SetupFacts& facts,
                     const std::function<void()>& kept);
 
  private:
   void answer_from(std::size_t again, Answers& answers, const SetupFacts& facts,
                    const std::function<void()>& kept);
-  // False: back to the one before.
+  // Asks one question. Returns false if the user wants the previous question.
   bool answer_one(const Question& question, Answers& answers, const SetupFacts& facts);
   LineInput input_;
 };

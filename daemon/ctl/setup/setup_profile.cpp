@@ -19,7 +19,7 @@ constexpr double kHomingSpeed_mm_s = 3;
 constexpr int kWarmUp_s = 30;
 constexpr int kAcceleration_mm_s2 = 25;
 
-// As an owner writes it: 5 for 5.0, and no digits that come of division.
+// Returns the number as a person writes it: 5 for 5.0, rounded to six decimals.
 Json plain(double number) {
   constexpr double kDigits = 1e6;
   const double rounded = std::round(number * kDigits) / kDigits;
@@ -33,7 +33,7 @@ bool is_yes(const Answers& answers, const char* key) {
   return answer != answers.end() && answer->second == "yes";
 }
 
-// Its number where it is one.
+// Returns the line's configuration; a numeric answer becomes a number, a name stays a text.
 Json line_of(const Answers& answers, const char* key, bool active_low) {
   const std::string& word = answers.at(key);
   const std::optional<double> number = number_of(word);
@@ -52,7 +52,7 @@ void set_line(Json& section, const char* name, const Answers& answers, const cha
 void set_switch(Json& axis, const Answers& answers) {
   const bool to_ground = answers.at("switch_wired_to") == "ground";
   Json input = line_of(answers, "switch_line", to_ground);
-  // The resistor pulls away from where the contact pulls to.
+  // The resistor pulls in the opposite direction to the contact.
   input["bias"] = to_ground ? "pull_up" : "pull_down";
   input["contact"] = answers.at("switch_contact");
   axis["limit_switch"] = input;
@@ -72,7 +72,7 @@ void set_axis(Json& axis, const Answers& answers) {
     axis["homes_upwards"] = true;
     axis["switch_height_mm"] = plain(number_in(answers, "switch_height_mm"));
   } else if (was_top) {
-    axis.erase("switch_height_mm");  // else it is what levelling has found
+    axis.erase("switch_height_mm");  // otherwise keep the height from levelling
   }
   axis["step"] = line_of(answers, "step_line", false);
   axis["direction"] = line_of(answers, "direction_line", is_yes(answers, "direction_active_low"));
@@ -96,7 +96,8 @@ void set_projector(Json& projector, const Answers& answers) {
   projector["irradiance_mw_cm2"] = plain(number_in(answers, "irradiance_mw_cm2"));
   if (!projector.contains("warm_up_s")) projector["warm_up_s"] = kWarmUp_s;
   if (const std::string& table = answers.at("projector_table"); table != "none") {
-    if (projector.value("table", "") != table) projector.erase("brightness");  // another table's limits
+    if (projector.value("table", "") != table)
+      projector.erase("brightness");  // the limits are another table's
     projector["port"] = answers.at("serial_port");
     projector["table"] = table;
   } else {
@@ -146,8 +147,7 @@ std::vector<ExplainedAnswer> explained(const Answers& answers, const SetupFacts&
 
 std::string notes_of(const Answers& answers, const SetupFacts& facts, const std::string& config) {
   std::string notes = fmt::format(
-      "What contourctl setup has chosen for {}, and why. What each key there means: man "
-      "contourd.json.\n\n",
+      "Choices of contourctl setup for {}, with their reasons. man contourd.json explains each key.\n\n",
       printable(config));
   for (const std::string& line : describe(facts.devices))
     notes += line + "\n";

@@ -1,5 +1,4 @@
-// From answers to a printer's configuration, and to what its owner is told of it. Pure functions;
-// thread-safe.
+// Turns answers into a printer's configuration and into notes for its user. Pure functions; thread-safe.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,21 +9,24 @@
 
 namespace contourd::ctl {
 
-// Those of questions that are asked.
+// Returns the answers to questions that apply.
 [[nodiscard]] Answers asked_answers(const Answers& answers, const SetupFacts& facts);
 
-// The configuration with what was answered in it. `base` is a whole one, real or simulated; what nobody was
-// asked for stays as it is there. REQUIRES: asked_answers(), and one of each question that is asked.
+// Returns the configuration `base` with the answers in it. `base` is complete, real or simulated; its keys
+// without a question keep their values. REQUIRES: the answers are from asked_answers(), with an answer to
+// every question that applies.
 [[nodiscard]] nlohmann::ordered_json profile_of(const Answers& answers, nlohmann::ordered_json base);
 
 struct ExplainedAnswer {
   std::string key, answer;
   std::string why;  // one clause
 };
-// Of each question that is asked, in their order; all of them have been answered.
+// Returns the answer to each question that applies, in the questions' order. All of them must have been
+// answered.
 [[nodiscard]] std::vector<ExplainedAnswer> explained(const Answers& answers, const SetupFacts& facts);
 
-// The same with the questions, as the file that stays beside the configuration, since JSON has no comments.
+// Returns the questions with the explained answers, for a file next to the configuration, because JSON has no
+// comments.
 [[nodiscard]] std::string notes_of(const Answers& answers, const SetupFacts& facts,
                                    const std::string& config);
 

@@ -1,5 +1,5 @@
-// What contourctl setup asks: each question with its default, the reason for that, and what is no answer.
-// Pure functions of what was found and what was answered before. Thread-safe.
+// The questions of contourctl setup, each with its default, the reason for it, and a check of answers. Pure
+// functions of the devices found and the answers so far. Thread-safe.
 #pragma once
 
 #include <functional>
@@ -13,20 +13,20 @@
 
 namespace contourd::ctl {
 
-// What is known when a question is asked.
+// The facts that are known when a question is asked.
 struct SetupFacts {
   MachineDevices devices;
-  std::map<std::string, bool> tables = {};  // of projectors, by name: whether it switches the light
-  std::string name = {};                    // the printer's, where the configuration has one
+  std::map<std::string, bool> tables = {};  // projector tables by name; true: the table switches the light
+  std::string name = {};                    // name of the printer, if configured
 };
 
 struct Suggestion {
   std::string answer;
   std::string why;   // one clause
-  bool safe = true;  // may be taken where nobody can be asked
+  bool safe = true;  // may be used without asking
 };
 
-// What was typed, as it is kept; or a sentence that says why it is no answer.
+// The result of typed text: an answer to store, or a complaint (a sentence) that says why it is not valid.
 struct TakenAnswer {
   std::string answer;
   std::string complaint;
@@ -35,19 +35,21 @@ struct TakenAnswer {
 struct Question {
   std::string_view key;
   std::string_view text;
-  // False: what was answered before makes it pointless.
+  // False if earlier answers make the question pointless.
   std::function<bool(const Answers&, const SetupFacts&)> is_asked;
   std::function<Suggestion(const Answers&, const SetupFacts&)> suggest;
   std::function<TakenAnswer(const std::string& typed, const Answers&, const SetupFacts&)> take;
 };
 
-// In their order: each builds on answers to those before it that are asked.
+// Returns the questions in their order: a question may use the answers to the questions before it.
 [[nodiscard]] std::span<const Question> questions();
+// Returns nullptr if no question has this key.
 [[nodiscard]] const Question* find_question(std::string_view key);
-// "name, travel_mm, ..."
+// Returns "name, travel_mm, ...".
 [[nodiscard]] std::string question_keys();
 
-// Of the answers. REQUIRES: those that it comes from are there, and good.
+// Return values derived from the answers. REQUIRES: the answers from which the value derives exist and are
+// valid.
 [[nodiscard]] double microsteps_per_mm(const Answers& answers);
 [[nodiscard]] double pixel_pitch_um(const Answers& answers);
 struct DisplayMode {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kChecks = "checks";
 
-// As whoever answers would type it; nothing for what nobody can type.
+// Returns the value as a user would type it, or nullopt for a value that is no answer.
 std::optional<std::string> word_of(const nlohmann::json& value) {
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (value.is_number()) return value.dump();
@@ -22,12 +22,12 @@ std::optional<std::string> word_of(const nlohmann::json& value) {
 
 void read_checks(JsonDocument& document, const nlohmann::json& checks, SetupRecord& record) {
   const std::string pointer = std::string("/") + kChecks;
-  if (!checks.is_object()) return document.add_violation(pointer, "this is no object");
+  if (!checks.is_object()) return document.add_violation(pointer, "not an object");
   for (const auto& [name, outcome] : checks.items()) {
     if (outcome.is_string())
       record.checks[name] = outcome.get<std::string>();
     else
-      document.add_violation(child_pointer(pointer, name), "this is no text");
+      document.add_violation(child_pointer(pointer, name), "not a text");
   }
 }
 
@@ -38,7 +38,7 @@ SetupRecord read_setup_record(const std::filesystem::path& file) {
   SetupRecord record;
   const nlohmann::json all = document.value();
   if (!all.is_object()) {
-    document.add_violation("", "this is no object of answers");
+    document.add_violation("", "not an object with answers");
     document.throw_if_violated();
   }
   for (const auto& [key, value] : all.items()) {
@@ -46,11 +46,11 @@ SetupRecord read_setup_record(const std::filesystem::path& file) {
     if (key == kChecks) {
       read_checks(document, value, record);
     } else if (find_question(key) == nullptr) {
-      document.add_violation(pointer, "no question has this key; those there are: " + question_keys());
+      document.add_violation(pointer, "no question has this key; the keys are: " + question_keys());
     } else if (const auto word = word_of(value)) {
       record.answers[key] = *word;
     } else {
-      document.add_violation(pointer, "this is no text, number, true or false");
+      document.add_violation(pointer, "not a text, a number, true or false");
     }
   }
   document.throw_if_violated();

@@ -1,4 +1,4 @@
-// The file that keeps what whoever brings a printer up has answered. Thread-safe (no shared state).
+// The file with the answers and checks of contourctl setup. Thread-safe (no shared state).
 #pragma once
 
 #include <filesystem>
@@ -9,16 +9,15 @@
 
 namespace contourd::ctl {
 
-// What the questions have led to, and what has become of each check.
 struct SetupRecord {
   Answers answers;
-  std::map<std::string, std::string> checks;
+  std::map<std::string, std::string> checks;  // outcome by the name of the check
 };
 
-// A JSON object of answers, with "checks" in it where some were made. Throws ConfigError with all that is
-// wrong with it, a key that is no question's too.
+// Reads a JSON object of answers, with an optional member "checks". Throws ConfigError with all mistakes,
+// including unknown keys.
 [[nodiscard]] SetupRecord read_setup_record(const std::filesystem::path& file);
-// Blocks until the disk has it. Throws std::system_error.
+// Writes the record; blocks until it is on disk. Throws std::system_error.
 void write_setup_record(const std::filesystem::path& file, const SetupRecord& record);
 
 }  // namespace contourd::ctl

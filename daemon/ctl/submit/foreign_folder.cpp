@@ -30,7 +30,7 @@ struct Folder {
   int depth;
 };
 
-// What was thrown away, such as in "$RECYCLE.BIN", or found again is not to be printed.
+// False for hidden folders, and for folders with deleted or recovered files, such as "$RECYCLE.BIN".
 bool may_hold_models(const std::string& folder) {
   return !folder.starts_with('.') && !folder.starts_with('$') && folder != "lost+found";
 }
@@ -44,7 +44,7 @@ ForeignFolder::ForeignFolder(const std::filesystem::path& path)
 }
 
 FileDescriptor ForeignFolder::open(const std::string& path, int flags) const {
-  // O_NONBLOCK: a FIFO has no writer.
+  // O_NONBLOCK: opening a FIFO would wait for a writer.
   open_how how{};
   how.flags =
       static_cast<decltype(how.flags)>(flags | O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY | O_NOFOLLOW);
@@ -67,7 +67,7 @@ FileDescriptor ForeignFolder::open(const std::string& path) const {
 
 DIR* ForeignFolder::open_stream(const std::string& path) const {
   const FileDescriptor opened = open(path, O_DIRECTORY);
-  // The stream closes its own descriptor.
+  // The stream closes its descriptor, so it gets a duplicate.
   return opened.valid() ? ::fdopendir(::dup(opened.get())) : nullptr;
 }
 

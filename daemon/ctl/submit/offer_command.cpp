@@ -32,11 +32,11 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMostModels = 20;
 constexpr std::uint64_t kLargestModel = std::uint64_t{1} << 30U;
 constexpr std::uint64_t kMostTogether = std::uint64_t{4} << 30U;
-// What the spool's disk keeps free.
+// Free space that must remain on the spool's disk.
 constexpr std::uint64_t kLeftFree = std::uint64_t{256} << 20U;
-constexpr std::size_t kMostTold = 20;
+constexpr std::size_t kMostReported = 20;
 
-// A file of the folder that is not taken; what() is a clause on why.
+// A file of the folder that is not taken; what() is the reason, as a clause.
 struct NotTaken : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -56,8 +56,8 @@ std::string facts_of(const FileDescriptor& file) {
   return fmt::format("{} {}.{}", status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
 }
 
-// A model's name in the spool, whatever bytes the folder has for it: it can be typed and is taken for no
-// option.
+// Returns a name for the model in the spool that can be typed and cannot be confused with an option, whatever
+// bytes the original name has.
 std::string plain_name(const std::string& path) {
   const fs::path file = fs::path(path).filename();
   std::string stem = printable(file.stem().string());
@@ -68,7 +68,7 @@ std::string plain_name(const std::string& path) {
 
 void look_at(const FileDescriptor& model, std::uint64_t bytes, const std::string& path) {
   if (bytes > kLargestModel)
-    throw NotTaken(fmt::format("its {} bytes are more than {}", bytes, kLargestModel));
+    throw NotTaken(fmt::format("its size of {} bytes is above {}", bytes, kLargestModel));
   const int reading = ::dup(model.get());
   const std::unique_ptr<std::FILE, CloseFile> file(reading < 0 ? nullptr : ::fdopen(reading, "rb"));
   if (!file) throw std::system_error(errno, std::generic_category());
@@ -90,19 +90,17 @@ class Offer {
     const FoundModels found = folder_.models();
     for (const std::string& path : found.paths) {
       if (jobs_ == kMostModels) {
-        tell_left(
-            fmt::format("of a folder {} models are taken at a time; the next ones are when it is "
-                        "offered again",
-                        kMostModels));
+        report_left(fmt::format(
+            "only {} models are taken at a time; offer the folder again for the next ones", kMostModels));
         break;
       }
       consider(path);
     }
     if (!found.all)
-      tell_left(fmt::format("there are more than {} names; the others were not looked at",
+      tell_left(fmt::format("the folder has more than {} names; the others were ignored",
                             ForeignFolder::kMostNames));
     if (found.unread > 0) tell_left(fmt::format("folders that cannot be read: {}", found.unread));
-    if (untold_ > 0) fmt::print(stderr, "contourctl: {} more are not taken\n", untold_);
+    if (unreported_ > 0) fmt::print(stderr, "contourctl: {} more are not taken\n", unreported_);
     if (jobs_ == 0 && !left_ && !client_.json)
       fmt::print("nothing to take{}\n",
                  before_ > 0 ? fmt::format("; {} were taken before", before_) : std::string());
@@ -114,13 +112,13 @@ class Offer {
     try {
       take(path);
     } catch (const NotTaken& why) {
-      tell_not_taken(path, why.what());
+      report_not_taken(path, why.what());
     } catch (const UnreadableFile& why) {
-      tell_not_taken(path, why.what());
+      report_not_taken(path, why.what());
     } catch (const ModelError& why) {
-      tell_not_taken(path, why.what());
+      report_not_taken(path, why.what());
     } catch (const std::system_error& why) {
-      tell_not_taken(path, why.code().message());
+      report_not_taken(path, why.code().message());
     }
   }
 
@@ -147,7 +145,7 @@ class Offer {
     try {
       return folder_.open(fs::path(path).replace_extension(".json").string());
     } catch (const UnreadableFile& error) {
-      // A name that is too long is nobody's.
+      // If the ticket's name would be too long, there is no ticket.
       if (error.code() == std::errc::no_such_file_or_directory ||
           error.code() == std::errc::filename_too_long)
         return {};
@@ -164,30 +162,29 @@ class Offer {
 
   void require_room(std::uint64_t bytes) const {
     if (bytes_ + bytes > kMostTogether)
-      throw NotTaken(
-          fmt::format("{} bytes are taken at a time; it is when it is offered again", kMostTogether));
+      throw NotTaken(fmt::format("only {} bytes are taken at a time; offer the folder again", kMostTogether));
     struct statvfs disk {};
     if (::statvfs(submission_.incoming().c_str(), &disk) != 0)
       throw OutputError(fmt::format("cannot put anything into {}: {}", submission_.incoming().string(),
                                     std::generic_category().message(errno)));
     if (disk.f_bavail * disk.f_frsize < bytes + kLeftFree)
-      throw NotTaken("the spool's disk has no room for it");
+      throw NotTaken("the spool's disk has not enough room for it");
   }
 
   void note(const std::string& mark) {
     try {
       taken_->add(mark);
     } catch (const std::system_error& error) {
-      throw OutputError(fmt::format("cannot note in {} what is taken: {}", options_.once->string(),
+      throw OutputError(fmt::format("cannot record taken files in {}: {}", options_.once->string(),
                                     error.code().message()));
     }
   }
 
-  void tell_not_taken(const std::string& path, const std::string& why) {
-    if (++told_ <= kMostTold)
+  void report_not_taken(const std::string& path, const std::string& why) {
+    if (++reported_ <= kMostReported)
       tell_left(in_quotes(path) + " is not taken: " + why);
     else
-      ++untold_;
+      ++unreported_;
   }
 
   void tell_left(const std::string& sentence) {
@@ -200,7 +197,7 @@ class Offer {
   ForeignFolder folder_;
   SpoolSubmission submission_;
   std::optional<TakenFiles> taken_;
-  std::size_t jobs_ = 0, before_ = 0, told_ = 0, untold_ = 0;
+  std::size_t jobs_ = 0, before_ = 0, reported_ = 0, unreported_ = 0;
   std::uint64_t bytes_ = 0;
   bool left_ = false;
 };

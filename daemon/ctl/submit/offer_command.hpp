@@ -1,5 +1,5 @@
-// contourctl offer. Prints its result and returns the exit code; what is wrong with the folder or the spool
-// comes out as an exception (see exit_codes.hpp).
+// contourctl offer: queues the models of an untrusted folder. Problems with the folder or the spool are
+// thrown as exceptions (see exit_codes.hpp).
 #pragma once
 
 #include <filesystem>
@@ -12,14 +12,16 @@ namespace contourd::ctl {
 
 struct OfferOptions {
   std::filesystem::path folder;
-  std::optional<std::filesystem::path> spool;  // contourd is asked for it when it is not given
-  // What was taken before is noted here, and not taken again; by the label, and what a file is.
+  std::optional<std::filesystem::path> spool;  // nullopt: ask contourd
+  // Record of the files taken, which are not taken again. A file is identified by `label`, path, size and
+  // time.
   std::optional<std::filesystem::path> once;
   std::string label;
 };
 
-// Puts the models of a folder that nobody vouches for into the queue, as submit does, each with the ticket
-// beside it; so many and so much at most. What it does not take is told, and keeps none of the others.
+// Puts the models of the folder into the queue, as submit does, each with the ticket next to it. The number
+// and the total size are limited. Reports each file that is not taken, and continues with the others. Returns
+// the exit code.
 int offer(const ClientOptions& client, const OfferOptions& options);
 
 }  // namespace contourd::ctl

@@ -13,20 +13,21 @@ namespace contourd::ctl {
 
 namespace fs = std::filesystem;
 
-// The installed one only if it is that of who prints from this spool.
 SpoolPrinter printer_of(const fs::path& spool, const std::optional<fs::path>& given) {
   if (given) return {load_printer_config(*given, Places::Elsewhere), ""};
-  std::string why = fmt::format("{} is of another spool", kDefaultConfig);
+  std::string why = fmt::format("{} is for another spool", kDefaultConfig);
   try {
     PrinterConfig config = load_printer_config(kDefaultConfig, Places::Elsewhere);
     std::error_code ignored;
     if (fs::equivalent(config.spool_folder, spool, ignored)) return {std::move(config), ""};
   } catch (const ConfigError& error) {
-    why = error.violations().empty() ? "its file is wrong" : ConfigError({error.violations().front()}).what();
+    why = error.violations().empty() ? "its configuration is not valid"
+                                     : ConfigError({error.violations().front()}).what();
   } catch (const std::exception& error) {
     why = error.what();
   }
-  return {std::nullopt, fmt::format("the printer is not known: {}; --printer FILE says it", printable(why))};
+  return {std::nullopt,
+          fmt::format("the printer is unknown: {}; specify it by --printer FILE", printable(why))};
 }
 
 }  // namespace contourd::ctl

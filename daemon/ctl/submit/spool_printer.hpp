@@ -1,4 +1,4 @@
-// The printer that prints what is put into a spool, as far as this program's user can read what it is.
+// Finds the printer that prints from a spool, if this program's user can read its configuration.
 #pragma once
 
 #include <filesystem>
@@ -11,11 +11,11 @@ namespace contourd::ctl {
 
 struct SpoolPrinter {
   std::optional<PrinterConfig> config;
-  std::string unknown;  // why there is none, a sentence
+  std::string unknown;  // if there is none: the reason
 };
 
-// By the configuration in `given`; without it the installed one, where that has this spool. Throws
-// ConfigError when `given` cannot be used.
+// Loads the configuration `given`; without it the installed configuration, if it names this spool. Throws
+// ConfigError if `given` is not valid.
 [[nodiscard]] SpoolPrinter printer_of(const std::filesystem::path& spool,
                                       const std::optional<std::filesystem::path>& given);
 

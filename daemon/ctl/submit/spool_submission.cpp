@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Calls `take` with one piece after the other. Throws UnreadableFile, and what `take` throws.
+// Calls `take` with each piece of the file. Throws UnreadableFile, and the exceptions of `take`.
 void read_all(const FileDescriptor& file, std::uint64_t most,
               const std::function<void(std::string_view)>& take) {
   std::vector<char> buffer(std::size_t{1} << 20U);

@@ -1,5 +1,5 @@
-// Puts models into the spool's incoming folder: each whole at once, under a name that no job has, its ticket
-// before it. Blocks until the disk has them. Not thread-safe.
+// Puts models into the spool's incoming folder. Each model appears there complete, under a name that no job
+// has, after its ticket. Blocks until the files are on disk. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,8 @@
 
 namespace contourd::ctl {
 
-// From where it stands to its end. Throws UnreadableFile, also when there are more than `most` bytes.
+// Reads the file from its current position to its end. Throws UnreadableFile, also if there are more than
+// `most` bytes.
 [[nodiscard]] std::string text_of(const FileDescriptor& file, std::uint64_t most);
 
 class SpoolSubmission {
@@ -20,9 +21,9 @@ class SpoolSubmission {
   explicit SpoolSubmission(const std::filesystem::path& spool);
 
   [[nodiscard]] const std::filesystem::path& incoming() const { return incoming_; }
-  // Of the file that is open, from where it stands; `name` is a model's file name, which gets a number if it
-  // has to. No ticket where that is empty. Returns the job's name. Throws UnreadableFile, also when the file
-  // has more than `most` bytes, and OutputError; then nothing is left there.
+  // Copies the open file `model`, from its current position, into incoming. `name` is a model's file name,
+  // which gets a number if it is in use. An empty `ticket` means no ticket. Returns the job's name. Throws
+  // UnreadableFile, also if the file has more than `most` bytes, and OutputError; then no file remains.
   [[nodiscard]] std::string put(const std::string& name, const FileDescriptor& model,
                                 const std::string& ticket,
                                 std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) const;

@@ -35,7 +35,7 @@ Json up_json(const UpOption& up) {
   return {{"x", direction.x}, {"y", direction.y}, {"z", direction.z}};
 }
 
-// As text; empty when there is none.
+// Returns the ticket as text, or an empty text if there is none.
 std::string ticket_of(const SubmitOptions& options) {
   if (options.ticket) {
     (void)load_job_ticket(*options.ticket);
@@ -64,32 +64,32 @@ std::string ticket_of(const SubmitOptions& options) {
   return text;
 }
 
-// What the resin's profile does not let the ticket set.
+// Throws UsageError or ConfigError if the ticket sets a value that the resin's profile does not allow.
 void check_overrides(const SubmitOptions& options, const std::string& text, const SpoolPrinter& printer) {
   const std::string file = options.ticket ? options.ticket->string() : "the options";
   JobTicket ticket = text.empty() ? JobTicket{} : parse_job_ticket(text, file);
   if (ticket.overrides == TicketOverrides{}) return;
-  // contourd, which knows the printer, looks at every ticket itself.
+  // Without a configuration the check is left to contourd, which checks every ticket.
   if (!printer.config) return;
   try {
     (void)settings_by(std::move(ticket), file, *printer.config);
   } catch (const ProfileTrouble&) {
-    // It may be mended by the time that its turn comes.
+    // The profile may have been corrected when the job is printed.
   } catch (const ConfigError& error) {
     if (options.ticket) throw;
     throw UsageError(error.what());
   }
 }
 
-// What can be told without reading it whole.
+// Checks the model's name and the beginning of its file. Throws ModelError.
 void check_model(const fs::path& path) {
   if (!is_model_name(path.filename().string()))
-    throw ModelError(fmt::format("{}: is no model by its name, which ends in {} and begins with no dot",
+    throw ModelError(fmt::format("{}: not a model's name: it must end in {} and not begin with a dot",
                                  path.string(), fmt::join(model_extensions(), " or ")));
   look_at_model(path);
 }
 
-// Returns the job's name.
+// Puts the model into the spool. Returns the job's name.
 std::string put(const SpoolSubmission& submission, const fs::path& model, const std::string& ticket) {
   try {
     return submission.put(model.filename().string(), open_regular_file(model, Links::Follow), ticket);
@@ -98,14 +98,14 @@ std::string put(const SpoolSubmission& submission, const fs::path& model, const 
   }
 }
 
-// Tells what is to be expected.
+// Prints the forecast. Returns false if there is a warning and the user does not agree.
 bool is_agreed(const std::vector<ModelOutlook>& outlooks, const SubmitOptions& options) {
   for (const ModelOutlook& each : outlooks)
     for (const std::string& line : each.lines)
       fmt::print("{}\n", line);
   std::fflush(stdout);
   if (options.yes || agreed_to(outlooks)) return true;
-  fmt::print("Nothing is queued.\n");
+  fmt::print("Nothing was queued.\n");
   return false;
 }
 
@@ -114,9 +114,9 @@ bool is_agreed(const std::vector<ModelOutlook>& outlooks, const SubmitOptions& o
 void tell_submitted(const ClientOptions& client, const fs::path& model, const std::string& job,
                     const Json& outlook) {
   if (client.json) {
-    Json told{{"file", model.string()}, {"job", job}};
-    if (!outlook.is_null()) told["outlook"] = outlook;
-    fmt::print("{}\n", told.dump(-1, ' ', true, Json::error_handler_t::replace));
+    Json line{{"file", model.string()}, {"job", job}};
+    if (!outlook.is_null()) line["outlook"] = outlook;
+    fmt::print("{}\n", line.dump(-1, ' ', true, Json::error_handler_t::replace));
   } else {
     fmt::print("{}: job {}\n", printable(model.string()), printable(job));
   }

@@ -1,5 +1,5 @@
-// contourctl submit. Prints its result and returns the exit code; what is wrong with the data or the daemon
-// comes out as an exception (see exit_codes.hpp).
+// contourctl submit: queues models. Problems with the data or the daemon are thrown as exceptions (see
+// exit_codes.hpp).
 #pragma once
 
 #include <filesystem>
@@ -15,30 +15,29 @@ namespace contourd::ctl {
 
 struct SubmitOptions {
   std::vector<std::filesystem::path> models;
-  // The tickets' keys of these names (config/ticket.schema.json); what is not given is not in the ticket.
+  // Keys of the tickets (config/ticket.schema.json); a value that is not given is not in the ticket.
   std::optional<std::string> resin, supports;
   std::optional<double> layer_height_um, scale;
   std::optional<double> exposure_ms, bottom_exposure_ms, lift_mm, settle_ms, rest_ms;
   std::optional<int> copies;
   std::optional<UpOption> up;
   bool fit = false;
-  // In the place of all these.
+  // Ticket instead of the keys above.
   std::optional<std::filesystem::path> ticket;
-  std::optional<std::filesystem::path> spool;  // contourd is asked for it when it is not given
+  std::optional<std::filesystem::path> spool;  // nullopt: ask contourd
   bool wait = false;
-  // By which a ticket's settings are checked beforehand, and time, resin and warnings told. The installed one
-  // where it is not given, can be read, and has that spool.
+  // Configuration for the check of the ticket's settings, and for the forecast of time, resin and warnings.
+  // nullopt: the installed configuration, if it can be read and names this spool.
   std::optional<std::filesystem::path> printer;
-  bool yes = false;  // nobody is asked
+  bool yes = false;  // do not ask
 };
 
-// Puts the models into the queue, in their order, under names that no job has. Each appears there whole, its
-// ticket before it. What can be seen to be wrong with any is told before the first is put there, and what is
-// to be expected of them; where that is a warning, whoever sits at the terminal is asked. With `wait`, until
-// all have ended.
+// Puts the models into the queue, in their order, under names that no job has. Each model appears complete,
+// after its ticket. Before the first one, checks all models and prints the forecast; if there is a warning,
+// asks the user at the terminal. With `wait`, returns when all jobs have ended. Returns the exit code.
 int submit(const ClientOptions& client, const SubmitOptions& options);
 
-// That the model is a job now; with what is to be expected of it, where that is known, for programs.
+// Prints that the model is a job now; with --json also its forecast, if there is one.
 void tell_submitted(const ClientOptions& client, const std::filesystem::path& model, const std::string& job,
                     const nlohmann::ordered_json& outlook = {});
 

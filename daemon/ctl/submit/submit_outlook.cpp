@@ -31,12 +31,12 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
-// For the layers of all models together. contourd takes the time that it needs.
+// Time limit for the layers of all models together. contourd itself has no such limit.
 constexpr Duration kLongestLook = 10s;
-// What is larger is not read before it is queued.
+// Larger files are queued without a forecast.
 constexpr std::uintmax_t kLargestRead = 100'000'000;
 
-// Its models, by one printer, before a deadline.
+// Makes the forecasts of models for one printer, until a deadline.
 class Look {
  public:
   explicit Look(const OutlookQuestion& question) : question_(question), printer_(question.printer) {}
@@ -51,7 +51,7 @@ class Look {
     try {
       look_at(model);
     } catch (const JobRefused& refusal) {
-      tell(model, "time and resin not known");
+      add_line(model, "time and resin unknown");
       warn(fmt::format("contourd would not print it: {}", refusal.what()));
     } catch (const std::exception& error) {
       unknown(model, error.what());
@@ -64,7 +64,7 @@ class Look {
     if (!printer_.config) return unknown(model, printer_.unknown);
     std::error_code gone;
     if (const std::uintmax_t bytes = fs::file_size(model, gone); !gone && bytes > kLargestRead)
-      return unknown(model, fmt::format("{} MB are too much to be looked at here", bytes / 1'000'000));
+      return unknown(model, fmt::format("a file of {} MB is too large for a forecast", bytes / 1'000'000));
     JobTicket ticket =
         question_.ticket.empty() ? JobTicket{} : parse_job_ticket(question_.ticket, "the ticket");
     const PreparedJob job =
@@ -81,16 +81,17 @@ class Look {
                                          job.summary.layers.count == 1 ? "" : "s", readable(time));
     const std::optional<PreprintAnalysis> analysis = analysis_within(job, durations);
     if (!analysis) {
-      tell(model, fmt::format("{}, {}; resin not known", text, printable(job.summary.resin.name)));
+      add_line(model,
+               fmt::format("{}, {}; amount of resin unknown", text, printable(job.summary.resin.name)));
       for (const std::string& warning : job.summary.warnings)
         warn(warning);
       outlook_.json["unknown"] =
-          fmt::format("not all layers were looked through in {:.0f} s", milliseconds(kLongestLook) / 1000);
+          fmt::format("not all layers were analyzed within {:.0f} s", milliseconds(kLongestLook) / 1000);
       return note(outlook_.json["unknown"].get<std::string>());
     }
     outlook_.json["resin_ml"] = analysis->resin_ml.value();
-    tell(model, fmt::format("{}, {:.2f} ml of {}", text, analysis->resin_ml.value(),
-                            printable(job.summary.resin.name)));
+    add_line(model, fmt::format("{}, {:.2f} ml of {}", text, analysis->resin_ml.value(),
+                                printable(job.summary.resin.name)));
     if (job.summary.supports && counts_of(*job.summary.supports).any())
       note("supports: " + supports_line(counts_of(*job.summary.supports)));
     for (const std::string& warning : analysis->warnings)
@@ -101,11 +102,11 @@ class Look {
       note(fmt::format("the printer will ask before it prints this: {}", findings_text(asked)));
   }
 
-  // Nothing when the time was over before the layers were.
+  // Returns nullopt if the deadline passed before all layers were analyzed.
   [[nodiscard]] std::optional<PreprintAnalysis> analysis_within(
       const PreparedJob& job, const std::vector<Duration>& durations) const {
     std::stop_source stop;
-    // It is asked for each layer, before its mask is made.
+    // Called for each layer, before its mask is made.
     const auto duration_of = [&](std::int32_t layer) {
       if (Clock::now() > deadline_) stop.request_stop();
       return durations[static_cast<std::size_t>(layer)];
@@ -116,8 +117,8 @@ class Look {
     return preprint_analysis_of(job.summary, *findings, *printer_.config);
   }
 
-  void tell(const fs::path& model, const std::string& what) {
-    outlook_.lines.push_back(printable(model.string()) + ": " + what);
+  void add_line(const fs::path& model, const std::string& text) {
+    outlook_.lines.push_back(printable(model.string()) + ": " + text);
   }
   void warn(const std::string& warning) {
     outlook_.warns = true;
@@ -127,7 +128,7 @@ class Look {
   void note(const std::string& text) { outlook_.lines.push_back("  " + text); }
   void unknown(const fs::path& model, const std::string& why) {
     outlook_.json["unknown"] = why;
-    tell(model, "time and resin not known: " + printable(why));
+    add_line(model, "time and resin unknown: " + printable(why));
   }
 
   const OutlookQuestion& question_;
@@ -151,7 +152,7 @@ bool agreed_to(const std::vector<ModelOutlook>& outlooks) {
   for (const ModelOutlook& each : outlooks)
     warns = warns || each.warns;
   if (!warns || ::isatty(STDIN_FILENO) == 0 || ::isatty(STDOUT_FILENO) == 0) return true;
-  fmt::print("Queue {} all the same? [Y/n] ", outlooks.size() == 1 ? "it" : "them");
+  fmt::print("Queue {} anyway? [Y/n] ", outlooks.size() == 1 ? "it" : "them");
   std::fflush(stdout);
   std::string answer;
   if (!std::getline(std::cin, answer)) {

@@ -1,4 +1,4 @@
-// What contourctl submit tells of models before it queues them: time, resin and warnings.
+// The forecast that contourctl submit prints before it queues models: time, resin and warnings.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace contourd::ctl {
 
 struct OutlookQuestion {
   const std::vector<std::filesystem::path>& models;
-  const std::string& ticket;  // as text; empty when there is none
+  const std::string& ticket;  // as text; empty: none
   const SpoolPrinter& printer;
 };
 
@@ -22,11 +22,12 @@ struct ModelOutlook {
   bool warns = false;
 };
 
-// One for each model. Takes some seconds for all of their layers together, not longer: what is not known by
-// then is told as not known.
+// Returns a forecast for each model. Analyzes the layers of all models for at most ten seconds; facts that
+// are not known by then are reported as unknown.
 [[nodiscard]] std::vector<ModelOutlook> outlooks_of(const OutlookQuestion& question);
 
-// Whether these are to be queued: asked at a terminal where one warns. Elsewhere they are.
+// Asks at a terminal whether models with warnings are to be queued. Returns true without asking if there is
+// no warning or no terminal.
 [[nodiscard]] bool agreed_to(const std::vector<ModelOutlook>& outlooks);
 
 }  // namespace contourd::ctl

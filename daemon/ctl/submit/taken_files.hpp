@@ -1,5 +1,5 @@
-// What was taken from sticks before, by marks: a text file of a mark a line, the latest last, which forgets
-// the oldest. Not thread-safe.
+// The record of files that were taken from USB sticks: a text file with one mark per line, the latest last.
+// The oldest marks are dropped. Not thread-safe.
 #pragma once
 
 #include <deque>
@@ -12,11 +12,11 @@ class TakenFiles {
  public:
   static constexpr std::size_t kMost = 5'000;
 
-  // Reads what is there; what cannot be read was not taken.
+  // Reads the file; a file that cannot be read counts as empty.
   explicit TakenFiles(const std::filesystem::path& path);
 
   [[nodiscard]] bool contains(const std::string& mark) const;
-  // On the disk when it returns. Throws std::system_error. REQUIRES: no line break in it.
+  // Adds a mark and writes the file to disk. Throws std::system_error. REQUIRES: the mark has no line break.
   void add(const std::string& mark);
 
  private:

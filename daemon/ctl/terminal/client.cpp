@@ -22,7 +22,7 @@ void print_analysis(const Json& analysis) {
     print_wrapped("warning   ", printable(warning.get<std::string>()));
 }
 
-// How a job ended: "done", or "failed: " and why.
+// Returns the job's outcome: "done", or "failed: " and the reason.
 std::string end_of(const Json& job) {
   const std::string reason = job.value("reason", "");
   return printable(job.value("outcome", "")) + (reason.empty() ? "" : ": " + printable_lines(reason));
@@ -64,7 +64,7 @@ void print_status(const Json& status) {
   if (const auto more = status.value("unaccepted_more", std::size_t{0}); more > 0)
     fmt::print("accept    {} more in the queue\n", more);
   for (const Json& file : status["deletable"])
-    fmt::print("deletable {} in incoming: it had its turn, and cannot be moved\n",
+    fmt::print("deletable {} in incoming: it is finished, but cannot be moved away\n",
                printable(file.get<std::string>()));
   for (const auto& [file, why] : status["ignored"].items())
     fmt::print("unprinted {} in incoming: {}\n", printable(file), printable(why.get<std::string>()));
@@ -91,7 +91,7 @@ std::filesystem::path find_spool(const ClientOptions& options,
   const std::string spool = connection.ask({"status"}).value("/result/spool"_json_pointer, "");
   if (spool.empty())
     throw DaemonError(
-        fmt::format("contourd on {} does not tell its spool: --spool does", options.socket.string()));
+        fmt::format("contourd on {} does not report its spool folder: use --spool", options.socket.string()));
   return spool;
 }
 

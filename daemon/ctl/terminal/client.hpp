@@ -1,5 +1,5 @@
-// What contourctl asks of a daemon. Prints its result and returns the exit code; what is wrong
-// with the data or the daemon comes out as an exception (see exit_codes.hpp).
+// Requests of contourctl to a running contourd. Problems with the data or the daemon are thrown as exceptions
+// (see exit_codes.hpp).
 #pragma once
 
 #include <filesystem>
@@ -16,15 +16,16 @@ struct ClientOptions {
   bool json = false;
 };
 
-// Sends it, and prints its result for a person, by `print`, or the answer as it came.
+// Sends the request. Prints the result with `print`, or with --json the answer unchanged. Returns the exit
+// code.
 int request(const ClientOptions& options, const Request& request,
             void (*print)(const nlohmann::ordered_json& result));
 
-// The spool's folder: the given one, or contourd's. Throws DaemonError where contourd does not tell.
+// Returns the given spool folder, or else contourd's. Throws DaemonError if contourd does not report it.
 [[nodiscard]] std::filesystem::path find_spool(const ClientOptions& options,
                                                const std::optional<std::filesystem::path>& given);
 
-// Returns the remaining print time of a status' job, for a person.
+// Returns the remaining print time of the job in a status, in readable form.
 [[nodiscard]] std::string time_left(const nlohmann::ordered_json& job);
 
 void print_status(const nlohmann::ordered_json& status);

@@ -1,5 +1,5 @@
-// contourctl's exit codes, from BSD's sysexits.h, and the exceptions that stand for them. kBadUsage and
-// kCannotCreate are in daemon/system/standard_output.hpp: contourd uses them, too.
+// contourctl's exit codes (BSD's sysexits.h) and the exceptions that lead to them. kBadUsage and
+// kCannotCreate are in daemon/system/standard_output.hpp, because contourd uses them, too.
 #pragma once
 
 #include <stdexcept>

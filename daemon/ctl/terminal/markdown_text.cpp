@@ -14,7 +14,7 @@ namespace {
 using Lines = std::vector<std::string>;
 using Cells = std::vector<std::string>;
 
-// Narrower is not read any more: a terminal breaks the lines of what is wider.
+// Minimum width of a line; a narrower terminal breaks the lines itself.
 constexpr std::size_t kNarrowest = 20;
 constexpr std::size_t kCodeIndent = 4;
 
@@ -39,7 +39,7 @@ Lines lines_of(std::string_view text) {
   return lines;
 }
 
-// How many characters of "- " or "1. " it begins with.
+// Returns the length of the list marker ("- " or "1. ") at the start of the text, or 0.
 std::size_t bullet_of(std::string_view text) {
   if (text.starts_with("- ")) return 2;
   std::size_t digits = 0;
@@ -118,7 +118,7 @@ class Page {
     }
   }
 
-  // Broken into lines, the first behind `first`, the others behind `indent`.
+  // Appends the words as wrapped lines: the first begins with `first`, the others with `indent`.
   void put(std::string first, const std::string& indent, const std::string& words) {
     const std::size_t room = std::max(columns_ - std::min(indent.size(), columns_), kNarrowest / 2);
     if (words.empty()) return;
@@ -128,7 +128,7 @@ class Page {
     }
   }
 
-  // What stands at it, and the lines that go on with it.
+  // Consumes the current line and its continuation lines. Returns them as one paragraph.
   std::string paragraph() {
     std::string words(trimmed(lines_[at_++]));
     while (at_ < lines_.size() && !begins_block(lines_[at_]))
@@ -159,7 +159,7 @@ class Page {
     ++at_;
   }
 
-  // A command is copied as it stands; what is said about it goes above it where there is no room behind it.
+  // Appends a line of code unchanged. If the line is too wide, its remark moves to a line above it.
   void take_code(std::string_view code) {
     const std::string indent(kCodeIndent, ' ');
     const std::size_t remark = code.find("  # ");
@@ -194,7 +194,7 @@ class Page {
     std::vector<std::size_t> widths = widths_of(names, rows);
     const std::size_t others =
         std::accumulate(widths.begin(), widths.end() - 1, std::size_t{0}) + kGap * (widths.size() - 1);
-    // The last column takes what is left, if that is room to read in.
+    // The last column gets the remaining width, if that is wide enough to read.
     if (others * 2 > columns_) return put_entries(names, rows);
     widths.back() = columns_ - others;
     put_row(names, widths);
@@ -215,7 +215,7 @@ class Page {
     }
   }
 
-  // A row below the other, each with its columns' names.
+  // Appends each row as an entry: the first cell, then a line for each other cell with its column's name.
   void put_entries(const Cells& names, std::span<const Cells> rows) {
     for (const Cells& row : rows) {
       put("", "  ", row.empty() ? "" : row.front());

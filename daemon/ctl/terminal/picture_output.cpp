@@ -29,7 +29,7 @@ bool is_there(const fs::path& path) {
   return fs::exists(fs::symlink_status(path, code));
 }
 
-// The file that a link leads to is written, not the link.
+// Returns the target of a link, so that the target is replaced and not the link.
 fs::path target_of(const fs::path& output) {
   std::error_code code;
   return fs::is_symlink(output, code) ? fs::canonical(output, code) : output;
@@ -37,7 +37,8 @@ fs::path target_of(const fs::path& output) {
 
 void write_png_file(const fs::path& output, std::string_view png) {
   const fs::path target = target_of(output);
-  // Nothing is left behind by whoever interrupts it, where files without a name are not to be had.
+  // Holds signals back until the file is complete: without O_TMPFILE, an interruption would leave a temporary
+  // file.
   const HeldSignals signals;
   try {
     NewFile file(folder_of(target));
@@ -52,7 +53,7 @@ void write_picture(const fs::path& output, const Mask& mask) {
   const std::vector<std::uint8_t> bytes = encode_png(mask);
   const std::string_view png(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (output == kStandardOutput) {
-    (void)std::fwrite(png.data(), 1, png.size(), stdout);  // what is lost is told at the end
+    (void)std::fwrite(png.data(), 1, png.size(), stdout);  // errors are reported when stdout is closed
   } else {
     write_png_file(output, png);
   }
@@ -67,7 +68,7 @@ std::string pixels_text(const Mask& mask, const MaskArea& area) {
 
 void draw_on_terminal(const NotedPicture& picture) {
   if (picture.mask.lit_pixels() == 0) {
-    fmt::print("{}\n{}\n", picture.note, picture.is_mask ? "nothing is lit" : "nothing of it can be seen");
+    fmt::print("{}\n{}\n", picture.note, picture.is_mask ? "nothing is lit" : "nothing is visible");
     return;
   }
   PictureTerminal terminal = find_picture_terminal();
@@ -96,9 +97,9 @@ void check_picture_output(const std::optional<fs::path>& wanted) {
   std::error_code code;
   const fs::path target = target_of(output);
   if (target.empty())
-    throw OutputError(fmt::format("cannot write {}: it is a link that leads nowhere", output.string()));
+    throw OutputError(fmt::format("cannot write {}: it is a dangling link", output.string()));
   if (is_there(target) && !fs::is_regular_file(target, code))
-    throw OutputError(fmt::format("cannot write {}: it is there, and no regular file", output.string()));
+    throw OutputError(fmt::format("cannot write {}: it exists and is not a regular file", output.string()));
 }
 
 void put_out(const NotedPicture& picture, const std::optional<fs::path>& output) {

@@ -1,5 +1,5 @@
-// Where a picture goes that a command shows: a PNG file, standard output, or the terminal that it is drawn
-// in. Not thread-safe. Blocks.
+// Output of a command's picture: to a PNG file, to standard output, or drawn in the terminal. Not
+// thread-safe. Blocks.
 #pragma once
 
 #include <filesystem>
@@ -12,15 +12,16 @@ namespace contourd::ctl {
 
 struct NotedPicture {
   Mask mask;
-  std::string note;      // what it shows; printable
-  bool is_mask = false;  // whose every pixel counts; else a picture for people
+  std::string note;      // description of the picture; printable
+  bool is_mask = false;  // true: a mask, whose every pixel counts; false: a drawing
 };
 
-// `output`: a file, or "-" for standard output; without it the terminal. Throws OutputError and UsageError
-// for what shows before there is a picture.
+// Checks the output before the picture is made. `output`: a file, or "-" for standard output; nullopt: the
+// terminal. Throws OutputError and UsageError.
 void check_picture_output(const std::optional<std::filesystem::path>& output);
 
-// The file is there whole or not at all. Throws OutputError, and what find_picture_terminal() throws.
+// Writes or draws the picture; a file appears completely or not at all. Throws OutputError, and the
+// exceptions of find_picture_terminal().
 void put_out(const NotedPicture& picture, const std::optional<std::filesystem::path>& output);
 
 }  // namespace contourd::ctl

@@ -18,7 +18,7 @@ namespace {
 std::vector<char*> arguments(const std::vector<std::string>& words) {
   std::vector<char*> pointers;
   for (const std::string& word : words)
-    pointers.push_back(const_cast<char*>(word.c_str()));  // execve(2) leaves them as they are
+    pointers.push_back(const_cast<char*>(word.c_str()));  // execve(2) does not modify them
   pointers.push_back(nullptr);
   return pointers;
 }
@@ -27,7 +27,7 @@ std::system_error cannot_start(const std::string& name, int error) {
   return {error, std::generic_category(), "cannot start " + name};
 }
 
-// Its standard output goes to `out`, its standard error nowhere.
+// Starts the program with its standard output at `out` and its standard error at /dev/null.
 pid_t start(const std::vector<std::string>& words, int out) {
   posix_spawn_file_actions_t actions{};
   (void)::posix_spawn_file_actions_init(&actions);
@@ -62,7 +62,7 @@ ProgramOutput run_program(const std::vector<std::string>& words, std::size_t mos
   const pid_t process = start(words, in.get());
   in = FileDescriptor();
   ProgramOutput output{.text = read_some(out.get(), most_bytes)};
-  out = FileDescriptor();  // one that has more to say is ended by that
+  out = FileDescriptor();  // ends a program that still writes, by SIGPIPE
   int status = 0;
   while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
   }

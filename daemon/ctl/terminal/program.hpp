@@ -1,4 +1,4 @@
-// Other programs that contourctl runs; found by PATH, and by no shell. Not thread-safe.
+// Runs other programs, which are found by PATH, without a shell. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -8,15 +8,15 @@
 namespace contourd::ctl {
 
 struct ProgramOutput {
-  std::string text;  // of its standard output
-  int code = 0;      // its exit code; above 128 of one that a signal ended
+  std::string text;  // standard output of the program
+  int code = 0;      // exit code; 128 + number of the signal that killed the program
 };
 
-// Runs it to its end, or until it has printed so much. What it says on its standard error is not seen.
-// `words` begin with its name. Throws std::system_error when it cannot be started.
+// Runs a program until it ends or has printed `most_bytes`; its standard error is discarded. `words` begin
+// with the program's name. Throws std::system_error if it cannot be started.
 [[nodiscard]] ProgramOutput run_program(const std::vector<std::string>& words, std::size_t most_bytes);
 
-// This process goes on as that program. Throws std::system_error when it cannot.
+// Replaces this process by the program (exec). Throws std::system_error if that fails.
 [[noreturn]] void become_program(const std::vector<std::string>& words);
 
 }  // namespace contourd::ctl

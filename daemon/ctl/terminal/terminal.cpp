@@ -100,7 +100,7 @@ std::optional<Key> take_key(std::string_view& sent) {
     sent.remove_prefix(1);
     return key;
   }
-  // CSI or SS3, parameters, a final letter (ECMA-48, 5.4).
+  // A control sequence: CSI or SS3, parameters, a final letter (ECMA-48, 5.4).
   std::size_t length = 1;
   Key key;
   if (sent.size() > 1 && (sent[1] == '[' || sent[1] == 'O')) {

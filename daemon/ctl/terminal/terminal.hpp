@@ -1,5 +1,5 @@
-// The terminal that contourctl runs in: what it is, its size, keys as they are pressed, and signals while it
-// is not as its user left it.
+// The terminal in which contourctl runs: its properties, its size, single keys, and signals while its modes
+// are changed.
 #pragma once
 
 #include <termios.h>
@@ -13,30 +13,31 @@
 
 namespace contourd::ctl {
 
-// Of standard output's terminal; 80 where it does not say.
+// Returns the width of standard output's terminal, or 80 if it is unknown.
 [[nodiscard]] int terminal_columns();
 
-// Prints the label and the text as a line. On a terminal, what is wider than it is broken between words; it
-// goes on under the text where that has most of the room, else two columns from the left.
+// Prints the label and the text as a line. On a terminal, a wider line is wrapped between words; the next
+// lines are indented as the text, or by two columns if the label is wider than a third of the terminal.
 void print_wrapped(std::string_view label, std::string_view text);
 
-// Whether standard output is a terminal that knows control sequences, by TERM.
+// True if standard output is a terminal that supports control sequences, according to TERM.
 [[nodiscard]] bool knows_sequences();
-// Whether the user wants colours, by NO_COLOR.
+// True unless NO_COLOR is set and not empty.
 [[nodiscard]] bool wants_colors();
-// Whether the terminal of standard output, if it is one, is this program's at the moment.
+// True if this process is in the foreground of its terminal, or standard output is not a terminal.
 [[nodiscard]] bool in_foreground();
 
-// Standard output once more, by a description of its own: writes to it do not wait, anybody else's do as
-// ever. Not valid where that cannot be had.
+// Opens standard output again, with its own file description, so that O_NONBLOCK does not affect other users
+// of it. Invalid if it cannot be opened.
 [[nodiscard]] FileDescriptor open_output_without_waiting();
 
-// Signals that end or stop a program. One that is ignored, as nohup does with SIGHUP, is not among them.
+// Returns the signals that end or stop a program, without ignored ones (nohup ignores SIGHUP).
 [[nodiscard]] sigset_t ending_signals();
 
-// While it lives, these signals wait, so that what has been begun on the terminal can be ended first. When it
-// goes, they do what they do; one that stops the program comes back from there. From the background, the
-// terminal can be set meanwhile. One at a time. Throws std::system_error.
+// Blocks ending_signals() during its lifetime, so that output to the terminal can be completed first; the
+// destructor delivers pending signals, and returns after a stopped program continues. SIGTTOU is blocked,
+// too, so that the terminal can be set from the background. At most one object at a time. Throws
+// std::system_error.
 class HeldSignals {
  public:
   HeldSignals();
@@ -44,7 +45,7 @@ class HeldSignals {
   HeldSignals(const HeldSignals&) = delete;
   HeldSignals& operator=(const HeldSignals&) = delete;
 
-  // Readable, for poll(2), once one waits.
+  // For poll(2): readable once a signal is pending.
   [[nodiscard]] int descriptor() const { return waiting_.get(); }
 
  private:
@@ -59,12 +60,14 @@ struct Key {
   std::optional<Arrow> arrow;
 };
 
-// Takes the first key from what a terminal sent. Nothing when there is none.
+// Removes the first key from the bytes that a terminal sent, and returns it. Returns nullopt if there is
+// none.
 [[nodiscard]] std::optional<Key> take_key(std::string_view& sent);
 
-// While it lives, standard input gives each key at once, without echo, Ctrl-C as a character too. SIGTERM,
-// SIGHUP and SIGINT set ended() instead of ending the program, so that the terminal is left as it was. One at
-// a time. Throws UsageError where standard input and output are no terminal; `what` begins its sentence.
+// During its lifetime, standard input delivers each key at once, without echo, and Ctrl-C as a character.
+// SIGTERM, SIGHUP and SIGINT set ended() instead of ending the program, so that the destructor can restore
+// the terminal. At most one object at a time. Throws UsageError if standard input or output is not a
+// terminal; `what` begins the message.
 class KeyInput {
  public:
   explicit KeyInput(std::string_view what);
@@ -72,9 +75,9 @@ class KeyInput {
   KeyInput(const KeyInput&) = delete;
   KeyInput& operator=(const KeyInput&) = delete;
 
-  // Waits for keys or until `other` is readable. What was typed; empty when it was not keys.
+  // Waits for keys or until `other` is readable. Returns the typed bytes, possibly none.
   [[nodiscard]] std::string wait(int other);
-  // The terminal is gone, or a signal came.
+  // True after a signal, or if the terminal is gone.
   [[nodiscard]] bool ended() const;
 
  private:

@@ -30,21 +30,21 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-// --- what a terminal has
+// --- properties of the terminal
 
 constexpr auto kLongestAnswer = std::chrono::seconds(1);
 constexpr std::size_t kMostSent = 4096;
 constexpr int kFewestRows = 6;
 constexpr int kMostColumns = 1000, kMostRows = 500, kLargestCell = 100;
 
-// Also where one of the two is opened as /dev/tty.
+// True if both are the same terminal, even if one of them was opened as /dev/tty.
 bool is_one_terminal(int one, int other) {
   unsigned one_device = 0, other_device = 0;
   return ::ioctl(one, TIOCGDEV, &one_device) == 0 && ::ioctl(other, TIOCGDEV, &other_device) == 0 &&
          one_device == other_device;
 }
 
-// Standard input gives each byte at once, without echo, while it lives.
+// During its lifetime, standard input delivers each byte at once, without echo.
 class RawInput {
  public:
   RawInput() : valid_(::tcgetattr(STDIN_FILENO, &before_) == 0) {
@@ -70,7 +70,7 @@ class RawInput {
 
 enum class Waited { Ready, Late, Signal };
 
-// For a descriptor to be ready, and for a signal; without a deadline, as long as it takes.
+// Waits until the descriptor is ready or a signal is pending; at most until the deadline if there is one.
 Waited wait_for(int descriptor, short event, const HeldSignals& signals,
                 std::optional<SteadyClock::time_point> deadline = std::nullopt) {
   std::array polled{pollfd{descriptor, event, 0}, pollfd{signals.descriptor(), POLLIN, 0}};
@@ -88,7 +88,7 @@ bool is_typed_ahead() {
   return ::poll(&keys, 1, 0) != 0;
 }
 
-// Byte by byte: what is typed behind the answer is not its.
+// Reads the terminal's answer byte by byte, so that keys typed after the answer stay unread.
 std::optional<bool> read_answer(const HeldSignals& signals, SteadyClock::time_point deadline) {
   std::string sent;
   while (sent.size() < kMostSent && wait_for(STDIN_FILENO, POLLIN, signals, deadline) == Waited::Ready) {
@@ -115,7 +115,7 @@ bool has_sixels() {
       static_cast<ssize_t>(kPrimaryDeviceAttributes.size()))
     return false;
   const std::optional<bool> answer = read_answer(signals, deadline);
-  // Rubbish is not for whoever reads next.
+  // Discards an incomplete answer, so that no other program reads it as input.
   if (!answer) (void)::tcflush(STDIN_FILENO, TCIFLUSH);
   return answer.value_or(false);
 }
@@ -127,7 +127,7 @@ PictureInk ink_of_terminal() {
 
 // --- light
 
-// Of sRGB (IEC 61966-2-1), both from 0 to 1.
+// The transfer functions of sRGB (IEC 61966-2-1); values from 0 to 1.
 double linear(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
@@ -154,7 +154,7 @@ struct Raster {
   }
 };
 
-// A part of a mask in other pixels, each the mean light of what it covers.
+// Resamples an area of a mask: each new pixel has the mean linear light of the area that it covers.
 class Resampler {
  public:
   Resampler(const Mask& mask, const MaskArea& area, int width, int height)
@@ -174,7 +174,8 @@ class Resampler {
   }
 
  private:
-  // Which of `from` pixels the one at `place` of `to` covers, and how much of each, in parts of `to`.
+  // Calls take(pixel, overlap) for each of `from` source pixels that pixel `place` of `to` covers; the
+  // overlap is in units of 1 / `to` source pixel.
   template <typename Take>
   static void for_each_overlap(std::int64_t place, std::int64_t from, std::int64_t to, Take&& take) {
     const std::int64_t begin = place * from, end = begin + from;
@@ -207,7 +208,7 @@ struct Size {
   double width = 0, height = 0;
 };
 
-// In square pixels. A character is twice as high as wide.
+// Returns the room in square pixels. A character is twice as high as wide.
 Size room_on(const PictureTerminal& terminal) {
   if (terminal.ink == PictureInk::Sixels)
     return {static_cast<double>(terminal.columns) * terminal.cell_width,
@@ -215,7 +216,7 @@ Size room_on(const PictureTerminal& terminal) {
   return {static_cast<double>(terminal.columns), 2.0 * terminal.rows};
 }
 
-// Larger by whole factors only: each pixel as large as the next.
+// Returns the largest scale that fits. Above 1 it is a whole number, so that all pixels get the same size.
 double scale_of(const MaskArea& area, const PictureTerminal& terminal) {
   const Size room = room_on(terminal);
   const double scale = std::min(room.width / area.width, room.height / area.height);
@@ -239,7 +240,7 @@ std::string draw_characters(const Raster& raster) {
     std::size_t end = 0;
     for (int x = 0; x < raster.width; ++x) {
       const int grey = raster.at(x, y);
-      // What is lit at all is seen.
+      // A pixel that is not black is always visible.
       const int density = grey == 0 ? 0 : std::max(1, (grey * 4 + 127) / 255);
       line += kDensities[static_cast<std::size_t>(density)];
       if (density > 0) end = line.size();
@@ -249,7 +250,7 @@ std::string draw_characters(const Raster& raster) {
   return text;
 }
 
-// Of xterm's 256 colours: 24 greys from 8 to 238 in tens, black and white.
+// Returns the nearest grey of xterm's 256 colours: 24 greys from 8 to 238 in steps of 10, black and white.
 int color_of(std::uint8_t grey) {
   constexpr int kBlack = 16, kWhite = 231, kFirstGrey = 232;
   if (grey < 4) return kBlack;
@@ -257,13 +258,13 @@ int color_of(std::uint8_t grey) {
   return kFirstGrey + std::clamp((grey - 3) / 10, 0, 23);
 }
 
-// SGR, ECMA-48 and ISO 8613-6.
+// Returns the sequence that sets a colour (SGR; ECMA-48 and ISO 8613-6).
 std::string color_sequence(int which, std::uint8_t grey, PictureInk ink) {
   if (ink == PictureInk::TrueColor) return fmt::format("\x1B[{};2;{};{};{}m", which, grey, grey, grey);
   return fmt::format("\x1B[{};5;{}m", which, color_of(grey));
 }
 
-// Two rows a line: the upper one in the character's colour, the lower one in that of its background.
+// Draws two rows per line: the upper row in the character's colour, the lower row as its background.
 std::string draw_half_blocks(const Raster& raster, PictureInk ink) {
   constexpr int kForeground = 38, kBackground = 48;
   constexpr std::string_view kUpperHalf = "\u2580", kPlain = "\x1B[0m";
@@ -299,10 +300,10 @@ struct Release {
 
 void require_sixels(SIXELSTATUS status) {
   if (SIXEL_FAILED(status))
-    throw std::runtime_error(fmt::format("no sixels can be made: {}", sixel_helper_format_error(status)));
+    throw std::runtime_error(fmt::format("cannot encode sixels: {}", sixel_helper_format_error(status)));
 }
 
-// The greys that there are become the palette, and pixels its numbers.
+// Draws sixels, with the greys that occur as the palette.
 std::string draw_sixels(Raster raster) {
   std::bitset<256> used;
   for (const std::uint8_t grey : raster.greys)
@@ -341,16 +342,16 @@ std::string draw_sixels(Raster raster) {
   throw OutputError(fmt::format("cannot write the picture: {}", std::strerror(error)));
 }
 
-// Whatever has been begun. A terminal that takes nothing is not waited for long.
+// Ends an incomplete picture. Waits at most 500 ms for the terminal.
 void end_drawing(int out) {
-  // Ends a device control string, and what colours are set.
+  // Ends a device control string and resets colours.
   constexpr std::string_view kBackToText = "\x1B\\\x1B[0m\n";
   constexpr int kPatienceMs = 500;
   pollfd room{out, POLLOUT, 0};
   if (::poll(&room, 1, kPatienceMs) > 0) (void)!::write(out, kBackToText.data(), kBackToText.size());
 }
 
-// False when a signal has come meanwhile.
+// Writes the picture. Returns false if a signal came meanwhile.
 bool write_unless_interrupted(int out, std::string_view picture) {
   const HeldSignals signals;
   while (!picture.empty()) {
@@ -380,7 +381,7 @@ PictureTerminal find_picture_terminal() {
   winsize size{};
   if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0 || size.ws_row == 0) return terminal;
   terminal.columns = std::min<int>(size.ws_col, kMostColumns);
-  constexpr int kPrompt = 1;  // of a shell, below it
+  constexpr int kPrompt = 1;  // row for the shell's prompt
   terminal.rows = std::clamp(size.ws_row - kPrompt, kFewestRows, kMostRows);
   if (size.ws_xpixel >= size.ws_col && size.ws_ypixel >= size.ws_row) {
     terminal.cell_width = std::min(size.ws_xpixel / size.ws_col, kLargestCell);
@@ -401,7 +402,7 @@ std::optional<bool> sixels_in_answer(std::string_view sent) {
     const std::size_t end = answer.find_first_not_of("0123456789;");
     if (end == std::string_view::npos || answer[end] != 'c') continue;
     answer = answer.substr(0, end);
-    // The first number is the terminal's class; 4 there is a VT132.
+    // The first number is the terminal's class (4 would be a VT132), so it is skipped.
     bool found = false;
     for (std::size_t next = answer.find(';'); next != std::string_view::npos; next = answer.find(';')) {
       answer.remove_prefix(next + 1);
@@ -450,7 +451,7 @@ std::string draw_picture(const Mask& mask, const MaskArea& area, const PictureTe
   expects(area.width > 0 && area.height > 0 && area.left >= 0 && area.top >= 0 &&
               area.width <= mask.width().count() - area.left &&
               area.height <= mask.height().count() - area.top,
-          "the area is one of the mask's, with pixels");
+          "the area is inside the mask and has pixels");
   Raster raster = scaled_for(mask, area, terminal);
   switch (terminal.ink) {
     case PictureInk::Sixels:

@@ -9,7 +9,7 @@
 namespace contourd::ctl {
 namespace {
 
-// Names are UTF-8, whatever the user's locale says.
+// Selects UTF-8, because names are UTF-8 in any locale.
 void use_utf_8() {
   static const bool used = std::setlocale(LC_CTYPE, "C.UTF-8") != nullptr;
   (void)used;
@@ -20,19 +20,19 @@ struct Character {
   std::size_t columns;
 };
 
-// REQUIRES: the text is not empty.
+// Returns the first character; an invalid byte counts as one character. REQUIRES: the text is not empty.
 Character first_character(std::string_view text) {
   expects(!text.empty(), "a text has a first character");
   use_utf_8();
   std::mbstate_t state{};
   wchar_t character = 0;
   const std::size_t read = std::mbrtowc(&character, text.data(), text.size(), &state);
-  const bool is_one = read > 0 && read <= text.size();  // else it says that it is none
+  const bool is_one = read > 0 && read <= text.size();  // false: mbrtowc() returned an error
   const int columns = is_one ? ::wcwidth(character) : 1;
   return {text.substr(0, is_one ? read : 1), static_cast<std::size_t>(columns < 0 ? 1 : columns)};
 }
 
-// As much of the text's beginning as the columns hold.
+// Returns the longest beginning of the text that fits into the columns.
 std::string_view beginning(std::string_view text, std::size_t columns) {
   std::size_t used = 0, end = 0;
   while (end < text.size()) {

@@ -1,4 +1,4 @@
-// Text as a terminal shows it: characters may take no column, one or two. For printable UTF-8 (see
+// Widths of text in a terminal, where a character takes zero, one or two columns. For printable UTF-8 (see
 // daemon/system/readable.hpp). Thread-safe after the first call.
 #pragma once
 
@@ -11,11 +11,11 @@ namespace contourd::ctl {
 
 [[nodiscard]] std::size_t columns_of(std::string_view text);
 
-// Its beginning, in so many columns at most; what is left out is shown as "..." where there is room for that.
+// Cuts the text to at most `columns` columns; the cut is marked by "..." if there is room.
 [[nodiscard]] std::string cut_to_columns(std::string_view text, std::size_t columns);
 
-// Lines of so many columns at most, broken at spaces, or anywhere in a word that is wider. One line at least.
-// A character that is wider than `columns` is left out.
+// Wraps the text into lines of at most `columns` columns, at spaces, or anywhere in a wider word. Returns at
+// least one line. A character that is wider than `columns` is left out.
 [[nodiscard]] std::vector<std::string> wrapped(std::string_view text, std::size_t columns);
 
 }  // namespace contourd::ctl

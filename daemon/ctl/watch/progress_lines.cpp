@@ -37,13 +37,13 @@ std::string line_of(const Json& job, const std::string& state) {
                      interruption.empty() ? "" : ", " + interruption);
 }
 
-// Those of every layer are none.
+// True for states that do not occur in every layer.
 bool is_worth_a_line(const std::string& state) {
   return state == "warming up" || state == "homing" || state == "paused" || state == "held" ||
          state == "parking";
 }
 
-// Of a job that waits to be accepted.
+// Returns the findings that the user has to accept for this job, or an empty text.
 std::string question_of(const Json& status, const std::string& job) {
   for (const auto& [file, question] : status["unaccepted"].items())
     if (job_name_of(file) == job) return printable(question.get<std::string>());

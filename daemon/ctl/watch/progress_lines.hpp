@@ -1,5 +1,5 @@
-// How far a print is, for who reads it as text: a line for every tenth of the print and for what changes
-// otherwise. Warnings have lines of their own, once.
+// Prints a job's progress as text: a line for each tenth of the print and for other changes. Each warning is
+// printed once, in its own line.
 #pragma once
 
 #include <set>
@@ -13,17 +13,17 @@ class ProgressLines {
  public:
   using Json = DaemonConnection::Json;
 
-  // `job`: the one that is waited for, which may not be under way; empty: whichever is.
+  // Prints lines that are due. `job`: the awaited job, which may not be printed yet; empty: any job.
   void show(const Json& status, const std::string& job, bool is_under_way);
 
  private:
   void show_job(const Json& status);
   void show_warnings(const Json& job);
-  // `step` changes when a line is due.
+  // Prints the text if `step` has changed.
   void print(const std::string& text, const std::string& step);
 
   std::string last_step_;
-  std::set<std::string> warned_;  // the job's name and the warning
+  std::set<std::string> warned_;  // printed warnings: job name, line break, warning
 };
 
 }  // namespace contourd::ctl

@@ -16,8 +16,8 @@
 namespace contourd::ctl {
 namespace {
 
-// xterm's control sequences (ECMA-48 and the DEC private modes): alternate screen, cursor, line wrap. A
-// character that is wider than was thought must not push the lines below it down.
+// xterm's control sequences (ECMA-48 and the DEC private modes): alternate screen, cursor, line wrap. Line
+// wrap is off, so that a character of unexpected width does not push the lines below it down.
 constexpr std::string_view kEnter = "\x1B[?1049h\x1B[?25l\x1B[?7l\x1B[2J";
 constexpr std::string_view kLeave = "\x1B[0m\x1B[?7h\x1B[?25h\x1B[?1049l";
 
@@ -85,7 +85,7 @@ void TerminalScreen::enter() {
   if (::tcgetattr(STDIN_FILENO, &keyboard) == 0) {
     keyboard_ = keyboard;
     keyboard.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-    // In the background this stops the program until it is brought back.
+    // In the background, this stops the program until it is in the foreground again.
     (void)::tcsetattr(STDIN_FILENO, TCSANOW, &keyboard);
   }
   entered_ = true;
@@ -97,7 +97,7 @@ void TerminalScreen::enter() {
 void TerminalScreen::leave() noexcept {
   if (!entered_) return;
   entered_ = false;
-  // Its first byte ends whatever sequence or character is half written.
+  // The first byte (escape) ends an incomplete sequence or character.
   pending_.assign(kLeave);
   constexpr int kPatienceMs = 500;
   pollfd out{out_.get(), POLLOUT, 0};
@@ -105,7 +105,7 @@ void TerminalScreen::leave() noexcept {
   if (!pending_.empty() && ::poll(&out, 1, kPatienceMs) > 0) flush();
   pending_.clear();
   if (!keyboard_) return;
-  // From the background, too.
+  // SIGTTOU is blocked so that this works from the background, too.
   sigset_t output, before;
   ::sigemptyset(&output);
   ::sigaddset(&output, SIGTTOU);
@@ -133,7 +133,7 @@ void TerminalScreen::flush() noexcept {
     const ssize_t written = ::write(out_.get(), pending_.data(), pending_.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0 && errno == EAGAIN) return;
-    if (written < 0) return pending_.clear();  // it is gone, and SIGHUP comes
+    if (written < 0) return pending_.clear();  // the terminal is gone, SIGHUP follows
     pending_.erase(0, static_cast<std::size_t>(written));
   }
 }
@@ -159,7 +159,7 @@ std::optional<int> TerminalScreen::ended_by() {
       stop();
     } else if (number == SIGWINCH) {
       drawn_.clear();
-    } else if (number == SIGCONT) {  // behind a stop that could not be seen
+    } else if (number == SIGCONT) {  // after a SIGSTOP, which cannot be handled
       leave();
       enter();
     } else {
@@ -179,7 +179,8 @@ void TerminalScreen::read_keys() {
   drawn_.clear();
 }
 
-// The signal stops the program as soon as it is not blocked any more.
+// Restores the terminal, stops the program (SIGTSTP takes effect when it is unblocked), and enters the screen
+// again when the program continues.
 void TerminalScreen::stop() {
   leave();
   sigset_t stops;

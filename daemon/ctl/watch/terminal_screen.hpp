@@ -1,7 +1,7 @@
-// The whole terminal, for a view that is drawn in place: the alternate screen, without echo, until leave() is
-// called or the object goes. What was on the terminal is there again then, whatever ended the view. Signals
-// that end or stop a program are blocked meanwhile and told as events, so that none ends it in between. A
-// terminal that takes nothing is not waited for. Not thread-safe; one at a time.
+// The whole terminal for a view that is drawn in place: the alternate screen, without echo, until leave() or
+// the destructor restores the terminal's previous contents. Signals that end or stop a program are blocked
+// meanwhile and reported as events, so that the terminal is always restored. Never waits for a terminal that
+// does not accept output. Not thread-safe; at most one object at a time.
 #pragma once
 
 #include <poll.h>
@@ -18,7 +18,7 @@
 
 namespace contourd::ctl {
 
-// Whether standard output is a terminal that such a view can be drawn on.
+// True if standard output is a terminal on which a view can be drawn in place.
 [[nodiscard]] bool has_screen();
 
 class TerminalScreen {
@@ -30,36 +30,36 @@ class TerminalScreen {
 
   [[nodiscard]] ScreenSize size() const;
 
-  // Shows these lines, made for size(), and none below them. Where the terminal has not taken what came
-  // before, nothing is drawn.
+  // Shows these lines, made for size(), and clears the rows below. Draws nothing if the terminal has not yet
+  // accepted earlier output.
   void draw(const std::vector<ScreenLine>& lines);
 
-  // Waits for the terminal, for `other` to be readable (-1: none) or for so many milliseconds.
+  // Waits until the terminal is ready, `other` is readable (-1: none) or the time has passed.
   void wait(int other, int milliseconds);
-  // What happened meanwhile: handles a change of size, a stop and its end. The signal that ends the view, if
-  // one came; SIGINT also for the key q.
+  // Handles the events since then: a change of size, a stop and its end. Returns the signal that ends the
+  // view, if there was one; the key q counts as SIGINT.
   [[nodiscard]] std::optional<int> ended_by();
 
-  // Back to the terminal as it was. Harmless when that was done.
+  // Restores the terminal. Does nothing if it has been restored.
   void leave() noexcept;
 
  private:
   void enter();
   void stop();
   void read_keys();
-  // Without waiting.
+  // Writes pending output as far as the terminal accepts it, without waiting.
   void flush() noexcept;
 
   FileDescriptor out_;
   FileDescriptor signals_;
   sigset_t before_{};
-  std::optional<termios> keyboard_;  // as it was
+  std::optional<termios> keyboard_;  // modes to restore
   bool entered_ = false;
   bool colors_;
-  bool keys_end_ = false;  // nothing more comes from the keyboard
+  bool keys_end_ = false;  // standard input has ended
   std::optional<int> end_;
-  std::string pending_;            // not taken by the terminal yet
-  std::vector<ScreenLine> drawn_;  // lines that need not be drawn again
+  std::string pending_;            // output that the terminal has not accepted yet
+  std::vector<ScreenLine> drawn_;  // lines on the screen, which need no redrawing
   std::array<pollfd, 4> polled_{};
 };
 

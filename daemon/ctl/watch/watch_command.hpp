@@ -1,5 +1,4 @@
-// contourctl watch. Prints its result and returns the exit code; what is wrong
-// with the data or the daemon comes out as an exception (see exit_codes.hpp).
+// contourctl watch: follows a print. Problems with the daemon are thrown as exceptions (see exit_codes.hpp).
 #pragma once
 
 #include <optional>
@@ -9,8 +8,8 @@
 
 namespace contourd::ctl {
 
-// Shows the print under way until it ends, or until the job of that name has ended (which may be before the
-// call); one that is nowhere for some seconds is told.
+// Shows the current print until it ends, or until the job with this name has ended, possibly before the call.
+// Reports a job that contourd does not know for some seconds. Returns the exit code.
 int watch(const ClientOptions& options, const std::optional<std::string>& job);
 
 }  // namespace contourd::ctl

@@ -13,11 +13,11 @@ namespace {
 using namespace std::chrono_literals;
 using Json = WatchEnd::Json;
 
-// How long a job may be nowhere: the daemon needs a moment to see a file, and looks at it again when it may
-// still grow.
+// Time for which a job may be unknown: the daemon needs a moment to notice a file, and waits until the file
+// does not grow any more.
 constexpr auto kLongestAbsence = 3s;
 
-// Answers have the number of their question; those to questions that were asked again are not for the user.
+// Numbers of requests, which their answers repeat. Answers to ...Again are not shown to the user.
 enum Question { kWatch = 1, kStatus, kHistory, kQueue, kStatusAgain, kHistoryAgain, kQueueAgain };
 
 int question_of(const Json& message) {
@@ -45,7 +45,7 @@ void WatchEnd::begin(DaemonConnection& connection) {
 }
 
 void WatchEnd::ask_again(DaemonConnection& connection) const {
-  if (job_.empty() || is_under_way_) return;  // its end will be told
+  if (job_.empty() || is_under_way_) return;  // contourd will report its end
   connection.send("status", kStatusAgain);
   connection.send("history", kHistoryAgain, {{"this_run", true}, {"job", job_}});
   connection.send("queue", kQueueAgain);
@@ -80,7 +80,7 @@ void WatchEnd::note_seen() {
 }
 
 bool WatchEnd::note_queue(const Json& result) {
-  // Of a longer queue only its beginning is told.
+  // contourd lists only the beginning of a long queue, so the job may be in the rest.
   if (is_under_way_ || names(result["queue"], job_) || names(result["arriving"], job_) ||
       result.value("more", 0) > 0)
     note_seen();
@@ -100,8 +100,8 @@ std::optional<Json> WatchEnd::take(const Json& message) {
   if (!job_.empty() && (question == kHistory || question == kHistoryAgain)) return end_in(message["result"]);
   if (!job_.empty() && queue_in(message) != nullptr && !note_queue(*queue_in(message))) {
     throw NoSuchJob{
-        fmt::format("there is no job {}: it neither waits nor is it being printed, nor is it one of the last "
-                    "that ended",
+        fmt::format("there is no job {}: it is not waiting, not being printed, and not among the jobs that "
+                    "ended recently",
                     printable(job_))};
   }
   const Json* const status = status_in(message);

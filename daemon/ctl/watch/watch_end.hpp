@@ -1,5 +1,5 @@
-// When contourctl watch has seen what it waits for: the end of the print under way, or of one job wherever it
-// is. Asks contourd, and knows no screen.
+// Detects the end of contourctl watch: the end of the current print, or of one job, which may still be in the
+// queue. Asks contourd, and does not draw.
 #pragma once
 
 #include <chrono>
@@ -15,33 +15,34 @@ class WatchEnd {
  public:
   using Json = DaemonConnection::Json;
 
-  // The file's or the job's name; nothing: whichever is printed.
+  // `job`: name of the job or its file; nullopt: the current print.
   explicit WatchEnd(const std::optional<std::string>& job);
 
-  // On a connection that is new. What was known from an earlier one may have changed meanwhile.
+  // Sends the first requests on a new connection, and forgets the state from an earlier one.
   void begin(DaemonConnection& connection);
-  // To be called every kAskInterval: what contourd does not tell by itself.
+  // Requests the facts that contourd does not send by itself. To be called every kAskInterval.
   static constexpr std::chrono::milliseconds kAskInterval{500};
   void ask_again(DaemonConnection& connection) const;
 
-  // The ended job, as a status has it, if this message says so. Throws NoSuchJob.
+  // Handles a message. Returns the ended job, in the form of a status, if the message reports its end. Throws
+  // NoSuchJob.
   [[nodiscard]] std::optional<Json> take(const Json& message);
 
   struct NoSuchJob {
     std::string sentence;
   };
 
-  // Nothing where the message has none.
+  // Return the status or the queue in a message, or nullptr if it contains none.
   [[nodiscard]] static const Json* status_in(const Json& message);
   [[nodiscard]] static const Json* queue_in(const Json& message);
-  // Whether it is an answer to ask_again(): that is not for the user.
+  // True for an answer to ask_again(), which is not shown to the user.
   [[nodiscard]] static bool is_repeated(const Json& message);
 
-  // Empty: whichever is printed.
+  // Returns the awaited job; empty: the current print.
   [[nodiscard]] const std::string& job() const { return job_; }
-  // Whether there is such a job, as far as contourd has said by now.
+  // True if contourd has reported this job so far.
   [[nodiscard]] bool is_known() const { return job_.empty() || is_known_; }
-  // Whether that is printed, by the last status.
+  // True if the awaited job is being printed, according to the last status.
   [[nodiscard]] bool is_under_way() const { return is_under_way_; }
 
   void ask_status(DaemonConnection& connection) const;
@@ -49,12 +50,12 @@ class WatchEnd {
 
  private:
   void note_seen();
-  // False when it is not there any more, or never was.
+  // Notes whether the job is in the queue. Returns false if contourd has not known the job for some seconds.
   [[nodiscard]] bool note_queue(const Json& result);
   [[nodiscard]] std::optional<Json> end_in(const Json& history) const;
 
   std::string job_;
-  std::string under_way_;  // the last job under way
+  std::string under_way_;  // name of the last job that was printed
   bool is_under_way_ = false, is_known_ = false;
   std::chrono::steady_clock::time_point last_seen_;
 };

@@ -25,15 +25,16 @@ using namespace std::chrono_literals;
 using Json = WatchEnd::Json;
 using SteadyClock = std::chrono::steady_clock;
 
-constexpr auto kTick = 1s;           // for what is counted down
-constexpr auto kQueueInterval = 5s;  // for the queue's order; its length is in each status
-constexpr auto kFrame = 100ms;       // nothing is drawn more often
-constexpr auto kSilence = 5s;        // of a contourd that is asked every second
+constexpr auto kTick = 1s;           // interval of countdowns and requests
+constexpr auto kQueueInterval = 5s;  // between requests of the queue's order; each status has its length
+constexpr auto kFrame = 100ms;       // minimum interval between two drawings
+constexpr auto kSilence = 5s;        // time without an answer after which this is reported
 constexpr auto kLongestGone = 60s;
 constexpr std::chrono::seconds kPatience{1};
-constexpr int kMostAtOnce = 100;  // messages, before the screen has its turn
+constexpr int kMostAtOnce = 100;  // messages that are handled before the screen is drawn
 
-// It has more members than other classes: what is shown comes at times of its own each.
+// Collects the facts for the view and draws it. It has more members than other classes: each fact arrives at
+// a different time.
 class ScreenWatch {
  public:
   ScreenWatch(const ClientOptions& options, WatchEnd& end)
@@ -82,7 +83,7 @@ class ScreenWatch {
     screen.draw(lines);
   }
 
-  // In what room the text leaves, behind a blank line.
+  // Adds the mask in the rows that the text leaves free, after a blank line.
   void add_mask(std::vector<ScreenLine>& lines, ScreenSize size) {
     const std::size_t used = std::min(lines.size() + 1, size.rows);
     const std::vector<ScreenLine>& mask = mask_.lines({size.columns, size.rows - used});
@@ -101,9 +102,9 @@ class ScreenWatch {
       return std::chrono::floor<std::chrono::seconds>(now - since).count();
     };
     if (!connection_)
-      return fmt::format("{}; gone for {} s, what is shown is from before", why_lost_, seconds(lost_at_));
+      return fmt::format("{}; gone for {} s, this view is out of date", why_lost_, seconds(lost_at_));
     if (asked_at_ && now - *asked_at_ > kSilence)
-      return fmt::format("does not answer for {} s, what is shown is from before", seconds(*asked_at_));
+      return fmt::format("no answer for {} s, this view is out of date", seconds(*asked_at_));
     return "";
   }
 
@@ -112,7 +113,7 @@ class ScreenWatch {
     changed_ = true;
     try {
       if (!connection_) return reconnect(now);
-      if (asked_at_) return;  // one question at a time
+      if (asked_at_) return;  // one request at a time
       asked_at_ = now;
       end_.ask_again(*connection_);
       if (now >= next_queue_ || queued() != queued_then_) {
@@ -190,13 +191,13 @@ class ScreenWatch {
 
   std::filesystem::path socket_;
   WatchEnd& end_;
-  std::unique_ptr<DaemonConnection> connection_;  // null: it is lost
+  std::unique_ptr<DaemonConnection> connection_;  // null: lost
   WatchedPrinter printer_;
   WatchedMask mask_{line_ink()};
   Json last_job_;
   std::string why_lost_;
   SteadyClock::time_point lost_at_{}, status_at_ = SteadyClock::now();
-  std::optional<SteadyClock::time_point> asked_at_;  // a status that has not come
+  std::optional<SteadyClock::time_point> asked_at_;  // time of an unanswered request for the status
   std::size_t queued_then_ = 0;
   bool changed_ = true, more_ = false;
   SteadyClock::time_point next_frame_{}, next_queue_{}, next_tick_ = SteadyClock::now() + kTick;

@@ -6,15 +6,15 @@
 
 namespace contourd::ctl {
 
-// What it came to, to be told on the terminal as it was before.
+// The result, to be printed after the terminal was restored.
 struct WatchResult {
-  WatchEnd::Json ended;               // null: it is not known
-  std::vector<std::string> warnings;  // about that job, not printable
+  WatchEnd::Json ended;               // the ended job; null if unknown
+  std::vector<std::string> warnings;  // about this job; may contain unprintable characters
 };
 
-// Until the end, and at most until a contourd that is gone has not come back for a minute: throws DaemonError
-// then, and NoSuchJob as WatchEnd does. A signal that ends a program, and the key q, end it as that signal
-// does.
+// Watches until the end. Throws DaemonError if contourd is gone for a minute, and NoSuchJob as WatchEnd does.
+// A signal that ends a program ends the process in the usual way, after the terminal was restored; the key q
+// counts as SIGINT.
 [[nodiscard]] WatchResult watch_on_screen(const ClientOptions& options, WatchEnd& end);
 
 }  // namespace contourd::ctl

@@ -20,7 +20,7 @@ namespace {
 
 using Json = WatchedPrinter::Json;
 
-// What stays when there are too few rows: the least of these for the longest.
+// Importance of lines, the most important first: if there are too few rows, lines of the last rank go first.
 enum Rank {
   kHow,
   kTrouble,
@@ -68,13 +68,13 @@ const Json& part_of(const Json& object, const char* key) {
   return found != object.end() ? *found : kNone;
 }
 
-// Whole seconds: it is counted down.
+// Returns the time in whole seconds, for a countdown.
 std::string countdown(double seconds) {
   const auto whole = std::chrono::seconds{std::llround(std::ceil(std::clamp(seconds, 0.0, 1e9)))};
   return whole < std::chrono::minutes{1} ? fmt::format("{} s", whole.count()) : readable(whole);
 }
 
-// "14:05", or with the day when that is another one.
+// Returns "14:05", with the date if it is not today.
 std::string local_time(std::time_t time, std::time_t now) {
   std::tm then{}, today{};
   if (::localtime_r(&time, &then) == nullptr || ::localtime_r(&now, &today) == nullptr) return "?";
@@ -86,8 +86,8 @@ bool is_waiting(std::string_view state) {
   return state == "paused" || state == "held" || state == "raising";
 }
 
-// Behind the state, if the print goes its usual way; empty where that ends.
-std::string state_behind(std::string_view state, std::int64_t layer, std::int64_t layers) {
+// Returns the usual state after this one, or an empty text if there is none.
+std::string next_state(std::string_view state, std::int64_t layer, std::int64_t layers) {
   using Step = std::pair<std::string_view, std::string_view>;
   constexpr auto kSteps = std::to_array<Step>({{"preparing", "warming up"},
                                                {"warming up", "homing"},
@@ -136,7 +136,7 @@ class View {
     blocks_.push_back({rank, {{cut_to_columns(text, size_.columns), ink}}});
   }
 
-  // A label and its text, wrapped beside it.
+  // Adds a label and its text, which is wrapped next to the label.
   void add(std::string_view label, const std::string& text, Rank rank, Ink ink = Ink::Plain) {
     Block block{rank, {}};
     if (size_.columns < kNarrow) {
@@ -174,7 +174,7 @@ class View {
     add_line(printable(printer_.job) + " waits", kName, Ink::Strong);
   }
 
-  // --- A print
+  // --- During a print
 
   void add_job() {
     add_line(text_of(job_, "name"), kName, Ink::Strong);
@@ -213,21 +213,21 @@ class View {
   }
 
   void add_light() {
-    if (!printer_.trouble.empty()) return add("light", "not known", kLight, Ink::Alarm);
+    if (!printer_.trouble.empty()) return add("light", "unknown", kLight, Ink::Alarm);
     const bool dark = status_.value("dark", false);
     const std::string by_hand = text_of(part_of(status_, "manual"), "state");
     if (dark) return add("light", "off", kLight);
     if (state() == "exposing" || by_hand == "lit") return add("light", "ON", kLight, Ink::Alarm);
-    if (state() == "igniting" || by_hand == "igniting") return add("light", "goes on", kLight, Ink::Alarm);
+    if (state() == "igniting" || by_hand == "igniting") return add("light", "turning on", kLight, Ink::Alarm);
     add("light", "not confirmed off", kLight, Ink::Alarm);
   }
 
   void add_time() {
-    // As in contourd: what a state takes longer than was expected does not count.
+    // As in contourd, the time by which a state exceeds its expected duration does not count.
     const double counted = std::min(printer_.status_age_s, number_of(job_, "state_left_s").value_or(0));
     const double left = std::max(number_of(job_, "time_left_s").value_or(0) - counted, 0.0);
     if (is_waiting(state()))
-      return add("time left", countdown(left) + " of printing, when it goes on", kTime);
+      return add("time left", countdown(left) + " of printing, once it continues", kTime);
     if (!printer_.trouble.empty()) return;
     const std::time_t end = printer_.now + static_cast<std::time_t>(std::clamp(left, 0.0, 1e9));
     add("time left", fmt::format("{}, until {}", countdown(left), local_time(end, printer_.now)), kTime);
@@ -244,7 +244,7 @@ class View {
   }
 
   void add_next() {
-    std::string next = state_behind(state(), job_.value("layer", 0), job_.value("layers", 0));
+    std::string next = next_state(state(), job_.value("layer", 0), job_.value("layers", 0));
     const auto append = [&next](const std::string& what) {
       if (!what.empty()) next += (next.empty() ? "" : "; ") + what;
     };
@@ -257,7 +257,7 @@ class View {
 
   void add_stops() {
     add_if("stopped", text_of(job_, "interruption"), kStopped, Ink::Warning);
-    if (state() == "paused") add("", "goes on with: contourctl resume", kStopped, Ink::Strong);
+    if (state() == "paused") add("", "continue with: contourctl resume", kStopped, Ink::Strong);
   }
 
   void add_analysis() {
@@ -268,7 +268,7 @@ class View {
       if (warning.is_string()) add("warning", printable(warning.get<std::string>()), kWarning, Ink::Warning);
   }
 
-  // --- No print
+  // --- Without a print
 
   void add_idle() {
     add_line(state(), kHow, Ink::Strong);
@@ -301,7 +301,7 @@ class View {
     add_if("by hand", text_of(manual, "problem"), kByHand, Ink::Warning);
   }
 
-  // --- Both
+  // --- Always
 
   void add_waits() {
     const std::string held = text_of(status_, "held"), waiting = text_of(status_, "waiting_for");
@@ -317,7 +317,8 @@ class View {
   void add_queue() {
     const auto queued = status_.value("queued", std::size_t{0});
     add_blank();
-    add("queue", queued == 0 ? "empty" : fmt::format("{} {}", queued, queued == 1 ? "job" : "jobs"), kQueueBlock);
+    add("queue", queued == 0 ? "empty" : fmt::format("{} {}", queued, queued == 1 ? "job" : "jobs"),
+        kQueueBlock);
     Block names{kQueueBlock, {}};
     const Json& queue = part_of(printer_.queue, "queue");
     for (std::size_t i = 0; i < std::min(queue.size(), kMostListed); ++i) {
@@ -347,16 +348,17 @@ class View {
           kUnprinted, Ink::Warning);
     for (const Json& file : part_of(status_, "deletable"))
       if (file.is_string())
-        add("deletable", printable(file.get<std::string>()) + ": it had its turn, and cannot be moved",
+        add("deletable", printable(file.get<std::string>()) + ": it is finished, but cannot be moved away",
             kUnprinted, Ink::Warning);
   }
 
+  // Returns the lines that fit on the screen.
   std::vector<ScreenLine> chosen() {
     std::size_t count = 0;
     for (const Block& block : blocks_)
       count += block.lines.size();
     while (count > size_.rows) {
-      // Of those alike, the last first.
+      // Among blocks of equal rank, the last one loses lines first.
       const auto least = std::max_element(blocks_.rbegin(), blocks_.rend(),
                                           [](const Block& a, const Block& b) { return a.rank < b.rank; });
       least->lines.pop_back();

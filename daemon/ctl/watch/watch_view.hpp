@@ -1,5 +1,5 @@
-// What contourctl watch shows on a whole terminal, line by line. A pure function, but for the time zone,
-// which is the process'.
+// The view of contourctl watch on a whole terminal, as lines. A pure function, except that it uses the
+// process's time zone.
 #pragma once
 
 #include <cstddef>
@@ -17,25 +17,26 @@ struct ScreenSize {
 enum class Ink { Plain, Strong, Good, Warning, Alarm, Faint };
 
 struct ScreenLine {
-  std::string text;  // printable or a picture's with its colours, and as wide as the screen at most
+  std::string text;  // printable, or part of a picture with its colours; not wider than the screen
   Ink ink = Ink::Plain;
   bool operator==(const ScreenLine&) const = default;
 };
 
-// What is known of a printer, as docs/control-api.md has it.
+// The known facts about a printer, in the format of docs/control-api.md.
 struct WatchedPrinter {
   using Json = nlohmann::ordered_json;
 
-  Json status;              // null as long as none has come
-  Json queue;               // the same
-  double status_age_s = 0;  // how long ago the status came
-  std::time_t now = 0;      // the wall clock
-  std::string job;          // the one that is waited for; empty: whichever is printed
+  Json status;              // null if none has arrived yet
+  Json queue;               // null if none has arrived yet
+  double status_age_s = 0;  // time since the status arrived
+  std::time_t now = 0;      // wall-clock time
+  std::string job;          // the awaited job; empty: the current print
   bool job_is_under_way = false;
-  std::string trouble;  // with the connection, in a sentence; empty: none
+  std::string trouble;  // problem with the connection, as a sentence; empty: none
 };
 
-// As many lines as the screen has rows at most: where that is too few, what matters least is left out first.
+// Returns at most as many lines as the screen has rows. If there are too few rows, the least important lines
+// are left out first.
 [[nodiscard]] std::vector<ScreenLine> watch_lines(const WatchedPrinter& printer, ScreenSize size);
 
 }  // namespace contourd::ctl

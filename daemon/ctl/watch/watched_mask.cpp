@@ -18,16 +18,17 @@ namespace {
 
 using Json = WatchedMask::Json;
 
-// Below that a part cannot be told from another.
+// Minimum room: in less, a mask cannot be recognised.
 constexpr std::size_t kFewestColumns = 30, kFewestRows = 6;
 constexpr std::size_t kMostColumns = 1000, kMostRows = 500;
-// So many rows more do not make it worth drawing anew in another size: the text above comes and goes.
+// The mask is not redrawn for up to this many additional rows, because the length of the text above changes
+// often.
 constexpr std::size_t kSameRows = 3;
-// More than any display's mask.
+// Limits that are larger than the mask of any display.
 constexpr std::size_t kMostBytes = 64u << 20;
 constexpr std::int32_t kLargestSide = 16'384;
 
-// In these the mask of the layer is on the screen, or was until now.
+// True for states in which the layer's mask is on the display, or was until now.
 bool shows_layer(std::string_view state) {
   constexpr std::array<std::string_view, 4> kStates{"showing", "igniting", "exposing", "darkening"};
   return std::ranges::find(kStates, state) != kStates.end();
@@ -42,7 +43,7 @@ std::string caption_of(const Json& reply) {
 
 std::int32_t side_in(const Json& reply, const char* name) {
   const auto side = reply.at(name).get<std::int64_t>();
-  if (side < 1 || side > kLargestSide) throw std::runtime_error("no picture has that size");
+  if (side < 1 || side > kLargestSide) throw std::runtime_error("the picture's size is out of range");
   return static_cast<std::int32_t>(side);
 }
 
@@ -83,7 +84,7 @@ std::optional<Json> WatchedMask::question(Time now) {
   return Json::object();
 }
 
-// What is wrong with a picture is no matter for the view: the next layer's may be right.
+// Drops a damaged picture without a message: the next layer's picture may be good.
 void WatchedMask::take(const Json& message) {
   if (message.value("id", 0) != kQuestion) return;
   waits_ = false;
@@ -102,7 +103,7 @@ void WatchedMask::take_piece(const Json& reply) {
                         side_in(reply, "height"),
                         caption_of(reply),
                         {}};
-    if (arriving_->bytes > kMostBytes) throw std::runtime_error("no picture is as large");
+    if (arriving_->bytes > kMostBytes) throw std::runtime_error("the picture is too large");
   }
   const auto piece = from_base64(reply.at("data").get_ref<const std::string&>());
   if (!piece || piece->empty()) throw std::runtime_error("a piece is empty or damaged");

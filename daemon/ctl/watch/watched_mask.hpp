@@ -1,5 +1,5 @@
-// The mask that contourd's display shows, for a view: asked for piece by piece, once a layer at most, and
-// only while there is room to show it; drawn below the view's text. It knows no connection. Not thread-safe.
+// The mask on contourd's display, drawn below the view's text. It is requested piece by piece, at most once
+// per layer, and only while there is room to show it. The caller owns the connection. Not thread-safe.
 #pragma once
 
 #include <chrono>
@@ -21,23 +21,23 @@ class WatchedMask {
   using Json = nlohmann::ordered_json;
   using Time = std::chrono::steady_clock::time_point;
 
-  // The number of its questions; answers have it, too.
+  // Number of the requests, which their answers repeat.
   static constexpr int kQuestion = 100;
-  // From one picture's first question to the next one's, at least: a simulated printer's layers are faster.
+  // Minimum interval between two pictures, because a simulated printer can have faster layers.
   static constexpr std::chrono::seconds kInterval{2};
 
   explicit WatchedMask(PictureInk ink) : ink_(ink) {}
 
-  // What is on the screen by this status.
+  // Notes from a status which mask is on the display.
   void note(const Json& status);
-  // The parameters of `mask` for what is missing, to be sent now; nothing when nothing is to be asked.
+  // Returns the parameters of the next request of `mask`, or nullopt if no request is due.
   [[nodiscard]] std::optional<Json> question(Time now);
-  // An answer to that. Any other message is no matter.
+  // Handles an answer to such a request. Ignores other messages.
   void take(const Json& message);
-  // What is under way is not answered any more.
+  // Forgets the request that will not be answered any more.
   void connection_lost();
 
-  // At most so many lines; none where there is nothing to show, or too little room.
+  // Returns lines that fit into the room; none if there is no mask or too little room.
   [[nodiscard]] const std::vector<ScreenLine>& lines(ScreenSize room);
 
  private:
@@ -46,16 +46,16 @@ class WatchedMask {
     std::size_t bytes = 0;
     std::int32_t width = 0, height = 0;
     std::string caption;
-    std::vector<std::uint8_t> png;  // as far as it has come
+    std::vector<std::uint8_t> png;  // the bytes received so far
   };
 
   void take_piece(const Json& reply);
   void draw(ScreenSize room);
 
   PictureInk ink_;
-  std::string on_screen_, asked_for_;  // which mask: a name for each; empty: none
+  std::string on_screen_, asked_for_;  // names of masks; empty: none
   bool has_room_ = false;
-  bool waits_ = false;  // for an answer
+  bool waits_ = false;  // a request is unanswered
   std::optional<Picture> arriving_;
   Time next_{};
   Mask mask_;

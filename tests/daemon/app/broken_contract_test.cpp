@@ -1,6 +1,6 @@
-// A process that breaks a contract while its light is on and its motor turns: a machine with threads of its
-// own, in a child, over a kernel that is this program's ioctl(). What the kernel saw is in memory that both
-// share.
+// Tests a process that breaks a contract while its light is on and its motor turns: a child process runs a
+// machine with its own threads. This program's ioctl() replaces the kernel's and records the calls in memory
+// shared by both processes.
 #include "daemon/app/broken_contract.hpp"
 
 #include <fcntl.h>
@@ -46,7 +46,7 @@ struct Seen {
 };
 Seen* seen = nullptr;
 
-// A driver that takes as long as 50 steps.
+// Simulates a driver that takes as long as 50 steps.
 void take_long() {
   const TimePoint start = monotonic_now();
   while (monotonic_now() < start + 50ms) {
@@ -80,7 +80,7 @@ class LightWire final : public CuttableLine {
 
 class StepWire final : public OutputLine {
  public:
-  // The step behind which the stepping thread breaks a contract; 0: none.
+  // The stepping thread breaks a contract at step `breaking_step`; 0: never.
   explicit StepWire(int breaking_step) : breaking_step_(breaking_step) {}
   [[nodiscard]] bool set(bool active) noexcept override {
     if (active) expects(++seen->steps != breaking_step_, "the stepping thread makes no mistake");
@@ -136,7 +136,7 @@ std::unique_ptr<ZAxis> axis(Clock& clock, DescriptorWatcher& watcher, int breaki
   return std::make_unique<GpioAxis>(clock, watcher, config, std::move(parts));
 }
 
-// What the child does: light on, motor on, and then a mistake.
+// Runs in the child: turns light and motor on, then calls `err`, which breaks a contract.
 void print_and(const std::function<void()>& err, int breaking_step) {
   VirtualClock clock;
   NoDescriptors watcher;
@@ -160,7 +160,7 @@ void print_and(const std::function<void()>& err, int breaking_step) {
 }
 
 struct End {
-  std::string said;
+  std::string report;
   int status = 0;
 };
 
@@ -177,14 +177,14 @@ End end_of(const std::function<void()>& err, int breaking_step = 0) {
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
   if (child == 0) {
-    ::signal(SIGABRT, SIG_DFL);  // Catch2 would report it as this test's
+    ::signal(SIGABRT, SIG_DFL);  // Catch2 would report the signal as this test's failure
     ::dup2(ends[1], STDERR_FILENO);
     print_and(err, breaking_step);
     ::_exit(0);
   }
   ::close(ends[1]);
   End end;
-  end.said = testing::read_all(ends[0]);
+  end.report = testing::read_all(ends[0]);
   ::close(ends[0]);
   ::waitpid(child, &end.status, 0);
   return end;
@@ -198,11 +198,11 @@ void check_safe(const End& end, const std::string& requirement) {
   CHECK(seen->screens_black == 1);
   CHECK_FALSE(seen->light_when_black);
   CHECK(seen->steps >= kStepsBefore);
-  // One step may have been under way.
+  // A step may have begun before.
   CHECK(seen->steps_past_black <= seen->steps_when_black + 1);
-  CHECK(end.said.starts_with("contourd has made a mistake and ends, light told to be off, motor still: "));
-  CHECK(end.said.ends_with(": " + requirement + "\n"));
-  CHECK(std::ranges::count(end.said, '\n') == 1);
+  CHECK(end.report.starts_with("contourd aborts because of a bug, light off sent, motor still: "));
+  CHECK(end.report.ends_with(": " + requirement + "\n"));
+  CHECK(std::ranges::count(end.report, '\n') == 1);
 }
 
 void break_a_contract() {
@@ -222,15 +222,15 @@ extern "C" int ioctl(int descriptor, unsigned long request, ...) noexcept {
 }
 
 TEST_CASE(
-    "A contract that is broken in mid-exposure leaves light off, screen black, motor still and a line") {
+    "A contract broken during an exposure leaves light off, screen black, motor still and a line on stderr") {
   check_safe(end_of(break_a_contract), "the row is in the mask");
 }
 
-TEST_CASE("The same of a contract that a thread beside the event loop breaks") {
+TEST_CASE("A contract broken by a thread other than the event loop's makes the machine safe, too") {
   check_safe(end_of([] { std::thread(break_a_contract).join(); }), "the row is in the mask");
 }
 
-TEST_CASE("The same of a contract that the stepping thread breaks, which makes no further step") {
+TEST_CASE("A contract broken by the stepping thread makes the machine safe, and no further step follows") {
   const int breaking_step = kStepsBefore + 5;
   const auto wait = [] {
     for (;;)
@@ -240,7 +240,7 @@ TEST_CASE("The same of a contract that the stepping thread breaks, which makes n
   CHECK(seen->steps == breaking_step);
 }
 
-TEST_CASE("A broken contract is no longer said where nobody reads, and the process ends all the same") {
+TEST_CASE("A broken contract is not reported if no one reads stderr, and the process aborts all the same") {
   const End end = end_of([] {
     int full[2];
     if (::pipe2(full, O_NONBLOCK) != 0) return;
@@ -250,7 +250,7 @@ TEST_CASE("A broken contract is no longer said where nobody reads, and the proce
     ::dup2(full[1], STDERR_FILENO);
     break_a_contract();
   });
-  CHECK(end.said.empty());
+  CHECK(end.report.empty());
   CHECK(WIFSIGNALED(end.status));
   CHECK_FALSE(seen->light);
 }

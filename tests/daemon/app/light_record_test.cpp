@@ -6,7 +6,7 @@
 
 using namespace contourd;
 
-TEST_CASE("the light's record is in the service manager's first folder, else beside the control socket") {
+TEST_CASE("The light's record is in the service manager's first folder, else beside the control socket") {
   ::unsetenv("RUNTIME_DIRECTORY");
   CHECK(light_record_path("/tmp/printer/control.sock") == "/tmp/printer/light.json");
   ::setenv("RUNTIME_DIRECTORY", "/run/contourd:/run/other", 1);

@@ -1,4 +1,4 @@
-// A made-up message bus with a made-up logind, at the address that the system's bus has for this process.
+// Tests LoginBus with a fake message bus and logind, at the address of the system bus for this process.
 #include "daemon/app/login_bus.hpp"
 
 #include <fcntl.h>
@@ -20,10 +20,10 @@ using namespace contourd;
 
 namespace {
 
-// On the test's own loop: each side is served as the loop turns.
-class MadeUpBus {
+// A message bus with a logind, served by the test's own event loop.
+class FakeBus {
  public:
-  MadeUpBus(EventLoop& loop, const std::string& path) : loop_(loop) {
+  FakeBus(EventLoop& loop, const std::string& path) : loop_(loop) {
     listener_ = FileDescriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
@@ -33,7 +33,7 @@ class MadeUpBus {
     REQUIRE(::setenv("DBUS_SYSTEM_BUS_ADDRESS", ("unix:path=" + path).c_str(), 1) == 0);
     accepting_ = loop.on_ready(listener_.get(), POLLIN, "the bus", [this](std::uint32_t) { accept(); });
   }
-  ~MadeUpBus() {
+  ~FakeBus() {
     ::unsetenv("DBUS_SYSTEM_BUS_ADDRESS");
     sd_bus_close_unref(bus_);
   }
@@ -48,9 +48,9 @@ class MadeUpBus {
     sd_bus_message_unref(signal);
   }
 
-  std::vector<std::string> modes;  // of Inhibit
-  std::string refuses;             // this one
-  FileDescriptor lock;             // the end that logind keeps of the last
+  std::vector<std::string> modes;  // requested with Inhibit
+  std::string refuses;             // the mode that is refused
+  FileDescriptor lock;             // logind's end of the last lock
 
  private:
   void accept() {
@@ -69,7 +69,7 @@ class MadeUpBus {
   }
 
   static int serve(sd_bus_message* message, void* self, sd_bus_error*) {
-    auto& bus = *static_cast<MadeUpBus*>(self);
+    auto& bus = *static_cast<FakeBus*>(self);
     if (sd_bus_message_is_method_call(message, nullptr, "Hello") > 0)
       return sd_bus_reply_method_return(message, "s", ":1.1");
     if (sd_bus_message_is_method_call(message, nullptr, "AddMatch") > 0)
@@ -108,10 +108,10 @@ bool open_at_the_other_end(const FileDescriptor& pipe) {
 
 }  // namespace
 
-TEST_CASE("logind's locks are asked for by mode, held as long as they are kept, and refused in its words") {
+TEST_CASE("Locks are requested by mode and held until they are closed, and a refusal has logind's message") {
   const testing::TemporaryFolder folder;
   EventLoop loop;
-  MadeUpBus bus(loop, (folder.path() / "bus").string());
+  FakeBus bus(loop, (folder.path() / "bus").string());
   bus.refuses = "block";
   LoginBus login(loop);
   FileDescriptor lock;
@@ -125,7 +125,7 @@ TEST_CASE("logind's locks are asked for by mode, held as long as they are kept, 
     lock = std::move(taken);
     loop.stop();
   });
-  CHECK(bus.modes.empty());  // nothing has waited for an answer
+  CHECK(bus.modes.empty());  // take() has not blocked
   loop.run();
   CHECK(bus.modes == std::vector<std::string>{"block", "delay"});
   CHECK(refusal == "Permission denied");
@@ -135,26 +135,26 @@ TEST_CASE("logind's locks are asked for by mode, held as long as they are kept, 
   CHECK_FALSE(open_at_the_other_end(bus.lock));
 }
 
-TEST_CASE("That the computer goes to sleep, and that it has woken, is heard") {
+TEST_CASE("The handler is called before the computer sleeps and after it has woken") {
   const testing::TemporaryFolder folder;
   EventLoop loop;
-  MadeUpBus bus(loop, (folder.path() / "bus").string());
+  FakeBus bus(loop, (folder.path() / "bus").string());
   LoginBus login(loop);
-  std::vector<bool> heard;
+  std::vector<bool> calls;
   login.on_sleep([&](bool asleep) {
-    heard.push_back(asleep);
-    if (heard.size() == 2) loop.stop();
+    calls.push_back(asleep);
+    if (calls.size() == 2) loop.stop();
   });
-  // When this is answered, the match before it is in place.
+  // The answer to this request implies that the match, requested before, is in place.
   login.take(SleepAuthority::Lock::Delay, [&](FileDescriptor, const std::string&) {
     bus.prepare_for_sleep(true);
     bus.prepare_for_sleep(false);
   });
   loop.run();
-  CHECK(heard == std::vector<bool>{true, false});
+  CHECK(calls == std::vector<bool>{true, false});
 }
 
-TEST_CASE("Where there is no message bus every lock is refused, from the event loop") {
+TEST_CASE("Without a message bus every lock is refused, from the event loop") {
   const testing::TemporaryFolder folder;
   REQUIRE(::setenv("DBUS_SYSTEM_BUS_ADDRESS", ("unix:path=" + (folder.path() / "none").string()).c_str(),
                    1) == 0);

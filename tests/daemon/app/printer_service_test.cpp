@@ -62,13 +62,12 @@ endfacet
 endsolid tetrahedron
 )";
 
-constexpr const char* kNoModel = "no model";
+constexpr const char* kInvalidModel = "no model";
 
-// A printer in a folder of its own, whose machine a test can lay hands on. Its time goes on as fast as it
-// can.
-class Bench {
+// A printer in a temporary folder, with a machine that the test can manipulate. Its clock skips all waiting.
+class PrinterServiceFixture {
  public:
-  Bench() {
+  PrinterServiceFixture() {
     config = load_printer_config(fs::path(CONTOURD_CONFIG_DIR) / "simulated.json");
     config.spool_folder = folder.path() / "spool";
     config.control_socket = folder.path() / "control.sock";
@@ -101,8 +100,8 @@ class Bench {
   }
   [[nodiscard]] bool has(const std::string& name) const { return fs::exists(config.spool_folder / name); }
 
-  // Runs until this file lies in the spool. `look` is called after every step. To be called once: an event
-  // loop does not run again.
+  // Runs until the file exists in the spool. Calls `look` after every step. May be called only once, because
+  // an event loop cannot run again.
   void run_until(const std::string& file, const std::function<void()>& look) {
     bool there = false;
     const auto given_up =
@@ -117,7 +116,8 @@ class Bench {
     loop.run();
     CHECK(there);
   }
-  // Until a file that is no model, dropped behind the others, is refused: by then these have had their turn.
+  // Runs until the invalid model `bad`, dropped after the others, is refused: the others have had their turn
+  // then.
   void run_until_refused(const std::string& bad, const std::function<void()>& look) {
     run_until("failed/" + bad, look);
   }
@@ -134,104 +134,103 @@ class Bench {
 
 }  // namespace
 
-TEST_CASE("The report has the steps that came late in its print, and no others") {
-  Bench bench;
-  bench.machine = std::make_unique<SimulatedPrinter>(bench.clock, bench.config.simulated);
-  LateMachine machine(*bench.machine);
+TEST_CASE("A report counts the late steps of its own print only") {
+  PrinterServiceFixture fixture;
+  fixture.machine = std::make_unique<SimulatedPrinter>(fixture.clock, fixture.config.simulated);
+  LateMachine machine(*fixture.machine);
   machine.axis.late.count = 5;
-  bench.start_with(machine);
-  bench.drop("one.stl");
+  fixture.start_with(machine);
+  fixture.drop("one.stl");
   bool moved = false;
-  bench.run_until("done/two.stl", [&] {
+  fixture.run_until("done/two.stl", [&] {
     if (moved || !machine.axis.moving()) return;
     moved = true;
     machine.axis.late.count = 12;
-    bench.drop("two.stl");
+    fixture.drop("two.stl");
   });
-  CHECK(bench.report_of("one")["late_steps"] == 7);
-  CHECK(bench.report_of("two")["late_steps"] == 0);
-  bench.stop();
+  CHECK(fixture.report_of("one")["late_steps"] == 7);
+  CHECK(fixture.report_of("two")["late_steps"] == 0);
+  fixture.stop();
 }
 
-TEST_CASE("What an owner should know of a machine is a warning in the log, and the print goes on") {
-  Bench bench;
-  bench.machine = std::make_unique<SimulatedPrinter>(bench.clock, bench.config.simulated);
-  LateMachine machine(*bench.machine);
-  bench.start_with(machine);
-  bench.drop("one.stl");
+TEST_CASE("A notice of the machine is logged as a warning, and the print goes on") {
+  PrinterServiceFixture fixture;
+  fixture.machine = std::make_unique<SimulatedPrinter>(fixture.clock, fixture.config.simulated);
+  LateMachine machine(*fixture.machine);
+  fixture.start_with(machine);
+  fixture.drop("one.stl");
   std::ostringstream log;
   spdlog::set_default_logger(
       std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_st>(log)));
-  bool told = false;
-  bench.run_until("done/one.stl", [&] {
-    if (told || !machine.axis.moving()) return;
-    told = true;
+  bool reported = false;
+  fixture.run_until("done/one.stl", [&] {
+    if (reported || !machine.axis.moving()) return;
+    reported = true;
     machine.report({.kind = MachineEvent::Kind::Notice, .what = "0.125 mm are made good"});
   });
-  CHECK(told);
+  CHECK(reported);
   CHECK(log.str().find("[warning] 0.125 mm are made good") != std::string::npos);
-  bench.stop();
+  fixture.stop();
 }
 
-TEST_CASE("An emergency stop in homing, let go again, starts no motor: the next job waits for the owner") {
-  Bench bench;
-  bench.start();
-  bench.drop("one.stl");
+TEST_CASE("After an emergency stop during homing is released, no motor starts and the next job waits") {
+  PrinterServiceFixture fixture;
+  fixture.start();
+  fixture.drop("one.stl");
   bool stopped = false, moved = false, filed = false;
-  bench.run_until_refused("bad.stl", [&] {
-    const bool moving = bench.machine->z_axis().moving();
+  fixture.run_until_refused("bad.stl", [&] {
+    const bool moving = fixture.machine->z_axis().moving();
     if (stopped) moved = moved || moving;
-    if (!filed && (filed = bench.has("failed/one.stl"))) bench.drop("bad.stl", kNoModel);
+    if (!filed && (filed = fixture.has("failed/one.stl"))) fixture.drop("bad.stl", kInvalidModel);
     if (stopped || !moving) return;
     stopped = true;
-    bench.machine->press_emergency_stop();
-    bench.drop("two.stl");
+    fixture.machine->press_emergency_stop();
+    fixture.drop("two.stl");
   });
   CHECK(stopped);
   CHECK_FALSE(moved);
-  CHECK(bench.has("failed/one.stl"));
-  CHECK(bench.has("incoming/two.stl"));
+  CHECK(fixture.has("failed/one.stl"));
+  CHECK(fixture.has("incoming/two.stl"));
 }
 
-TEST_CASE("An emergency stop pressed while nothing is printed keeps jobs waiting when it is let go") {
-  Bench bench;
-  bench.start();
-  bench.machine->press_emergency_stop();
+TEST_CASE("An emergency stop pressed while nothing prints holds the queue after its release") {
+  PrinterServiceFixture fixture;
+  fixture.start();
+  fixture.machine->press_emergency_stop();
   bool moved = false;
-  // After a restart, too.
   SECTION("in this process") {}
-  SECTION("and in the next") {
-    bench.stop();
-    bench.start();
+  SECTION("in the next process") {
+    fixture.stop();
+    fixture.start();
   }
-  bench.drop("one.stl");
-  bench.drop("bad.stl", kNoModel);
-  bench.run_until_refused("bad.stl", [&] { moved = moved || bench.machine->z_axis().moving(); });
+  fixture.drop("one.stl");
+  fixture.drop("bad.stl", kInvalidModel);
+  fixture.run_until_refused("bad.stl", [&] { moved = moved || fixture.machine->z_axis().moving(); });
   CHECK_FALSE(moved);
-  CHECK(bench.has("incoming/one.stl"));
+  CHECK(fixture.has("incoming/one.stl"));
 }
 
 namespace {
 
-// The report of a print beside which something keeps the loop busy once, with the light on or off.
+// Returns the report of a print during which something keeps the loop busy once, with the light on or off.
 nlohmann::json report_with_busy_loop(Duration busy, bool lit) {
-  Bench bench;
-  bench.start();
-  bench.drop("one.stl");
+  PrinterServiceFixture fixture;
+  fixture.start();
+  fixture.drop("one.stl");
   EventLoop::SourcePtr timer;
   bool began = false;
-  bench.run_until("done/one.stl", [&] {
-    began = began || bench.machine->z_axis().moving();
-    if (timer || !began || bench.machine->light_is_on() != lit) return;
-    // The clock stands still meanwhile: it runs in the idle loop only.
-    timer = bench.loop.at(std::chrono::steady_clock::now(), "a busy test", [&bench, busy] {
-      while (bench.loop.turn().busy < busy) {
+  fixture.run_until("done/one.stl", [&] {
+    began = began || fixture.machine->z_axis().moving();
+    if (timer || !began || fixture.machine->light_is_on() != lit) return;
+    // The machine's clock stands still meanwhile, because it advances only while the loop is idle.
+    timer = fixture.loop.at(std::chrono::steady_clock::now(), "a busy test", [&fixture, busy] {
+      while (fixture.loop.turn().busy < busy) {
       }
     });
   });
   CHECK(timer);
-  auto report = bench.report_of("one");
-  bench.stop();
+  auto report = fixture.report_of("one");
+  fixture.stop();
   return report;
 }
 
@@ -241,23 +240,23 @@ TEST_CASE("The report has the loop's longest call while the light was on") {
   CHECK(report_with_busy_loop(25ms, true)["loop_busy_ms_worst_lit"] >= 25);
 }
 
-TEST_CASE("What keeps the loop busy in the dark is not in the report") {
-  // A tenth of it is more than anything that the loop does with the light on.
+TEST_CASE("The report ignores calls that keep the loop busy in the dark") {
+  // A tenth of the time is longer than anything that the loop does with the light on.
   CHECK(report_with_busy_loop(500ms, false)["loop_busy_ms_worst_lit"] < 50);
 }
 
-TEST_CASE("That the queue is held is written to the disk when the light is off, not beside it") {
-  Bench bench;
-  bench.start();
-  bench.drop("one.stl");
+TEST_CASE("A hold of the queue is written to the disk after the light is off, not while it is on") {
+  PrinterServiceFixture fixture;
+  fixture.start();
+  fixture.drop("one.stl");
   bool stopped = false;
-  bench.run_until("failed/one.stl", [&] {
-    if (stopped || !bench.machine->light_is_on()) return;
+  fixture.run_until("failed/one.stl", [&] {
+    if (stopped || !fixture.machine->light_is_on()) return;
     stopped = true;
-    bench.machine->press_emergency_stop();
-    CHECK_FALSE(bench.has("../spool.state/queue-held"));
+    fixture.machine->press_emergency_stop();
+    CHECK_FALSE(fixture.has("../spool.state/queue-held"));
   });
   CHECK(stopped);
-  CHECK(bench.has("../spool.state/queue-held"));
-  bench.stop();
+  CHECK(fixture.has("../spool.state/queue-held"));
+  fixture.stop();
 }

@@ -16,8 +16,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
-// Its locks are the writing ends of pipes, as logind's are.
-class MadeUpAuthority final : public SleepAuthority {
+// An authority whose locks are write ends of pipes, as logind's are.
+class FakeAuthority final : public SleepAuthority {
  public:
   void take(Lock lock, Taken taken) override {
     asked.push_back(lock);
@@ -50,17 +50,17 @@ class MadeUpAuthority final : public SleepAuthority {
   std::array<FileDescriptor, 2> locks;
 };
 
-struct Bench {
-  MadeUpAuthority authority;
+struct SleepInhibitorFixture {
+  FakeAuthority authority;
   VirtualClock clock;
   int interruptions = 0;
   bool dark = false;
-  std::vector<std::string> told;
+  std::vector<std::string> reported;
   SleepInhibitor inhibitor{authority,
                            clock,
                            {.interrupt = [this] { ++interruptions; },
                             .dark = [this] { return dark; },
-                            .unguarded = [this](const std::string& why) { told.push_back(why); }}};
+                            .unguarded = [this](const std::string& why) { reported.push_back(why); }}};
 
   [[nodiscard]] bool block() const { return authority.held(SleepAuthority::Lock::Block); }
   [[nodiscard]] bool delay() const { return authority.held(SleepAuthority::Lock::Delay); }
@@ -68,66 +68,66 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("The computer is kept awake from a print's begin to its end, and not otherwise") {
-  Bench bench;
-  CHECK(bench.authority.asked.empty());
-  bench.inhibitor.hold(true);
-  bench.inhibitor.hold(true);
-  bench.authority.answer();
-  CHECK(bench.authority.asked.size() == 2);
-  CHECK(bench.block());
-  CHECK(bench.delay());
-  bench.inhibitor.hold(false);
-  CHECK_FALSE(bench.block());
-  CHECK_FALSE(bench.delay());
+TEST_CASE("The computer is kept awake only while a print runs") {
+  SleepInhibitorFixture fixture;
+  CHECK(fixture.authority.asked.empty());
+  fixture.inhibitor.hold(true);
+  fixture.inhibitor.hold(true);
+  fixture.authority.answer();
+  CHECK(fixture.authority.asked.size() == 2);
+  CHECK(fixture.block());
+  CHECK(fixture.delay());
+  fixture.inhibitor.hold(false);
+  CHECK_FALSE(fixture.block());
+  CHECK_FALSE(fixture.delay());
 }
 
-TEST_CASE("A lock that comes after the print's end is given up at once") {
-  Bench bench;
-  bench.inhibitor.hold(true);
-  bench.inhibitor.hold(false);
-  bench.authority.answer();
-  CHECK_FALSE(bench.block());
-  CHECK_FALSE(bench.delay());
-  CHECK(bench.told.empty());
+TEST_CASE("A lock granted after the print's end is released at once") {
+  SleepInhibitorFixture fixture;
+  fixture.inhibitor.hold(true);
+  fixture.inhibitor.hold(false);
+  fixture.authority.answer();
+  CHECK_FALSE(fixture.block());
+  CHECK_FALSE(fixture.delay());
+  CHECK(fixture.reported.empty());
 }
 
-TEST_CASE("A computer that goes to sleep waits until the interrupted print is dark") {
-  Bench bench;
-  bench.authority.refuses[static_cast<std::size_t>(SleepAuthority::Lock::Block)] = true;
-  bench.inhibitor.hold(true);
-  bench.authority.answer();
-  CHECK(bench.told.empty());  // one of the two is enough
-  bench.authority.sleep(true);
-  CHECK(bench.interruptions == 1);
-  CHECK(bench.delay());
-  REQUIRE(bench.clock.run_next());
-  CHECK(bench.delay());
-  bench.dark = true;
-  REQUIRE(bench.clock.run_next());
-  CHECK_FALSE(bench.delay());
+TEST_CASE("Sleep is delayed until the light of the interrupted print is off") {
+  SleepInhibitorFixture fixture;
+  fixture.authority.refuses[static_cast<std::size_t>(SleepAuthority::Lock::Block)] = true;
+  fixture.inhibitor.hold(true);
+  fixture.authority.answer();
+  CHECK(fixture.reported.empty());  // one of the two is enough
+  fixture.authority.sleep(true);
+  CHECK(fixture.interruptions == 1);
+  CHECK(fixture.delay());
+  REQUIRE(fixture.clock.run_next());
+  CHECK(fixture.delay());
+  fixture.dark = true;
+  REQUIRE(fixture.clock.run_next());
+  CHECK_FALSE(fixture.delay());
 
-  // Awake, the print is still there, and may be resumed.
-  bench.authority.sleep(false);
-  bench.authority.answer();
-  CHECK(bench.delay());
+  // After the wake-up the print still exists and may be resumed.
+  fixture.authority.sleep(false);
+  fixture.authority.answer();
+  CHECK(fixture.delay());
 }
 
-TEST_CASE("A computer that sleeps while nothing prints interrupts nothing") {
-  Bench bench;
-  bench.authority.sleep(true);
-  bench.authority.sleep(false);
-  CHECK(bench.interruptions == 0);
-  CHECK(bench.authority.asked.empty());
+TEST_CASE("Sleep while nothing prints interrupts nothing") {
+  SleepInhibitorFixture fixture;
+  fixture.authority.sleep(true);
+  fixture.authority.sleep(false);
+  CHECK(fixture.interruptions == 0);
+  CHECK(fixture.authority.asked.empty());
 }
 
-TEST_CASE("That nobody keeps the computer awake is told once") {
-  Bench bench;
-  bench.authority.refuses = {true, true};
+TEST_CASE("A print without a lock is reported once") {
+  SleepInhibitorFixture fixture;
+  fixture.authority.refuses = {true, true};
   for (int print = 0; print < 3; ++print) {
-    bench.inhibitor.hold(true);
-    bench.authority.answer();
-    bench.inhibitor.hold(false);
+    fixture.inhibitor.hold(true);
+    fixture.authority.answer();
+    fixture.inhibitor.hold(false);
   }
-  CHECK(bench.told == std::vector<std::string>{"Permission denied"});
+  CHECK(fixture.reported == std::vector<std::string>{"Permission denied"});
 }

@@ -1,4 +1,4 @@
-// Each header of daemon/check checks what it requires.
+// The functions of daemon/check check their preconditions.
 #include <unistd.h>
 
 #include "daemon/check/service_user.hpp"
@@ -8,9 +8,9 @@
 using namespace contourd;
 using testing::contract_broken_by;
 
-TEST_CASE("Only root looks what another user can reach") {
+TEST_CASE("Only root can check another user's access") {
   CHECK(contract_broken_by([] {
           if (::geteuid() == 0 && ::seteuid(65534) != 0) return;
           (void)out_of_reach({}, {});
-        }) == "this process is root's");
+        }) == "this process runs as root");
 }

@@ -17,10 +17,10 @@ namespace {
 
 const SystemUser kNobody{"nobody", 65534, 65534};
 
-// Where the unit hides nothing, and nobody can go.
-class Place {
+// A printer's files in a folder that the unit does not hide and that the user nobody can enter.
+class ServiceFilesFixture {
  public:
-  Place() : path_("/opt/contourd-test-" + std::to_string(::getpid())) {
+  ServiceFilesFixture() : path_("/opt/contourd-test-" + std::to_string(::getpid())) {
     fs::create_directories(path_ / "resins");
     fs::create_directories(path_ / "spool");
     fs::permissions(path_ / "spool", fs::perms::all);
@@ -29,9 +29,9 @@ class Place {
     printer.spool_folder = path_ / "spool";
     printer.control_socket = "/run/contourd/control.sock";
   }
-  Place(const Place&) = delete;
-  Place& operator=(const Place&) = delete;
-  ~Place() {
+  ServiceFilesFixture(const ServiceFilesFixture&) = delete;
+  ServiceFilesFixture& operator=(const ServiceFilesFixture&) = delete;
+  ~ServiceFilesFixture() {
     std::error_code ignored;
     fs::remove_all(path_, ignored);
   }
@@ -60,9 +60,9 @@ class Place {
   fs::path path_;
 };
 
-bool skipped() {
+bool skipped_without_root() {
   if (::geteuid() == 0) return false;
-  std::puts("SKIPPED: only root can be another user");
+  std::puts("SKIPPED: only root can take on another user's rights");
   return true;
 }
 
@@ -70,45 +70,45 @@ using Files = std::vector<std::string>;
 
 }  // namespace
 
-TEST_CASE("What everybody can read is within the service's reach") {
-  if (skipped()) return;
-  CHECK(Place().out_of_reach().empty());
+TEST_CASE("Files that everyone can read are accessible to the service") {
+  if (skipped_without_root()) return;
+  CHECK(ServiceFilesFixture().out_of_reach().empty());
 }
 
-TEST_CASE("Files and folders that root alone can read are out of the service's reach, each told") {
-  if (skipped()) return;
-  const Place place;
-  place.hide("contourd.json");
-  CHECK(place.out_of_reach() == Files{place.path("contourd.json")});
-  place.hide("resins");
-  CHECK(place.out_of_reach() ==
-        Files{place.path("contourd.json"), place.path("resins/standard.json"), place.path("resins")});
+TEST_CASE("Each file and folder that only root can read is reported as inaccessible") {
+  if (skipped_without_root()) return;
+  const ServiceFilesFixture fixture;
+  fixture.hide("contourd.json");
+  CHECK(fixture.out_of_reach() == Files{fixture.path("contourd.json")});
+  fixture.hide("resins");
+  CHECK(fixture.out_of_reach() ==
+        Files{fixture.path("contourd.json"), fixture.path("resins/standard.json"), fixture.path("resins")});
 }
 
-TEST_CASE("A spool that the service cannot write is told, and so is one that it cannot make") {
-  if (skipped()) return;
-  Place place;
-  fs::create_directories(place.path("spool/incoming"));  // root's
-  CHECK(place.out_of_reach() == Files{place.path("spool/incoming")});
-  fs::permissions(place.path("spool"),
+TEST_CASE("A spool that the service cannot write or create is reported") {
+  if (skipped_without_root()) return;
+  ServiceFilesFixture fixture;
+  fs::create_directories(fixture.path("spool/incoming"));  // root's
+  CHECK(fixture.out_of_reach() == Files{fixture.path("spool/incoming")});
+  fs::permissions(fixture.path("spool"),
                   fs::perms::owner_all | fs::perms::others_read | fs::perms::others_exec);
-  CHECK(place.out_of_reach() == Files{place.path("spool"), place.path("spool/incoming")});
-  place.printer.spool_folder = place.path("new/spool");
-  CHECK(place.out_of_reach() == Files{place.path("resins").parent_path()});
+  CHECK(fixture.out_of_reach() == Files{fixture.path("spool"), fixture.path("spool/incoming")});
+  fixture.printer.spool_folder = fixture.path("new/spool");
+  CHECK(fixture.out_of_reach() == Files{fixture.path("resins").parent_path()});
 }
 
-TEST_CASE("A socket's folder that the service cannot write is told, but for one that is made for it") {
-  if (skipped()) return;
-  Place place;
-  place.printer.control_socket = place.path("resins/control.sock");
-  CHECK(place.out_of_reach() == Files{place.path("resins")});
+TEST_CASE("A socket's folder that the service cannot write is reported unless systemd creates it") {
+  if (skipped_without_root()) return;
+  ServiceFilesFixture fixture;
+  fixture.printer.control_socket = fixture.path("resins/control.sock");
+  CHECK(fixture.out_of_reach() == Files{fixture.path("resins")});
 }
 
-TEST_CASE("What the unit hides from the service is out of its reach, whatever the permissions") {
-  if (skipped()) return;
+TEST_CASE("Files that the unit hides are reported as inaccessible, whatever their permissions") {
+  if (skipped_without_root()) return;
   const testing::TemporaryFolder temporary;
   fs::permissions(temporary.path(), fs::perms::all);
-  Place place;
-  place.printer.files.push_back(temporary.write("lamp.png", "lamp"));
-  CHECK(place.out_of_reach() == Files{temporary.path() / "lamp.png"});
+  ServiceFilesFixture fixture;
+  fixture.printer.files.push_back(temporary.write("lamp.png", "lamp"));
+  CHECK(fixture.out_of_reach() == Files{temporary.path() / "lamp.png"});
 }

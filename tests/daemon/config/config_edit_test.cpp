@@ -28,7 +28,7 @@ std::string text_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-TEST_CASE("A number is set where it stands, and nothing else is touched") {
+TEST_CASE("A number is replaced in place, and the rest of the text is unchanged") {
   CHECK(height_set(R"({ "name":"a",
    "z_axis" : {"travel_mm": 1, "switch_height_mm" :0.5 , "x": [1,2]} })") == R"({ "name":"a",
    "z_axis" : {"travel_mm": 1, "switch_height_mm" :-1.25 , "x": [1,2]} })");
@@ -36,23 +36,25 @@ TEST_CASE("A number is set where it stands, and nothing else is touched") {
         R"({"z_axis": {"switch_height_mm": 0.1}})");
 }
 
-TEST_CASE("A number that is missing becomes the first of its section") {
+TEST_CASE("A missing number is inserted as the first key of its section") {
   CHECK(height_set("{\"z_axis\": {\n    \"travel_mm\": 1}}") ==
         "{\"z_axis\": {\n    \"switch_height_mm\": -1.25,\n    \"travel_mm\": 1}}");
   CHECK(height_set(R"({"z_axis": {}})") == R"({"z_axis": {"switch_height_mm": -1.25}})");
 }
 
-TEST_CASE("What cannot be set in its place is left to its owner") {
+TEST_CASE("A text that cannot be edited in place is refused with an instruction") {
   for (const char* text : {R"({})", R"({"z_axis": {"deep": {"switch_height_mm": 1}}})",
                            R"({"other": {"switch_height_mm": 1}, "z_axis": {"switch_height_mm": 1}})",
                            R"({"z_axis": {"switch_height\u005fmm": 1}})"}) {
     CAPTURE(text);
-    CHECK_THROWS_WITH(height_set(text),
-                      "/z_axis/switch_height_mm cannot be set in its place: write -1.25 there yourself");
+    CHECK_THROWS_WITH(
+        height_set(text),
+        "/z_axis/switch_height_mm cannot be changed in this file automatically: set it to -1.25 by hand");
   }
 }
 
-TEST_CASE("A configuration's number is changed with its rights kept, and not at all when that is wrong") {
+TEST_CASE(
+    "Setting a number of a configuration keeps the permissions, and an invalid number changes nothing") {
   ConfigFolder folder;
   folder.write_json("resins/standard.json", shipped("resins/standard.json"));
   nlohmann::json printer = shipped("contourd.json");

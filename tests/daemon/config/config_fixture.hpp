@@ -1,4 +1,4 @@
-// Folders and files for the tests of what an owner edits. Not thread-safe.
+// Helpers for tests of files that a user edits. Not thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@
 
 namespace contourd::testing {
 
-// A temporary folder that takes JSON values too.
+// A temporary folder that can also write JSON values.
 class ConfigFolder : public TemporaryFolder {
  public:
   std::filesystem::path write_json(const std::filesystem::path& name, const nlohmann::json& value) const {
@@ -21,7 +21,7 @@ class ConfigFolder : public TemporaryFolder {
   }
 };
 
-// What the call throws as ConfigError; empty when it throws none.
+// Returns the violations of the ConfigError that the call throws; empty if it throws none.
 template <typename Call>
 std::vector<Violation> violations_of(Call call) {
   try {
@@ -32,7 +32,7 @@ std::vector<Violation> violations_of(Call call) {
   return {};
 }
 
-// The same as `pointer: message`, or the message alone for the whole file.
+// Returns these violations as `pointer: message`, or only the message for the whole file.
 template <typename Call>
 std::vector<std::string> complaints_of(Call call) {
   std::vector<std::string> complaints;
@@ -45,6 +45,7 @@ std::vector<std::string> complaints_of(Call call) {
 
 using Complaints = std::vector<std::string>;
 
+// Reads a file of config/.
 inline nlohmann::json shipped(const std::string& name) {
   std::ifstream stream(std::filesystem::path(CONTOURD_CONFIG_DIR) / name);
   return nlohmann::json::parse(stream);

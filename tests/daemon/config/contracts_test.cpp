@@ -1,4 +1,4 @@
-// That each header of daemon/config checks what it requires.
+// Tests that the functions of daemon/config, daemon/json and daemon/system check their requirements.
 #include "daemon/config/light_config.hpp"
 #include "daemon/config/resin_plausibility.hpp"
 #include "daemon/config/resin_profile.hpp"
@@ -11,32 +11,33 @@
 using namespace contourd;
 using testing::contract_broken_by;
 
-TEST_CASE("A ConfigError says what is wrong") {
-  CHECK(contract_broken_by([] { ConfigError(std::vector<Violation>{}); }) == "something is wrong");
+TEST_CASE("A ConfigError has at least one violation") {
+  CHECK(contract_broken_by([] { ConfigError(std::vector<Violation>{}); }) ==
+        "there is at least one violation");
 }
 
-TEST_CASE("JSON is looked at behind its byte order mark") {
+TEST_CASE("The JSON syntax check requires text without a byte order mark") {
   CHECK(contract_broken_by([] { (void)check_json_syntax("{}", "a.json"); }).empty());
   CHECK(contract_broken_by([] { (void)check_json_syntax("\xEF\xBB\xBF{}", "a.json"); }) ==
         "there is no byte order mark");
 }
 
-TEST_CASE("A code point is one character's") {
+TEST_CASE("A code point is of exactly one character") {
   CHECK(contract_broken_by([] { (void)code_point("\xC3\xA9"); }).empty());
   for (const char* text : {"", "ab", "\xC3", "\xFF"})
     CHECK(contract_broken_by([text] { (void)code_point(text); }) == "it is one character");
 }
 
-TEST_CASE("A light's record is of a printer with a projector, and is marked as the record that it is") {
+TEST_CASE("A light record requires a printer with a projector, and its mark requires JSON") {
   const JsonDocument printer = JsonDocument::from_text(R"({"projector": {}})", "printer.json");
   const JsonDocument nothing = JsonDocument::from_text("{}", "printer.json");
   CHECK(contract_broken_by([&] { (void)light_record(printer, {}); }).empty());
   CHECK(contract_broken_by([&] { (void)light_record(nothing, {}); }) == "the printer has a projector");
   CHECK(contract_broken_by([] { (void)left_dark("{}"); }).empty());
-  CHECK(contract_broken_by([] { (void)left_dark("{"); }) == "the text is a record's");
+  CHECK(contract_broken_by([] { (void)left_dark("{"); }) == "the record is JSON text");
 }
 
-TEST_CASE("An exposure is of a layer of a print, under light") {
+TEST_CASE("An exposure requires a valid layer and irradiance") {
   const ResinProfile resin{};
   const std::string layer = "the layer is one of a print", light = "there is light";
   CHECK(contract_broken_by([&] { (void)exposure_time(resin, Nanometers{1}, 0, 1); }).empty());

@@ -16,10 +16,10 @@ using testing::complaints_of;
 using testing::ConfigFolder;
 using testing::shipped;
 
-// The shipped profile of a real machine, in a folder with its resin and its projector's table.
-class RealPrinter {
+// The shipped profile of a real machine in a folder with a resin and projector tables.
+class RealPrinterFixture {
  public:
-  RealPrinter() : printer(shipped("raspberry-pi-4.json")) {
+  RealPrinterFixture() : printer(shipped("raspberry-pi-4.json")) {
     for (const char* line : {"step", "direction", "enable", "limit_switch"})
       printer["z_axis"][line].erase("chip");
     folder_.write_json("resins/standard.json", shipped("resins/standard.json"));
@@ -43,8 +43,8 @@ class RealPrinter {
   ConfigFolder folder_;
 };
 
-Complaints complaints_with(const std::string& pointer, const json& value) {
-  RealPrinter printer;
+Complaints real_complaints_with(const std::string& pointer, const json& value) {
+  RealPrinterFixture printer;
   printer.at(pointer) = value;
   return printer.complaints();
 }
@@ -75,8 +75,9 @@ TEST_CASE("the shipped profiles of real machines load, with the pins that docs/p
 }
 
 TEST_CASE(
-    "what a real machine's profile leaves out has the schema's default, as the machine's own types have") {
-  RealPrinter printer;
+    "keys missing in a real machine's profile get the schema's defaults, which equal those of the C++ "
+    "types") {
+  RealPrinterFixture printer;
   printer.printer["z_axis"]["step"] = {{"line", 17}};
   printer.printer["z_axis"]["limit_switch"] = {{"line", 23}};
   printer.printer["display"].erase("card");
@@ -106,7 +107,7 @@ TEST_CASE(
 }
 
 TEST_CASE("every key of a real machine arrives with its unit") {
-  RealPrinter printer;
+  RealPrinterFixture printer;
   printer.printer["z_axis"].update(json::parse(R"({
     "travel_mm": 150.5, "microsteps_per_mm": 400.5, "homing_speed_mm_s": 3.5, "travel_speed_mm_s": 6.5,
     "top_speed_mm_s": 7.5, "acceleration_mm_s2": 30.5, "jerk_mm_s3": 500.5, "backlash_um": 12.5,
@@ -173,9 +174,9 @@ TEST_CASE("every key of a real machine arrives with its unit") {
 }
 
 TEST_CASE(
-    "a profile of a real machine serves the simulated one too, and is checked as strictly where it says "
-    "something") {
-  RealPrinter printer;
+    "a real machine's profile also serves the simulated one, and the keys that it has are checked as "
+    "strictly") {
+  RealPrinterFixture printer;
   printer.printer["hardware"] = "simulated";
   CHECK_FALSE(printer.load().real);
   for (const char* key : {"step", "direction", "limit_switch", "top_speed_mm_s"})
@@ -185,11 +186,11 @@ TEST_CASE(
   CHECK(printer.complaints().empty());
   printer.printer["projector"]["light"] = {{"line", 22}};
   CHECK(printer.complaints() ==
-        Complaints{"/projector/light: line \"22\" of \"gpiochip0\" is z_axis/enable already"});
+        Complaints{"/projector/light: line \"22\" of \"gpiochip0\" is already used for z_axis/enable"});
 }
 
-TEST_CASE("a real machine without what it cannot do without is told all of it, with what each is") {
-  RealPrinter printer;
+TEST_CASE("all missing required keys of a real machine are reported with their descriptions") {
+  RealPrinterFixture printer;
   for (const char* key : {"step", "direction", "limit_switch", "top_speed_mm_s"})
     printer.remove("z_axis", key);
   printer.remove("projector", "port");
@@ -206,41 +207,42 @@ TEST_CASE("a real machine without what it cannot do without is told all of it, w
   CHECK(complaints[4].starts_with("/z_axis/top_speed_mm_s: this key is missing"));
 }
 
-TEST_CASE("two functions on one line are found however the line is written") {
+TEST_CASE("two functions on one line are found, however the line is written") {
   for (const auto& [chip, line] : std::vector<std::pair<std::string, json>>{
            {"gpiochip0", 17}, {"gpiochip0", "17"}, {"/dev/gpiochip0", 17}, {"gpiochip0", "017"}}) {
     CAPTURE(chip, line.dump());
-    CHECK(complaints_with("/z_axis/lid", {{"chip", chip}, {"line", line}}) ==
-          Complaints{"/z_axis/lid: line \"17\" of \"gpiochip0\" is z_axis/step already"});
+    CHECK(real_complaints_with("/z_axis/lid", {{"chip", chip}, {"line", line}}) ==
+          Complaints{"/z_axis/lid: line \"17\" of \"gpiochip0\" is already used for z_axis/step"});
   }
-  CHECK(complaints_with("/z_axis/lid", {{"chip", "gpiochip1"}, {"line", 17}}).empty());
+  CHECK(real_complaints_with("/z_axis/lid", {{"chip", "gpiochip1"}, {"line", 17}}).empty());
   // The chip's default counts.
-  CHECK(complaints_with("/z_axis/emergency_stop", {{"line", 27}}).size() == 1);
-  CHECK(complaints_with("/z_axis/encoder",
-                        {{"a", {{"line", 5}}}, {"b", {{"line", 5}}}, {"counts_per_mm", 100}}) ==
-        Complaints{"/z_axis/encoder/b: line \"5\" of \"gpiochip0\" is z_axis/encoder/a already"});
+  CHECK(real_complaints_with("/z_axis/emergency_stop", {{"line", 27}}).size() == 1);
+  CHECK(real_complaints_with("/z_axis/encoder",
+                             {{"a", {{"line", 5}}}, {"b", {{"line", 5}}}, {"counts_per_mm", 100}}) ==
+        Complaints{"/z_axis/encoder/b: line \"5\" of \"gpiochip0\" is already used for z_axis/encoder/a"});
 }
 
-TEST_CASE("a line that is no line is refused with its place") {
-  CHECK(complaints_with("/z_axis/step/line", -1) ==
+TEST_CASE("an invalid line is refused with its place") {
+  CHECK(real_complaints_with("/z_axis/step/line", -1) ==
         Complaints{"/z_axis/step/line: -1 is less than the least allowed, 0"});
-  CHECK(complaints_with("/z_axis/step/line", true) ==
+  CHECK(real_complaints_with("/z_axis/step/line", true) ==
         Complaints{"/z_axis/step/line: expected a text or a whole number, found true"});
-  CHECK(complaints_with("/z_axis/step/line", "") == Complaints{"/z_axis/step/line: it must not be empty"});
-  CHECK(complaints_with("/z_axis/step/pin", 17) ==
+  CHECK(real_complaints_with("/z_axis/step/line", "") ==
+        Complaints{"/z_axis/step/line: it must not be empty"});
+  CHECK(real_complaints_with("/z_axis/step/pin", 17) ==
         Complaints{"/z_axis/step/pin: there is no key \"pin\" here; did you mean \"line\"?"});
-  CHECK(complaints_with("/z_axis/lid", json::object()).size() == 1);
-  CHECK(complaints_with("/z_axis/limit_switch/bias", "up") ==
+  CHECK(real_complaints_with("/z_axis/lid", json::object()).size() == 1);
+  CHECK(real_complaints_with("/z_axis/limit_switch/bias", "up") ==
         Complaints{
             "/z_axis/limit_switch/bias: the text \"up\" is not one of \"as_is\", \"pull_up\", \"pull_down\", "
             "\"off\""});
 }
 
-TEST_CASE("no speed is beyond the top speed, the resin's neither") {
-  CHECK(complaints_with("/z_axis/travel_speed_mm_s", 5.5) ==
+TEST_CASE("no speed, not even the resin's, exceeds the top speed") {
+  CHECK(real_complaints_with("/z_axis/travel_speed_mm_s", 5.5) ==
         Complaints{"/z_axis/travel_speed_mm_s: 5.5 is more than z_axis/top_speed_mm_s, 5 mm/s"});
-  CHECK(complaints_with("/z_axis/homing_speed_mm_s", 6).size() == 1);
-  RealPrinter printer;
+  CHECK(real_complaints_with("/z_axis/homing_speed_mm_s", 6).size() == 1);
+  RealPrinterFixture printer;
   json resin = shipped("resins/standard.json");
   resin["lift_speed_mm_s"] = 8;
   resin["retract_speed_mm_s"] = 5;
@@ -251,7 +253,7 @@ TEST_CASE("no speed is beyond the top speed, the resin's neither") {
 
 TEST_CASE(
     "steps that come faster than a computer makes them, or than the motor driver sees them, are refused") {
-  RealPrinter printer;
+  RealPrinterFixture printer;
   printer.at("/z_axis/top_speed_mm_s") = 25;  // times 800
   CHECK(printer.complaints().empty());
   printer.at("/z_axis/top_speed_mm_s") = 25.5;
@@ -267,11 +269,11 @@ TEST_CASE(
   CHECK(printer.complaints() ==
         Complaints{
             "/z_axis/top_speed_mm_s: 10 mm/s at 800 microsteps per mm are 8000 steps a second; the limit is "
-            "3750, which z_axis/pulse_width_us leaves room for, that is 4.6875 mm/s"});
+            "3750 with this z_axis/pulse_width_us, that is 4.6875 mm/s"});
 }
 
-TEST_CASE("a switch at the top is above the travel") {
-  RealPrinter printer;
+TEST_CASE("a switch at the top must be above the travel") {
+  RealPrinterFixture printer;
   printer.at("/z_axis/homes_upwards") = true;
   CHECK(
       printer.complaints() ==
@@ -282,8 +284,8 @@ TEST_CASE("a switch at the top is above the travel") {
   CHECK(printer.complaints().empty());
 }
 
-TEST_CASE("a switch at the bottom lies where the plate touches the film, or nearly") {
-  RealPrinter printer;
+TEST_CASE("a switch at the bottom must be near the height where the plate touches the film") {
+  RealPrinterFixture printer;
   for (const double height : {-10.0, -0.5, 10.0}) {
     printer.at("/z_axis/switch_height_mm") = height;
     CHECK(printer.complaints().empty());
@@ -297,8 +299,8 @@ TEST_CASE("a switch at the bottom lies where the plate touches the film, or near
   CHECK(printer.complaints().size() == 1);
 }
 
-TEST_CASE("an encoder's tolerance is one of its counts at least") {
-  RealPrinter printer;
+TEST_CASE("an encoder's tolerance is at least one count") {
+  RealPrinterFixture printer;
   printer.at("/z_axis/encoder") =
       nlohmann::json::parse(R"({"a": {"line": 7}, "b": {"line": 8}, "counts_per_mm": 20})");
   CHECK(printer.complaints().empty());  // 50 um, as without the key
@@ -311,8 +313,8 @@ TEST_CASE("an encoder's tolerance is one of its counts at least") {
   CHECK(printer.complaints().size() == 1);
 }
 
-TEST_CASE("what an encoder may make good is more than its tolerance, and less in a move than in all") {
-  RealPrinter printer;
+TEST_CASE("an encoder's correction per move is more than its tolerance and at most the sum's limit") {
+  RealPrinterFixture printer;
   const auto encoder = [](const char* more) {
     return json::parse(R"({"a": {"line": 7}, "b": {"line": 8}, "counts_per_mm": 800, "policy": "correct")" +
                        std::string(more) + "}");
@@ -321,8 +323,8 @@ TEST_CASE("what an encoder may make good is more than its tolerance, and less in
   CHECK(printer.complaints().empty());
   printer.at("/z_axis/encoder") = encoder(R"(, "tolerance_um": 300)");
   CHECK(printer.complaints() ==
-        Complaints{"/z_axis/encoder/most_correction_um: 250 is not more than tolerance_um, 300 um: nothing "
-                   "would ever be made good"});
+        Complaints{"/z_axis/encoder/most_correction_um: 250 is not more than tolerance_um, 300 um: no move "
+                   "would ever be corrected"});
   printer.at("/z_axis/encoder") = encoder(R"(, "most_correction_um": 600)");
   CHECK(printer.complaints() ==
         Complaints{"/z_axis/encoder/most_correction_sum_um: 500 is less than most_correction_um for a single "
@@ -331,8 +333,8 @@ TEST_CASE("what an encoder may make good is more than its tolerance, and less in
   CHECK(printer.complaints().empty());
 }
 
-TEST_CASE("an encoder's index has its distance, more than twice the tolerance, and a line of its own") {
-  RealPrinter printer;
+TEST_CASE("an encoder's index needs its distance, more than twice the tolerance, and a line of its own") {
+  RealPrinterFixture printer;
   const auto encoder = [](const char* more) {
     return json::parse(R"({"a": {"line": 7}, "b": {"line": 8}, "counts_per_mm": 800)" + std::string(more) +
                        "}");
@@ -341,9 +343,9 @@ TEST_CASE("an encoder's index has its distance, more than twice the tolerance, a
   CHECK(printer.complaints().empty());
   printer.at("/z_axis/encoder") = encoder(R"(, "index": {"line": 8}, "index_every_mm": 0.1)");
   CHECK(printer.complaints() ==
-        Complaints{"/z_axis/encoder/index: line \"8\" of \"gpiochip0\" is z_axis/encoder/b already",
-                   "/z_axis/encoder/index_every_mm: 0.1 mm are not more than twice tolerance_um, 50 um: no "
-                   "count would ever be found wrong"});
+        Complaints{"/z_axis/encoder/index: line \"8\" of \"gpiochip0\" is already used for z_axis/encoder/b",
+                   "/z_axis/encoder/index_every_mm: 0.1 mm are not more than twice tolerance_um, 50 um: a "
+                   "wrong count would never be detected"});
   printer.at("/z_axis/encoder") = encoder(R"(, "index": {"line": 9})");
   CHECK(printer.complaints() ==
         Complaints{"/z_axis/encoder/index: this needs z_axis/encoder/index_every_mm, which is missing"});
@@ -352,9 +354,9 @@ TEST_CASE("an encoder's index has its distance, more than twice the tolerance, a
         Complaints{"/z_axis/encoder/index_every_mm: this needs z_axis/encoder/index, which is missing"});
 }
 
-TEST_CASE("a projector's port and table need each other, and somebody must be able to turn the light off") {
+TEST_CASE("a projector's port and table need each other, and something must be able to turn the light off") {
   const auto complaints_without = [](const char* key) {
-    RealPrinter printer;
+    RealPrinterFixture printer;
     printer.remove("projector", key);
     return printer.complaints();
   };
@@ -362,8 +364,8 @@ TEST_CASE("a projector's port and table need each other, and somebody must be ab
         "/projector/port: this needs projector/table, which is missing");
   CHECK(complaints_without("port") ==
         Complaints{"/projector/table: this needs projector/port, which is missing"});
-  RealPrinter printer;
-  printer.at("/projector/table") = "acer";  // it has no command that turns the light off
+  RealPrinterFixture printer;
+  printer.at("/projector/table") = "acer";  // a table without a command that turns the light off
   CHECK(printer.complaints() ==
         Complaints{
             "/projector/table: the table \"acer\" has no light_on and light_off: give a \"light\" line too"});
@@ -371,14 +373,14 @@ TEST_CASE("a projector's port and table need each other, and somebody must be ab
   CHECK(printer.complaints().empty());
 }
 
-TEST_CASE("a projector's table that is not there is named with those that are") {
-  CHECK(complaints_with("/projector/table", "optima").front().ends_with("there are \"acer\", \"optoma\""));
-  CHECK(complaints_with("/projector/table", "../projectors/optoma").size() == 1);
+TEST_CASE("a missing projector table is reported with the existing ones") {
+  CHECK(
+      real_complaints_with("/projector/table", "optima").front().ends_with("there are \"acer\", \"optoma\""));
+  CHECK(real_complaints_with("/projector/table", "../projectors/optoma").size() == 1);
 }
 
-TEST_CASE(
-    "what is wrong in a projector's table is told with the table's file and with the printer's mistakes") {
-  RealPrinter printer;
+TEST_CASE("violations of a projector's table are reported with its file, together with the printer's") {
+  RealPrinterFixture printer;
   json table = shipped("projectors/optoma.json");
   table["baud"] = "fast";
   printer.write("projectors/optoma.json", table);
@@ -389,14 +391,14 @@ TEST_CASE(
   CHECK(violations[1].file == (printer.path() / "projectors/optoma.json").string());
 }
 
-TEST_CASE("a brightness that the projector does not have is refused") {
-  CHECK(complaints_with("/projector/brightness", 50) ==
+TEST_CASE("a brightness outside the projector's range is refused") {
+  CHECK(real_complaints_with("/projector/brightness", 50) ==
         Complaints{"/projector/brightness: the table \"optoma\" has no brightness"});
 }
 
-// As --check-config prints them, without the file's name.
+// Returns the warnings as --check-config prints them, without the file's name.
 Complaints warnings_with(const std::string& key, const char* input, const char* hardware = "real") {
-  RealPrinter printer;
+  RealPrinterFixture printer;
   printer.at("/z_axis")[key] = json::parse(input);
   printer.at("/hardware") = hardware;
   Complaints warnings;
@@ -407,8 +409,8 @@ Complaints warnings_with(const std::string& key, const char* input, const char* 
   return warnings;
 }
 
-TEST_CASE("a contact that leaves a broken wire silent is a warning with what follows from it, and no error") {
-  const std::string open = "the contact is normally open, so a broken wire is silent: then ";
+TEST_CASE("a contact whose broken wire goes unnoticed causes a warning with the consequence, not an error") {
+  const std::string open = "the contact is normally open, so a broken wire goes unnoticed: then ";
   CHECK(warnings_with("emergency_stop", R"({"line": 5})") ==
         Complaints{"warning: /z_axis/emergency_stop: " + open + "pressing it stops nothing"});
   CHECK(warnings_with("lid", R"({"line": 5, "bias": "pull_up", "active_low": true})") ==
@@ -419,7 +421,7 @@ TEST_CASE("a contact that leaves a broken wire silent is a warning with what fol
         Complaints{"warning: /z_axis/limit_switch: " + open + "homing drives the plate on against its end"});
 }
 
-TEST_CASE("a normally closed contact wants a bias that pulls a broken wire away from its level at rest") {
+TEST_CASE("a normally closed contact needs a bias that pulls a broken wire away from its level at rest") {
   const auto warnings = [](const char* bias, bool active_low) {
     json input = {{"line", 5}, {"contact", "normally_closed"}, {"active_low", active_low}};
     if (*bias != '\0') input["bias"] = bias;
@@ -428,18 +430,18 @@ TEST_CASE("a normally closed contact wants a bias that pulls a broken wire away 
   CHECK(warnings("pull_up", true).empty());
   CHECK(warnings("pull_down", false).empty());
   CHECK(warnings("pull_down", true) ==
-        Complaints{"warning: /z_axis/lid: the bias \"pull_down\" pulls the line to the level that it has at "
-                   "rest, so a "
-                   "broken wire is silent: then the light stays on under an open lid"});
+        Complaints{"warning: /z_axis/lid: the bias \"pull_down\" pulls the line to its level at rest, so a "
+                   "broken wire goes unnoticed: then the light stays on under an open lid"});
   CHECK(warnings("pull_up", false).size() == 1);
   CHECK(warnings("", true) ==
-        Complaints{"warning: /z_axis/lid: the bias \"as_is\" leaves a broken wire's level to chance where no "
-                   "resistor is "
-                   "fitted (\"pull_up\" makes it noticed): at worst the light stays on under an open lid"});
+        Complaints{
+            "warning: /z_axis/lid: the bias \"as_is\" leaves a broken wire's level to chance where no "
+            "resistor is "
+            "fitted (\"pull_up\" would make it noticed): at worst the light stays on under an open lid"});
   CHECK(warnings("off", false).size() == 1);
 }
 
-TEST_CASE("a simulated machine's contacts warn of nothing") {
+TEST_CASE("a simulated machine's contacts cause no warnings") {
   CHECK(warnings_with("emergency_stop", R"({"line": 5})", "simulated").empty());
 }
 

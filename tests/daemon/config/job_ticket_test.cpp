@@ -10,7 +10,7 @@ using testing::Complaints;
 using testing::complaints_of;
 using testing::ConfigFolder;
 
-JobTicket load(std::string_view text) {
+JobTicket load_ticket(std::string_view text) {
   const ConfigFolder folder;
   return load_job_ticket(folder.write("part.json", text));
 }
@@ -20,12 +20,12 @@ JobTicket load_plate(std::string_view text) {
   return load_plate_ticket(folder.write("plate.json", text));
 }
 
-Complaints complaints_about(std::string_view text) {
-  return complaints_of([&] { (void)load(text); });
+Complaints ticket_complaints(std::string_view text) {
+  return complaints_of([&] { (void)load_ticket(text); });
 }
 
-TEST_CASE("every key of a ticket arrives with its unit") {
-  const JobTicket ticket = load(R"({
+TEST_CASE("every key of a ticket is read with its unit") {
+  const JobTicket ticket = load_ticket(R"({
     "$schema": "ticket.schema.json", "resin": "tough", "layer_height_um": 2.5, "scale": 1.25, "fit": false,
     "rotation_deg": {"x": 90, "y": -45.5, "z": 360}, "position_mm": {"x": -10, "y": 2.5}, "copies": 3.0})");
   CHECK(ticket.resin == "tough");
@@ -46,21 +46,21 @@ TEST_CASE("every key of a ticket arrives with its unit") {
   CHECK(model.copies == 3);
 }
 
-TEST_CASE("a ticket says of supports auto or off, or auto with figures of its own") {
-  CHECK_FALSE(load("{}").supports);
-  CHECK(load(R"({"supports": "off"})").supports == SupportTicket{SupportPolicy::Off, {}});
-  CHECK(load(R"({"supports": "auto"})").supports == SupportTicket{SupportPolicy::Auto, {}});
-  CHECK(load(R"({"supports": {"lift_mm": 7.5, "tip_diameter_mm": 0.3}})").supports ==
+TEST_CASE("a ticket sets supports to auto or off, or to auto with its own values") {
+  CHECK_FALSE(load_ticket("{}").supports);
+  CHECK(load_ticket(R"({"supports": "off"})").supports == SupportTicket{SupportPolicy::Off, {}});
+  CHECK(load_ticket(R"({"supports": "auto"})").supports == SupportTicket{SupportPolicy::Auto, {}});
+  CHECK(load_ticket(R"({"supports": {"lift_mm": 7.5, "tip_diameter_mm": 0.3}})").supports ==
         SupportTicket{SupportPolicy::Auto, {{"tip_diameter_mm", 0.3}, {"lift_mm", 7.5}}});
   CHECK(load_plate(R"({"supports": "off", "models": [{"file": "a.stl"}]})").supports ==
         SupportTicket{SupportPolicy::Off, {}});
-  CHECK(complaints_about(R"({"supports": "on"})").size() == 1);
-  CHECK(complaints_about(R"({"supports": {"tip_diameter_mm": 0.01}})") ==
+  CHECK(ticket_complaints(R"({"supports": "on"})").size() == 1);
+  CHECK(ticket_complaints(R"({"supports": {"tip_diameter_mm": 0.01}})") ==
         Complaints{"/supports/tip_diameter_mm: 0.01 is less than the least allowed, 0.05 mm"});
 }
 
-TEST_CASE("a drain hole arrives in the model's own millimetres") {
-  const ModelTicket model = load(R"({"drain": [
+TEST_CASE("a drain hole is read in the model's own millimetres") {
+  const ModelTicket model = load_ticket(R"({"drain": [
       {"position_mm": {"x": 1.5, "z": -2}, "direction": {"z": 2}, "diameter_mm": 3, "depth_mm": 4.5},
       {"position_mm": {}, "direction": {"y": -1}, "diameter_mm": 1}]})")
                                 .models[0];
@@ -71,24 +71,24 @@ TEST_CASE("a drain hole arrives in the model's own millimetres") {
       {"position_mm": {}, "direction": {"y": -1}, "diameter_mm": 1}]}]})")
             .models[0]
             .drain.size() == 1);
-  CHECK(load("{}").models[0].drain.empty());
+  CHECK(load_ticket("{}").models[0].drain.empty());
 }
 
-TEST_CASE("a drain hole needs a place, a direction that points somewhere and a diameter, and there are few") {
-  CHECK(complaints_about(R"({"drain": [{"position_mm": {}, "direction": {"z": 0}, "diameter_mm": 1}]})") ==
+TEST_CASE("a drain hole needs a place, a nonzero direction and a diameter, and their number is limited") {
+  CHECK(ticket_complaints(R"({"drain": [{"position_mm": {}, "direction": {"z": 0}, "diameter_mm": 1}]})") ==
         Complaints{"/drain/0/direction: a direction must not be zero in x, y and z"});
-  CHECK(complaints_about(R"({"drain": [{"position_mm": {}, "direction": {"z": 1}, "diameter_mm": 0}]})") ==
+  CHECK(ticket_complaints(R"({"drain": [{"position_mm": {}, "direction": {"z": 1}, "diameter_mm": 0}]})") ==
         Complaints{"/drain/0/diameter_mm: 0 is less than the least allowed, 0.001 mm"});
-  CHECK(complaints_about(R"({"drain": [{}]})").size() == 3);
+  CHECK(ticket_complaints(R"({"drain": [{}]})").size() == 3);
   std::string many = R"({"drain": [)";
   for (int i = 0; i < 17; ++i)
     many +=
         std::string(i == 0 ? "" : ", ") + R"({"position_mm": {}, "direction": {"z": 1}, "diameter_mm": 1})";
-  CHECK(complaints_about(many + "]}").size() == 1);
+  CHECK(ticket_complaints(many + "]}").size() == 1);
 }
 
-TEST_CASE("an empty ticket is the same as none") {
-  const JobTicket ticket = load("{}");
+TEST_CASE("an empty ticket equals no ticket") {
+  const JobTicket ticket = load_ticket("{}");
   CHECK_FALSE(ticket.resin);
   CHECK_FALSE(ticket.layer_height);
   CHECK_FALSE(ticket.adaptive);
@@ -104,28 +104,28 @@ TEST_CASE("an empty ticket is the same as none") {
   CHECK(model.copies == none.copies);
 }
 
-TEST_CASE("a section of a ticket may be given in part") {
+TEST_CASE("a section of a ticket may be incomplete") {
   const ModelTicket model =
-      load(R"({"rotation_deg": {"y": 30}, "position_mm": {"x": 5}, "scale": {"y": 1.02}})").models[0];
+      load_ticket(R"({"rotation_deg": {"y": 30}, "position_mm": {"x": 5}, "scale": {"y": 1.02}})").models[0];
   CHECK(model.rotation.x == 0.0);
   CHECK(model.rotation.y == 30.0);
   CHECK(model.position->x == Millimeters{5.0});
   CHECK(model.position->y == Millimeters{0.0});
   CHECK(model.scale == Scale{1, 1.02, 1});
-  CHECK(load(R"({"up": {"x": -2}})").models[0].up == Direction{-2, 0, 0});
+  CHECK(load_ticket(R"({"up": {"x": -2}})").models[0].up == Direction{-2, 0, 0});
 }
 
 TEST_CASE("a ticket has up or a rotation but not both, and up is a direction") {
-  CHECK(complaints_about(R"({"up": {"z": 1}, "rotation_deg": {"x": 90}})") ==
+  CHECK(ticket_complaints(R"({"up": {"z": 1}, "rotation_deg": {"x": 90}})") ==
         Complaints{"/up: a ticket has either up or rotation_deg, not both"});
-  CHECK(complaints_about(R"({"up": {}})") == Complaints{"/up: a direction must not be zero in x, y and z"});
-  CHECK(complaints_about(R"({"up": {"z": 0.0}})").size() == 1);
-  CHECK(complaints_about(R"({"up": {"x": "left"}})") ==
+  CHECK(ticket_complaints(R"({"up": {}})") == Complaints{"/up: a direction must not be zero in x, y and z"});
+  CHECK(ticket_complaints(R"({"up": {"z": 0.0}})").size() == 1);
+  CHECK(ticket_complaints(R"({"up": {"x": "left"}})") ==
         Complaints{"/up/x: expected a number, found the text \"left\""});
 }
 
-TEST_CASE("a ticket leaves it to contourd what points up, and names what is to be kept clean") {
-  const ModelTicket model = load(R"({"up": "clean", "keep_clean": [
+TEST_CASE("a ticket can leave the orientation to contourd and name surfaces to keep clean") {
+  const ModelTicket model = load_ticket(R"({"up": "clean", "keep_clean": [
     {"y": -1}, {"min": {"x": 0, "y": -1, "z": 2}, "max": {"x": 3, "y": 4, "z": 5}}]})")
                                 .models[0];
   CHECK_FALSE(model.up);
@@ -133,90 +133,93 @@ TEST_CASE("a ticket leaves it to contourd what points up, and names what is to b
   CHECK(model.orientation->preset == OrientationPreset::Clean);
   CHECK(model.orientation->keep_clean ==
         std::vector<KeepClean>{Direction{0, -1, 0}, KeepCleanBox{{0, -1, 2}, {3, 4, 5}}});
-  CHECK(load(R"({"up": "auto"})").models[0].orientation == OrientationTicket{});
-  CHECK_FALSE(load(R"({"up": {"z": 1}})").models[0].orientation);
+  CHECK(load_ticket(R"({"up": "auto"})").models[0].orientation == OrientationTicket{});
+  CHECK_FALSE(load_ticket(R"({"up": {"z": 1}})").models[0].orientation);
   const JobTicket plate =
       load_plate(R"({"models": [{"file": "a.stl", "up": "safe", "keep_clean": [{"x": 1}]}]})");
   CHECK(plate.models[0].orientation == OrientationTicket{OrientationPreset::Safe, {Direction{1, 0, 0}}});
 }
 
-TEST_CASE("what is to be kept clean goes with a way up that is found, and is a surface") {
+TEST_CASE("keep_clean requires an automatic orientation and valid surfaces") {
   const auto only = [](std::string_view text, const std::string& complaint) {
-    CHECK(complaints_about(text) == Complaints{complaint});
+    CHECK(ticket_complaints(text) == Complaints{complaint});
   };
-  const std::string goes = "/keep_clean: it goes with \"up\": \"auto\", \"fast\", \"clean\" or \"safe\"";
-  only(R"({"keep_clean": [{"x": 1}]})", goes);
-  only(R"({"up": {"z": 1}, "keep_clean": [{"x": 1}]})", goes);
+  const std::string requires_up =
+      "/keep_clean: it requires \"up\": \"auto\", \"fast\", \"clean\" or \"safe\"";
+  only(R"({"keep_clean": [{"x": 1}]})", requires_up);
+  only(R"({"up": {"z": 1}, "keep_clean": [{"x": 1}]})", requires_up);
   only(R"({"up": "auto", "rotation_deg": {"x": 90}})",
        "/up: a ticket has either up or rotation_deg, not both");
   only(R"({"up": "auto", "keep_clean": [{"x": 0, "z": 0}]})",
        "/keep_clean/0: a direction must not be zero in x, y and z");
-  const std::string either =
-      "what is kept clean is either a direction (x, y, z) or a box (min and max), one of both";
+  const std::string either = "a surface to keep clean is either a direction (x, y, z) or a box (min and max)";
   only(R"({"up": "auto", "keep_clean": [{"x": 1}, {}]})", "/keep_clean/1: " + either);
   only(R"({"up": "auto", "keep_clean": [{"min": {"x": 0, "y": 0, "z": 0}}]})", "/keep_clean/0: " + either);
   only(
       R"({"up": "auto", "keep_clean": [{"min": {"x": 0, "y": 5, "z": 0}, "max": {"x": 1, "y": 1, "z": 1}}]})",
       "/keep_clean/0/min/y: it is more than the y of max");
-  CHECK(complaints_about(R"({"up": "best"})").size() == 1);
-  CHECK(complaints_about(R"({"up": "auto", "keep_clean": []})").size() == 1);
-  CHECK(complaints_about(R"({"up": "auto", "keep_clean": {"x": 1}})").size() == 1);
-  CHECK(complaints_about(R"({"up": "auto", "keep_clean": [1]})").size() == 1);
+  CHECK(ticket_complaints(R"({"up": "best"})").size() == 1);
+  CHECK(ticket_complaints(R"({"up": "auto", "keep_clean": []})").size() == 1);
+  CHECK(ticket_complaints(R"({"up": "auto", "keep_clean": {"x": 1}})").size() == 1);
+  CHECK(ticket_complaints(R"({"up": "auto", "keep_clean": [1]})").size() == 1);
 }
 
-TEST_CASE("a ticket's layers are of one height or adaptive") {
-  const JobTicket ticket = load(R"({"adaptive_layers": {"cusp_um": 12.5, "min_um": 20, "max_um": 80}})");
+TEST_CASE("a ticket's layers have one height or are adaptive") {
+  const JobTicket ticket =
+      load_ticket(R"({"adaptive_layers": {"cusp_um": 12.5, "min_um": 20, "max_um": 80}})");
   REQUIRE(ticket.adaptive);
   CHECK(ticket.adaptive->cusp == Nanometers{12'500});
   CHECK(ticket.adaptive->thinnest == Nanometers{20'000});
   CHECK(ticket.adaptive->thickest == Nanometers{80'000});
-  CHECK_FALSE(load(R"({"adaptive_layers": {"cusp_um": 5}})").adaptive->thinnest);
-  CHECK(complaints_about(R"({"adaptive_layers": {"cusp_um": 5}, "layer_height_um": 50})") ==
+  CHECK_FALSE(load_ticket(R"({"adaptive_layers": {"cusp_um": 5}})").adaptive->thinnest);
+  CHECK(ticket_complaints(R"({"adaptive_layers": {"cusp_um": 5}, "layer_height_um": 50})") ==
         Complaints{"/adaptive_layers: a ticket has either adaptive_layers or layer_height_um, not both"});
-  CHECK(complaints_about(R"({"adaptive_layers": {"cusp_um": 5, "min_um": 50, "max_um": 40}})") ==
+  CHECK(ticket_complaints(R"({"adaptive_layers": {"cusp_um": 5, "min_um": 50, "max_um": 40}})") ==
         Complaints{"/adaptive_layers/min_um: it is more than max_um"});
-  CHECK(complaints_about(R"({"adaptive_layers": {}})").size() == 1);
+  CHECK(ticket_complaints(R"({"adaptive_layers": {}})").size() == 1);
 }
 
 TEST_CASE("a scale is a number or a factor for each axis") {
-  CHECK(complaints_about(R"({"scale": "big"})") ==
+  CHECK(ticket_complaints(R"({"scale": "big"})") ==
         Complaints{"/scale: expected an object or a number, found the text \"big\""});
-  CHECK(complaints_about(R"({"scale": {"x": 0, "w": 1}})") ==
-        Complaints{"/scale/w: there is no key \"w\" here; the known ones are \"x\", \"y\", \"z\"",
+  CHECK(ticket_complaints(R"({"scale": {"x": 0, "w": 1}})") ==
+        Complaints{"/scale/w: there is no key \"w\" here; the known keys are \"x\", \"y\", \"z\"",
                    "/scale/x: 0 is less than the least allowed, 0.001"});
-  CHECK(complaints_about(R"({"scale": {"x": 1}, "fit": true})") ==
+  CHECK(ticket_complaints(R"({"scale": {"x": 1}, "fit": true})") ==
         Complaints{"/scale: a ticket has either scale or fit, not both"});
 }
 
 TEST_CASE("a ticket has scale or fit but not both") {
-  CHECK(load(R"({"fit": true})").models[0].fit);
-  CHECK(complaints_about(R"({"fit": true, "scale": 1})") ==
+  CHECK(load_ticket(R"({"fit": true})").models[0].fit);
+  CHECK(ticket_complaints(R"({"fit": true, "scale": 1})") ==
         Complaints{"/scale: a ticket has either scale or fit, not both"});
-  CHECK(complaints_about(R"({"fit": false, "scale": 1})").empty());
+  CHECK(ticket_complaints(R"({"fit": false, "scale": 1})").empty());
 }
 
-TEST_CASE("a ticket's figures have limits") {
-  CHECK(complaints_about(R"({"scale": 0.001, "copies": 100})").empty());
-  CHECK(complaints_about(R"({"scale": 0})") == Complaints{"/scale: 0 is less than the least allowed, 0.001"});
-  CHECK(complaints_about(R"({"scale": 1000.5})") ==
+TEST_CASE("a ticket's numbers have limits") {
+  CHECK(ticket_complaints(R"({"scale": 0.001, "copies": 100})").empty());
+  CHECK(ticket_complaints(R"({"scale": 0})") ==
+        Complaints{"/scale: 0 is less than the least allowed, 0.001"});
+  CHECK(ticket_complaints(R"({"scale": 1000.5})") ==
         Complaints{"/scale: 1000.5 is more than the limit, 1000"});
-  CHECK(complaints_about(R"({"copies": 0})") == Complaints{"/copies: 0 is less than the least allowed, 1"});
-  CHECK(complaints_about(R"({"copies": 101})") == Complaints{"/copies: 101 is more than the limit, 100"});
-  CHECK(complaints_about(R"({"cracks": "refuse"})").empty());
-  CHECK(complaints_about(R"({"cracks": "mend"})").size() == 1);
-  CHECK(complaints_about(R"({"copies": 1.5})") == Complaints{"/copies: expected a whole number, found 1.5"});
-  CHECK(complaints_about(R"({"position_mm": {"x": 1001}})") ==
+  CHECK(ticket_complaints(R"({"copies": 0})") == Complaints{"/copies: 0 is less than the least allowed, 1"});
+  CHECK(ticket_complaints(R"({"copies": 101})") == Complaints{"/copies: 101 is more than the limit, 100"});
+  CHECK(ticket_complaints(R"({"cracks": "refuse"})").empty());
+  CHECK(ticket_complaints(R"({"cracks": "mend"})").size() == 1);
+  CHECK(ticket_complaints(R"({"copies": 1.5})") == Complaints{"/copies: expected a whole number, found 1.5"});
+  CHECK(ticket_complaints(R"({"position_mm": {"x": 1001}})") ==
         Complaints{"/position_mm/x: 1001 is more than the limit, 1000 mm"});
-  CHECK(complaints_about(R"({"rotation_deg": [0, 0, 90]})") ==
+  CHECK(ticket_complaints(R"({"rotation_deg": [0, 0, 90]})") ==
         Complaints{"/rotation_deg: expected an object, found an array"});
 }
 
-TEST_CASE("a ticket's own exposures, lift and waits arrive with their units") {
+TEST_CASE("a ticket's own exposures, lift and waits are read with their units") {
   using std::chrono::milliseconds;
-  CHECK(load("{}").overrides == TicketOverrides{});
-  const TicketOverrides asked = load(R"({"exposure_ms": 2500.5, "bottom_exposure_ms": 2e4, "lift_mm": 7.5,
+  CHECK(load_ticket("{}").overrides == TicketOverrides{});
+  const TicketOverrides asked =
+      load_ticket(R"({"exposure_ms": 2500.5, "bottom_exposure_ms": 2e4, "lift_mm": 7.5,
                                          "settle_ms": 0, "rest_ms": 250})")
-                                    .overrides;
+          .overrides;
   CHECK(asked.exposure == std::chrono::microseconds{2'500'500});
   CHECK(asked.bottom_exposure == milliseconds{20'000});
   CHECK(asked.lift == Nanometers{7'500'000});
@@ -226,55 +229,55 @@ TEST_CASE("a ticket's own exposures, lift and waits arrive with their units") {
         milliseconds{40});
 }
 
-TEST_CASE("no number in a ticket, however odd, becomes light or a way") {
-  CHECK(complaints_about(R"({"exposure_ms": 1e308})") ==
+TEST_CASE("no odd number in a ticket becomes an exposure or a move") {
+  CHECK(ticket_complaints(R"({"exposure_ms": 1e308})") ==
         Complaints{"/exposure_ms: 1e+308 is more than the limit, 120000 ms"});
   for (const char* key : {"exposure_ms", "bottom_exposure_ms", "lift_mm", "settle_ms", "rest_ms"}) {
     for (const char* value : {"-1", "1e308", "-1e308", "1e999", "120001", "18446744073709551616", "\"NaN\"",
                               "\"3000\"", "true", "null", "[3000, 4000]", "{}"}) {
       INFO(key << ": " << value);
-      CHECK(complaints_about(std::string("{\"") + key + "\": " + value + "}").size() == 1);
+      CHECK(ticket_complaints(std::string("{\"") + key + "\": " + value + "}").size() == 1);
     }
-    CHECK(complaints_about(std::string("{\"") + key + "\": NaN}").size() == 1);
+    CHECK(ticket_complaints(std::string("{\"") + key + "\": NaN}").size() == 1);
   }
   for (const char* key : {"exposure_ms", "bottom_exposure_ms", "lift_mm"})
-    CHECK(complaints_about(std::string("{\"") + key + "\": 0}").size() == 1);
+    CHECK(ticket_complaints(std::string("{\"") + key + "\": 0}").size() == 1);
 }
 
-TEST_CASE("exposures that follow the thickness of adaptive layers are not set by a ticket") {
-  CHECK(complaints_about(R"({"exposure_ms": 3000, "adaptive_layers": {"cusp_um": 10}})") ==
+TEST_CASE("a ticket with adaptive layers cannot set exposures, which follow the thickness") {
+  CHECK(ticket_complaints(R"({"exposure_ms": 3000, "adaptive_layers": {"cusp_um": 10}})") ==
         Complaints{"/exposure_ms: a ticket has either adaptive_layers, whose exposures follow the thickness, "
                    "or exposure_ms, not both"});
-  CHECK(complaints_about(R"({"bottom_exposure_ms": 3000, "adaptive_layers": {"cusp_um": 10}})").size() == 1);
-  CHECK(complaints_about(R"({"lift_mm": 7, "adaptive_layers": {"cusp_um": 10}})").empty());
+  CHECK(ticket_complaints(R"({"bottom_exposure_ms": 3000, "adaptive_layers": {"cusp_um": 10}})").size() == 1);
+  CHECK(ticket_complaints(R"({"lift_mm": 7, "adaptive_layers": {"cusp_um": 10}})").empty());
 }
 
 TEST_CASE("a ticket cannot name a resin outside the resins folder") {
   for (const char* name : {"../x", "a/b", ".x", ""}) {
-    CHECK(complaints_about(nlohmann::json{{"resin", name}}.dump()).size() == 1);
+    CHECK(ticket_complaints(nlohmann::json{{"resin", name}}.dump()).size() == 1);
   }
 }
 
-TEST_CASE("a ticket that is no object or not there is refused") {
-  CHECK(complaints_about("[]") == Complaints{"expected an object, found an array"});
-  CHECK(complaints_about("3") == Complaints{"expected an object, found 3"});
+TEST_CASE("a ticket that is missing or not an object is refused") {
+  CHECK(ticket_complaints("[]") == Complaints{"expected an object, found an array"});
+  CHECK(ticket_complaints("3") == Complaints{"expected an object, found 3"});
   CHECK(complaints_of([] { (void)load_job_ticket("/nonexistent/part.json"); }) ==
         Complaints{"there is no such file"});
 }
 
-TEST_CASE("ten mistakes in a ticket are ten lines") {
-  CHECK(
-      complaints_about(R"({"resin": 1, "layer_height_um": "50", "rotation_deg": {"x": 400, "w": 1, "y": null},
+TEST_CASE("ten mistakes in a ticket are reported in ten lines") {
+  CHECK(ticket_complaints(
+            R"({"resin": 1, "layer_height_um": "50", "rotation_deg": {"x": 400, "w": 1, "y": null},
                              "scale": true, "fit": true, "position_mm": {"z": 1}, "copies": -1, "copies": -1,
                              "colour": "red"})")
-          .size() == 10);
+            .size() == 10);
 }
 
 Complaints complaints_about_plate(std::string_view text) {
   return complaints_of([&] { (void)load_plate(text); });
 }
 
-TEST_CASE("a plate's ticket lists its models, each with what a ticket has for one") {
+TEST_CASE("a plate's ticket lists its models, each with the keys of a model's ticket") {
   const JobTicket ticket = load_plate(R"({
     "resin": "tough", "adaptive_layers": {"cusp_um": 10}, "models": [
       {"file": "ring.stl", "position_mm": {"x": -10}, "scale": {"x": 1.01, "y": 1.02}},
@@ -294,11 +297,11 @@ TEST_CASE("a plate's ticket lists its models, each with what a ticket has for on
   CHECK(ticket.models[2].rotation.z == 90);
 }
 
-TEST_CASE("a plate's mistakes are told with the model's number, from 0") {
+TEST_CASE("a plate's mistakes are reported with the model's number, counted from 0") {
   CHECK(complaints_about_plate(R"({"models": [{"file": "a.stl"}, {"file": "b.stl", "copies": 0, "clour": 1},
                                                {"up": {"z": 0}, "scale": []}]})") ==
         Complaints{
-            "/models/1/clour: there is no key \"clour\" here; the known ones are \"copies\", \"drain\", "
+            "/models/1/clour: there is no key \"clour\" here; the known keys are \"copies\", \"drain\", "
             "\"file\", \"keep_clean\", \"position_mm\", \"rotation_deg\", \"scale\", \"up\"",
             "/models/1/copies: 0 is less than the least allowed, 1",
             "/models/2/file: this key is missing: A model's file in the same folder: its name, without '/' "

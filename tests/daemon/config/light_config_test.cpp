@@ -13,10 +13,10 @@ using nlohmann::json;
 using testing::ConfigFolder;
 using testing::shipped;
 
-// The shipped profile of a real machine with a light line too, and its projector's table.
-class RealPrinter {
+// The shipped profile of a real machine, with an added light line, and its projector's table.
+class RealLightFixture {
  public:
-  RealPrinter() : printer(shipped("raspberry-pi-4.json")), table(shipped("projectors/optoma.json")) {
+  RealLightFixture() : printer(shipped("raspberry-pi-4.json")), table(shipped("projectors/optoma.json")) {
     printer["projector"]["light"] = {{"line", 24}, {"active_low", true}};
   }
   [[nodiscard]] std::filesystem::path file() const {
@@ -48,8 +48,8 @@ void check_whole(const LightConfig& light) {
   CHECK(table.light_off->replies[0].pattern.match_line("P"));
 }
 
-TEST_CASE("a record of a sound configuration has in it what turns the light off") {
-  const RealPrinter real;
+TEST_CASE("the record of a valid configuration contains what turns the light off") {
+  const RealLightFixture real;
   const PrinterConfig config = load_printer_config(real.file());
   const LightConfig light = read_light_record(real.folder.write("light.json", config.light_record));
   check_whole(light);
@@ -57,8 +57,8 @@ TEST_CASE("a record of a sound configuration has in it what turns the light off"
   CHECK(light.projector->table.power->bytes == "~00124 1\r");
 }
 
-TEST_CASE("a record says whether a contourd that ended in order has left the light confirmed off") {
-  const RealPrinter real;
+TEST_CASE("a record is marked if contourd exited normally with the light confirmed off") {
+  const RealLightFixture real;
   const PrinterConfig config = load_printer_config(real.file());
   CHECK_FALSE(read_light_record(real.folder.write("light.json", config.light_record)).left_dark);
   const LightConfig light =
@@ -68,15 +68,15 @@ TEST_CASE("a record says whether a contourd that ended in order has left the lig
   CHECK(light.projector->table.warm_up == std::chrono::seconds{30});
 }
 
-TEST_CASE("a record of a line alone, or of a table that switches no light, has the line in it") {
-  RealPrinter real;
+TEST_CASE("the record of a line without a table, or with a table that switches no light, contains the line") {
+  RealLightFixture real;
   for (const char* key : {"port", "table"})
     real.printer["projector"].erase(key);
   LightConfig light =
       read_light_record(real.folder.write("light.json", load_printer_config(real.file()).light_record));
   CHECK(light.line->line == "24");
   CHECK_FALSE(light.projector);
-  RealPrinter acer;
+  RealLightFixture acer;
   acer.table = shipped("projectors/acer.json");
   light = read_light_record(acer.folder.write("light.json", load_printer_config(acer.file()).light_record));
   CHECK(light.line->line == "24");
@@ -84,14 +84,14 @@ TEST_CASE("a record of a line alone, or of a table that switches no light, has t
 }
 
 TEST_CASE("a simulated machine has no record") {
-  RealPrinter real;
+  RealLightFixture real;
   real.printer["hardware"] = "simulated";
   CHECK(load_printer_config(real.file()).light_record.empty());
   CHECK_FALSE(real.find().light.line);
   CHECK(real.find().problems.empty());
 }
 
-TEST_CASE("a record that is none is an error with its place") {
+TEST_CASE("an invalid record is an error with its place") {
   const ConfigFolder folder;
   const auto places = [&](const json& record) {
     std::vector<std::string> all;
@@ -113,9 +113,9 @@ TEST_CASE("a record that is none is an error with its place") {
 }
 
 TEST_CASE("mistakes elsewhere do not keep the light from being found") {
-  RealPrinter real;
+  RealLightFixture real;
   real.printer["display"]["colour"] = "blue";
-  real.printer["resin"] = "of-nobody";
+  real.printer["resin"] = "missing";
   real.printer.erase("z_axis");
   real.printer["projector"]["lamp"] = 5;
   real.table["commands"].erase("power_off");
@@ -130,13 +130,13 @@ TEST_CASE("mistakes elsewhere do not keep the light from being found") {
     places.push_back(violation.pointer);
   CHECK(places == std::vector<std::string>{"/commands/power/on", "/commands/power_off", "/warm_up_s",
                                            "/display/colour", "/projector/lamp", "/z_axis"});
-  // That the light cannot be turned on again is a mistake in what turns it off, and off it goes all the same.
+  // The missing light_on is a problem of light_off, which needs it, but the light can still be turned off.
   REQUIRE(found.problems.size() == 1);
   CHECK(found.problems[0].pointer == "/commands/light_off");
 }
 
-TEST_CASE("mistakes in what turns the light off are told once, and leave the rest of it") {
-  RealPrinter real;
+TEST_CASE("mistakes in what turns the light off are reported once, and the valid rest is found") {
+  RealLightFixture real;
   real.printer["projector"]["port"] = 5;
   FoundLight found = real.find();
   CHECK(found.light.line);
@@ -161,8 +161,8 @@ TEST_CASE("mistakes in what turns the light off are told once, and leave the res
   CHECK(found.elsewhere.empty());
 }
 
-TEST_CASE("a configuration in which nothing turns the light off has a problem") {
-  RealPrinter real;
+TEST_CASE("a configuration in which nothing turns the light off is a problem") {
+  RealLightFixture real;
   real.printer["projector"].erase("light");
   real.table = shipped("projectors/acer.json");
   CHECK(real.find().problems.size() == 1);

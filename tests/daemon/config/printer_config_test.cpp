@@ -17,7 +17,7 @@ using testing::ConfigFolder;
 using testing::shipped;
 using testing::violations_of;
 
-// Only what a printer file must have.
+// Returns a printer file with only the required keys.
 json smallest_printer() {
   return json::parse(R"({
     "name": "test",
@@ -55,7 +55,7 @@ class PrinterFolder {
   std::filesystem::path file_;
 };
 
-Complaints complaints_with(const std::string& pointer, const json& value) {
+Complaints printer_complaints_with(const std::string& pointer, const json& value) {
   json printer = smallest_printer();
   printer[json::json_pointer(pointer)] = value;
   return PrinterFolder(printer).complaints();
@@ -94,7 +94,7 @@ TEST_CASE("every shipped resin loads and every shipped file names its schema") {
   CHECK(std::filesystem::exists(folder / shipped("simulated.json").at("$schema").get<std::string>()));
 }
 
-TEST_CASE("every key of a printer file arrives in the configuration with its unit") {
+TEST_CASE("every key of a printer file is read with its unit") {
   json printer = smallest_printer();
   printer["wait_for_plate_cleared"] = false;
   printer["ask_before"] = {"islands", "cracks"};
@@ -169,7 +169,7 @@ TEST_CASE("every key of a printer file arrives in the configuration with its uni
   CHECK(simulated.projector.silent_after_commands == 4);
 }
 
-TEST_CASE("what a printer file leaves out has the default value") {
+TEST_CASE("keys missing in a printer file get their defaults") {
   const PrinterConfig config = PrinterFolder().load();
   CHECK(config.wait_for_plate_cleared);
   CHECK(config.ask_before.empty());
@@ -193,7 +193,7 @@ TEST_CASE("what a printer file leaves out has the default value") {
   CHECK_FALSE(config.simulated.projector.silent_after_commands);
 }
 
-TEST_CASE("relative paths start from the file's folder, wherever the process is") {
+TEST_CASE("relative paths start from the file's folder, whatever the working directory is") {
   const PrinterFolder folder;
   const PrinterConfig config = folder.load();
   CHECK(config.spool_folder == folder.path() / "spool");
@@ -207,7 +207,7 @@ TEST_CASE("relative paths start from the file's folder, wherever the process is"
   CHECK(PrinterFolder(printer).load().spool_folder.filename() == "spool");
 }
 
-TEST_CASE("a folder that the daemon could not use is found when the configuration is read") {
+TEST_CASE("a folder that the daemon could not use is reported when the configuration is read") {
   json printer = smallest_printer();
   printer["control_socket"] = "missing/control.sock";
   printer["spool_folder"] = "printer.json/deep/spool";
@@ -215,15 +215,15 @@ TEST_CASE("a folder that the daemon could not use is found when the configuratio
   const std::string file = (folder.path() / "printer.json").string();
   CHECK(folder.complaints() ==
         Complaints{"/control_socket: there is no folder " + (folder.path() / "missing").string(),
-                   "/spool_folder: " + file + "/deep/spool cannot be made: " + file + " is no folder"});
-  // Of a printer elsewhere nobody here knows.
+                   "/spool_folder: " + file + "/deep/spool cannot be created: " + file + " is not a folder"});
+  // The folders of a printer elsewhere are not checked.
   CHECK(complaints_of([&] { (void)load_printer_config(file, Places::Elsewhere); }).empty());
-  // The service's own folder in /run is there when it runs.
-  CHECK(complaints_with("/control_socket", "/run/no-such-service/control.sock").empty());
-  CHECK(complaints_with("/spool_folder", "deep/er/spool").empty());
+  // The service's own folder in /run exists once the service runs.
+  CHECK(printer_complaints_with("/control_socket", "/run/no-such-service/control.sock").empty());
+  CHECK(printer_complaints_with("/spool_folder", "deep/er/spool").empty());
 }
 
-TEST_CASE("ten mistakes in a printer file are ten lines") {
+TEST_CASE("ten mistakes in a printer file are reported in ten lines") {
   json printer = smallest_printer();
   printer.erase("name");
   printer["resin"] = "../standard";
@@ -244,7 +244,8 @@ TEST_CASE("ten mistakes in a printer file are ten lines") {
             "/min_free_disk_mb: expected a whole number, found -3.7",
             "/name: this key is missing: Name of this printer, 1 to 100 characters",
             "/projector: expected an object, found 5",
-            "/resin: \"../standard\" is not allowed: Name of the resin profile for jobs that name none, without "
+            "/resin: \"../standard\" is not allowed: Name of the resin profile for jobs that name none, "
+            "without "
             "'/' and with no '.' at its start",
             "/simulation/pace: the text \"faster\" is not one of \"realtime\", \"fast\"",
             "/z_axis/travel_mm: 900 is more than the limit, 500 mm",
@@ -274,18 +275,18 @@ TEST_CASE("the mistakes of the printer and of its resin are reported together, e
                                    "-1 is less than the least allowed, 0.1 mm"});
 }
 
-TEST_CASE("the limits of a printer file are where the schema has them") {
-  CHECK(complaints_with("/display/width_px", 16384).empty());
-  CHECK(complaints_with("/display/width_px", 16385) ==
+TEST_CASE("the limits of a printer file are those of the schema") {
+  CHECK(printer_complaints_with("/display/width_px", 16384).empty());
+  CHECK(printer_complaints_with("/display/width_px", 16385) ==
         Complaints{"/display/width_px: 16385 is more than the limit, 16384 px"});
-  CHECK(complaints_with("/display/height_px", 0).size() == 1);
-  CHECK(complaints_with("/name", "").size() == 1);
-  CHECK(complaints_with("/projector/irradiance_mw_cm2", 0).size() == 1);
-  CHECK(complaints_with("/$schema", "anything").empty());
-  CHECK(complaints_with("/z_axis/$schema", "not here").size() == 1);
+  CHECK(printer_complaints_with("/display/height_px", 0).size() == 1);
+  CHECK(printer_complaints_with("/name", "").size() == 1);
+  CHECK(printer_complaints_with("/projector/irradiance_mw_cm2", 0).size() == 1);
+  CHECK(printer_complaints_with("/$schema", "anything").empty());
+  CHECK(printer_complaints_with("/z_axis/$schema", "not here").size() == 1);
 }
 
-TEST_CASE("a limit is named with its key's unit") {
+TEST_CASE("a limit is reported with its key's unit") {
   for (const auto& [pointer, limit] : {
            std::pair{"/z_axis/travel_mm", "500 mm"},
            {"/z_axis/microsteps_per_mm", "100000 per mm"},
@@ -299,43 +300,43 @@ TEST_CASE("a limit is named with its key's unit") {
            {"/simulation/projector_reply_ms", "60000 ms"},
            {"/min_free_disk_mb", "1000000 MB"},
        }) {
-    CHECK(complaints_with(pointer, 2'000'000) ==
+    CHECK(printer_complaints_with(pointer, 2'000'000) ==
           Complaints{std::string(pointer) + ": 2000000 is more than the limit, " + limit});
   }
 }
 
-TEST_CASE("a memory limit is optional, and leaves room for more than the program and its masks") {
+TEST_CASE("a memory limit is optional and must leave room for a model besides the program and its masks") {
   CHECK_FALSE(PrinterFolder(smallest_printer()).load().memory_limit_bytes);
   json printer = smallest_printer();
   printer["memory_limit_mb"] = 500;
   CHECK(PrinterFolder(printer).load().memory_limit_bytes == 500'000'000);
   CHECK(
-      complaints_with("/memory_limit_mb", 20) ==
+      printer_complaints_with("/memory_limit_mb", 20) ==
       Complaints{"/memory_limit_mb: 20 MB leave no room for a model: contourd and the masks of this display "
                  "take 47 MB"});
-  CHECK(complaints_with("/memory_limit_mb", 47).empty());
-  CHECK(complaints_with("/memory_limit_mb", 0).size() == 1);
-  CHECK(complaints_with("/memory_limit_mb", "much").size() == 1);
+  CHECK(printer_complaints_with("/memory_limit_mb", 47).empty());
+  CHECK(printer_complaints_with("/memory_limit_mb", 0).size() == 1);
+  CHECK(printer_complaints_with("/memory_limit_mb", "much").size() == 1);
 }
 
 TEST_CASE("the start height is within the travel, also when neither is written") {
-  CHECK(complaints_with("/simulation/start_height_mm", 160).empty());
-  CHECK(complaints_with("/simulation/start_height_mm", 160.5) ==
+  CHECK(printer_complaints_with("/simulation/start_height_mm", 160).empty());
+  CHECK(printer_complaints_with("/simulation/start_height_mm", 160.5) ==
         Complaints{"/simulation/start_height_mm: 160.5 is more than z_axis/travel_mm, 160.0 mm"});
-  CHECK(complaints_with("/z_axis/travel_mm", 30).size() == 1);
-  // A travel that is wrong in itself is one mistake, not two.
-  CHECK(complaints_with("/z_axis/travel_mm", -30).size() == 1);
+  CHECK(printer_complaints_with("/z_axis/travel_mm", 30).size() == 1);
+  // A travel that is invalid by itself is one mistake, not two.
+  CHECK(printer_complaints_with("/z_axis/travel_mm", -30).size() == 1);
 }
 
 TEST_CASE("a control socket whose absolute path is too long for a socket is refused") {
-  CHECK(complaints_with("/control_socket", "/" + std::string(106, 'x')).empty());
-  CHECK(complaints_with("/control_socket", "/" + std::string(107, 'x')) ==
+  CHECK(printer_complaints_with("/control_socket", "/" + std::string(106, 'x')).empty());
+  CHECK(printer_complaints_with("/control_socket", "/" + std::string(107, 'x')) ==
         Complaints{"/control_socket: the absolute path is 108 bytes long; the limit for a socket is 107"});
-  CHECK(complaints_with("/job_ended_socket", "/" + std::string(107, 'x')) ==
+  CHECK(printer_complaints_with("/job_ended_socket", "/" + std::string(107, 'x')) ==
         Complaints{"/job_ended_socket: the absolute path is 108 bytes long; the limit for a socket is 107"});
 }
 
-TEST_CASE("the resin's lift is less than the printer's travel") {
+TEST_CASE("the resin's lift must be less than the printer's travel") {
   json resin = shipped("resins/standard.json");
   resin["lift_mm"] = 10;
   json printer = smallest_printer();
@@ -347,7 +348,7 @@ TEST_CASE("the resin's lift is less than the printer's travel") {
   CHECK(PrinterFolder(printer, resin).complaints().empty());
 }
 
-TEST_CASE("a default resin that is not there is named with those that are") {
+TEST_CASE("a missing default resin is reported with the existing ones") {
   json printer = smallest_printer();
   printer["resin"] = "tough";
   PrinterFolder folder(printer);
@@ -357,7 +358,7 @@ TEST_CASE("a default resin that is not there is named with those that are") {
                    "\"; there are \"clear\", \"standard\""});
 }
 
-TEST_CASE("gamma, threshold and the uniformity mask arrive, and are none by default") {
+TEST_CASE("gamma, threshold and the uniformity mask are read, and have no effect by default") {
   CHECK(PrinterFolder().load().tone == ToneCurve{});
   CHECK_FALSE(PrinterFolder().load().uniformity);
   json printer = smallest_printer();
@@ -384,7 +385,7 @@ TEST_CASE("a resin is found by its name") {
   CHECK(exposure_time(resin, resin.layer_height, 100, 5.0) == std::chrono::seconds{4});
 }
 
-TEST_CASE("a name that is hidden or leads out of the resins folder finds nothing, though the file is there") {
+TEST_CASE("a hidden name or one that leads out of the resins folder is not found, although the file exists") {
   PrinterFolder folder;
   folder.add_resin(".hidden", shipped("resins/standard.json"));
   folder.add_resin("../outside", shipped("resins/standard.json"));
@@ -400,7 +401,7 @@ TEST_CASE("a name that is hidden or leads out of the resins folder finds nothing
   }
 }
 
-TEST_CASE("a missing resins folder is said to be unreadable") {
+TEST_CASE("a missing resins folder is reported as unreadable") {
   const PrinterConfig printer = [] {
     const PrinterFolder folder;
     return folder.load();

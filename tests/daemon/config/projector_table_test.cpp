@@ -19,13 +19,13 @@ using testing::complaints_of;
 using testing::ConfigFolder;
 using testing::shipped;
 
-ProjectorTable load(const json& table) {
+ProjectorTable load_table(const json& table) {
   const ConfigFolder folder;
   return load_projector_table(folder.write_json("table.json", table));
 }
 
-Complaints complaints_about(const json& table) {
-  return complaints_of([&] { (void)load(table); });
+Complaints table_complaints(const json& table) {
+  return complaints_of([&] { (void)load_table(table); });
 }
 
 json optoma() {
@@ -39,11 +39,10 @@ std::string bytes(std::initializer_list<int> values) {
   return all;
 }
 
-// A projector of a shipped table at the end of a line that answers as told. The conversation is checked word
-// by word.
+// A projector with a shipped table on a serial line with scripted answers; the tests check every message.
 struct Conversation {
   explicit Conversation(const std::string& brand, std::optional<std::int32_t> brightness = {})
-      : projector(channel, clock, load(shipped("projectors/" + brand + ".json")), brightness) {
+      : projector(channel, clock, load_table(shipped("projectors/" + brand + ".json")), brightness) {
     channel.projector = [this](const std::string& message) {
       for (const auto& [sent, answer] : answers) {
         if (sent == message) channel.send(answer);
@@ -58,7 +57,7 @@ struct Conversation {
     while (!over)
       clock.run_next();
   }
-  // Up to the answer: after that it is asked whether it is still on.
+  // Runs until the answer to power on; after that, the projector is asked regularly whether it is still on.
   std::optional<ProjectorReply> power_on() {
     std::optional<ProjectorReply> reply;
     channel.sent.clear();
@@ -105,7 +104,7 @@ struct Conversation {
 
 using Messages = std::vector<std::string>;
 
-TEST_CASE("Acer's table says what Acer's projectors hear, and the lamp's word counts") {
+TEST_CASE("Acer's table sends Acer's commands, and the state of the lamp is the answer") {
   Conversation talk("acer");
   talk.answers = {{"* 0 IR 001\r", "*001\r"}, {"* 0 IR 002\r", "*001\r"}, {"* 0 Lamp ?\r", "*000\rLamp 1\r"}};
   CHECK(talk.power_on() == ProjectorReply::Ok);
@@ -115,14 +114,14 @@ TEST_CASE("Acer's table says what Acer's projectors hear, and the lamp's word co
   CHECK(talk.status().powered == false);
   talk.power_off();
   CHECK(talk.channel.messages() == Messages{"* 0 IR 002\r"});
-  talk.answers[2].second = "*000\r";  // that it heard the question is no answer to it
+  talk.answers[2].second = "*000\r";  // the acknowledgement of a question is not an answer to it
   CHECK(talk.status().reply == ProjectorReply::NoAnswer);
   talk.power_on();
   CHECK(talk.channel.messages()[3] == "* 0 IR 001\r");
-  CHECK_FALSE(load(shipped("projectors/acer.json")).switches_light());
+  CHECK_FALSE(load_table(shipped("projectors/acer.json")).switches_light());
 }
 
-TEST_CASE("Optoma's table drives power, AV mute, queries and what the projector says by itself") {
+TEST_CASE("Optoma's table covers power, AV mute, queries and unasked messages of the projector") {
   Conversation talk("optoma");
   talk.answers = {{"~0000 1\r", "P\r"}, {"~0000 0\r", "P\r"},    {"~0002 0\r", "P\r"},
                   {"~0002 1\r", "P\r"}, {"~00124 1\r", "OK1\r"}, {"~00108 1\r", "OK0815\r"}};
@@ -143,13 +142,13 @@ TEST_CASE("Optoma's table drives power, AV mute, queries and what the projector 
   CHECK(talk.channel.messages() == Messages{"~0002 1\r", "~0000 0\r"});
 }
 
-TEST_CASE("Vivitek's table waits for no word where none is documented, and for a minute after off") {
+TEST_CASE("Vivitek's table waits for no reply where none is documented, and for a minute after off") {
   Conversation talk("vivitek-d535");
   talk.answers = {{"~qP\r", "ON\r"}, {"~qL\r", "77\r"}};
   CHECK(talk.power_on() == ProjectorReply::Ok);
   CHECK(talk.status().lamp_hours == 77);
   talk.power_off();
-  CHECK(talk.channel.messages() == Messages{"~PF\r", "~qP\r"});  // whether it did
+  CHECK(talk.channel.messages() == Messages{"~PF\r", "~qP\r"});  // asks whether the projector is off
   const TimePoint off = talk.channel.sent[0].at;
   bool is_on = false;
   talk.channel.projector = [&](const std::string& message) {
@@ -161,7 +160,7 @@ TEST_CASE("Vivitek's table waits for no word where none is documented, and for a
   CHECK(talk.channel.sent[1].at - off >= std::chrono::seconds{60});
 }
 
-TEST_CASE("BenQ's table passes over echoes and prompts and knows blank from light") {
+TEST_CASE("BenQ's table ignores echoes and prompts and distinguishes blank from light") {
   Conversation talk("benq");
   const auto answer = [](const std::string& command, const std::string& reply) {
     return std::pair{"\r*" + command + "#\r", ">*" + command + "#\r\n*" + reply + "#\r\n>"};
@@ -178,7 +177,7 @@ TEST_CASE("BenQ's table passes over echoes and prompts and knows blank from ligh
   talk.answers[2].second = ">*blank=off#\r\n*Block item#\r\n";
   CHECK(talk.light_on() == ProjectorReply::Refused);
   CHECK(talk.channel.messages()[0] == "\r*blank=off#\r");
-  // An echo alone is no reply; asked, it says that it is dark.
+  // An echo alone is not a reply; the answer to the question is that the projector is dark.
   talk.answers[2].second = "*blank=off#\r";
   CHECK(talk.light_on() == ProjectorReply::NoAnswer);
   CHECK(talk.channel.messages() == Messages{"\r*blank=off#\r", "\r*blank=?#\r", "\r*blank=on#\r"});
@@ -186,7 +185,7 @@ TEST_CASE("BenQ's table passes over echoes and prompts and knows blank from ligh
   CHECK(talk.channel.messages() == Messages{"\r*blank=on#\r", "\r*pow=off#\r"});
 }
 
-TEST_CASE("ViewSonic's table sends the manual's bytes and checks the sums of what comes back") {
+TEST_CASE("ViewSonic's table sends the manual's bytes and verifies the checksums of replies") {
   const std::string on = bytes({6, 0x14, 0, 4, 0, 0x34, 0x11, 0, 0, 0x5D});
   const std::string off = bytes({6, 0x14, 0, 4, 0, 0x34, 0x11, 1, 0, 0x5E});
   const std::string power = bytes({7, 0x14, 0, 5, 0, 0x34, 0, 0, 0x11, 0, 0x5E});
@@ -207,7 +206,7 @@ TEST_CASE("ViewSonic's table sends the manual's bytes and checks the sums of wha
   talk.power_off();
   CHECK(talk.channel.messages() == Messages{off});
   talk.answers[0].second = bytes({5, 0x14, 0, 3, 0, 0, 0, 0, 0x17});
-  CHECK(talk.power_on() == ProjectorReply::Refused);  // it says that it is off to the end
+  CHECK(talk.power_on() == ProjectorReply::Refused);  // the projector reports off until the end
   CHECK(talk.channel.messages()[1] == on);
 }
 
@@ -243,12 +242,12 @@ TEST_CASE("every shipped projector table can be read") {
   CHECK(tables == 6);
 }
 
-TEST_CASE("a projector table's keys arrive with their units and defaults") {
+TEST_CASE("a projector table's keys are read with their units and defaults") {
   json table = optoma();
   table.erase("retries");
   table.erase("gap_ms");
   table["commands"]["power_on"]["timeout_ms"] = 5000;
-  const ProjectorTable read = load(table);
+  const ProjectorTable read = load_table(table);
   CHECK(read.name == "Optoma");
   CHECK(read.baud == 9600);
   CHECK_FALSE(read.echo);
@@ -263,155 +262,160 @@ TEST_CASE("a projector table's keys arrive with their units and defaults") {
   CHECK(read.unasked.size() == 7);
 }
 
-TEST_CASE("a bad reply pattern is found when the table is read, with what is wrong") {
+TEST_CASE("an invalid reply pattern is reported with the reason when the table is read") {
   json table = optoma();
   table["commands"]["power"]["on"] = "OK(1";
   table["commands"]["lamp_hours"]["value"] = "OK\\d+";
   table["commands"]["power_off"]["accepted"] = "(P)";
   table["unasked"][2]["line"] = "INFO[2";
-  const Complaints complaints = complaints_about(table);
+  const Complaints complaints = table_complaints(table);
   REQUIRE(complaints.size() == 4);
-  CHECK(
-      complaints[0] ==
-      "/commands/lamp_hours/value: it has 0 groups; the value's digits need one, others are written (?:...)");
-  // And what libstdc++ says of it.
-  CHECK(complaints[1].starts_with("/commands/power/on: \"OK(1\" is no regular expression: "));
+  CHECK(complaints[0] ==
+        "/commands/lamp_hours/value: it has 0 groups; write one group around the value's digits, and all "
+        "others as (?:...)");
+  // The rest is libstdc++'s message.
+  CHECK(complaints[1].starts_with("/commands/power/on: \"OK(1\" is not a regular expression: "));
   CHECK(complaints[2] == "/commands/power_off/accepted: no value is expected here: write groups as (?:...)");
-  CHECK(complaints[3].starts_with("/unasked/2/line: \"INFO[2\" is no regular expression: "));
+  CHECK(complaints[3].starts_with("/unasked/2/line: \"INFO[2\" is not a regular expression: "));
 }
 
-TEST_CASE("bytes that are none and sums that are wrong are found when the table is read") {
+TEST_CASE("invalid bytes and wrong checksums are reported when the table is read") {
   json table = shipped("projectors/viewsonic-pjd7820hd.json");
   table["commands"]["power_on"]["hex"] = "06 14 00 04 00 34 11 00 00 5E";
   table["commands"]["power_off"]["hex"] = "06 14 0";
   table["commands"]["power"]["on"] = "05 14 xx";
   table["commands"]["lamp_hours"]["value"] = "05 14 sum 00";
-  CHECK(complaints_about(table) ==
-        Complaints{
-            "/commands/lamp_hours/value: \"sum\" must come last",
-            "/commands/power/on: \"xx\" is not a byte; write two hex digits, \"..\" for any byte, \"(..)\" for "
-            "the "
-            "value's, or \"sum\"",
-            "/commands/power_off/hex: \"0\" is not a byte; write two hex digits, or \"sum\" for the checksum",
-            "/commands/power_on/hex: its last byte is 5E, but the checksum is 5D"});
+  CHECK(
+      table_complaints(table) ==
+      Complaints{
+          "/commands/lamp_hours/value: \"sum\" must come last",
+          "/commands/power/on: \"xx\" is not a byte; write two hex digits, \"..\" for any byte, \"(..)\" for "
+          "the "
+          "value's, or \"sum\"",
+          "/commands/power_off/hex: \"0\" is not a byte; write two hex digits, or \"sum\" for the checksum",
+          "/commands/power_on/hex: its last byte is 5E, but the checksum is 5D"});
   table = shipped("projectors/anhua-df10.json");
   table["commands"]["light_on"]["hex"] = "2A 4B sum";
-  CHECK(complaints_about(table) ==
+  CHECK(table_complaints(table) ==
         Complaints{
             "/commands/light_on/hex: \"sum\" stands for a checksum, but the table's checksum is \"none\""});
 }
 
-TEST_CASE("light on and light off come together, and with a reply to know them by") {
+TEST_CASE("light on and light off need each other and a reply that confirms them") {
   json table = optoma();
   table["commands"].erase("light_off");
-  CHECK(complaints_about(table) == Complaints{"/commands/light_on: it needs light_off beside it"});
+  CHECK(table_complaints(table) == Complaints{"/commands/light_on: it also needs light_off"});
   table = optoma();
   table["commands"]["light_off"].erase("accepted");
-  CHECK(complaints_about(table).size() == 1);
+  CHECK(table_complaints(table).size() == 1);
 }
 
-TEST_CASE("a reply that noise could give does not confirm that the light is off") {
+TEST_CASE("a reply that noise can match does not confirm that the light is off") {
   for (const std::string any : {".*", ".+", ".", "....", "[^F]*", "\\w+", "\\w{3,}", "(?:P|.{5})", "\\S+"}) {
     json table = optoma();
     table["commands"]["light_off"]["accepted"] = any;
-    CHECK(complaints_about(table) ==
+    CHECK(table_complaints(table) ==
           Complaints{"/commands/light_off/accepted: " + json(any).dump() +
-                     " fits noise too: the light would be taken for off when it may be on"});
+                     " also matches noise: the light would be taken for off when it may be on"});
   }
   json table = shipped("projectors/anhua-df10.json");
   table["commands"]["light_off"]["accepted"] = ".. .. ..";
-  CHECK(complaints_about(table) ==
-        Complaints{"/commands/light_off/accepted: \".. .. ..\" fits noise too: the light would be taken for "
-                   "off when it may be on"});
+  CHECK(table_complaints(table) ==
+        Complaints{
+            "/commands/light_off/accepted: \".. .. ..\" also matches noise: the light would be taken for "
+            "off when it may be on"});
 }
 
-TEST_CASE("a reply that refuses does not confirm that the light is off") {
-  const std::string rest = " fits what refuses too: the light would be taken for off when it may be on";
+TEST_CASE("a reply that can be a refusal does not confirm that the light is off") {
+  const std::string rest =
+      " also matches the reply \"refused\": the light would be taken for off when it may be on";
   json table = optoma();
   table["commands"]["light_off"]["accepted"] = "F";
-  CHECK(complaints_about(table) == Complaints{"/commands/light_off/accepted: \"F\"" + rest});
+  CHECK(table_complaints(table) == Complaints{"/commands/light_off/accepted: \"F\"" + rest});
   table["commands"]["light_off"]["accepted"] = "[PF]";
-  CHECK(complaints_about(table) == Complaints{"/commands/light_off/accepted: \"[PF]\"" + rest});
+  CHECK(table_complaints(table) == Complaints{"/commands/light_off/accepted: \"[PF]\"" + rest});
   table["commands"]["light_off"]["accepted"] = table["commands"]["light_off"]["refused"] = "(?:NG|ERR)\\d";
-  CHECK(complaints_about(table) == Complaints{"/commands/light_off/accepted: \"(?:NG|ERR)\\\\d\"" + rest});
+  CHECK(table_complaints(table) == Complaints{"/commands/light_off/accepted: \"(?:NG|ERR)\\\\d\"" + rest});
   table = shipped("projectors/anhua-df10.json");
   table["commands"]["light_off"]["accepted"] = "2a  .. ff 0d";
   table["commands"]["light_off"]["refused"] = "2A .. FF 0D";
-  CHECK(complaints_about(table) == Complaints{"/commands/light_off/accepted: \"2a  .. ff 0d\"" + rest});
+  CHECK(table_complaints(table) == Complaints{"/commands/light_off/accepted: \"2a  .. ff 0d\"" + rest});
 }
 
-TEST_CASE("a projector that is on is not taken for one that is off") {
+TEST_CASE("a reply of a projector that is on must not match the reply for off") {
   const std::string place = "/commands/power/off: ",
-                    off = " too: the light would be taken for off when it may be on";
+                    off = ": the light would be taken for off when it may be on";
   json table = optoma();
   for (const std::string any : {".*", "O?\\w+"}) {
     table["commands"]["power"]["off"] = any;
-    CHECK(complaints_about(table) == Complaints{place + json(any).dump() + " fits noise" + off});
+    CHECK(table_complaints(table) == Complaints{place + json(any).dump() + " also matches noise" + off});
   }
   table["commands"]["power"]["off"] = "F";
-  CHECK(complaints_about(table) == Complaints{place + "\"F\" fits what refuses" + off});
+  CHECK(table_complaints(table) == Complaints{place + "\"F\" also matches the reply \"refused\"" + off});
   for (const std::string both : {"O[Kk]1", "OK1", "O[Kk][01]?.?"}) {
     table["commands"]["power"] = {{"text", "~00124 1"}, {"on", "O[Kk]1"}, {"off", both}};
     if (both.ends_with('?')) table["commands"]["power"]["on"] = "OK1";
-    CHECK(complaints_about(table) == Complaints{place + json(both).dump() + " fits what means on" + off});
+    CHECK(table_complaints(table) ==
+          Complaints{place + json(both).dump() + " also matches the reply \"on\"" + off});
   }
   table["commands"]["power"] = {{"text", "~00124 1"}, {"on", ".*"}, {"off", "OK0"}};
-  CHECK(complaints_about(table) == Complaints{place + "\"OK0\" fits what means on" + off});
+  CHECK(table_complaints(table) == Complaints{place + "\"OK0\" also matches the reply \"on\"" + off});
   table = shipped("projectors/benq.json");
   table["commands"]["power"]["off"] = ">?\\*POW=.*#";
-  CHECK(complaints_about(table) == Complaints{place + "\">?\\\\*POW=.*#\" fits what means on" + off});
+  CHECK(table_complaints(table) ==
+        Complaints{place + "\">?\\\\*POW=.*#\" also matches the reply \"on\"" + off});
   table = shipped("projectors/viewsonic-pjd7820hd.json");
   for (const std::string both : {"05 14 00 03 00 00 00 01 sum", "05 14 00 03 00 00 00 .. sum"}) {
     table["commands"]["power"]["off"] = both;
-    CHECK(complaints_about(table) == Complaints{place + json(both).dump() + " fits what means on" + off});
+    CHECK(table_complaints(table) ==
+          Complaints{place + json(both).dump() + " also matches the reply \"on\"" + off});
   }
 }
 
-TEST_CASE("a reply that refuses does not confirm that the light is on") {
+TEST_CASE("a reply that can be a refusal does not confirm that the light is on") {
   json table = optoma();
   table["commands"]["light_on"]["accepted"] = "[PF]";
-  CHECK(
-      complaints_about(table) ==
-      Complaints{"/commands/light_on/accepted: \"[PF]\" fits what refuses too: the light would be taken for "
-                 "on when it may be off"});
+  CHECK(table_complaints(table) == Complaints{"/commands/light_on/accepted: \"[PF]\" also matches the reply "
+                                              "\"refused\": the light would be taken for "
+                                              "on when it may be off"});
 }
 
-TEST_CASE("power off that sends what power on sends turns nothing off") {
+TEST_CASE("power off must not send the same bytes as power on") {
   json table = optoma();
   table["commands"]["power_off"]["text"] = "~0000 1";
-  CHECK(complaints_about(table) == Complaints{"/commands/power_off: it sends the same bytes as power_on"});
+  CHECK(table_complaints(table) == Complaints{"/commands/power_off: it sends the same bytes as power_on"});
 }
 
-TEST_CASE("light off that sends what light on sends turns nothing off") {
+TEST_CASE("light off must not send the same bytes as light on") {
   json table = optoma();
   table["commands"]["light_off"]["text"] = "~0002 0";
-  CHECK(complaints_about(table) == Complaints{"/commands/light_off: it sends the same bytes as light_on"});
+  CHECK(table_complaints(table) == Complaints{"/commands/light_off: it sends the same bytes as light_on"});
   table = shipped("projectors/anhua-df10.json");
   table["commands"]["light_on"]["hex"] = "2A 47 0d";
-  CHECK(complaints_about(table) == Complaints{"/commands/light_off: it sends the same bytes as light_on"});
+  CHECK(table_complaints(table) == Complaints{"/commands/light_off: it sends the same bytes as light_on"});
 }
 
-TEST_CASE("a brightness has a place for its number and a range") {
+TEST_CASE("a brightness command needs a place for its number and a range") {
   json table = shipped("projectors/anhua-df10.json");
   table["commands"]["brightness"]["text"] = "CM+LEDS=";
   table["commands"]["brightness"]["minimum"] = 2000;
-  CHECK(complaints_about(table) ==
-        Complaints{"/commands/brightness: there is no {} in it, where the number goes",
+  CHECK(table_complaints(table) ==
+        Complaints{"/commands/brightness: it must contain {}, the place of the number",
                    "/commands/brightness/minimum: 2000 is more than maximum, 1023"});
   table["commands"]["brightness"] = {{"hex", "2A 4C {} 0D"}, {"minimum", 0}, {"maximum", 300}};
   table["commands"]["light_on"]["hex"] = "2A {} 0D";
-  CHECK(complaints_about(table) ==
+  CHECK(table_complaints(table) ==
         Complaints{"/commands/brightness/maximum: 300 does not fit in one byte",
-                   "/commands/light_on: only the brightness has a number, {}, to put in"});
+                   "/commands/light_on: only the brightness command may contain {}, the place of a number"});
 }
 
-TEST_CASE("a projector table says either a text or bytes, and rules and schema are reported together") {
+TEST_CASE("a command has either a text or bytes, and violations of rules and schema are reported together") {
   json table = optoma();
   table["baud"] = 110;
   table["commands"]["power_on"]["hex"] = "2A";
   table["commands"]["power_off"]["accepted"] = "P(";
   table["comands"] = 1;
-  CHECK(complaints_about(table).size() == 4);
+  CHECK(table_complaints(table).size() == 4);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 #include "daemon/config/support_figures.hpp"
 #include "tests/catch.hpp"
-#include "tests/daemon/config/config_fixture.hpp"
+#include "tests/daemon/config/resin_fixture.hpp"
 
 namespace contourd {
 namespace {
@@ -12,40 +12,23 @@ namespace {
 using nlohmann::json;
 using std::chrono::milliseconds;
 using testing::Complaints;
-using testing::complaints_of;
-using testing::ConfigFolder;
+using testing::kIrradianceMwCm2;
+using testing::load_resin;
+using testing::resin_complaints;
 using testing::shipped;
 
 json curve_profile() {
-  json resin = shipped("resins/standard.json");
-  resin.erase("exposure_ms");
-  resin.erase("bottom_exposure_ms");
-  resin["working_curve"] = {{"penetration_depth_um", 100},
-                            {"critical_energy_mj_cm2", 5},
-                            {"overcure_um", 50},
-                            {"bottom_overcure_um", 150}};
-  return resin;
+  return testing::with_working_curve(shipped("resins/standard.json"));
 }
 
-constexpr double kIrradianceMwCm2 = 5.0;
-
-ResinProfile load(const json& resin) {
-  const ConfigFolder folder;
-  return load_resin_profile(folder.write_json("grey.json", resin),
-                            {.travel = Nanometers{160'000'000}, .irradiance_mw_cm2 = kIrradianceMwCm2});
-}
-
-Complaints complaints_about(const json& resin) {
-  return complaints_of([&] { (void)load(resin); });
-}
-
-// 1 us: a millionth of the shortest exposure that matters, and far above rounding to 1 ns.
+// True if they differ by less than 1 us: a millionth of the shortest realistic exposure, far above rounding
+// to 1 ns.
 bool within_a_microsecond(Duration a, double milliseconds_expected) {
   return std::fabs(std::chrono::duration<double, std::milli>(a).count() - milliseconds_expected) < 1e-3;
 }
 
-TEST_CASE("every key of a resin profile arrives with its unit, and the file gives the name") {
-  const ResinProfile resin = load(shipped("resins/standard.json"));
+TEST_CASE("every key of a resin profile is read with its unit, and the file gives the name") {
+  const ResinProfile resin = load_resin(shipped("resins/standard.json"));
   CHECK(resin.name == "grey");
   CHECK(resin.layer_height == Nanometers{50'000});
   CHECK(resin.layer_height_min == Nanometers{25'000});
@@ -60,35 +43,35 @@ TEST_CASE("every key of a resin profile arrives with its unit, and the file give
   CHECK(resin.settle == milliseconds{1000});
   CHECK(resin.rest == milliseconds{500});
 
-  const auto curve = std::get<WorkingCurve>(load(curve_profile()).exposure);
+  const auto curve = std::get<WorkingCurve>(load_resin(curve_profile()).exposure);
   CHECK(curve.penetration_depth == Micrometers{100.0});
   CHECK(curve.critical_energy_mj_cm2 == 5.0);
   CHECK(curve.overcure == Micrometers{50.0});
   CHECK(curve.bottom_overcure == Micrometers{150.0});
 }
 
-TEST_CASE("a resin's supports are as by default but for what its profile says") {
+TEST_CASE("a resin's supports have their defaults except for the keys in its profile") {
   json resin = shipped("resins/standard.json");
-  CHECK(load(resin).supports == SupportSettings{});
+  CHECK(load_resin(resin).supports == SupportSettings{});
   resin["supports"] = {{"tip_diameter_mm", 0.5}, {"tip_holds_mm2", 8.5}, {"lift_mm", 3}};
   SupportSettings expected;
   expected.tip_diameter = Millimeters{0.5};
   expected.tip_holds_mm2 = 8.5;
   expected.lift = Millimeters{3};
-  CHECK(load(resin).supports == expected);
+  CHECK(load_resin(resin).supports == expected);
   resin["supports"]["spacing_mm"] = 0.4;
-  CHECK(complaints_about(resin) ==
+  CHECK(resin_complaints(resin) ==
         Complaints{"/supports/spacing_mm: 0.4 is less than the least allowed, 0.5 mm"});
 }
 
-TEST_CASE("each figure of a resin's supports goes to its own setting") {
+TEST_CASE("each key of a resin's supports sets its own setting") {
   json resin = shipped("resins/standard.json");
   double value = 2;
   for (const SupportFigure& figure : support_figures())
     resin["supports"][std::string(figure.key)] = value += 0.001;
-  // It must be larger than two others together.
+  // The lift must be larger than two of the other values together.
   resin["supports"]["lift_mm"] = 5.5;
-  const SupportSettings read = load(resin).supports;
+  const SupportSettings read = load_resin(resin).supports;
   value = 2;
   for (const SupportFigure& figure : support_figures()) {
     value += 0.001;
@@ -96,11 +79,11 @@ TEST_CASE("each figure of a resin's supports goes to its own setting") {
   }
 }
 
-TEST_CASE("figures of supports that contradict each other are told with both") {
+TEST_CASE("contradictory values of supports are reported with both values") {
   const auto complaints = [](const json& supports) {
     json resin = shipped("resins/standard.json");
     resin["supports"] = supports;
-    return complaints_about(resin);
+    return resin_complaints(resin);
   };
   CHECK(complaints({{"tip_diameter_mm", 1.2}}) ==
         Complaints{"/supports/tip_diameter_mm: 1.2 mm is more than pillar_diameter_mm, 1 mm: a tip is no "
@@ -114,38 +97,38 @@ TEST_CASE("figures of supports that contradict each other are told with both") {
   CHECK(complaints({{"lift_mm", 1.9}}) ==
         Complaints{"/supports/lift_mm: 1.9 mm is less than foot_height_mm and tip_length_mm together, 2 mm: "
                    "there is no room for a support"});
-  // Equal is none.
+  // Equal values are no contradiction.
   CHECK(complaints({{"tip_diameter_mm", 1}, {"foot_diameter_mm", 1}, {"tip_depth_mm", 1}, {"lift_mm", 2}})
             .empty());
 }
 
-TEST_CASE("a resin's shrinkage becomes the factors that make it good") {
+TEST_CASE("a resin's shrinkage is read as the factors that compensate it") {
   json resin = shipped("resins/standard.json");
-  CHECK(load(resin).shrinkage_factors == Scale{});
+  CHECK(load_resin(resin).shrinkage_factors == Scale{});
   resin["shrinkage_percent"] = {{"x", 20}, {"y", -0.5}};
-  const Scale factors = load(resin).shrinkage_factors;
+  const Scale factors = load_resin(resin).shrinkage_factors;
   // 400 pixels shrink to 320: 500 are needed.
   CHECK(factors.x == 1.25);
   CHECK(std::fabs(factors.y - 1 / 1.005) < 1e-15);
   CHECK(factors.z == 1);
   resin["shrinkage_percent"]["z"] = 21;
-  CHECK(complaints_about(resin) == Complaints{"/shrinkage_percent/z: 21 is more than the limit, 20"});
+  CHECK(resin_complaints(resin) == Complaints{"/shrinkage_percent/z: 21 is more than the limit, 20"});
 }
 
-TEST_CASE("a resin's weights of orientation arrive, and are contourd's own where they are not given") {
+TEST_CASE("a resin's orientation weights are read, with contourd's own as defaults") {
   json resin = shipped("resins/standard.json");
-  CHECK(load(resin).orientation == OrientationWeights{});
+  CHECK(load_resin(resin).orientation == OrientationWeights{});
   resin["orientation_weights"] = {{"support", 3}, {"contacts", 0.5}, {"peel", 100},
                                   {"height", 0},  {"standing", 2},   {"keep_clean", 1}};
-  CHECK(load(resin).orientation == OrientationWeights{3, 0.5, 100, 0, 2, 1});
+  CHECK(load_resin(resin).orientation == OrientationWeights{3, 0.5, 100, 0, 2, 1});
   resin["orientation_weights"]["peel"] = 101;
-  CHECK(complaints_about(resin) == Complaints{"/orientation_weights/peel: 101 is more than the limit, 100"});
+  CHECK(resin_complaints(resin) == Complaints{"/orientation_weights/peel: 101 is more than the limit, 100"});
   resin["orientation_weights"] = {{"speed", 1}};
-  CHECK(complaints_about(resin).size() == 1);
+  CHECK(resin_complaints(resin).size() == 1);
 }
 
-TEST_CASE("an exposure given outright is the bottom one, fades linearly, then stays") {
-  const ResinProfile resin = load(shipped("resins/standard.json"));
+TEST_CASE("a fixed exposure starts with the bottom one, fades linearly, then stays") {
+  const ResinProfile resin = load_resin(shipped("resins/standard.json"));
   const auto layer = [&](int index) {
     return exposure_time(resin, resin.layer_height, index, kIrradianceMwCm2);
   };
@@ -163,7 +146,7 @@ TEST_CASE("an exposure given outright is the bottom one, fades linearly, then st
 }
 
 TEST_CASE("the working curve gives t = Ec / I exp((layer height + overcure) / Dp)") {
-  const ResinProfile resin = load(curve_profile());
+  const ResinProfile resin = load_resin(curve_profile());
   const auto layer = [&](double height_um, int index, double irradiance) {
     return exposure_time(resin, Nanometers{std::llround(height_um * 1e3)}, index, irradiance);
   };
@@ -176,142 +159,143 @@ TEST_CASE("the working curve gives t = Ec / I exp((layer height + overcure) / Dp
   CHECK(within_a_microsecond(layer(5, 4, 5.0), 4711.470183));  // exp(1.55)
 }
 
-TEST_CASE("without fade layers the exposure changes at once, without bottom layers there is only one") {
+TEST_CASE("without fade layers the exposure changes at once, and without bottom layers it never changes") {
   json profile = shipped("resins/standard.json");
   profile["fade_layers"] = 0;
-  const ResinProfile sudden = load(profile);
+  const ResinProfile sudden = load_resin(profile);
   CHECK(exposure_time(sudden, sudden.layer_height, 4, 5.0) == milliseconds{30000});
   CHECK(exposure_time(sudden, sudden.layer_height, 5, 5.0) == milliseconds{3000});
   profile["bottom_layers"] = 0;
-  CHECK(exposure_time(load(profile), Nanometers{50'000}, 0, 5.0) == milliseconds{3000});
+  CHECK(exposure_time(load_resin(profile), Nanometers{50'000}, 0, 5.0) == milliseconds{3000});
 }
 
-TEST_CASE("an exposure that no clock can hold throws instead of overflowing") {
-  ResinProfile resin = load(curve_profile());
+TEST_CASE("an exposure too long for a duration throws instead of overflowing") {
+  ResinProfile resin = load_resin(curve_profile());
   std::get<WorkingCurve>(resin.exposure).penetration_depth = Micrometers{0.001};
   CHECK_THROWS_AS(exposure_time(resin, Nanometers{50'000}, 100, 5.0), std::range_error);
 }
 
-TEST_CASE("a profile has exactly one of outright exposures and working curve") {
+TEST_CASE("a profile has either fixed exposures or a working curve") {
   const std::string choice =
       "give either \"exposure_ms\" and \"bottom_exposure_ms\", or \"working_curve\"; found ";
   json resin = shipped("resins/standard.json");
   resin.erase("bottom_exposure_ms");
-  CHECK(complaints_about(resin) == Complaints{choice + "only \"exposure_ms\""});
+  CHECK(resin_complaints(resin) == Complaints{choice + "only \"exposure_ms\""});
   resin.erase("exposure_ms");
-  CHECK(complaints_about(resin) == Complaints{choice + "neither"});
+  CHECK(resin_complaints(resin) == Complaints{choice + "neither"});
   json both = curve_profile();
   both["exposure_ms"] = 3000;
-  CHECK(complaints_about(both) == Complaints{choice + "\"exposure_ms\" and \"working_curve\""});
+  CHECK(resin_complaints(both) == Complaints{choice + "\"exposure_ms\" and \"working_curve\""});
   both["bottom_exposure_ms"] = 30000;
-  CHECK(complaints_about(both) ==
+  CHECK(resin_complaints(both) ==
         Complaints{choice + "\"exposure_ms\" and \"bottom_exposure_ms\" and \"working_curve\""});
   both["working_curve"]["overcure_um"] = -1;
-  CHECK(complaints_about(both).size() == 2);
+  CHECK(resin_complaints(both).size() == 2);
 }
 
 TEST_CASE("a mistake inside the working curve is reported there and nowhere else") {
   json resin = curve_profile();
   resin["working_curve"]["penetration_depth_um"] = 0;
   resin["working_curve"].erase("overcure_um");
-  CHECK(complaints_about(resin) ==
+  CHECK(resin_complaints(resin) ==
         Complaints{"/working_curve/overcure_um: this key is missing: Cure depth beyond the layer height, so "
                    "that layers "
                    "bond, in um",
                    "/working_curve/penetration_depth_um: 0 is less than the least allowed, 1 um"});
 }
 
-TEST_CASE("layer heights are in order") {
+TEST_CASE("minimum, default and maximum layer height must be in order") {
   json resin = shipped("resins/standard.json");
   resin["layer_height_um"] = 110;
-  CHECK(complaints_about(resin) == Complaints{"/layer_height_um: 110 is more than layer_height_max_um, 100"});
+  CHECK(resin_complaints(resin) == Complaints{"/layer_height_um: 110 is more than layer_height_max_um, 100"});
   resin["layer_height_um"] = 20;
-  CHECK(complaints_about(resin) == Complaints{"/layer_height_min_um: 25 is more than layer_height_um, 20"});
+  CHECK(resin_complaints(resin) == Complaints{"/layer_height_min_um: 25 is more than layer_height_um, 20"});
   resin["layer_height_um"] = 50;
   resin["layer_height_min_um"] = 120;
-  CHECK(complaints_about(resin) ==
+  CHECK(resin_complaints(resin) ==
         Complaints{"/layer_height_min_um: 120 is more than layer_height_max_um, 100"});
   for (const char* key : {"layer_height_um", "layer_height_min_um", "layer_height_max_um"})
     resin[key] = 50;
-  CHECK(complaints_about(resin).empty());
+  CHECK(resin_complaints(resin).empty());
 }
 
-TEST_CASE("bottom layers are exposed no shorter than others, and a fade has something to fade from") {
+TEST_CASE("bottom layers are exposed at least as long as others, and fading requires bottom layers") {
   json resin = shipped("resins/standard.json");
   resin["bottom_exposure_ms"] = 2000;
-  CHECK(complaints_about(resin) == Complaints{"/exposure_ms: 3000 is more than bottom_exposure_ms, 2000"});
+  CHECK(resin_complaints(resin) == Complaints{"/exposure_ms: 3000 is more than bottom_exposure_ms, 2000"});
   resin = shipped("resins/standard.json");
   resin["bottom_layers"] = 0;
-  CHECK(complaints_about(resin) ==
-        Complaints{"/fade_layers: 10 layers to fade, but bottom_layers is 0: from what?"});
+  CHECK(resin_complaints(resin) == Complaints{"/fade_layers: 10 layers to fade, but bottom_layers is 0: "
+                                              "there is no bottom exposure to fade from"});
   resin = curve_profile();
   resin["working_curve"]["overcure_um"] = 151;
-  CHECK(complaints_about(resin) ==
+  CHECK(resin_complaints(resin) ==
         Complaints{"/working_curve/overcure_um: 151 is more than working_curve/bottom_overcure_um, 150"});
 }
 
-TEST_CASE("a resin's compensation arrives with its units and is none by default") {
+TEST_CASE("a resin's compensation is read with its units and is zero by default") {
   json resin = shipped("resins/standard.json");
-  CHECK(load(resin).compensation == Compensation{});
+  CHECK(load_resin(resin).compensation == Compensation{});
   resin["growth_um"] = -12.5;
   resin["elephant_foot_um"] = 80;
   resin["elephant_foot_height_um"] = 400;
-  CHECK(load(resin).compensation == Compensation{Micrometers{-12.5}, Micrometers{80}, Nanometers{400'000}});
+  CHECK(load_resin(resin).compensation ==
+        Compensation{Micrometers{-12.5}, Micrometers{80}, Nanometers{400'000}});
   resin["growth_um"] = -500.5;
-  CHECK(complaints_about(resin) == Complaints{"/growth_um: -500.5 is less than the least allowed, -500 um"});
+  CHECK(resin_complaints(resin) == Complaints{"/growth_um: -500.5 is less than the least allowed, -500 um"});
 }
 
 TEST_CASE(
-    "what carries a part of a layer is a resin's, and a quarter of the light on a hundredth of a mm2 by "
-    "default") {
+    "the exposure and area that support a part of a layer are a resin's, by default a quarter of the light "
+    "on a hundredth of a mm2") {
   json resin = shipped("resins/standard.json");
-  CHECK(load(resin).support == CarryingSupport{.least_grey = 64, .contact_area_mm2 = 0.01});
+  CHECK(load_resin(resin).support == CarryingSupport{.least_grey = 64, .contact_area_mm2 = 0.01});
   resin["support_grey"] = 200;
   resin["support_area_mm2"] = 0.25;
-  CHECK(load(resin).support == CarryingSupport{.least_grey = 200, .contact_area_mm2 = 0.25});
+  CHECK(load_resin(resin).support == CarryingSupport{.least_grey = 200, .contact_area_mm2 = 0.25});
   resin["support_grey"] = 0;
-  CHECK(complaints_about(resin) == Complaints{"/support_grey: 0 is less than the least allowed, 1"});
+  CHECK(resin_complaints(resin) == Complaints{"/support_grey: 0 is less than the least allowed, 1"});
 }
 
-TEST_CASE("an elephant foot has a depth and a height or neither") {
+TEST_CASE("an elephant foot has both a depth and a height, or neither") {
   json resin = shipped("resins/standard.json");
   resin["elephant_foot_um"] = 80;
-  CHECK(complaints_about(resin) ==
+  CHECK(resin_complaints(resin) ==
         Complaints{"/elephant_foot_um: 80 um, but elephant_foot_height_um is 0: both are 0 or neither is"});
   resin["elephant_foot_um"] = 0;
   resin["elephant_foot_height_um"] = 300;
-  CHECK(complaints_about(resin) ==
+  CHECK(resin_complaints(resin) ==
         Complaints{"/elephant_foot_um: 0 um, but elephant_foot_height_um is 300: both are 0 or neither is"});
 }
 
-TEST_CASE("rules and schema are reported together") {
+TEST_CASE("violations of rules and schema are reported together") {
   json resin = shipped("resins/standard.json");
   resin["layer_height_um"] = 110;
   resin["lift_mm"] = "high";
   resin["bottom_layers"] = 2.5;
-  CHECK(complaints_about(resin).size() == 3);
+  CHECK(resin_complaints(resin).size() == 3);
 }
 
-TEST_CASE("a working curve whose exposure is beyond 1 ms to 120 s is refused at load") {
+TEST_CASE("a working curve with an exposure outside 1 ms to 120 s is refused") {
   json resin = curve_profile();
   resin["working_curve"]["bottom_overcure_um"] = 450;  // exp(5) = 148.4 s
-  CHECK(complaints_about(resin) ==
+  CHECK(resin_complaints(resin) ==
         Complaints{"/working_curve: the bottom exposure at a layer height of 50 um comes to "
                    "148413.159 ms; it must be from 1 ms to 120 s"});
   resin["working_curve"]["bottom_overcure_um"] = 428;  // exp(4.78) = 119.1 s
-  CHECK(complaints_about(resin).empty());
+  CHECK(resin_complaints(resin).empty());
   resin = curve_profile();
   resin["working_curve"] = {{"penetration_depth_um", 5000},
                             {"critical_energy_mj_cm2", 0.01},
                             {"overcure_um", 0},
                             {"bottom_overcure_um", 2000}};  // 2 ms exp(0.01): fine
-  CHECK(complaints_about(resin).empty());
+  CHECK(resin_complaints(resin).empty());
   resin["working_curve"]["penetration_depth_um"] = 1;  // exp(50), exp(2050)
-  CHECK(complaints_about(resin).size() == 2);
+  CHECK(resin_complaints(resin).size() == 2);
 }
 
 TEST_CASE("a layer height is checked against the profile's range and its exposures") {
-  const ResinProfile resin = load(curve_profile());
+  const ResinProfile resin = load_resin(curve_profile());
   CHECK(layer_height_problems(resin, Nanometers{50'000}, 5.0).empty());
   CHECK(layer_height_problems(resin, Nanometers{25'000}, 5.0).empty());
   CHECK(layer_height_problems(resin, Nanometers{100'000}, 5.0).empty());

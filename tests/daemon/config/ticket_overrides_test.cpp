@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "tests/catch.hpp"
-#include "tests/daemon/config/config_fixture.hpp"
+#include "tests/daemon/config/resin_fixture.hpp"
 
 namespace contourd {
 namespace {
@@ -12,9 +12,10 @@ using nlohmann::json;
 using std::chrono::milliseconds;
 using testing::Complaints;
 using testing::complaints_of;
+using testing::kIrradianceMwCm2;
+using testing::load_resin;
+using testing::resin_complaints;
 using testing::shipped;
-
-constexpr double kIrradianceMwCm2 = 5.0;
 
 json limited_profile() {
   json resin = shipped("resins/standard.json");
@@ -26,36 +27,18 @@ json limited_profile() {
   return resin;
 }
 
-// Its exposures are e and e^2 s at 50 um.
-json curve_profile() {
-  json resin = limited_profile();
-  resin.erase("exposure_ms");
-  resin.erase("bottom_exposure_ms");
-  resin["working_curve"] = {{"penetration_depth_um", 100},
-                            {"critical_energy_mj_cm2", 5},
-                            {"overcure_um", 50},
-                            {"bottom_overcure_um", 150}};
-  return resin;
+json limited_curve_profile() {
+  return testing::with_working_curve(limited_profile());
 }
 
-ResinProfile load(const json& resin) {
-  const testing::ConfigFolder folder;
-  return load_resin_profile(folder.write_json("grey.json", resin),
-                            {.travel = Nanometers{160'000'000}, .irradiance_mw_cm2 = kIrradianceMwCm2});
-}
-
-Complaints complaints_about(const json& resin) {
-  return complaints_of([&] { (void)load(resin); });
-}
-
-// A resin as a ticket has it printed.
+// A resin with a ticket's overrides applied.
 struct Printed {
   ResinProfile resin;
   OverriddenSettings overridden;
 };
 
 Printed printed(const json& profile, const json& ticket) {
-  Printed job{load(profile), {}};
+  Printed job{load_resin(profile), {}};
   job.overridden = override_settings(job.resin, parse_job_ticket(ticket.dump(), "part.json"),
                                      kIrradianceMwCm2, {"part.json", "/resins/grey.json"});
   return job;
@@ -65,8 +48,8 @@ Complaints refusals_of(const json& profile, const json& ticket) {
   return complaints_of([&] { (void)printed(profile, ticket); });
 }
 
-TEST_CASE("a ticket within the limits sets all five settings, and nothing else of the resin") {
-  const ResinProfile before = load(limited_profile());
+TEST_CASE("a ticket within the limits sets all five settings and no other setting of the resin") {
+  const ResinProfile before = load_resin(limited_profile());
   const auto [resin, overridden] = printed(limited_profile(), {{"exposure_ms", 4000.5},
                                                                {"bottom_exposure_ms", 20000},
                                                                {"lift_mm", 8},
@@ -90,13 +73,13 @@ TEST_CASE("a ticket within the limits sets all five settings, and nothing else o
   CHECK(back == before);
 }
 
-TEST_CASE("a ticket that sets none of them leaves the resin as it is") {
-  CHECK(printed(limited_profile(), {{"copies", 2}}).resin == load(limited_profile()));
-  CHECK(printed(curve_profile(), {{"copies", 2}}).resin == load(curve_profile()));
+TEST_CASE("a ticket without overrides leaves the resin unchanged") {
+  CHECK(printed(limited_profile(), {{"copies", 2}}).resin == load_resin(limited_profile()));
+  CHECK(printed(limited_curve_profile(), {{"copies", 2}}).resin == load_resin(limited_curve_profile()));
   CHECK(printed(limited_profile(), json::object()).overridden.empty());
 }
 
-TEST_CASE("a ticket's figures of supports need no limits and are told with the resin's own") {
+TEST_CASE("a ticket's values for supports need no limits and are reported with the resin's own") {
   const Printed job =
       printed(shipped("resins/standard.json"), {{"supports", {{"lift_mm", 8}, {"spacing_mm", 2}}}});
   CHECK(job.resin.supports.lift == Millimeters{8});
@@ -108,7 +91,7 @@ TEST_CASE("a ticket's figures of supports need no limits and are told with the r
                    "thicker than its pillar"});
 }
 
-TEST_CASE("both ends of the limits belong to them, and a hair beyond is refused, not clamped") {
+TEST_CASE("limits are inclusive, and a value just outside is refused, not clamped") {
   for (const double ms : {2000.0, 8000.0})
     CHECK(refusals_of(limited_profile(), {{"exposure_ms", ms}}).empty());
   CHECK(
@@ -121,7 +104,7 @@ TEST_CASE("both ends of the limits belong to them, and a hair beyond is refused,
                    "/resins/grey.json"});
 }
 
-TEST_CASE("without limits no ticket may set anything, not even to the profile's own value") {
+TEST_CASE("without limits a ticket cannot set a value, not even the profile's own") {
   const json plain_profile = shipped("resins/standard.json");
   CHECK(refusals_of(plain_profile, {{"exposure_ms", 3000}, {"rest_ms", 1}}) ==
         Complaints{"/exposure_ms: 3000 is asked for, but the resin's profile names no ticket_limits for it: "
@@ -134,7 +117,7 @@ TEST_CASE("without limits no ticket may set anything, not even to the profile's 
   CHECK(refusals_of(only_lift, {{"settle_ms", 1000}}).size() == 1);
 }
 
-TEST_CASE("a normal layer gets no more light than a bottom layer, whoever says so") {
+TEST_CASE("a normal layer never gets more light than a bottom layer, also with overrides") {
   CHECK(refusals_of(limited_profile(), {{"exposure_ms", 6000}, {"bottom_exposure_ms", 5000}}) ==
         Complaints{"/exposure_ms: an exposure of 6000 ms would be more than the bottom exposure, 5000 ms"});
   json resin = limited_profile();
@@ -146,22 +129,23 @@ TEST_CASE("a normal layer gets no more light than a bottom layer, whoever says s
                    "ms"});
 }
 
-TEST_CASE("a ticket's exposure stands in the place of what a working curve comes to at its layer height") {
+TEST_CASE("a ticket's exposure replaces the working curve's exposure at its layer height") {
   const auto bottom_at = [](double layer_um) {
     return Duration{std::llround(std::exp((layer_um + 150) / 100) * 1e9)};
   };
-  const Printed job = printed(curve_profile(), {{"exposure_ms", 4000}});
+  const Printed job = printed(limited_curve_profile(), {{"exposure_ms", 4000}});
   CHECK(std::get<FixedExposure>(job.resin.exposure) == FixedExposure{milliseconds{4000}, bottom_at(50)});
   REQUIRE(job.overridden.size() == 1);
   CHECK(std::fabs(job.overridden[0].profile - 2718.281828) < 1e-5);  // nanoseconds
-  const Printed thick = printed(curve_profile(), {{"exposure_ms", 4000}, {"layer_height_um", 100}});
+  const Printed thick = printed(limited_curve_profile(), {{"exposure_ms", 4000}, {"layer_height_um", 100}});
   CHECK(std::get<FixedExposure>(thick.resin.exposure) == FixedExposure{milliseconds{4000}, bottom_at(100)});
-  // What is not set goes on to follow the curve.
-  CHECK(std::holds_alternative<WorkingCurve>(printed(curve_profile(), {{"lift_mm", 8}}).resin.exposure));
+  // Without an exposure in the ticket, the curve still applies.
+  CHECK(std::holds_alternative<WorkingCurve>(
+      printed(limited_curve_profile(), {{"lift_mm", 8}}).resin.exposure));
 }
 
-TEST_CASE("a layer height that the resin does not print is refused before its exposures are worked out") {
-  json resin = curve_profile();
+TEST_CASE("a layer height that the resin does not allow is refused before its exposures are computed") {
+  json resin = limited_curve_profile();
   resin["working_curve"]["penetration_depth_um"] = 20;
   resin["working_curve"]["overcure_um"] = 0;
   resin["working_curve"]["bottom_overcure_um"] = 10;
@@ -171,46 +155,46 @@ TEST_CASE("a layer height that the resin does not print is refused before its ex
   CHECK(refusals[0].find("/layer_height_um: ") == 0);
 }
 
-TEST_CASE("limits are a least and a most within what the setting itself may be") {
+TEST_CASE("limits are a minimum and a maximum within the bounds of the setting itself") {
   json resin = limited_profile();
-  CHECK(complaints_about(resin).empty());
+  CHECK(resin_complaints(resin).empty());
   resin["ticket_limits"]["exposure_ms"] = {2000, 120001};
-  CHECK(complaints_about(resin) ==
+  CHECK(resin_complaints(resin) ==
         Complaints{"/ticket_limits/exposure_ms/1: 120001 is more than the limit, 120000 ms"});
   resin["ticket_limits"]["exposure_ms"] = {0, 1e308};
-  CHECK(complaints_about(resin).size() == 2);
+  CHECK(resin_complaints(resin).size() == 2);
   resin["ticket_limits"]["exposure_ms"] = {8000, 2000};
-  CHECK(complaints_about(resin) ==
+  CHECK(resin_complaints(resin) ==
         Complaints{"/ticket_limits/exposure_ms: the least, 8000, is more than the most, 2000"});
   for (const json& wrong : {json{2000}, json{2000, 3000, 4000}, json::array(), json(3000), json("NaN"),
                             json{"NaN", 4000}, json{nullptr, 4000}}) {
     resin["ticket_limits"]["exposure_ms"] = wrong;
-    CHECK_FALSE(complaints_about(resin).empty());
+    CHECK_FALSE(resin_complaints(resin).empty());
   }
   resin = limited_profile();
   resin["ticket_limits"]["exposure_s"] = {2000, 8000};
-  CHECK(complaints_about(resin) ==
+  CHECK(resin_complaints(resin) ==
         Complaints{
             "/ticket_limits/exposure_s: there is no key \"exposure_s\" here; did you mean \"exposure_ms\"?"});
 }
 
-TEST_CASE("limits hold what the profile itself says, also by a working curve") {
+TEST_CASE("limits must include the profile's own value, also that of a working curve") {
   json resin = limited_profile();
   resin["ticket_limits"]["settle_ms"] = {1500, 5000};
-  CHECK(complaints_about(resin) ==
-        Complaints{"/ticket_limits/settle_ms: 1500 to 5000 leave out the profile's own settle_ms, 1000"});
-  resin = curve_profile();
-  CHECK(complaints_about(resin).empty());
+  CHECK(resin_complaints(resin) ==
+        Complaints{"/ticket_limits/settle_ms: 1500 to 5000 exclude the profile's own settle_ms, 1000"});
+  resin = limited_curve_profile();
+  CHECK(resin_complaints(resin).empty());
   resin["ticket_limits"]["exposure_ms"] = {3000, 8000};
-  CHECK(complaints_about(resin) ==
+  CHECK(resin_complaints(resin) ==
         Complaints{
-            "/ticket_limits/exposure_ms: 3000 to 8000 leave out what the working curve comes to, 2718.282"});
+            "/ticket_limits/exposure_ms: 3000 to 8000 exclude the exposure by the working curve, 2718.282"});
 }
 
-TEST_CASE("no lift is allowed that the printer's travel has no room for") {
+TEST_CASE("limits allow no lift beyond the printer's travel") {
   json resin = limited_profile();
   resin["ticket_limits"]["lift_mm"] = {4, 100};
-  CHECK(complaints_about(resin).empty());
+  CHECK(resin_complaints(resin).empty());
   const testing::ConfigFolder folder;
   const auto path = folder.write_json("grey.json", resin);
   CHECK(complaints_of([&] {
@@ -218,7 +202,7 @@ TEST_CASE("no lift is allowed that the printer's travel has no room for") {
         }) == Complaints{"/ticket_limits/lift_mm: 100 is not less than the printer's travel, 100 mm"});
 }
 
-TEST_CASE("what a ticket may set has the bounds that it has in a profile") {
+TEST_CASE("a ticket's settings have the same bounds as in a profile") {
   const json resin = shipped("resin.schema.json")["properties"],
              ticket = shipped("ticket.schema.json")["properties"];
   const json& limits = resin["ticket_limits"]["properties"];

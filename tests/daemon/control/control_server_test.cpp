@@ -24,10 +24,10 @@ using contourd::testing::TemporaryFolder;
 
 namespace {
 
-// A server whose every answer makes something of the machine due.
-class Bench {
+// A server whose every answer triggers an event of the machine.
+class ControlServerFixture {
  public:
-  Bench() {
+  ControlServerFixture() {
     watch_ = watcher_.when_readable(machine_.get(), [this] {
       eventfd_t count = 0;
       ::eventfd_read(machine_.get(), &count);
@@ -36,7 +36,7 @@ class Bench {
     });
   }
 
-  // The order of three answers and what was due to the machine, when a client asks for these at once.
+  // Sends three requests at once; `order` then has the sequence of answers and machine events.
   void ask(std::string_view lines) {
     const FileDescriptor client = connect();
     REQUIRE(::write(client.get(), lines.data(), lines.size()) == static_cast<ssize_t>(lines.size()));
@@ -75,7 +75,7 @@ class Bench {
                                        }}}}};
 };
 
-// What a method gets that takes "height" and "speed", and says about its parameters.
+// Returns the reply of a method that takes "height" and "speed" and returns its parameters.
 std::string reply_to(const std::string& parameters) {
   EventLoop loop;
   const TemporaryFolder folder;
@@ -106,26 +106,25 @@ const std::vector<std::string> kInTurns{"request", "machine", "request", "machin
 
 }  // namespace
 
-TEST_CASE("Between two requests of a client the loop sees to the machine") {
-  Bench bench;
+TEST_CASE("The loop serves the machine between two requests of a client") {
+  ControlServerFixture fixture;
   const std::string ask = R"({"jsonrpc":"2.0","method":"ask","id":1})"
                           "\n";
-  bench.ask(ask + ask + ask);
-  CHECK(bench.order == kInTurns);
+  fixture.ask(ask + ask + ask);
+  CHECK(fixture.order == kInTurns);
 }
 
-TEST_CASE("Between two requests of a batch the loop sees to the machine") {
-  Bench bench;
+TEST_CASE("The loop serves the machine between two requests of a batch") {
+  ControlServerFixture fixture;
   const std::string ask = R"({"jsonrpc":"2.0","method":"ask","id":1})";
-  bench.ask("[" + ask + "," + ask + "," + ask + "]\n");
-  CHECK(bench.order == kInTurns);
+  fixture.ask("[" + ask + "," + ask + "," + ask + "]\n");
+  CHECK(fixture.order == kInTurns);
 }
 
 TEST_CASE(
-    "A connection for which there is no descriptor left keeps the loop from nothing, and is taken when there "
-    "is one") {
-  Bench bench;
-  const FileDescriptor client = bench.connect();
+    "A connection without a free descriptor does not keep the loop busy, and is accepted when one is free") {
+  ControlServerFixture fixture;
+  const FileDescriptor client = fixture.connect();
   const std::string ask = R"({"jsonrpc":"2.0","method":"ask","id":1})"
                           "\n";
   REQUIRE(::write(client.get(), (ask + ask + ask).data(), 3 * ask.size()) > 0);
@@ -133,26 +132,26 @@ TEST_CASE(
   REQUIRE(::getrlimit(RLIMIT_NOFILE, &limit) == 0);
   const rlimit none{0, limit.rlim_max};
   int turns = 0, turns_without = 0;
-  bench.loop.on_turn_over(
+  fixture.loop.on_turn_over(
       [&](const EventLoop::Turn& turn) { turns += turn.source == "the control socket" ? 1 : 0; });
-  const auto later = bench.loop.at(std::chrono::steady_clock::now() + 100ms, "the test", [&] {
+  const auto later = fixture.loop.at(std::chrono::steady_clock::now() + 100ms, "the test", [&] {
     turns_without = turns;
     REQUIRE(::setrlimit(RLIMIT_NOFILE, &limit) == 0);
   });
   REQUIRE(::setrlimit(RLIMIT_NOFILE, &none) == 0);
-  bench.loop.run();
+  fixture.loop.run();
   CHECK(turns_without == 1);
-  CHECK(bench.order == kInTurns);
+  CHECK(fixture.order == kInTurns);
 }
 
-TEST_CASE("A method gets the parameters that it takes, or none") {
+TEST_CASE("A method gets the given parameters, or none") {
   CHECK(reply_to(R"({"height":3,"speed":1})") ==
         "{\"jsonrpc\":\"2.0\",\"result\":{\"height\":3,\"speed\":1},\"id\":1}\n");
   for (const char* none : {"{}", "[]", "null"})
     CHECK(reply_to(none) == "{\"jsonrpc\":\"2.0\",\"result\":{},\"id\":1}\n");
 }
 
-TEST_CASE("Parameters that a method does not take are refused, as what it says is wrong with them") {
+TEST_CASE("Unknown parameters and invalid values are refused") {
   const auto refusal = [](const std::string& parameters) {
     const auto reply = ControlServer::Json::parse(reply_to(parameters));
     CHECK(reply["error"]["code"] == -32602);
@@ -164,7 +163,7 @@ TEST_CASE("Parameters that a method does not take are refused, as what it says i
   CHECK(refusal(R"({"height":0})") == "a height is above 0");
 }
 
-TEST_CASE("A connection that is no more is told once, by the number that its methods got") {
+TEST_CASE("A closed connection is reported once, by the number that its methods got") {
   EventLoop loop;
   const TemporaryFolder folder;
   std::vector<std::uint64_t> calls, gone;
@@ -196,10 +195,10 @@ TEST_CASE("A connection that is no more is told once, by the number that its met
 
 namespace {
 
-// A server that answers "past" when it is told to, and "now" at once; and a client.
-class SlowDesk {
+// A server that answers the method "later" when the test calls `waiting`, and "now" at once; and a client.
+class DeferredAnswerFixture {
  public:
-  explicit SlowDesk(std::string_view lines) {
+  explicit DeferredAnswerFixture(std::string_view lines) {
     server_.on_disconnected([this](std::uint64_t) { disconnected = true; });
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
@@ -207,16 +206,16 @@ class SlowDesk {
     REQUIRE(::connect(client.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
     REQUIRE(::write(client.get(), lines.data(), lines.size()) == static_cast<ssize_t>(lines.size()));
   }
-  // What the client has read once this is so; to be called once.
+  // Runs until the condition is true and returns what the client has read. May be called only once.
   template <typename Condition>
-  std::string run_until(Condition so) {
+  std::string run_until(Condition done) {
     std::string read;
     const auto end = std::chrono::steady_clock::now() + 20s;
     const auto look = loop.when_idle("the test", [&] {
       char buffer[4096];
       const ssize_t bytes = ::recv(client.get(), buffer, sizeof buffer, MSG_DONTWAIT);
       if (bytes > 0) read.append(buffer, static_cast<std::size_t>(bytes));
-      if (so(read) || std::chrono::steady_clock::now() > end) loop.stop();
+      if (done(read) || std::chrono::steady_clock::now() > end) loop.stop();
       return true;
     });
     loop.run();
@@ -231,12 +230,13 @@ class SlowDesk {
 
  private:
   [[nodiscard]] ControlMethods methods() {
-    ControlMethod past;
-    past.call_later = [this](const ControlServer::Json&, const ControlCaller&, ControlMethod::Later later) {
+    ControlMethod deferred;
+    deferred.call_later = [this](const ControlServer::Json&, const ControlCaller&,
+                                 ControlMethod::Later later) {
       waiting.push_back(std::move(later));
       return std::nullopt;
     };
-    return {{"past", past},
+    return {{"later", deferred},
             {"now", {[this](const ControlServer::Json&, const ControlCaller&) { return ++answered_now; }}}};
   }
 
@@ -247,36 +247,36 @@ class SlowDesk {
 
 }  // namespace
 
-TEST_CASE("A client gets its answers in order, also those that come later, and alone or in a batch") {
-  SlowDesk desk(R"({"jsonrpc":"2.0","method":"past","id":1}
-{"jsonrpc":"2.0","method":"past"}
-[{"jsonrpc":"2.0","method":"past","id":2},{"jsonrpc":"2.0","method":"now","id":3}]
+TEST_CASE("A client gets its answers in order, including deferred ones, alone or in a batch") {
+  DeferredAnswerFixture fixture(R"({"jsonrpc":"2.0","method":"later","id":1}
+{"jsonrpc":"2.0","method":"later"}
+[{"jsonrpc":"2.0","method":"later","id":2},{"jsonrpc":"2.0","method":"now","id":3}]
 {"jsonrpc":"2.0","method":"now","id":4}
 )");
   int at_first = -1;
   std::size_t answered = 0;
-  const std::string read = desk.run_until([&](const std::string& all) {
-    if (desk.waiting.size() > answered) {
-      if (at_first < 0) at_first = desk.answered_now;
-      desk.waiting[answered++]("so");
+  const std::string read = fixture.run_until([&](const std::string& all) {
+    if (fixture.waiting.size() > answered) {
+      if (at_first < 0) at_first = fixture.answered_now;
+      fixture.waiting[answered++]("done");
     }
     return std::ranges::count(all, '\n') == 3;
   });
   CHECK(at_first == 0);
   CHECK(answered == 3);
-  CHECK(read == R"({"jsonrpc":"2.0","result":"so","id":1}
-[{"jsonrpc":"2.0","result":"so","id":2},{"jsonrpc":"2.0","result":1,"id":3}]
+  CHECK(read == R"({"jsonrpc":"2.0","result":"done","id":1}
+[{"jsonrpc":"2.0","result":"done","id":2},{"jsonrpc":"2.0","result":1,"id":3}]
 {"jsonrpc":"2.0","result":2,"id":4}
 )");
 }
 
-TEST_CASE("A client that is no more is known at once, also while it waits for an answer") {
-  SlowDesk desk("{\"jsonrpc\":\"2.0\",\"method\":\"past\",\"id\":1}\n");
-  desk.run_until([&](const std::string&) {
-    if (!desk.waiting.empty() && desk.client.valid()) desk.client = FileDescriptor();
-    return desk.disconnected;
+TEST_CASE("A closed connection is noticed at once, even while it waits for an answer") {
+  DeferredAnswerFixture fixture("{\"jsonrpc\":\"2.0\",\"method\":\"later\",\"id\":1}\n");
+  fixture.run_until([&](const std::string&) {
+    if (!fixture.waiting.empty() && fixture.client.valid()) fixture.client = FileDescriptor();
+    return fixture.disconnected;
   });
-  CHECK(desk.disconnected);
-  REQUIRE(desk.waiting.size() == 1);
-  desk.waiting[0]("so");  // to nobody
+  CHECK(fixture.disconnected);
+  REQUIRE(fixture.waiting.size() == 1);
+  fixture.waiting[0]("done");  // no one gets the answer
 }

@@ -19,10 +19,10 @@ using Json = HistoryControl::Json;
 
 namespace {
 
-// What is asked is answered in the order in which it was, once the loop runs.
-class Desk : public testing::PrinterFixture {
+// A history whose queries are answered while the loop runs.
+class HistoryControlFixture : public testing::PrinterFixture {
  public:
-  // Returns the reply's number.
+  // Sends a query and returns the number of its reply.
   std::size_t ask(const std::string& method, const Json& parameters = Json::object(),
                   const ControlCaller& caller = {}) {
     const std::size_t number = replies.size();
@@ -36,7 +36,7 @@ class Desk : public testing::PrinterFixture {
     if (reply) replies[number] = *reply;
     return number;
   }
-  // Until all is answered; each step is taken when all before it is.
+  // Runs until all queries are answered; each step follows when all queries before it are answered.
   void run(std::deque<std::function<void()>> steps = {}) {
     REQUIRE(run_until([&] {
       if (std::ranges::any_of(replies, &Json::is_null)) return false;
@@ -54,7 +54,7 @@ class Desk : public testing::PrinterFixture {
   }
   void end(const std::string& name, const std::string& outcome = "done", const std::string& reason = "") {
     EndedJob job{.name = name, .outcome = outcome, .reason = reason};
-    kept.refuse(job);
+    worker.refuse(job);
     recent.add(std::move(job));
   }
 
@@ -63,14 +63,14 @@ class Desk : public testing::PrinterFixture {
 
  public:
   const std::filesystem::path file = folder_.path() / "history.sqlite";
-  std::vector<Json> replies;          // of a refusal its words
-  std::vector<std::size_t> answered;  // their numbers, as they came
-  HistoryWorker kept{loop, log.log, file};
+  std::vector<Json> replies;          // a refusal's message instead
+  std::vector<std::size_t> answered;  // numbers of the replies, in order of arrival
+  HistoryWorker worker{loop, log.log, file};
   JobHistory recent;
   ReminderConfig limits{.lamp = {.lamp_h = 0.5}, .film = {.layers = 10, .prints = 3}, .vat = {}};
   Reminders reminders{limits};
   int replacements = 0;
-  HistoryControl control{kept, recent, reminders, [this](WearPart) { ++replacements; }};
+  HistoryControl control{worker, recent, reminders, [this](WearPart) { ++replacements; }};
   ControlMethods methods = control.methods();
 };
 
@@ -78,29 +78,29 @@ using Names = std::vector<std::string>;
 
 }  // namespace
 
-TEST_CASE("The history is as long as is asked, and comes page by page") {
-  Desk desk;
+TEST_CASE("The history has at most the requested number of jobs, page by page") {
+  HistoryControlFixture fixture;
   for (int i = 0; i < 120; ++i)
-    desk.end("job " + std::to_string(i));
-  desk.ask("history", {{"last", 2}});
-  desk.ask("history");
-  desk.ask("history", {{"before", 21}});
-  desk.run();
-  CHECK(desk.names(0) == Names{"job 118", "job 119"});
-  const Json& latest = desk.replies[1];
+    fixture.end("job " + std::to_string(i));
+  fixture.ask("history", {{"last", 2}});
+  fixture.ask("history");
+  fixture.ask("history", {{"before", 21}});
+  fixture.run();
+  CHECK(fixture.names(0) == Names{"job 118", "job 119"});
+  const Json& latest = fixture.replies[1];
   CHECK(latest["ended"].size() == 100);
   CHECK(latest["ended"][0]["job"] == "job 20");
   CHECK(latest["before"] == 21);
   CHECK(latest["trouble"].is_null());
-  CHECK(desk.names(2).size() == 20);
-  CHECK(desk.replies[2]["before"].is_null());
+  CHECK(fixture.names(2).size() == 20);
+  CHECK(fixture.replies[2]["before"].is_null());
 }
 
-TEST_CASE("A parameter of the history that makes no sense is refused") {
-  Desk desk;
+TEST_CASE("Invalid parameters of the history are refused") {
+  HistoryControlFixture fixture;
   const auto refused = [&](const char* name, const Json& value) {
     CAPTURE(name, value.dump());
-    CHECK_THROWS_AS(desk.ask("history", {{name, value}}), InvalidParameters);
+    CHECK_THROWS_AS(fixture.ask("history", {{name, value}}), InvalidParameters);
   };
   for (const Json& wrong : {Json(0), Json(101), Json(-1), Json(1.5), Json("2"), Json(), Json(1e300)})
     refused("last", wrong);
@@ -116,166 +116,166 @@ TEST_CASE("A parameter of the history that makes no sense is refused") {
   refused("this_run", 1);
 }
 
-TEST_CASE("Without a file the history tells what is remembered of this run, by the same filters, and why") {
-  Desk desk;
-  std::filesystem::create_directory(desk.file);
-  desk.end("one");
-  desk.end("two", "failed");
-  desk.ask("history");
-  desk.ask("history", {{"outcome", "failed"}});
-  desk.ask("history", {{"job", "on"}});
-  desk.ask("history", {{"resin", "grey"}});
-  desk.ask("history", {{"since", "2199-12-31T00:00:00Z"}});
-  desk.ask("history", {{"last", 1}});
-  desk.ask("usage");
-  desk.run();
-  CHECK(desk.names(0) == Names{"one", "two"});
-  CHECK(desk.replies[0]["trouble"].get<std::string>().find("is a folder") != std::string::npos);
-  CHECK(desk.names(1) == Names{"two"});
-  CHECK(desk.names(2) == Names{"one"});
-  CHECK(desk.names(3).empty());
-  CHECK(desk.names(4).empty());
-  CHECK(desk.names(5) == Names{"two"});
-  CHECK(desk.replies[6]["trouble"].is_string());
-  // Once, however often it is tried.
-  CHECK(desk.log.count("warning") == 1);
+TEST_CASE("Without its file the history reports the jobs of this run, by the same filters, and the reason") {
+  HistoryControlFixture fixture;
+  std::filesystem::create_directory(fixture.file);
+  fixture.end("one");
+  fixture.end("two", "failed");
+  fixture.ask("history");
+  fixture.ask("history", {{"outcome", "failed"}});
+  fixture.ask("history", {{"job", "on"}});
+  fixture.ask("history", {{"resin", "grey"}});
+  fixture.ask("history", {{"since", "2199-12-31T00:00:00Z"}});
+  fixture.ask("history", {{"last", 1}});
+  fixture.ask("usage");
+  fixture.run();
+  CHECK(fixture.names(0) == Names{"one", "two"});
+  CHECK(fixture.replies[0]["trouble"].get<std::string>().find("is a folder") != std::string::npos);
+  CHECK(fixture.names(1) == Names{"two"});
+  CHECK(fixture.names(2) == Names{"one"});
+  CHECK(fixture.names(3).empty());
+  CHECK(fixture.names(4).empty());
+  CHECK(fixture.names(5) == Names{"two"});
+  CHECK(fixture.replies[6]["trouble"].is_string());
+  // The problem is logged once, although several queries failed.
+  CHECK(fixture.log.count("warning") == 1);
 }
 
-TEST_CASE("The history of this run is told at once, whatever the file is like") {
-  Desk desk;
-  desk.end("one");
+TEST_CASE("The history of this run is answered at once, whatever the state of the file") {
+  HistoryControlFixture fixture;
+  fixture.end("one");
   const std::optional<Json> reply =
-      desk.methods.at("history").call_later({{"this_run", true}}, {}, [](const auto&) { FAIL("later"); });
+      fixture.methods.at("history").call_later({{"this_run", true}}, {}, [](const auto&) { FAIL("later"); });
   REQUIRE(reply);
-  CHECK((*reply)["ended"][0] == history_json(desk.recent.jobs().front()));
+  CHECK((*reply)["ended"][0] == history_json(fixture.recent.jobs().front()));
 }
 
-TEST_CASE("The history of this run comes page by page when its jobs are long") {
-  Desk desk;
+TEST_CASE("The history of this run comes in several pages if its jobs are long") {
+  HistoryControlFixture fixture;
   std::string reason;
   for (int i = 0; i < 4'000; ++i)
     reason += "\u00e9";  // six letters in a reply
   Names all;
   for (int i = 0; i < 150; ++i) {
     all.push_back("job " + std::to_string(i));
-    desk.end(all.back(), "failed", reason);
+    fixture.end(all.back(), "failed", reason);
   }
   Names found;
   Json parameters{{"this_run", true}, {"outcome", "failed"}};
-  for (bool more = true; more; parameters["before"] = desk.replies.back()["before"]) {
-    const Names page = desk.names(desk.ask("history", parameters));
-    CHECK(desk.replies.back()["ended"].dump(-1, ' ', true).size() < 100'000);
+  for (bool more = true; more; parameters["before"] = fixture.replies.back()["before"]) {
+    const Names page = fixture.names(fixture.ask("history", parameters));
+    CHECK(fixture.replies.back()["ended"].dump(-1, ' ', true).size() < 100'000);
     REQUIRE_FALSE(page.empty());
     found.insert(found.begin(), page.begin(), page.end());
-    more = desk.replies.back()["before"].is_number();
+    more = fixture.replies.back()["before"].is_number();
   }
   CHECK(found == Names(all.end() - JobHistory::kLongest, all.end()));
 }
 
-TEST_CASE("A job under way counts what it used so far, and one that is forgotten nothing") {
-  Desk desk;
-  desk.kept.begin("part");
+TEST_CASE("A running job counts with its use so far, and a forgotten job does not count") {
+  HistoryControlFixture fixture;
+  fixture.worker.begin("part");
   JobFigures figures;
   figures.resin = "grey";
   figures.lit_s = 36;
-  desk.kept.note([&] { return figures; });
-  // Too soon behind the last.
-  desk.kept.note([&] {
-    FAIL("noted");
+  fixture.worker.note([&] { return figures; });
+  // Ignored: too soon after the last call.
+  fixture.worker.note([&] {
+    FAIL("called");
     return figures;
   });
-  desk.ask("usage");
-  desk.kept.forget();
-  desk.ask("usage");
-  desk.ask("history");
-  desk.run();
-  CHECK(desk.replies[0]["lamp_h"] == 0.01);
-  CHECK(desk.replies[0]["resins"][0]["resin"] == "grey");
-  CHECK(desk.replies[1]["jobs"] == 0);
-  CHECK(desk.names(2).empty());
+  fixture.ask("usage");
+  fixture.worker.forget();
+  fixture.ask("usage");
+  fixture.ask("history");
+  fixture.run();
+  CHECK(fixture.replies[0]["lamp_h"] == 0.01);
+  CHECK(fixture.replies[0]["resins"][0]["resin"] == "grey");
+  CHECK(fixture.replies[1]["jobs"] == 0);
+  CHECK(fixture.names(2).empty());
 }
 
-TEST_CASE("A job that is refused in the queue does not end the one under way that has its name") {
-  Desk desk;
-  desk.kept.begin("part");
+TEST_CASE("A job refused in the queue does not end the running job of the same name") {
+  HistoryControlFixture fixture;
+  fixture.worker.begin("part");
   EndedJob refused{.name = "part", .outcome = "failed", .reason = "no model"};
-  desk.kept.refuse(refused);
+  fixture.worker.refuse(refused);
   EndedJob done{.name = "part", .outcome = "done", .reason = ""};
-  (void)desk.kept.end(done);
+  (void)fixture.worker.end(done);
   CHECK(done.began <= done.ended);
-  desk.ask("history");
-  desk.ask("history", {{"outcome", "done"}});
-  desk.run();
-  CHECK(desk.names(0).size() == 2);
-  CHECK(desk.names(1).size() == 1);
+  fixture.ask("history");
+  fixture.ask("history", {{"outcome", "done"}});
+  fixture.run();
+  CHECK(fixture.names(0).size() == 2);
+  CHECK(fixture.names(1).size() == 1);
 }
 
-TEST_CASE("What happens to a job is noted behind the question under way, not behind all that wait") {
-  Desk desk;
+TEST_CASE("The end of a job is recorded after the current query, before all waiting queries") {
+  HistoryControlFixture fixture;
   for (int i = 0; i < 5; ++i)
-    desk.ask("history");
-  desk.end("part");
-  desk.run();
+    fixture.ask("history");
+  fixture.end("part");
+  fixture.run();
   for (std::size_t i = 1; i < 5; ++i)
-    CHECK(desk.names(i) == Names{"part"});
+    CHECK(fixture.names(i) == Names{"part"});
 }
 
-TEST_CASE("Users take turns at asking the history") {
-  Desk desk;
+TEST_CASE("Users take turns in querying the history") {
+  HistoryControlFixture fixture;
   for (int i = 0; i < 4; ++i)
-    desk.ask("history", Json::object(), {1, 1001});
-  desk.ask("usage", Json::object(), {2, 1002});
-  desk.run();
-  CHECK(desk.answered == std::vector<std::size_t>{0, 4, 1, 2, 3});
+    fixture.ask("history", Json::object(), {1, 1001});
+  fixture.ask("usage", Json::object(), {2, 1002});
+  fixture.run();
+  CHECK(fixture.answered == std::vector<std::size_t>{0, 4, 1, 2, 3});
 }
 
-TEST_CASE("What an asker wanted who has gone is not looked up") {
-  Desk desk;
-  desk.ask("history", Json::object(), {1, 1001});
+TEST_CASE("Waiting queries of a closed connection are dropped") {
+  HistoryControlFixture fixture;
+  fixture.ask("history", Json::object(), {1, 1001});
   for (const char* method : {"history", "usage"})
-    desk.ask(method, Json::object(), {2, 1001});
-  desk.ask("history", Json::object(), {3, 1001});
-  desk.control.disconnected(2);
-  desk.run();
-  CHECK(desk.answered == std::vector<std::size_t>{0, 1, 2, 3});
-  CHECK(desk.replies[1] == "nobody waits for the answer");
-  CHECK(desk.replies[2] == desk.replies[1]);
-  CHECK(desk.replies[3].contains("ended"));
+    fixture.ask(method, Json::object(), {2, 1001});
+  fixture.ask("history", Json::object(), {3, 1001});
+  fixture.control.disconnected(2);
+  fixture.run();
+  CHECK(fixture.answered == std::vector<std::size_t>{0, 1, 2, 3});
+  CHECK(fixture.replies[1] == "the client has disconnected");
+  CHECK(fixture.replies[2] == fixture.replies[1]);
+  CHECK(fixture.replies[3].contains("ended"));
 }
 
-TEST_CASE("A part that wears counts from when it was replaced, and is due from any of its limits on") {
-  Desk desk;
+TEST_CASE("The use of a part counts from its replacement, and the part is due at any of its limits") {
+  HistoryControlFixture fixture;
   const auto print = [&](std::int64_t layers, double lit_s) {
-    desk.kept.begin("part");
+    fixture.worker.begin("part");
     EndedJob job{.name = "part", .outcome = "done", .reason = ""};
     job.figures.layers_exposed = layers;
     job.figures.lit_s = lit_s;
-    (void)desk.kept.end(job);
+    (void)fixture.worker.end(job);
   };
-  // What happens to jobs goes before what is asked: each answer is waited for.
-  desk.run({[&] {
-              print(9, 1799);
-              desk.ask("usage");
-            },
-            [&] {
-              print(1, 1);
-              desk.ask("usage");
-            },
-            [&] {
-              desk.ask("replaced", {{"part", "film"}});
-            },
-            [&] {
-              desk.end("refused");  // no print
-              print(2, 0);
-              print(2, 0);
-              desk.ask("usage");
-            },
-            [&] {
-              print(2, 0);
-              desk.ask("usage");
-            }});
+  // Updates about jobs precede queries, so each step waits for the answers.
+  fixture.run({[&] {
+                 print(9, 1799);
+                 fixture.ask("usage");
+               },
+               [&] {
+                 print(1, 1);
+                 fixture.ask("usage");
+               },
+               [&] {
+                 fixture.ask("replaced", {{"part", "film"}});
+               },
+               [&] {
+                 fixture.end("refused");  // not a print
+                 print(2, 0);
+                 print(2, 0);
+                 fixture.ask("usage");
+               },
+               [&] {
+                 print(2, 0);
+                 fixture.ask("usage");
+               }});
   const auto reminder = [&](std::size_t reply, std::size_t part) {
-    return desk.replies[reply]["parts"][part]["reminder"];
+    return fixture.replies[reply]["parts"][part]["reminder"];
   };
   CHECK(reminder(0, 0).is_null());
   CHECK(reminder(0, 1).is_null());
@@ -285,16 +285,16 @@ TEST_CASE("A part that wears counts from when it was replaced, and is due from a
   CHECK(reminder(1, 1).get<std::string>().starts_with(
       "the film is due: 10 layers (limit 10) since the history began;"));
   CHECK(reminder(2, 1).is_null());
-  CHECK(desk.replies[2]["parts"][1]["layers"] == 0);
-  CHECK(desk.replies[2]["parts"][0]["layers"] == 10);
-  CHECK(desk.replies[3]["parts"][1]["prints"] == 2);
+  CHECK(fixture.replies[2]["parts"][1]["layers"] == 0);
+  CHECK(fixture.replies[2]["parts"][0]["layers"] == 10);
+  CHECK(fixture.replies[3]["parts"][1]["prints"] == 2);
   CHECK(reminder(3, 1).is_null());
   CHECK(reminder(4, 1).get<std::string>().starts_with("the film is due: 3 prints (limit 3) since 2"));
   CHECK(reminder(4, 2).is_null());  // no limit
-  CHECK(desk.replacements == 1);
+  CHECK(fixture.replacements == 1);
 }
 
-TEST_CASE("What is due is of the last word of the history, and only what is wanted") {
+TEST_CASE("Reminders follow the latest use and cover only parts with limits") {
   const ReminderConfig none;
   CHECK_FALSE(Reminders(none).wanted());
   const ReminderConfig config{.lamp = {}, .film = {.layers = 10}, .vat = {.prints = 2}};
@@ -308,9 +308,9 @@ TEST_CASE("What is due is of the last word of the history, and only what is want
   CHECK(reminders.due().empty());
 }
 
-TEST_CASE("A part that is none is not replaced") {
-  Desk desk;
+TEST_CASE("An unknown part is not replaced") {
+  HistoryControlFixture fixture;
   for (const Json& wrong : {Json("lens"), Json(""), Json(1), Json()})
-    CHECK_THROWS_AS(desk.ask("replaced", {{"part", wrong}}), InvalidParameters);
-  CHECK_THROWS_AS(desk.ask("replaced"), InvalidParameters);
+    CHECK_THROWS_AS(fixture.ask("replaced", {{"part", wrong}}), InvalidParameters);
+  CHECK_THROWS_AS(fixture.ask("replaced"), InvalidParameters);
 }

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-class Desk {
+class MetricsFileFixture {
  public:
   void begin() {
     file.emplace(
@@ -39,7 +39,7 @@ class Desk {
     struct stat status {};
     return ::stat(path.c_str(), &status) == 0 ? status.st_ino : 0;
   }
-  // To be called once: an event loop does not run again.
+  // May be called only once, because an event loop cannot run again.
   bool run_until(const std::function<bool()>& so) {
     bool reached = false;
     const auto given_up =
@@ -64,54 +64,54 @@ class Desk {
 
 }  // namespace
 
-TEST_CASE("Figures are in the file when they have changed, and it is not touched when they have not") {
-  Desk desk;
-  fs::create_directory(desk.path.parent_path());
-  desk.begin();
+TEST_CASE("The file is written only when the metrics have changed") {
+  MetricsFileFixture fixture;
+  fs::create_directory(fixture.path.parent_path());
+  fixture.begin();
   int looks = 0;
   ino_t first = 0;
-  CHECK(desk.run_until([&] {
-    if (first == 0 && desk.content() == "one\n") {
-      first = desk.inode();
-      looks = desk.looks;
+  CHECK(fixture.run_until([&] {
+    if (first == 0 && fixture.content() == "one\n") {
+      first = fixture.inode();
+      looks = fixture.looks;
     }
-    if (first != 0 && desk.text == "one\n" && desk.looks > looks + 20) {
-      CHECK(desk.inode() == first);
-      desk.text = "two\n";
+    if (first != 0 && fixture.text == "one\n" && fixture.looks > looks + 20) {
+      CHECK(fixture.inode() == first);
+      fixture.text = "two\n";
     }
-    return desk.content() == "two\n";
+    return fixture.content() == "two\n";
   }));
-  CHECK((fs::status(desk.path).permissions() & fs::perms::others_read) != fs::perms::none);
-  CHECK(std::distance(fs::directory_iterator(desk.path.parent_path()), {}) == 1);
+  CHECK((fs::status(fixture.path).permissions() & fs::perms::others_read) != fs::perms::none);
+  CHECK(std::distance(fs::directory_iterator(fixture.path.parent_path()), {}) == 1);
 }
 
-TEST_CASE("The file goes with the printer, and only when it is the printer's") {
-  Desk desk;
-  fs::create_directory(desk.path.parent_path());
-  desk.begin();
-  CHECK(desk.run_until([&] { return desk.content() == "one\n"; }));
-  desk.file.reset();
-  CHECK_FALSE(fs::exists(desk.path));
+TEST_CASE("The file is removed when the printer stops") {
+  MetricsFileFixture fixture;
+  fs::create_directory(fixture.path.parent_path());
+  fixture.begin();
+  CHECK(fixture.run_until([&] { return fixture.content() == "one\n"; }));
+  fixture.file.reset();
+  CHECK_FALSE(fs::exists(fixture.path));
 }
 
-TEST_CASE("A folder that is not there is told once, and the figures are written when it is") {
-  Desk desk;
-  desk.begin();
+TEST_CASE("A missing folder is reported once, and the metrics are written when it exists") {
+  MetricsFileFixture fixture;
+  fixture.begin();
   int looks = 0;
-  CHECK(desk.run_until([&] {
-    if (looks == 0 && desk.log.has("cannot be written")) looks = desk.looks;
-    if (looks != 0 && desk.looks > looks + 20) fs::create_directory(desk.path.parent_path());
-    return desk.content() == "one\n" && desk.log.has("is written again");
+  CHECK(fixture.run_until([&] {
+    if (looks == 0 && fixture.log.has("cannot be written")) looks = fixture.looks;
+    if (looks != 0 && fixture.looks > looks + 20) fs::create_directory(fixture.path.parent_path());
+    return fixture.content() == "one\n" && fixture.log.has("is written again");
   }));
-  CHECK(desk.log.count("cannot be written") == 1);
-  CHECK(desk.log.has("contourd.prom cannot be written, which is tried again: No such file or directory"));
+  CHECK(fixture.log.count("cannot be written") == 1);
+  CHECK(fixture.log.has("contourd.prom cannot be written and is tried again: No such file or directory"));
 }
 
-TEST_CASE("What cannot be replaced by a file stays as it is, also at the end") {
-  Desk desk;
-  fs::create_directories(desk.path / "full");
-  desk.begin();
-  CHECK(desk.run_until([&] { return desk.log.has("cannot be written"); }));
-  desk.file.reset();
-  CHECK(fs::exists(desk.path / "full"));
+TEST_CASE("A folder in the file's place is left as it is, even at the end") {
+  MetricsFileFixture fixture;
+  fs::create_directories(fixture.path / "full");
+  fixture.begin();
+  CHECK(fixture.run_until([&] { return fixture.log.has("cannot be written"); }));
+  fixture.file.reset();
+  CHECK(fs::exists(fixture.path / "full"));
 }

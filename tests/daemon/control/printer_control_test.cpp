@@ -12,9 +12,9 @@ using Json = PrinterControl::Json;
 
 namespace {
 
-class Desk : public testing::CurrentJobFixture {
+class PrinterControlFixture : public testing::CurrentJobFixture {
  public:
-  // Why the method is refused; empty when it is not.
+  // Calls the method and returns why it is refused; empty if it is not.
   std::string refusal_of(const std::string& method) {
     try {
       reply = methods.at(method).call(Json::object(), {});
@@ -23,7 +23,7 @@ class Desk : public testing::CurrentJobFixture {
     }
     return "";
   }
-  // With the job's print in this state, for a call.
+  // Runs a job to the state, calls the method, and returns why it is refused.
   std::string refusal_in(PrintState state, const std::string& method) {
     bool called = false;
     std::string refusal;
@@ -74,84 +74,86 @@ class Desk : public testing::CurrentJobFixture {
 }  // namespace
 
 TEST_CASE("Without a print there is nothing to pause, resume or cancel") {
-  Desk desk;
-  CHECK(desk.refusal_of("pause") == "there is no print to pause");
-  CHECK(desk.refusal_of("resume") == "there is no print to resume");
-  CHECK(desk.refusal_of("cancel") == "there is no print to cancel");
+  PrinterControlFixture fixture;
+  CHECK(fixture.refusal_of("pause") == "there is no print to pause");
+  CHECK(fixture.refusal_of("resume") == "there is no print to resume");
+  CHECK(fixture.refusal_of("cancel") == "there is no print to cancel");
 }
 
 TEST_CASE(
     "A job that is being read can be cancelled, but neither paused nor resumed, nor its plate cleared") {
-  Desk desk;
-  desk.begin();
-  CHECK(desk.refusal_of("pause") == "there is no print to pause");
-  CHECK(desk.refusal_of("resume") == "there is no print to resume");
-  CHECK(desk.refusal_of("plate_cleared") == "part is being printed");
-  CHECK(desk.refusal_of("cancel").empty());
-  CHECK(desk.job.job()->cancel_wanted);
+  PrinterControlFixture fixture;
+  fixture.begin();
+  CHECK(fixture.refusal_of("pause") == "there is no print to pause");
+  CHECK(fixture.refusal_of("resume") == "there is no print to resume");
+  CHECK(fixture.refusal_of("plate_cleared") == "part is being printed");
+  CHECK(fixture.refusal_of("cancel").empty());
+  CHECK(fixture.job.job()->cancel_wanted);
 }
 
-TEST_CASE("The reply to a command is the status that it has led to") {
-  Desk desk;
-  CHECK(desk.refusal_in(PrintState::Exposing, "pause").empty());
-  CHECK(desk.reply["job"]["pause_pending"] == true);
+TEST_CASE("The reply to a command is the resulting status") {
+  PrinterControlFixture fixture;
+  CHECK(fixture.refusal_in(PrintState::Exposing, "pause").empty());
+  CHECK(fixture.reply["job"]["pause_pending"] == true);
 }
 
 TEST_CASE("A print that is not paused cannot be resumed") {
-  CHECK(Desk().refusal_in(PrintState::Exposing, "resume") == "the print is not paused");
+  CHECK(PrinterControlFixture().refusal_in(PrintState::Exposing, "resume") == "the print is not paused");
 }
 
 TEST_CASE("A print whose layers are done can be neither paused nor cancelled") {
-  CHECK(Desk().refusal_in(PrintState::Parking, "pause") == "all layers are printed, the plate goes up");
-  CHECK(Desk().refusal_in(PrintState::Parking, "cancel") == "all layers are printed, the plate goes up");
+  CHECK(PrinterControlFixture().refusal_in(PrintState::Parking, "pause") ==
+        "all layers are printed, the plate goes up");
+  CHECK(PrinterControlFixture().refusal_in(PrintState::Parking, "cancel") ==
+        "all layers are printed, the plate goes up");
 }
 
-TEST_CASE("A print does not go on while something is in its way") {
-  Desk desk;
-  desk.machine.open_lid();
-  CHECK(desk.refusal_in(PrintState::Held, "resume") == "the print cannot go on: the lid is open");
-  desk.machine.close_lid();
-  CHECK(desk.refusal_of("resume").empty());
-  CHECK(desk.job.print().state() == PrintState::WarmingUp);
+TEST_CASE("A print does not resume while the machine is not ready") {
+  PrinterControlFixture fixture;
+  fixture.machine.open_lid();
+  CHECK(fixture.refusal_in(PrintState::Held, "resume") == "the print cannot go on: the lid is open");
+  fixture.machine.close_lid();
+  CHECK(fixture.refusal_of("resume").empty());
+  CHECK(fixture.job.print().state() == PrintState::WarmingUp);
 }
 
-TEST_CASE("To resume a held print releases the queue too") {
-  Desk desk;
-  desk.hold.hold("the emergency stop was pressed");
-  CHECK(desk.refusal_in(PrintState::Held, "resume").empty());
-  CHECK_FALSE(desk.hold.reason());
+TEST_CASE("Resuming a held print also releases the queue") {
+  PrinterControlFixture fixture;
+  fixture.hold.hold("the emergency stop was pressed");
+  CHECK(fixture.refusal_in(PrintState::Held, "resume").empty());
+  CHECK_FALSE(fixture.hold.reason());
 }
 
-TEST_CASE("To resume a held queue has the next job begin, but not while something is in its way") {
-  Desk desk;
-  desk.hold.hold("part failed");
-  desk.arrive("next.stl");
-  desk.machine.open_lid();
-  CHECK(desk.refusal_of("resume") == "the queue cannot go on: the lid is open");
-  CHECK(desk.hold.reason());
-  desk.machine.close_lid();
-  CHECK(desk.refusal_of("resume").empty());
-  CHECK_FALSE(desk.hold.reason());
-  CHECK(desk.reply["state"] == "preparing");
-  CHECK(desk.reply["job"]["name"] == "next");
+TEST_CASE("Resuming a held queue starts the next job, but not while the machine is not ready") {
+  PrinterControlFixture fixture;
+  fixture.hold.hold("part failed");
+  fixture.arrive("next.stl");
+  fixture.machine.open_lid();
+  CHECK(fixture.refusal_of("resume") == "the queue cannot go on: the lid is open");
+  CHECK(fixture.hold.reason());
+  fixture.machine.close_lid();
+  CHECK(fixture.refusal_of("resume").empty());
+  CHECK_FALSE(fixture.hold.reason());
+  CHECK(fixture.reply["state"] == "preparing");
+  CHECK(fixture.reply["job"]["name"] == "next");
 }
 
 TEST_CASE("A cleared plate releases the queue, and the next job begins") {
-  Desk desk;
-  desk.hold.set_plate_occupant("part");
-  desk.hold.hold("part failed");
-  desk.arrive("next.stl");
-  CHECK(desk.reply.is_null());
-  CHECK(desk.refusal_of("plate_cleared").empty());
-  CHECK(desk.log.has("info: the plate is clear"));
-  CHECK(desk.reply["plate"] == "clear");
-  CHECK(desk.reply["held"].is_null());
-  CHECK(desk.job.name() == "next");
+  PrinterControlFixture fixture;
+  fixture.hold.set_plate_occupant("part");
+  fixture.hold.hold("part failed");
+  fixture.arrive("next.stl");
+  CHECK(fixture.reply.is_null());
+  CHECK(fixture.refusal_of("plate_cleared").empty());
+  CHECK(fixture.log.has("info: the plate is clear"));
+  CHECK(fixture.reply["plate"] == "clear");
+  CHECK(fixture.reply["held"].is_null());
+  CHECK(fixture.job.name() == "next");
 }
 
-TEST_CASE("Only what changes something is told in the log") {
-  Desk desk;
-  for (const auto& [name, method] : desk.methods) {
+TEST_CASE("Only methods that change something are logged") {
+  PrinterControlFixture fixture;
+  for (const auto& [name, method] : fixture.methods) {
     CAPTURE(name);
     const bool asks = name == "status";
     CHECK(method.changes != asks);

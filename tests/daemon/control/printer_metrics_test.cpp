@@ -30,7 +30,7 @@ bool has_line(const std::string& text, const std::string& line) {
 
 }  // namespace
 
-TEST_CASE("A printer that prints is told with its layer, its light and its time") {
+TEST_CASE("The metrics of a running print contain its layer, its light and its time") {
   PrinterMetrics metrics = idle_printer();
   metrics.state = "exposing";
   metrics.print = {7, 120, 90'700ms};
@@ -53,14 +53,14 @@ TEST_CASE("A printer that prints is told with its layer, its light and its time"
   CHECK(text.ends_with("\n# EOF\n"));
 }
 
-TEST_CASE("Of a print that is not there, nothing is told") {
+TEST_CASE("Without a print there are no metrics of a print") {
   const std::string text = as_open_metrics(idle_printer());
   CHECK(text.find("contourd_layer") == std::string::npos);
   CHECK(text.find("time_left") == std::string::npos);
   CHECK(has_line(text, "contourd_state{state=\"idle\"} 1"));
 }
 
-TEST_CASE("A printer's name ends no label and no line, whatever is in it") {
+TEST_CASE("Any printer's name is escaped, so that it ends neither a label nor a line") {
   PrinterMetrics metrics = idle_printer();
   metrics.printer = "a\"} 7\nb\\c\xff";
   const std::string text = as_open_metrics(metrics);

@@ -9,7 +9,7 @@ using namespace contourd;
 
 namespace {
 
-class Desk : public testing::CurrentJobFixture {
+class PrinterStatusFixture : public testing::CurrentJobFixture {
  public:
   PrintQueue queue{log.log,
                    {.check =
@@ -40,10 +40,10 @@ class Desk : public testing::CurrentJobFixture {
 
 }  // namespace
 
-TEST_CASE("An idle printer's status has all its keys, in their order") {
-  Desk desk;
+TEST_CASE("An idle printer's status has all keys in their order") {
+  PrinterStatusFixture fixture;
   std::string keys;
-  const auto status = desk.status.status();
+  const auto status = fixture.status.status();
   for (const auto& [key, value] : status.items())
     keys += key + " ";
   CHECK(keys ==
@@ -58,15 +58,15 @@ TEST_CASE("An idle printer's status has all its keys, in their order") {
 }
 
 TEST_CASE("A reply does not grow with the number of jobs") {
-  Desk desk;
+  PrinterStatusFixture fixture;
   for (int i = 0; i < 1'002; ++i) {
-    desk.queue.arrived(std::to_string(i) + ".stl");
-    desk.queue.check_next();
+    fixture.queue.arrived(std::to_string(i) + ".stl");
+    fixture.queue.check_next();
   }
-  CHECK(desk.status.queue()["queue"].size() == 1'000);
-  CHECK(desk.status.queue()["queue"][0] == "0.stl");
-  CHECK(desk.status.queue()["more"] == 2);
-  const auto status = desk.status.status();
+  CHECK(fixture.status.queue()["queue"].size() == 1'000);
+  CHECK(fixture.status.queue()["queue"][0] == "0.stl");
+  CHECK(fixture.status.queue()["more"] == 2);
+  const auto status = fixture.status.status();
   CHECK(status["queued"] == 1'002);
   CHECK(status["postponed"].size() == 10);
   CHECK(status["postponed"]["0.stl"] == "it takes 900 MB");
@@ -74,16 +74,16 @@ TEST_CASE("A reply does not grow with the number of jobs") {
 }
 
 TEST_CASE("A job is preparing, then its print's state, then finishing") {
-  Desk desk;
-  desk.begin();
-  CHECK(desk.status.status()["state"] == "preparing");
-  CHECK(desk.status.status()["job"].size() == 2);  // its name and its analysis
+  PrinterStatusFixture fixture;
+  fixture.begin();
+  CHECK(fixture.status.status()["state"] == "preparing");
+  CHECK(fixture.status.status()["job"].size() == 2);  // name and analysis
   std::vector<std::string> states;
-  REQUIRE(desk.run_to_end([&] {
-    if (desk.job.job() == nullptr) return;
-    const auto status = desk.status.status();
+  REQUIRE(fixture.run_to_end([&] {
+    if (fixture.job.job() == nullptr) return;
+    const auto status = fixture.status.status();
     const auto state = status["state"].get<std::string>();
-    if (state == "preparing") return;  // as long as the reader takes
+    if (state == "preparing") return;  // until the reader has finished
     if (states.empty() || states.back() != state) states.push_back(state);
     if (state == "exposing" && status["job"]["layers_done"] == 0) {
       CHECK(status["job"]["layer"] == 1);
@@ -95,8 +95,8 @@ TEST_CASE("A job is preparing, then its print's state, then finishing") {
 }
 
 TEST_CASE("The status has the job that ended last, without its analysis") {
-  Desk desk;
-  desk.history.add({"one", "done", "", {{"layers", 3}}});
-  desk.history.add({"two", "failed", "no model"});
-  CHECK(desk.status.status()["last"].dump() == R"({"job":"two","outcome":"failed","reason":"no model"})");
+  PrinterStatusFixture fixture;
+  fixture.history.add({"one", "done", "", {{"layers", 3}}});
+  fixture.history.add({"two", "failed", "no model"});
+  CHECK(fixture.status.status()["last"].dump() == R"({"job":"two","outcome":"failed","reason":"no model"})");
 }

@@ -14,7 +14,7 @@ using namespace contourd;
 
 namespace {
 
-constexpr Pixels kWidth{1024}, kHeight{1024};  // some turns of the loop
+constexpr Pixels kWidth{1024}, kHeight{1024};  // copied in several turns of the loop
 
 Mask grey_mask(std::uint8_t grey) {
   Mask mask(kWidth, kHeight);
@@ -23,7 +23,7 @@ Mask grey_mask(std::uint8_t grey) {
   return mask;
 }
 
-class Screen : public testing::PrinterFixture {
+class ScreenCopyFixture : public testing::PrinterFixture {
  public:
   void ask() {
     const std::size_t number = answers.size();
@@ -56,75 +56,75 @@ class Screen : public testing::PrinterFixture {
 
 }  // namespace
 
-TEST_CASE("A copy of the screen has its pixels, and what they are of") {
-  Screen screen;
-  screen.ask();
-  screen.ask();
-  REQUIRE(screen.run_until([&] { return screen.all_answered(); }));
-  const auto picture = screen.answers[0].picture;
+TEST_CASE("A copy of the screen has its pixels and their description") {
+  ScreenCopyFixture fixture;
+  fixture.ask();
+  fixture.ask();
+  REQUIRE(fixture.run_until([&] { return fixture.all_answered(); }));
+  const auto picture = fixture.answers[0].picture;
   REQUIRE(picture);
-  CHECK(decode_png(picture->png, kWidth, kHeight) == screen.mask);
+  CHECK(decode_png(picture->png, kWidth, kHeight) == fixture.mask);
   CHECK(picture->number == 1);
   CHECK(picture->name == "part");
   CHECK(picture->layer == 4);
   CHECK(picture->cut_at == Nanometers{225'000});
-  CHECK(screen.answers[1].picture == picture);
-  CHECK(screen.copy.picture(1) == picture);
-  CHECK(screen.copy.picture(2) == nullptr);
+  CHECK(fixture.answers[1].picture == picture);
+  CHECK(fixture.copy.picture(1) == picture);
+  CHECK(fixture.copy.picture(2) == nullptr);
 }
 
-TEST_CASE("Who asked for the same copy is told in a turn of the loop of its own") {
-  Screen screen;
-  screen.loop.on_turn_over([&](const EventLoop::Turn&) { screen.this_turn = 0; });
+TEST_CASE("Each request for the same copy is answered in its own turn of the loop") {
+  ScreenCopyFixture fixture;
+  fixture.loop.on_turn_over([&](const EventLoop::Turn&) { fixture.this_turn = 0; });
   for (int i = 0; i < 64; ++i)
-    screen.ask();
-  REQUIRE(screen.run_until([&] { return screen.all_answered(); }));
-  CHECK(screen.most_a_turn == 1);
-  CHECK(std::ranges::all_of(screen.answers, [&](const Screen::Answer& answer) {
-    return answer.picture && answer.picture == screen.answers[0].picture;
+    fixture.ask();
+  REQUIRE(fixture.run_until([&] { return fixture.all_answered(); }));
+  CHECK(fixture.most_a_turn == 1);
+  CHECK(std::ranges::all_of(fixture.answers, [&](const ScreenCopyFixture::Answer& answer) {
+    return answer.picture && answer.picture == fixture.answers[0].picture;
   }));
-  screen.loop.on_turn_over(nullptr);
+  fixture.loop.on_turn_over(nullptr);
 }
 
-TEST_CASE("A copy is of one mask, also when another comes in between") {
-  Screen screen;
+TEST_CASE("A copy contains a single mask, even if the mask changes meanwhile") {
+  ScreenCopyFixture fixture;
   const Mask next = grey_mask(200);
   int looks = 0;
-  screen.look = [&] {
-    if (++looks == 4) screen.shown = {&next, 2, "part", 5, Nanometers{275'000}};
+  fixture.look = [&] {
+    if (++looks == 4) fixture.shown = {&next, 2, "part", 5, Nanometers{275'000}};
   };
-  screen.ask();
-  REQUIRE(screen.run_until([&] { return screen.all_answered(); }));
-  const auto picture = screen.answers[0].picture;
+  fixture.ask();
+  REQUIRE(fixture.run_until([&] { return fixture.all_answered(); }));
+  const auto picture = fixture.answers[0].picture;
   REQUIRE(picture);
   CHECK(picture->number == 2);
   CHECK(picture->layer == 5);
   CHECK(decode_png(picture->png, kWidth, kHeight) == next);
 }
 
-TEST_CASE("Masks that change too fast are told, and so is that there is none") {
-  Screen screen;
-  SECTION("too fast") {
-    screen.look = [&] { ++screen.shown.number; };
-    screen.ask();
-    REQUIRE(screen.run_until([&] { return screen.all_answered(); }));
-    CHECK(screen.answers[0].trouble == "the masks change faster than they can be copied");
+TEST_CASE("A copy fails if the masks change too fast or nothing is shown") {
+  ScreenCopyFixture fixture;
+  SECTION("the masks change too fast") {
+    fixture.look = [&] { ++fixture.shown.number; };
+    fixture.ask();
+    REQUIRE(fixture.run_until([&] { return fixture.all_answered(); }));
+    CHECK(fixture.answers[0].trouble == "the masks change faster than they can be copied");
   }
-  SECTION("gone in between") {
+  SECTION("the mask disappears meanwhile") {
     int looks = 0;
-    screen.look = [&] {
-      if (++looks == 3) screen.shown.mask = nullptr;
+    fixture.look = [&] {
+      if (++looks == 3) fixture.shown.mask = nullptr;
     };
-    screen.ask();
-    REQUIRE(screen.run_until([&] { return screen.all_answered(); }));
-    CHECK(screen.answers[0].trouble == "nothing is shown");
+    fixture.ask();
+    REQUIRE(fixture.run_until([&] { return fixture.all_answered(); }));
+    CHECK(fixture.answers[0].trouble == "nothing is shown");
   }
-  SECTION("none") {
-    screen.shown.mask = nullptr;
-    screen.ask();
-    REQUIRE(screen.run_until([&] { return screen.all_answered(); }));
-    CHECK(screen.answers[0].trouble == "nothing is shown");
+  SECTION("nothing is shown") {
+    fixture.shown.mask = nullptr;
+    fixture.ask();
+    REQUIRE(fixture.run_until([&] { return fixture.all_answered(); }));
+    CHECK(fixture.answers[0].trouble == "nothing is shown");
   }
-  CHECK(screen.answers[0].picture == nullptr);
-  CHECK(screen.copy.picture(1) == nullptr);
+  CHECK(fixture.answers[0].picture == nullptr);
+  CHECK(fixture.copy.picture(1) == nullptr);
 }

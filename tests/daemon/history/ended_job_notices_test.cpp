@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The service manager's end.
+// The service manager's end of the socket.
 class Listener {
  public:
   explicit Listener(const fs::path& path, int type = SOCK_STREAM, int backlog = 128)
@@ -36,7 +36,7 @@ class Listener {
     if (type == SOCK_STREAM) REQUIRE(::listen(socket_.get(), backlog) == 0);
   }
 
-  // Takes whoever has come.
+  // Accepts all waiting connections; returns the number of open ones.
   std::size_t accept_all() {
     while (true) {
       FileDescriptor one(::accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC));
@@ -44,8 +44,8 @@ class Listener {
       open.push_back(std::move(one));
     }
   }
-  // All that was said, up to the end.
-  static std::string said(const FileDescriptor& connection) {
+  // Returns everything that was sent, up to the end of the stream.
+  static std::string received(const FileDescriptor& connection) {
     std::string text;
     std::array<char, 4096> bytes{};
     for (ssize_t count = 0; (count = ::read(connection.get(), bytes.data(), bytes.size())) > 0;)
@@ -59,21 +59,22 @@ class Listener {
   FileDescriptor socket_;
 };
 
-class Desk {
+class EndedJobNoticesFixture {
  public:
-  Desk() { notices.emplace(loop, log.log, path, "Old Faithful"); }
+  EndedJobNoticesFixture() { notices.emplace(loop, log.log, path, "Old Faithful"); }
   void end(const std::string& job) { notices->add({job, "done", ""}); }
   void end(int count) {
     for (int i = 0; i < count; ++i)
       end("job" + std::to_string(i));
   }
-  // To be called once: an event loop does not run again.
-  bool run_until(const std::function<bool()>& so) {
+  // Runs until `condition` holds; false after 20 s. To be called once, since an event loop does not run
+  // again.
+  bool run_until(const std::function<bool()>& condition) {
     bool reached = false;
     const auto given_up =
         loop.at(std::chrono::steady_clock::now() + 20s, "the test", [this] { loop.stop(); });
     const auto looks = loop.when_idle("the test", [&] {
-      reached = so();
+      reached = condition();
       if (reached) loop.stop();
       return !reached;
     });
@@ -99,15 +100,15 @@ std::vector<std::string> values_of(const std::string& notice) {
 
 }  // namespace
 
-TEST_CASE("Whoever listens is told what became of a job, and where its report is") {
-  Desk desk;
-  Listener listener(desk.path);
-  desk.notices->add({.name = "gear",
-                     .outcome = "failed",
-                     .reason = "the lid is open",
-                     .reports = {"/spool/gear.report.json", ""}});
+TEST_CASE("A notice contains the job's outcome and the paths of its report") {
+  EndedJobNoticesFixture fixture;
+  Listener listener(fixture.path);
+  fixture.notices->add({.name = "gear",
+                        .outcome = "failed",
+                        .reason = "the lid is open",
+                        .reports = {"/spool/gear.report.json", ""}});
   REQUIRE(listener.accept_all() == 1);
-  const std::vector<std::string> values = values_of(Listener::said(listener.open[0]));
+  const std::vector<std::string> values = values_of(Listener::received(listener.open[0]));
   REQUIRE(values.size() == 7);
   CHECK(values[0] == "CONTOURD_PRINTER=Old Faithful");
   CHECK(values[1] == "CONTOURD_JOB=gear");
@@ -123,7 +124,7 @@ TEST_CASE("Whoever listens is told what became of a job, and where its report is
   CHECK(json["report_html"].is_null());
 }
 
-TEST_CASE("However a job is called, its notice has the same values, a line each, and is bounded") {
+TEST_CASE("A notice has the same single-line values and a bounded size for any job name") {
   const std::string name = "x\nCONTOURD_OUTCOME=done\x1b[2J\xff\xe2\x80\xae";
   const fs::path report = "/spool/" + name + ".report.html";
   const std::string notice = notice_of(
@@ -140,89 +141,89 @@ TEST_CASE("However a job is called, its notice has the same values, a line each,
     CHECK((c >= 0x20 && c < 0x7F));
 }
 
-TEST_CASE("Where nobody listens nothing is kept, and nothing said") {
-  Desk desk;
-  desk.end(100);
-  { const Listener left_behind(desk.path); }
-  desk.end(100);
-  fs::remove(desk.path);
-  Listener listener(desk.path);
-  desk.end("last");
+TEST_CASE("Without a listener no notice is kept and nothing is logged") {
+  EndedJobNoticesFixture fixture;
+  fixture.end(100);
+  { const Listener closed(fixture.path); }
+  fixture.end(100);
+  fs::remove(fixture.path);
+  Listener listener(fixture.path);
+  fixture.end("last");
   REQUIRE(listener.accept_all() == 1);
-  CHECK(values_of(Listener::said(listener.open[0]))[1] == "CONTOURD_JOB=last");
-  CHECK(desk.log.count("nobody") == 0);
+  CHECK(values_of(Listener::received(listener.open[0]))[1] == "CONTOURD_JOB=last");
+  CHECK(fixture.log.count("notice") == 0);
 }
 
-TEST_CASE("Some jobs are told of at a time, others when these come to an end, and none is left out") {
-  Desk desk;
-  Listener listener(desk.path);
-  desk.end(10);
+TEST_CASE("A few notices are open at a time, the others follow, and none is lost") {
+  EndedJobNoticesFixture fixture;
+  Listener listener(fixture.path);
+  fixture.end(10);
   REQUIRE(listener.accept_all() == EndedJobNotices::kMostOpen);
-  std::vector<std::string> told;
-  CHECK(desk.run_until([&] {
+  std::vector<std::string> notices_seen;
+  CHECK(fixture.run_until([&] {
     CHECK(listener.accept_all() <= EndedJobNotices::kMostOpen);
     for (const FileDescriptor& each : listener.open)
-      told.push_back(values_of(Listener::said(each))[1]);
+      notices_seen.push_back(values_of(Listener::received(each))[1]);
     listener.open.clear();
-    return told.size() == 10;
+    return notices_seen.size() == 10;
   }));
-  for (std::size_t i = 0; i < told.size(); ++i)
-    CHECK(told[i] == "CONTOURD_JOB=job" + std::to_string(i));
+  for (std::size_t i = 0; i < notices_seen.size(); ++i)
+    CHECK(notices_seen[i] == "CONTOURD_JOB=job" + std::to_string(i));
 }
 
-TEST_CASE("Jobs that end while nothing comes to an end are told of up to a bound, which is logged once") {
-  Desk desk;
-  Listener listener(desk.path);
-  desk.end(static_cast<int>(EndedJobNotices::kMostOpen + EndedJobNotices::kMostWaiting) + 20);
+TEST_CASE("A bounded number of notices waits for connections to close, and the first lost one is logged") {
+  EndedJobNoticesFixture fixture;
+  Listener listener(fixture.path);
+  fixture.end(static_cast<int>(EndedJobNotices::kMostOpen + EndedJobNotices::kMostWaiting) + 20);
   CHECK(listener.accept_all() == EndedJobNotices::kMostOpen);
-  CHECK(desk.log.count("job68: nobody is told that it has ended") == 1);
-  CHECK(desk.log.count("nobody is told") == 1);
+  CHECK(fixture.log.count("job68: no notice is sent of its end") == 1);
+  CHECK(fixture.log.count("no notice is sent") == 1);
   listener.open.clear();
-  std::size_t told = 0;
-  CHECK(desk.run_until([&] {
-    told += listener.accept_all();
+  std::size_t notices_seen = 0;
+  CHECK(fixture.run_until([&] {
+    notices_seen += listener.accept_all();
     listener.open.clear();
-    return told == EndedJobNotices::kMostWaiting;
+    return notices_seen == EndedJobNotices::kMostWaiting;
   }));
 }
 
-TEST_CASE("What waits is handed over when contourd ends") {
-  Desk desk;
-  Listener listener(desk.path);
-  desk.end(10);
-  CHECK(desk.run_until([] { return true; }));
-  desk.notices.reset();
+TEST_CASE("Waiting notices are sent when contourd ends") {
+  EndedJobNoticesFixture fixture;
+  Listener listener(fixture.path);
+  fixture.end(10);
+  CHECK(fixture.run_until([] { return true; }));
+  fixture.notices.reset();
   REQUIRE(listener.accept_all() == 10);
-  CHECK(values_of(Listener::said(listener.open[9]))[1] == "CONTOURD_JOB=job9");
+  CHECK(values_of(Listener::received(listener.open[9]))[1] == "CONTOURD_JOB=job9");
 }
 
-TEST_CASE("A listener that takes nobody is waited for, and what it says is nobody's") {
-  Desk desk;
-  Listener listener(desk.path, SOCK_STREAM, 0);
-  desk.end(4);
-  std::size_t told = 0;
-  CHECK(desk.run_until([&] {
-    told += listener.accept_all();
+TEST_CASE("Notices wait for a slow listener, and its replies are not read") {
+  EndedJobNoticesFixture fixture;
+  Listener listener(fixture.path, SOCK_STREAM, 0);
+  fixture.end(4);
+  std::size_t notices_seen = 0;
+  CHECK(fixture.run_until([&] {
+    notices_seen += listener.accept_all();
     for (const FileDescriptor& each : listener.open)
       CHECK(::send(each.get(), "hello", 5, MSG_NOSIGNAL | MSG_DONTWAIT) != 0);
     listener.open.clear();
-    return told == 4;
+    return notices_seen == 4;
   }));
 }
 
-TEST_CASE("A socket that cannot be used is told once, for as long as it is so") {
-  Desk desk;
+TEST_CASE("A socket that cannot be used is logged once until it works again") {
+  EndedJobNoticesFixture fixture;
   {
-    const Listener datagrams(desk.path, SOCK_DGRAM);
-    desk.end(3);
-    CHECK(desk.log.count("nobody is told of jobs that end") == 1);
+    const Listener datagrams(fixture.path, SOCK_DGRAM);
+    fixture.end(3);
+    CHECK(fixture.log.count("cannot send notices of ended jobs") == 1);
   }
-  fs::remove(desk.path);
-  Listener listener(desk.path);
-  desk.end("good");
+  fs::remove(fixture.path);
+  Listener listener(fixture.path);
+  fixture.end("good");
   CHECK(listener.accept_all() == 1);
-  fs::remove(desk.path);
-  const Listener datagrams(desk.path, SOCK_DGRAM);
-  desk.end(3);
-  CHECK(desk.log.count("nobody is told of jobs that end") == 2);
+  fs::remove(fixture.path);
+  const Listener datagrams(fixture.path, SOCK_DGRAM);
+  fixture.end(3);
+  CHECK(fixture.log.count("cannot send notices of ended jobs") == 2);
 }

@@ -31,7 +31,7 @@ JobFigures used(const std::string& resin, double lit_s) {
   return figures;
 }
 
-class Bench {
+class HistoryDatabaseFixture {
  public:
   std::vector<std::string> names(const HistoryQuery& query = {}) {
     std::vector<std::string> found;
@@ -52,8 +52,8 @@ using Names = std::vector<std::string>;
 
 }  // namespace
 
-TEST_CASE("A job in the history comes back with all that is known of it, also after it was opened anew") {
-  Bench bench;
+TEST_CASE("A job in the history keeps all its data when the file is opened again") {
+  HistoryDatabaseFixture fixture;
   EndedJob job = ended("part \xff", "failed", "the lid was opened");
   job.analysis = {{"layers", 3}};
   job.figures = {.resin = "grey",
@@ -70,95 +70,97 @@ TEST_CASE("A job in the history comes back with all that is known of it, also af
                  .resin_ml = 0.5,
                  .interruptions = 1,
                  .late_steps = 2};
-  bench.database.begin(1, job.name, kThen);
-  CHECK(bench.names().empty());
-  bench.database.end(1, job);
-  const auto found = HistoryDatabase(bench.file).list({}).jobs;
+  fixture.database.begin(1, job.name, kThen);
+  CHECK(fixture.names().empty());
+  fixture.database.end(1, job);
+  const auto found = HistoryDatabase(fixture.file).list({}).jobs;
   REQUIRE(found.size() == 1);
   CHECK(found[0] == history_json(job));
 }
 
-TEST_CASE("A change of the history that is made twice is made once") {
-  Bench bench;
+TEST_CASE("A repeated change of the history has no effect") {
+  HistoryDatabaseFixture fixture;
   for (int i = 0; i < 2; ++i)
-    bench.database.begin(1, "part", kThen);
+    fixture.database.begin(1, "part", kThen);
   for (int i = 0; i < 2; ++i)
-    bench.database.end(1, ended("part"));
-  bench.database.end(1, ended("part", "failed"));
-  bench.database.forget(1);
-  CHECK(bench.names() == Names{"part done"});
+    fixture.database.end(1, ended("part"));
+  fixture.database.end(1, ended("part", "failed"));
+  fixture.database.forget(1);
+  CHECK(fixture.names() == Names{"part done"});
 }
 
-TEST_CASE("A job that is begun another time is not in the history") {
-  Bench bench;
-  bench.database.begin(1, "part", kThen);
-  bench.database.forget(1);
-  bench.database.adopt({}, std::nullopt);
-  CHECK(bench.names().empty());
+TEST_CASE("A job that was given back before it began is not in the history") {
+  HistoryDatabaseFixture fixture;
+  fixture.database.begin(1, "part", kThen);
+  fixture.database.forget(1);
+  fixture.database.adopt({}, std::nullopt);
+  CHECK(fixture.names().empty());
 }
 
-TEST_CASE("A job under way when contourd died ends as its files and the last record tell") {
-  Bench bench;
-  bench.database.begin(1, "left", kThen);
-  bench.database.note(1, used("grey", 36));
-  bench.database.begin(2, "filed\x1b", kThen);
-  bench.database.begin(3, "lost", kThen);
-  bench.database.adopt({ended("left", "failed", "interrupted"), ended("unknown", "failed", "interrupted")},
-                       ended("filed?", "done"));
-  CHECK(bench.names() == Names{"left failed", "filed\x1b done", "lost failed", "unknown failed"});
-  const auto jobs = bench.database.list({}).jobs;
+TEST_CASE("A job that was running when contourd died gets the outcome of its files or of the last record") {
+  HistoryDatabaseFixture fixture;
+  fixture.database.begin(1, "left", kThen);
+  fixture.database.note(1, used("grey", 36));
+  fixture.database.begin(2, "filed\x1b", kThen);
+  fixture.database.begin(3, "lost", kThen);
+  EndedJob filed = ended("filed?", "done");
+  filed.key = 2;
+  fixture.database.adopt({ended("left", "failed", "interrupted"), ended("unknown", "failed", "interrupted")},
+                         filed);
+  CHECK(fixture.names() == Names{"left failed", "filed\x1b done", "lost failed", "unknown failed"});
+  const auto jobs = fixture.database.list({}).jobs;
   CHECK(jobs[0]["reason"] == "interrupted");
   CHECK(jobs[0]["lit_s"] == 36);
   CHECK(jobs[2]["reason"] == HistoryDatabase::kEndNotNoted);
-  // It could not be moved, and is there at the next start too.
-  bench.database.adopt({ended("unknown", "failed", "interrupted")}, std::nullopt);
-  CHECK(bench.names().size() == 4);
+  // A job that could not be moved is in printing/ at the next start too.
+  fixture.database.adopt({ended("unknown", "failed", "interrupted")}, std::nullopt);
+  CHECK(fixture.names().size() == 4);
 }
 
 TEST_CASE(
-    "A print whose beginning was not noted yet when contourd died is told once, by the record of its end") {
-  Bench bench;
+    "A print whose beginning was not stored when contourd died appears once, from the record of its end") {
+  HistoryDatabaseFixture fixture;
   EndedJob job = ended("part");
   job.key = 7;
-  // Left in printing/, then filed, and the record is still there at the next start.
-  bench.database.adopt({job}, job);
-  bench.database.end(8, ended("other", "failed", "why"));
-  bench.database.adopt({}, job);
-  CHECK(bench.names() == Names{"part done", "other failed"});
+  // The job was left in printing/ and then filed, and the record still exists at the next start.
+  fixture.database.adopt({job}, job);
+  fixture.database.end(8, ended("other", "failed", "why"));
+  fixture.database.adopt({}, job);
+  CHECK(fixture.names() == Names{"part done", "other failed"});
 }
 
 TEST_CASE("The history is filtered by time, outcome, resin and a part of the name") {
-  Bench bench;
+  HistoryDatabaseFixture fixture;
   EndedJob old = ended("old gear");
   old.ended -= 24h;
-  bench.database.end(1, old);
-  bench.database.end(2, ended("clip", "failed", "why"));
+  fixture.database.end(1, old);
+  fixture.database.end(2, ended("clip", "failed", "why"));
   EndedJob grey = ended("Gear");
   grey.figures.resin = "grey";
-  bench.database.end(3, grey);
+  fixture.database.end(3, grey);
   HistoryQuery query;
   query.since = kThen;
-  CHECK(bench.names(query) == Names{"clip failed", "Gear done"});
+  CHECK(fixture.names(query) == Names{"clip failed", "Gear done"});
   query.outcome = "done";
-  CHECK(bench.names(query) == Names{"Gear done"});
-  CHECK(bench.names({.resin = "grey"}) == Names{"Gear done"});
-  CHECK(bench.names({.name = "gear"}) == Names{"old gear done"});
-  CHECK(bench.names({.name = "%"}).empty());
+  CHECK(fixture.names(query) == Names{"Gear done"});
+  CHECK(fixture.names({.resin = "grey"}) == Names{"Gear done"});
+  CHECK(fixture.names({.name = "gear"}) == Names{"old gear done"});
+  CHECK(fixture.names({.name = "%"}).empty());
 }
 
-TEST_CASE("A page of the history is bounded in jobs and in bytes, and says where the next one begins") {
-  Bench bench;
+TEST_CASE("A page of the history has limits in jobs and bytes, and names the start of the next page") {
+  HistoryDatabaseFixture fixture;
   for (int i = 1; i <= 40; ++i) {
     EndedJob job = ended(std::to_string(i), "failed", std::string(5'000, 'x'));
     job.figures.settings = std::string(5'000, 'y');
     job.figures.warnings = std::vector<std::string>(100, std::string(5'000, 'z'));
-    bench.database.end(i, job);
+    fixture.database.end(i, job);
   }
   Names all;
   HistoryQuery query;
   int pages = 0;
   do {
-    const HistoryPage page = bench.database.list(query);
+    const HistoryPage page = fixture.database.list(query);
     CHECK(page.jobs.dump().size() < 100'000);
     Names names;
     for (const auto& job : page.jobs)
@@ -171,10 +173,10 @@ TEST_CASE("A page of the history is bounded in jobs and in bytes, and says where
   CHECK(all.front() == "1");
   CHECK(all.back() == "40");
   CHECK(pages > 2);
-  CHECK(bench.names({.last = 2}) == Names{"39 failed", "40 failed"});
+  CHECK(fixture.names({.last = 2}) == Names{"39 failed", "40 failed"});
 }
 
-TEST_CASE("Of the oldest jobs what they used is kept, and nothing else") {
+TEST_CASE("Only the usage of the oldest jobs is kept") {
   testing::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "history.sqlite";
   (void)HistoryDatabase(file);
@@ -206,9 +208,9 @@ TEST_CASE("Of the oldest jobs what they used is kept, and nothing else") {
   CHECK(wear[1].layers == 2 * 10'003);
 }
 
-TEST_CASE("A history of a later contourd is left as it is") {
-  Bench bench;
-  SqliteDatabase(bench.file, 0ms).execute("PRAGMA user_version=99");
-  CHECK_THROWS_AS(HistoryDatabase(bench.file), NewerHistory);
-  CHECK(SqliteDatabase(bench.file, 0ms).integer("PRAGMA user_version") == 99);
+TEST_CASE("The history of a later contourd is not changed") {
+  HistoryDatabaseFixture fixture;
+  SqliteDatabase(fixture.file, 0ms).execute("PRAGMA user_version=99");
+  CHECK_THROWS_AS(HistoryDatabase(fixture.file), NewerHistory);
+  CHECK(SqliteDatabase(fixture.file, 0ms).integer("PRAGMA user_version") == 99);
 }

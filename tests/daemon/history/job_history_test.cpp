@@ -4,7 +4,7 @@
 
 using namespace contourd;
 
-TEST_CASE("The latest ended jobs are remembered, the oldest first") {
+TEST_CASE("The latest ended jobs are kept, the oldest first") {
   JobHistory history;
   for (std::size_t i = 0; i <= JobHistory::kLongest; ++i)
     history.add({std::to_string(i), "done", ""});
@@ -13,7 +13,7 @@ TEST_CASE("The latest ended jobs are remembered, the oldest first") {
   CHECK(history.jobs().back().name == std::to_string(JobHistory::kLongest));
 }
 
-TEST_CASE("Of all jobs that have ended, it is known how many ended in which way") {
+TEST_CASE("The number of ended jobs with each outcome is counted") {
   JobHistory history;
   CHECK(history.counts() == JobHistory::Counts{{"done", 0}, {"cancelled", 0}, {"failed", 0}});
   for (int i = 0; i < 250; ++i)

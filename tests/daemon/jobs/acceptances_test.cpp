@@ -14,10 +14,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-class Desk {
+class AcceptancesFixture {
  public:
   std::vector<Lines> kept;
-  std::function<void(const std::string&)> answer;  // the disk's
+  std::function<void(const std::string&)> answer;  // ends the last save
   std::vector<std::string> troubles;
   Acceptances acceptances{[this](const Lines& lines, auto done) {
                             kept.push_back(lines);
@@ -26,7 +26,7 @@ class Desk {
                           [this](const std::string& trouble) { troubles.push_back(trouble); }};
 };
 
-class Incoming : public testing::SpoolFixture {
+class ContentMarkFixture : public testing::SpoolFixture {
  public:
   [[nodiscard]] std::string mark() const {
     return content_mark(folders.files_of(SpoolFolder::Incoming, "part.stl"));
@@ -35,53 +35,53 @@ class Incoming : public testing::SpoolFixture {
 
 }  // namespace
 
-TEST_CASE("What was accepted is these findings of these contents alone") {
-  Desk desk;
-  desk.acceptances.add("a1", {"islands", "cracks"});
-  CHECK(desk.acceptances.has("a1", "islands"));
-  CHECK(desk.acceptances.has("a1", "cracks"));
-  CHECK_FALSE(desk.acceptances.has("a1", "empty_layers"));
-  CHECK_FALSE(desk.acceptances.has("a2", "islands"));
-  desk.acceptances.remove("a1");
-  CHECK_FALSE(desk.acceptances.has("a1", "islands"));
+TEST_CASE("An acceptance is valid for its findings and content only") {
+  AcceptancesFixture fixture;
+  fixture.acceptances.add("a1", {"islands", "cracks"});
+  CHECK(fixture.acceptances.has("a1", "islands"));
+  CHECK(fixture.acceptances.has("a1", "cracks"));
+  CHECK_FALSE(fixture.acceptances.has("a1", "empty_layers"));
+  CHECK_FALSE(fixture.acceptances.has("a2", "islands"));
+  fixture.acceptances.remove("a1");
+  CHECK_FALSE(fixture.acceptances.has("a1", "islands"));
 }
 
-TEST_CASE("What was accepted is there for the next process, one write at a time and the latest last") {
-  Desk desk;
-  desk.acceptances.load({"a0 islands"});
-  CHECK(desk.acceptances.has("a0", "islands"));
-  desk.acceptances.add("a1", {"islands"});
-  desk.acceptances.add("a2", {"islands"});
-  desk.acceptances.remove("a0");
-  REQUIRE(desk.kept.size() == 1);
-  CHECK(desk.kept.back() == Lines{"a0 islands", "a1 islands"});
-  desk.answer("");
-  REQUIRE(desk.kept.size() == 2);
-  CHECK(desk.kept.back() == Lines{"a1 islands", "a2 islands"});
-  desk.answer("");
-  CHECK(desk.kept.size() == 2);
+TEST_CASE("Acceptances are saved for the next process, one write at a time and the latest last") {
+  AcceptancesFixture fixture;
+  fixture.acceptances.load({"a0 islands"});
+  CHECK(fixture.acceptances.has("a0", "islands"));
+  fixture.acceptances.add("a1", {"islands"});
+  fixture.acceptances.add("a2", {"islands"});
+  fixture.acceptances.remove("a0");
+  REQUIRE(fixture.kept.size() == 1);
+  CHECK(fixture.kept.back() == Lines{"a0 islands", "a1 islands"});
+  fixture.answer("");
+  REQUIRE(fixture.kept.size() == 2);
+  CHECK(fixture.kept.back() == Lines{"a1 islands", "a2 islands"});
+  fixture.answer("");
+  CHECK(fixture.kept.size() == 2);
 }
 
-TEST_CASE("An acceptance that the disk does not take is told once") {
-  Desk desk;
+TEST_CASE("A failure to save an acceptance is reported once") {
+  AcceptancesFixture fixture;
   for (const char* content : {"a", "b", "c"}) {
-    desk.acceptances.add(content, {"islands"});
-    desk.answer("no room");
+    fixture.acceptances.add(content, {"islands"});
+    fixture.answer("no room");
   }
-  CHECK(desk.kept.size() == 3);
-  CHECK(desk.troubles == std::vector<std::string>{"no room"});
+  CHECK(fixture.kept.size() == 3);
+  CHECK(fixture.troubles == std::vector<std::string>{"no room"});
 }
 
-TEST_CASE("Of what was accepted the oldest is forgotten beyond a thousand") {
-  Desk desk;
+TEST_CASE("The oldest acceptance is forgotten beyond a thousand") {
+  AcceptancesFixture fixture;
   for (int i = 0; i <= static_cast<int>(Acceptances::kMost); ++i)
-    desk.acceptances.add(std::to_string(i), {"islands"});
-  CHECK_FALSE(desk.acceptances.has("0", "islands"));
-  CHECK(desk.acceptances.has("1", "islands"));
+    fixture.acceptances.add(std::to_string(i), {"islands"});
+  CHECK_FALSE(fixture.acceptances.has("0", "islands"));
+  CHECK(fixture.acceptances.has("1", "islands"));
 }
 
-TEST_CASE("The mark of a job's contents stays when it is moved, and is another when any of its files is") {
-  const Incoming spool;
+TEST_CASE("The mark of a job's content stays when the job is moved, and changes when any of its files does") {
+  const ContentMarkFixture spool;
   spool.put("incoming/part.stl");
   const std::string mark = spool.mark();
   CHECK_FALSE(mark.empty());
@@ -96,8 +96,8 @@ TEST_CASE("The mark of a job's contents stays when it is moved, and is another w
   CHECK(spool.mark() != with_ticket);
 }
 
-TEST_CASE("The mark of a symbolic link is that of the file behind it") {
-  const Incoming spool;
+TEST_CASE("The mark of a symbolic link is the mark of its target") {
+  const ContentMarkFixture spool;
   spool.put("one", "a model");
   fs::create_symlink(spool.folder.path() / "one", spool.folder.path() / "incoming/part.stl");
   const std::string mark = spool.mark();

@@ -16,18 +16,18 @@ const std::string kJob = "there is a job", kWaits = "a job waits";
 
 }  // namespace
 
-TEST_CASE("CurrentJob begins one job at a time, and ends one that there is") {
-  testing::CurrentJobFixture desk;
-  CHECK(contract_broken_by([&] { desk.job.cancel(); }) == kJob);
-  CHECK(contract_broken_by([&] { (void)desk.job.name(); }) == kJob);
-  CHECK(contract_broken_by([&] { desk.job.give_back(); }) == "there is a job that has not begun");
-  desk.begin();
-  CHECK(contract_broken_by([&] { desk.begin("other.stl"); }) == "there is no job yet");
-  REQUIRE(desk.run_until([&] { return desk.job.print().state() != PrintState::Idle; }));
-  CHECK(contract_broken_by([&] { desk.job.give_back(); }) == "there is a job that has not begun");
+TEST_CASE("CurrentJob begins one job at a time, and ends or returns only a job that it has") {
+  testing::CurrentJobFixture fixture;
+  CHECK(contract_broken_by([&] { fixture.job.cancel(); }) == kJob);
+  CHECK(contract_broken_by([&] { (void)fixture.job.name(); }) == kJob);
+  CHECK(contract_broken_by([&] { fixture.job.give_back(); }) == "there is a job that has not begun");
+  fixture.begin();
+  CHECK(contract_broken_by([&] { fixture.begin("other.stl"); }) == "there is no job yet");
+  REQUIRE(fixture.run_until([&] { return fixture.job.print().state() != PrintState::Idle; }));
+  CHECK(contract_broken_by([&] { fixture.job.give_back(); }) == "there is a job that has not begun");
 }
 
-TEST_CASE("PrintQueue has a first job while one waits") {
+TEST_CASE("PrintQueue has a next job only while a job waits") {
   EventLoop loop;
   testing::LogText log{loop};
   PrintQueue queue(log.log, {.check = [](const std::string&, JobReader::Keep, const auto&) {},
@@ -50,8 +50,8 @@ TEST_CASE("PrintQueue has a first job while one waits") {
   CHECK(contract_broken_by([&] { queue.remove("part.stl", "no"); }) == "the job waits");
 }
 
-TEST_CASE("UnfiledJobs has a last job while there is one") {
-  testing::PrinterFixture desk;
-  const UnfiledJobs jobs(desk.spool, desk.log.log, nullptr);
+TEST_CASE("UnfiledJobs has a last job only if it has any") {
+  testing::PrinterFixture fixture;
+  const UnfiledJobs jobs(fixture.spool, fixture.log.log, nullptr);
   CHECK(contract_broken_by([&] { (void)jobs.last(); }) == kJob);
 }

@@ -1,4 +1,4 @@
-// The job under way, with all that it works with and an observer that writes down what it is told. Not
+// A fixture with a current job, the objects that it needs, and an observer that records its calls. Not
 // thread-safe.
 #pragma once
 
@@ -15,13 +15,13 @@ class CurrentJobFixture : public PrinterFixture, private JobObserver {
  public:
   CurrentJobFixture() { hold.load(); }
 
-  // Claims a model, or what is called one.
+  // Claims incoming/`file` and begins it; creates a model of this name if there is no such file.
   void begin(const std::string& file = "part.stl") {
     if (!has("incoming/" + file)) put(Spool::Folder::Incoming, file);
     const JobFiles files = spool.begin(file);
     job.begin({files, read_settings(files, config), std::chrono::steady_clock::now()});
   }
-  // Runs until the job has ended; `look` is called after every step.
+  // Runs until the job has ended; calls `look` after every step.
   bool run_to_end(const std::function<void()>& look = [] {}) {
     return run_until([&] {
       look();
@@ -30,18 +30,18 @@ class CurrentJobFixture : public PrinterFixture, private JobObserver {
   }
 
   std::vector<EndedJob> ended;
-  std::vector<std::string> told;  // other calls of the observer
+  std::vector<std::string> events;  // the other calls of the observer
 
  private:
   void print_state_changed(PrintState state) override {
-    told.push_back("state: " + std::string(name_of(state)));
+    events.push_back("state: " + std::string(name_of(state)));
   }
-  void job_changed(const std::string& what) override { told.push_back("changed: " + what); }
-  void light_gone() override { told.emplace_back("light gone"); }
-  void memory_freed() override { told.emplace_back("memory freed"); }
+  void job_changed(const std::string& what) override { events.push_back("changed: " + what); }
+  void light_gone() override { events.emplace_back("light gone"); }
+  void memory_freed() override { events.emplace_back("memory freed"); }
   std::shared_future<void> print_over(EndedJob& /*job*/) override { return {}; }
   void job_ended(EndedJob end) override { ended.push_back(std::move(end)); }
-  void may_stop() override { told.emplace_back("may stop"); }
+  void may_stop() override { events.emplace_back("may stop"); }
 
  public:
   JobReader reader{config, spool, loop};

@@ -15,11 +15,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A scheduler whose jobs begin, end and are checked when a test says so.
-class Desk : public testing::PrinterFixture {
+// A scheduler whose jobs and checks end when a test ends them.
+class SchedulerFixture : public testing::PrinterFixture {
  public:
-  // `asks`: of a printer whose owner is asked about islands.
-  explicit Desk(bool asks = false) : asking(asks) { hold.load(); }
+  // With `asks`, every finding of an analysis needs confirmation.
+  explicit SchedulerFixture(bool asks = false) : asking(asks) { hold.load(); }
 
   void arrive(const std::string& file) {
     put(Spool::Folder::Incoming, file);
@@ -43,7 +43,7 @@ class Desk : public testing::PrinterFixture {
       context, spool, {.light_may_be_on = [this] { return lit; }, .retry = [this] { scheduler.run(); }}};
   bool asking;
   std::function<void(const CheckedJob&)> check_done;  // ends the last check
-  // What a check finds in the job as it is now.
+  // Returns the outlook of the job as it is now, with places that cannot be held.
   [[nodiscard]] JobOutlook unheld(const std::string& file) const {
     const JobFiles files = spool.files_of(Spool::Folder::Incoming, file);
     JobOutlook outlook;
@@ -52,8 +52,9 @@ class Desk : public testing::PrinterFixture {
                                    read_settings(files, config)};
     return outlook;
   }
-  std::vector<std::function<void(const JobAnalysisOutcome&)>> analyses;  // under way, by when they were begun
-  // The last one ends: the job as it is now has these.
+  std::vector<std::function<void(const JobAnalysisOutcome&)>>
+      analyses;  // ends each analysis, in the order of their start
+  // Ends the last analysis with these findings of the job as it is now.
   void find(const std::string& file, const Names& findings) {
     const JobFiles files = spool.files_of(Spool::Folder::Incoming, file);
     PreprintAnalysis analysis;
@@ -101,277 +102,279 @@ class Desk : public testing::PrinterFixture {
 }  // namespace
 
 TEST_CASE("A job that arrives at an idle printer begins at once, in printing/ and with its settings") {
-  Desk desk;
-  desk.arrive("part.stl");
-  CHECK(desk.begun() == Names{"part"});
-  CHECK(desk.has("printing/part.stl"));
-  CHECK(desk.jobs[0].settings);
-  CHECK(desk.scheduler.waiting_for().empty());
-  CHECK(desk.checked.empty());
+  SchedulerFixture fixture;
+  fixture.arrive("part.stl");
+  CHECK(fixture.begun() == Names{"part"});
+  CHECK(fixture.has("printing/part.stl"));
+  CHECK(fixture.jobs[0].settings);
+  CHECK(fixture.scheduler.waiting_for().empty());
+  CHECK(fixture.checked.empty());
 }
 
-TEST_CASE("A job with supports is checked before it begins, since its owner may have to be asked") {
-  Desk desk;
-  desk.config.supports = SupportPolicy::Auto;
-  desk.arrive("part.stl");
-  CHECK(desk.begun().empty());
-  REQUIRE(desk.checked == Names{"part.stl"});
-  CHECK(desk.has("incoming/part.stl"));
-  SECTION("it is held") {
-    desk.check_done(JobOutlook{});
-    CHECK(desk.begun() == Names{"part"});
-    CHECK_FALSE(desk.jobs[0].unheld_accepted);
+TEST_CASE("A job with supports is checked before it begins, because it may need confirmation") {
+  SchedulerFixture fixture;
+  fixture.config.supports = SupportPolicy::Auto;
+  fixture.arrive("part.stl");
+  CHECK(fixture.begun().empty());
+  REQUIRE(fixture.checked == Names{"part.stl"});
+  CHECK(fixture.has("incoming/part.stl"));
+  SECTION("all places are held") {
+    fixture.check_done(JobOutlook{});
+    CHECK(fixture.begun() == Names{"part"});
+    CHECK_FALSE(fixture.jobs[0].unheld_accepted);
   }
-  SECTION("what cannot be held is accepted") {
-    desk.check_done(desk.unheld("part.stl"));
-    CHECK(desk.begun().empty());
-    desk.arrive("other.stl");
-    desk.check_done(JobOutlook{});
-    CHECK(desk.begun() == Names{"other"});
-    desk.queue.accept("part.stl", "user me");
-    desk.end_job();
-    REQUIRE(desk.begun() == Names{"other", "part"});
-    CHECK(desk.jobs[1].unheld_accepted);
+  SECTION("places that cannot be held are accepted") {
+    fixture.check_done(fixture.unheld("part.stl"));
+    CHECK(fixture.begun().empty());
+    fixture.arrive("other.stl");
+    fixture.check_done(JobOutlook{});
+    CHECK(fixture.begun() == Names{"other"});
+    fixture.queue.accept("part.stl", "user me");
+    fixture.end_job();
+    REQUIRE(fixture.begun() == Names{"other", "part"});
+    CHECK(fixture.jobs[1].unheld_accepted);
   }
-  SECTION("what was accepted is not what lies there when its turn comes") {
-    desk.check_done(desk.unheld("part.stl"));
-    desk.put_text(Spool::Folder::Incoming, "part.json", "{}");
-    desk.queue.accept("part.stl", "user me");
-    CHECK(desk.begun().empty());
-    CHECK(desk.run_until([&] { return desk.checked == Names{"part.stl", "part.stl"}; }));
+  SECTION("the job has changed since it was accepted") {
+    fixture.check_done(fixture.unheld("part.stl"));
+    fixture.put_text(Spool::Folder::Incoming, "part.json", "{}");
+    fixture.queue.accept("part.stl", "user me");
+    CHECK(fixture.begun().empty());
+    CHECK(fixture.run_until([&] { return fixture.checked == Names{"part.stl", "part.stl"}; }));
   }
 }
 
-TEST_CASE("One job begins after the other, in their order") {
-  Desk desk;
+TEST_CASE("Jobs begin one after the other, in the order of the queue") {
+  SchedulerFixture fixture;
   for (const char* file : {"b.stl", "a.stl", "c.stl"})
-    desk.arrive(file);
-  CHECK(desk.begun() == Names{"b"});
-  CHECK(desk.checked == Names{"a.stl", "c.stl"});
+    fixture.arrive(file);
+  CHECK(fixture.begun() == Names{"b"});
+  CHECK(fixture.checked == Names{"a.stl", "c.stl"});
 }
 
 TEST_CASE("The time to the first light counts from the arrival, or from the end of the wait") {
-  Desk desk;
-  desk.arrive("one.stl");
+  SchedulerFixture fixture;
+  fixture.arrive("one.stl");
   const TimePoint between = std::chrono::steady_clock::now();
-  desk.arrive("two.stl");
+  fixture.arrive("two.stl");
   const TimePoint end_of_wait = std::chrono::steady_clock::now();
-  (void)desk.queue.take_first();  // its check does not end here
-  CHECK(desk.jobs[0].turn_came <= between);
-  desk.queue.put_last({.file = "two.stl", .arrived = between, .waited = true});
-  desk.end_job();
-  REQUIRE(desk.jobs.size() == 2);
-  CHECK(desk.jobs[1].turn_came >= end_of_wait);
+  (void)fixture.queue.take_first();  // it is still being checked
+  CHECK(fixture.jobs[0].turn_came <= between);
+  fixture.queue.put_last({.file = "two.stl", .arrived = between, .waited = true});
+  fixture.end_job();
+  REQUIRE(fixture.jobs.size() == 2);
+  CHECK(fixture.jobs[1].turn_came >= end_of_wait);
 }
 
-TEST_CASE("A job that becomes the next one while another begins waits for it") {
-  Desk desk;
-  desk.has_job = true;
-  desk.put(Spool::Folder::Incoming, "one.stl");
-  desk.put(Spool::Folder::Incoming, "two.stl");
-  desk.queue.put_last({.file = "one.stl", .arrived = {}});
-  desk.queue.put_last({.file = "two.stl", .arrived = {}});
-  desk.has_job = false;
-  desk.scheduler.run_soon();
-  CHECK(desk.run_until([&] { return desk.has_job; }));
-  CHECK(desk.begun() == Names{"one"});
-  CHECK(desk.queue.jobs().front().waited);
+TEST_CASE("A job that becomes the next one when another begins has waited") {
+  SchedulerFixture fixture;
+  fixture.has_job = true;
+  fixture.put(Spool::Folder::Incoming, "one.stl");
+  fixture.put(Spool::Folder::Incoming, "two.stl");
+  fixture.queue.put_last({.file = "one.stl", .arrived = {}});
+  fixture.queue.put_last({.file = "two.stl", .arrived = {}});
+  fixture.has_job = false;
+  fixture.scheduler.run_soon();
+  CHECK(fixture.run_until([&] { return fixture.has_job; }));
+  CHECK(fixture.begun() == Names{"one"});
+  CHECK(fixture.queue.jobs().front().waited);
 }
 
-TEST_CASE("The machine comes before the hold in what a job waits for, and the hold before the disk") {
-  Desk desk;
-  desk.config.min_free_disk_bytes = ~std::uintmax_t{0};
-  desk.machine.open_lid();
-  desk.hold.hold("part failed");
-  desk.arrive("part.stl");
-  CHECK(desk.scheduler.waiting_for() == "the lid is open");
-  CHECK(desk.log.has("info: part.stl waits: the lid is open"));
-  desk.machine.close_lid();
-  desk.scheduler.run();
-  CHECK(desk.scheduler.waiting_for().starts_with("the queue is held: part failed"));
-  desk.hold.release();
-  desk.scheduler.run();
-  CHECK(desk.scheduler.waiting_for().starts_with("the spool's disk has "));
-  desk.config.min_free_disk_bytes = 0;
-  CHECK(desk.begun().empty());
-  CHECK(desk.checked == Names{"part.stl"});
+TEST_CASE("A job waits for the machine first, then for the hold, then for the disk") {
+  SchedulerFixture fixture;
+  fixture.config.min_free_disk_bytes = ~std::uintmax_t{0};
+  fixture.machine.open_lid();
+  fixture.hold.hold("part failed");
+  fixture.arrive("part.stl");
+  CHECK(fixture.scheduler.waiting_for() == "the lid is open");
+  CHECK(fixture.log.has("info: part.stl waits: the lid is open"));
+  fixture.machine.close_lid();
+  fixture.scheduler.run();
+  CHECK(fixture.scheduler.waiting_for().starts_with("the queue is held: part failed"));
+  fixture.hold.release();
+  fixture.scheduler.run();
+  CHECK(fixture.scheduler.waiting_for().starts_with("the spool's disk has "));
+  fixture.config.min_free_disk_bytes = 0;
+  CHECK(fixture.begun().empty());
+  CHECK(fixture.checked == Names{"part.stl"});
 }
 
-TEST_CASE("Why a job waits is told once") {
-  Desk desk;
-  desk.machine.open_lid();
-  desk.arrive("part.stl");
+TEST_CASE("The reason why a job waits is logged once") {
+  SchedulerFixture fixture;
+  fixture.machine.open_lid();
+  fixture.arrive("part.stl");
   for (int i = 0; i < 3; ++i)
-    desk.scheduler.run();
-  CHECK(desk.log.count("part.stl waits") == 1);
+    fixture.scheduler.run();
+  CHECK(fixture.log.count("part.stl waits") == 1);
 }
 
-TEST_CASE("A job that is gone when its turn comes was taken away, and the next one begins") {
-  Desk desk;
-  desk.has_job = true;
-  desk.queue.arrived("gone.stl");
-  desk.queue.arrived("gone-too.stl");
-  desk.put(Spool::Folder::Incoming, "part.stl");
-  desk.queue.put_last({.file = "part.stl", .arrived = {}});
-  // Their checks go on for ever here.
-  WaitingJob gone = desk.queue.take_first(), gone_too = desk.queue.take_first();
+TEST_CASE("A job that is gone when its turn comes is logged as removed, and the next one begins") {
+  SchedulerFixture fixture;
+  fixture.has_job = true;
+  fixture.queue.arrived("gone.stl");
+  fixture.queue.arrived("gone-too.stl");
+  fixture.put(Spool::Folder::Incoming, "part.stl");
+  fixture.queue.put_last({.file = "part.stl", .arrived = {}});
+  // No check of this fixture ends by itself.
+  WaitingJob gone = fixture.queue.take_first(), gone_too = fixture.queue.take_first();
   gone.check = gone_too.check = WaitingJob::Check::Passed;
-  desk.queue.put_first(std::move(gone_too));
-  desk.queue.put_first(std::move(gone));
-  desk.has_job = false;
-  desk.scheduler.run_soon();
-  CHECK(desk.run_until([&] { return desk.has_job; }));
-  CHECK(desk.begun() == Names{"part"});
-  CHECK(desk.log.has("gone.stl: taken away by the owner"));
-  CHECK(desk.log.has("gone-too.stl: taken away by the owner"));
+  fixture.queue.put_first(std::move(gone_too));
+  fixture.queue.put_first(std::move(gone));
+  fixture.has_job = false;
+  fixture.scheduler.run_soon();
+  CHECK(fixture.run_until([&] { return fixture.has_job; }));
+  CHECK(fixture.begun() == Names{"part"});
+  CHECK(fixture.log.has("gone.stl: removed from incoming by a user"));
+  CHECK(fixture.log.has("gone-too.stl: removed from incoming by a user"));
 }
 
-TEST_CASE("A job that cannot be claimed keeps its turn, and why is told once") {
-  Desk desk;
-  fs::remove_all(desk.spool.folder(Spool::Folder::Printing));
+TEST_CASE("A job that cannot be claimed keeps its turn, and the reason is logged once") {
+  SchedulerFixture fixture;
+  fs::remove_all(fixture.spool.folder(Spool::Folder::Printing));
   for (int i = 0; i < 2; ++i) {
-    desk.arrive("part.stl");
-    CHECK(desk.scheduler.waiting_for().starts_with("part.stl cannot be claimed: "));
+    fixture.arrive("part.stl");
+    CHECK(fixture.scheduler.waiting_for().starts_with("part.stl cannot be claimed: "));
   }
-  CHECK(desk.queue.jobs().size() == 1);
-  CHECK(desk.queue.jobs().front().waited);
-  CHECK(desk.log.count("error: part.stl cannot be claimed") == 1);
-  CHECK(desk.has("incoming/part.stl"));
+  CHECK(fixture.queue.jobs().size() == 1);
+  CHECK(fixture.queue.jobs().front().waited);
+  CHECK(fixture.log.count("error: part.stl cannot be claimed") == 1);
+  CHECK(fixture.has("incoming/part.stl"));
 }
 
-TEST_CASE("A job waits for a profile that is broken, and the others are checked meanwhile") {
-  Desk desk;
-  const std::string resin = std::exchange(desk.config.resin, "none-such");
-  desk.arrive("part.stl");
-  CHECK(desk.begun().empty());
-  CHECK(desk.scheduler.waiting_for().ends_with("; the queue goes on when it is mended"));
-  CHECK(desk.has("incoming/part.stl"));
-  desk.arrive("other.stl");
-  CHECK(desk.checked == Names{"other.stl"});
-  desk.config.resin = resin;
-  desk.scheduler.run();
-  CHECK(desk.begun() == Names{"part"});
-  CHECK(desk.log.count("part.stl waits") == 1);
+TEST_CASE("A job waits for a broken profile, and the others are checked meanwhile") {
+  SchedulerFixture fixture;
+  const std::string resin = std::exchange(fixture.config.resin, "none-such");
+  fixture.arrive("part.stl");
+  CHECK(fixture.begun().empty());
+  CHECK(fixture.scheduler.waiting_for().ends_with("; the queue continues when the profile is fixed"));
+  CHECK(fixture.has("incoming/part.stl"));
+  fixture.arrive("other.stl");
+  CHECK(fixture.checked == Names{"other.stl"});
+  fixture.config.resin = resin;
+  fixture.scheduler.run();
+  CHECK(fixture.begun() == Names{"part"});
+  CHECK(fixture.log.count("part.stl waits") == 1);
 }
 
-TEST_CASE("A job begins whose ticket is a reason to refuse it: its reading says why") {
-  Desk desk;
-  desk.put_text(Spool::Folder::Incoming, "part.json", "no ticket");
-  desk.arrive("part.stl");
-  REQUIRE(desk.begun() == Names{"part"});
-  CHECK_FALSE(desk.jobs[0].settings);
+TEST_CASE("A job with an invalid ticket begins, because its reading says why it is refused") {
+  SchedulerFixture fixture;
+  fixture.put_text(Spool::Folder::Incoming, "part.json", "no ticket");
+  fixture.arrive("part.stl");
+  REQUIRE(fixture.begun() == Names{"part"});
+  CHECK_FALSE(fixture.jobs[0].settings);
 }
 
-TEST_CASE("A name that a job has had gets a number behind it") {
-  Desk desk;
-  desk.put(Spool::Folder::Done, "part.stl");
-  desk.arrive("part.stl");
-  REQUIRE(desk.jobs.size() == 1);
-  CHECK(desk.jobs[0].files.name != "part");
-  CHECK(desk.has("done/part.stl"));
+TEST_CASE("A job whose name is taken gets a number after its name") {
+  SchedulerFixture fixture;
+  fixture.put(Spool::Folder::Done, "part.stl");
+  fixture.arrive("part.stl");
+  REQUIRE(fixture.jobs.size() == 1);
+  CHECK(fixture.jobs[0].files.name != "part");
+  CHECK(fixture.has("done/part.stl"));
 }
 
-TEST_CASE("Nothing begins behind a stop, but records are kept") {
-  Desk desk;
-  desk.scheduler.stop();
-  desk.lit = true;
-  desk.hold.hold("part failed");
-  desk.lit = false;
-  desk.arrive("part.stl");
-  CHECK(desk.begun().empty());
-  CHECK(desk.has("incoming/part.stl"));
-  CHECK(desk.has_record("queue-held"));
+TEST_CASE("No job begins after a stop, but records are saved") {
+  SchedulerFixture fixture;
+  fixture.scheduler.stop();
+  fixture.lit = true;
+  fixture.hold.hold("part failed");
+  fixture.lit = false;
+  fixture.arrive("part.stl");
+  CHECK(fixture.begun().empty());
+  CHECK(fixture.has("incoming/part.stl"));
+  CHECK(fixture.has_record("queue-held"));
 }
 
-TEST_CASE("What the disk did not take is tried again when nothing is printed") {
-  Desk desk;
-  const fs::path obstacle = desk.state() / "queue-held";
+TEST_CASE("A failed save is retried when nothing is printed") {
+  SchedulerFixture fixture;
+  const fs::path obstacle = fixture.state() / "queue-held";
   fs::create_directories(obstacle / "full");
-  desk.hold.hold("part failed");
-  REQUIRE(desk.hold.failed());
+  fixture.hold.hold("part failed");
+  REQUIRE(fixture.hold.failed());
   fs::remove_all(obstacle);
-  desk.has_job = true;
-  desk.scheduler.run();
-  CHECK(desk.hold.failed());
-  desk.end_job();
-  CHECK_FALSE(desk.hold.failed());
+  fixture.has_job = true;
+  fixture.scheduler.run();
+  CHECK(fixture.hold.failed());
+  fixture.end_job();
+  CHECK_FALSE(fixture.hold.failed());
 }
 
-TEST_CASE("No job begins while the printer is controlled by hand, and the reason is told") {
-  Desk desk;
-  desk.by_hand = true;
-  desk.arrive("part.stl");
-  CHECK(desk.begun().empty());
-  CHECK(desk.scheduler.waiting_for() == "the printer is controlled by hand; \"contourctl stop\" ends that");
-  desk.by_hand = false;
-  desk.scheduler.run();
-  CHECK(desk.scheduler.waiting_for().empty());
+TEST_CASE("No job begins while the printer is controlled by hand, and the reason is reported") {
+  SchedulerFixture fixture;
+  fixture.by_hand = true;
+  fixture.arrive("part.stl");
+  CHECK(fixture.begun().empty());
+  CHECK(fixture.scheduler.waiting_for() ==
+        "the printer is controlled by hand; \"contourctl stop\" ends that");
+  fixture.by_hand = false;
+  fixture.scheduler.run();
+  CHECK(fixture.scheduler.waiting_for().empty());
 }
 
-TEST_CASE("A job at an idle printer that asks is looked through first, and begins when nothing is found") {
-  Desk desk(true);
-  desk.arrive("part.stl");
-  CHECK(desk.begun().empty());
-  CHECK(desk.scheduler.waiting_for() == "its layers are looked through first, as ask_before demands");
-  REQUIRE(desk.analyses.size() == 1);
-  desk.find("part.stl", {});
-  CHECK(desk.begun() == Names{"part"});
-  CHECK(desk.scheduler.waiting_for().empty());
+TEST_CASE("With ask_before a job is analyzed first, and begins if nothing is found") {
+  SchedulerFixture fixture(true);
+  fixture.arrive("part.stl");
+  CHECK(fixture.begun().empty());
+  CHECK(fixture.scheduler.waiting_for() == "its layers must be analyzed first, as ask_before requires");
+  REQUIRE(fixture.analyses.size() == 1);
+  fixture.find("part.stl", {});
+  CHECK(fixture.begun() == Names{"part"});
+  CHECK(fixture.scheduler.waiting_for().empty());
 }
 
-TEST_CASE("Jobs behind one that asks go on in their order, and it is the next one when it is accepted") {
-  Desk desk(true);
+TEST_CASE("Jobs after one that waits for confirmation begin in their order, and it is next when accepted") {
+  SchedulerFixture fixture(true);
   for (const char* file : {"a.stl", "b.stl", "c.stl"})
-    desk.arrive(file);
-  desk.find("a.stl", {"islands"});
-  CHECK(desk.begun().empty());
-  desk.find("b.stl", {});
-  CHECK(desk.begun() == Names{"b"});
-  CHECK(desk.run_until([&] { return desk.analyses.size() == 3; }));  // beside the print
-  desk.find("c.stl", {});
-  desk.queue.accept("a.stl", "user me");
-  desk.end_job();
-  CHECK(desk.begun() == Names{"b", "a"});
-  desk.end_job();
-  CHECK(desk.begun() == Names{"b", "a", "c"});
+    fixture.arrive(file);
+  fixture.find("a.stl", {"islands"});
+  CHECK(fixture.begun().empty());
+  fixture.find("b.stl", {});
+  CHECK(fixture.begun() == Names{"b"});
+  CHECK(fixture.run_until([&] { return fixture.analyses.size() == 3; }));  // during the print
+  fixture.find("c.stl", {});
+  fixture.queue.accept("a.stl", "user me");
+  fixture.end_job();
+  CHECK(fixture.begun() == Names{"b", "a"});
+  fixture.end_job();
+  CHECK(fixture.begun() == Names{"b", "a", "c"});
 }
 
-TEST_CASE("When all jobs ask, the queue says which command goes on, and goes on with it") {
-  Desk desk(true);
-  desk.arrive("part.stl");
-  desk.find("part.stl", {"islands"});
-  CHECK(desk.begun().empty());
-  CHECK(desk.scheduler.waiting_for() == "islands; \"contourctl accept part\" has it printed as it is");
-  CHECK(desk.log.count("contourctl accept part") == 1);
-  desk.queue.accept("part.stl", "user me");
-  CHECK(desk.begun() == Names{"part"});
+TEST_CASE(
+    "When all jobs wait for confirmation, the queue names the command that accepts, and continues after it") {
+  SchedulerFixture fixture(true);
+  fixture.arrive("part.stl");
+  fixture.find("part.stl", {"islands"});
+  CHECK(fixture.begun().empty());
+  CHECK(fixture.scheduler.waiting_for() == "islands; run \"contourctl accept part\" to print it as it is");
+  CHECK(fixture.log.count("contourctl accept part") == 1);
+  fixture.queue.accept("part.stl", "user me");
+  CHECK(fixture.begun() == Names{"part"});
 }
 
-TEST_CASE("A job that is still looked through keeps those behind it waiting") {
-  Desk desk(true);
-  desk.arrive("a.stl");
-  desk.arrive("b.stl");
-  REQUIRE(desk.analyses.size() == 1);
-  desk.scheduler.run();
-  CHECK(desk.begun().empty());
+TEST_CASE("A job that is being analyzed keeps the jobs after it waiting") {
+  SchedulerFixture fixture(true);
+  fixture.arrive("a.stl");
+  fixture.arrive("b.stl");
+  REQUIRE(fixture.analyses.size() == 1);
+  fixture.scheduler.run();
+  CHECK(fixture.begun().empty());
 }
 
-TEST_CASE("A job that is not as it was looked through is looked through again") {
-  Desk desk(true);
-  desk.has_job = true;
-  desk.arrive("part.stl");
-  desk.find("part.stl", {});
-  SECTION("its file is another") {
-    fs::last_write_time(desk.config.spool_folder / "incoming/part.stl",
+TEST_CASE("A job that has changed since its analysis is analyzed again") {
+  SchedulerFixture fixture(true);
+  fixture.has_job = true;
+  fixture.arrive("part.stl");
+  fixture.find("part.stl", {});
+  SECTION("its model has changed") {
+    fs::last_write_time(fixture.config.spool_folder / "incoming/part.stl",
                         fs::file_time_type::clock::now() + std::chrono::hours{1});
   }
-  SECTION("it has a ticket") {
-    desk.put_text(Spool::Folder::Incoming, "part.json", R"({"copies": 2})");
+  SECTION("it has got a ticket") {
+    fixture.put_text(Spool::Folder::Incoming, "part.json", R"({"copies": 2})");
   }
-  desk.has_job = false;
-  desk.scheduler.run();
-  CHECK(desk.begun().empty());
-  CHECK(desk.run_until([&] { return desk.analyses.size() == 2; }));
-  desk.find("part.stl", {});
-  CHECK(desk.begun() == Names{"part"});
+  fixture.has_job = false;
+  fixture.scheduler.run();
+  CHECK(fixture.begun().empty());
+  CHECK(fixture.run_until([&] { return fixture.analyses.size() == 2; }));
+  fixture.find("part.stl", {});
+  CHECK(fixture.begun() == Names{"part"});
 }

@@ -24,18 +24,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// What came of a job whose turn came; all of it empty when it was refused.
+// The result of reading a job whose turn has come; empty if it was refused.
 struct Turn {
   bool prepared_before = false;
   std::string plan_name;
   double height_mm = 0;
 };
 
-// A reader that checks a waiting job, and prepares it when its turn comes; in between, a test changes
-// something.
-class Desk : public testing::PrinterFixture {
+// A reader that checks a waiting job, and reads it when its turn comes; a test changes something in between.
+class CachedJobFixture : public testing::PrinterFixture {
  public:
-  Desk() {
+  CachedJobFixture() {
     fs::copy(config.resins_folder, resins, fs::copy_options::recursive);
     config.resins_folder = resins;
   }
@@ -48,7 +47,7 @@ class Desk : public testing::PrinterFixture {
     put_text(Spool::Folder::Incoming, name + "/plate.json",
              R"({"models": [{"file": "a.stl"}, {"file": "b.stl"}]})");
   }
-  // Rewritten by the same number of bytes, as a later write would leave it.
+  // Rewrites a model with the same number of bytes and a later time.
   void rewrite(const std::string& file, float height) const {
     const fs::path path = spool.folder(Spool::Folder::Incoming) / file;
     const auto before = fs::last_write_time(path);
@@ -59,15 +58,15 @@ class Desk : public testing::PrinterFixture {
     return spool.files_of(Spool::Folder::Incoming, file);
   }
 
-  // Checks `file`, changes something, checks another job behind it to its end where one is named, claims
-  // `file` as the scheduler does, and prepares it.
-  struct Behind {
+  struct OtherCheck {
     std::string file;
     JobReader::Keep keep;
   };
+  // Checks `file`, changes something, checks another job to its end if one is given, claims `file` as the
+  // scheduler does, and reads it.
   Turn take_turn(
       const std::string& file, const std::function<void()>& change = [] {},
-      const std::optional<Behind>& behind = std::nullopt) {
+      const std::optional<OtherCheck>& other = std::nullopt) {
     std::optional<Turn> turn;
     const auto claim = [&] {
       const JobSettings settings = read_settings(incoming(file), config);
@@ -80,8 +79,8 @@ class Desk : public testing::PrinterFixture {
     reader.check(file, JobReader::Keep::Prepared, [&](const CheckedJob& found) {
       CHECK(std::holds_alternative<JobOutlook>(found));
       change();
-      if (!behind) return claim();
-      reader.check(behind->file, behind->keep, [&](const CheckedJob&) { claim(); });
+      if (!other) return claim();
+      reader.check(other->file, other->keep, [&](const CheckedJob&) { claim(); });
     });
     CHECK(run_until([&] { return turn.has_value(); }));
     return turn.value_or(Turn{});
@@ -102,77 +101,78 @@ void replace_in(const fs::path& file, std::string_view from, std::string_view to
 
 }  // namespace
 
-TEST_CASE("A job that was prepared for its check is not prepared again when nothing has changed") {
-  Desk desk;
-  desk.put(Spool::Folder::Incoming, "part.stl");
-  desk.put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 2})");
-  const Turn turn = desk.take_turn("part.stl");
+TEST_CASE("A job that its check has prepared is not prepared again if nothing has changed") {
+  CachedJobFixture fixture;
+  fixture.put(Spool::Folder::Incoming, "part.stl");
+  fixture.put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 2})");
+  const Turn turn = fixture.take_turn("part.stl");
   CHECK(turn.prepared_before);
   CHECK(turn.plan_name == "part");
   CHECK(turn.height_mm == contourd::testing::Approx(0.4));
 }
 
-TEST_CASE("A plate that was prepared for its check is not either, whatever else comes into its folder") {
-  Desk desk;
-  desk.put_plate("plate");
-  CHECK(desk.take_turn("plate",
+TEST_CASE("A plate that its check has prepared is not prepared again because of other files in its folder") {
+  CachedJobFixture fixture;
+  fixture.put_plate("plate");
+  CHECK(fixture
+            .take_turn("plate",
                        [&] {
-                         desk.rewrite("plate/unused.stl", 5);
-                         desk.put_text(Spool::Folder::Incoming, "plate/note.txt", "for myself");
+                         fixture.rewrite("plate/unused.stl", 5);
+                         fixture.put_text(Spool::Folder::Incoming, "plate/note.txt", "for myself");
                        })
             .prepared_before);
 }
 
-TEST_CASE("A job that was prepared for its check is printed under the name that it has in printing") {
-  Desk desk;
-  desk.put(Spool::Folder::Incoming, "part.stl");
-  desk.put(Spool::Folder::Done, "part.stl");
-  const Turn turn = desk.take_turn("part.stl");
+TEST_CASE("A job that its check has prepared is printed under its name in printing/") {
+  CachedJobFixture fixture;
+  fixture.put(Spool::Folder::Incoming, "part.stl");
+  fixture.put(Spool::Folder::Done, "part.stl");
+  const Turn turn = fixture.take_turn("part.stl");
   CHECK(turn.prepared_before);
   CHECK(turn.plan_name != "part");
 }
 
 TEST_CASE("A job whose model was replaced is prepared again") {
-  Desk desk;
-  desk.put(Spool::Folder::Incoming, "part.stl");
-  const Turn turn = desk.take_turn("part.stl", [&] {
-    const fs::path other = desk.folder.path() / "other.stl";
+  CachedJobFixture fixture;
+  fixture.put(Spool::Folder::Incoming, "part.stl");
+  const Turn turn = fixture.take_turn("part.stl", [&] {
+    const fs::path other = fixture.folder.path() / "other.stl";
     models::write_binary_stl(other, models::box({0, 0, 0}, {3, 2, 0.6F}));
-    fs::rename(other, desk.incoming("part.stl").model);
+    fs::rename(other, fixture.incoming("part.stl").model);
   });
   CHECK_FALSE(turn.prepared_before);
   CHECK(turn.height_mm == contourd::testing::Approx(0.6));
 }
 
-TEST_CASE("A job whose model was written anew in its place is prepared again") {
-  Desk desk;
-  desk.put(Spool::Folder::Incoming, "part.stl");
-  const Turn turn = desk.take_turn("part.stl", [&] { desk.rewrite("part.stl", 0.6F); });
+TEST_CASE("A job whose model was rewritten in place is prepared again") {
+  CachedJobFixture fixture;
+  fixture.put(Spool::Folder::Incoming, "part.stl");
+  const Turn turn = fixture.take_turn("part.stl", [&] { fixture.rewrite("part.stl", 0.6F); });
   CHECK_FALSE(turn.prepared_before);
   CHECK(turn.height_mm == contourd::testing::Approx(0.6));
 }
 
 TEST_CASE("A job whose ticket was edited is prepared again") {
-  Desk desk;
-  desk.put(Spool::Folder::Incoming, "part.stl");
-  desk.put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 2})");
-  const Turn turn = desk.take_turn(
-      "part.stl", [&] { desk.put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 3})"); });
+  CachedJobFixture fixture;
+  fixture.put(Spool::Folder::Incoming, "part.stl");
+  fixture.put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 2})");
+  const Turn turn = fixture.take_turn(
+      "part.stl", [&] { fixture.put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 3})"); });
   CHECK_FALSE(turn.prepared_before);
   CHECK(turn.height_mm == contourd::testing::Approx(0.6));
 }
 
-TEST_CASE("A job that got a ticket, or lost it, is prepared again") {
+TEST_CASE("A job that got or lost a ticket is prepared again") {
   for (const bool had_one : {false, true}) {
-    Desk desk;
-    desk.put(Spool::Folder::Incoming, "part.stl");
-    const fs::path ticket = desk.spool.folder(Spool::Folder::Incoming) / "part.json";
-    if (had_one) desk.put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 2})");
-    const Turn turn = desk.take_turn("part.stl", [&] {
+    CachedJobFixture fixture;
+    fixture.put(Spool::Folder::Incoming, "part.stl");
+    const fs::path ticket = fixture.spool.folder(Spool::Folder::Incoming) / "part.json";
+    if (had_one) fixture.put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 2})");
+    const Turn turn = fixture.take_turn("part.stl", [&] {
       if (had_one)
         fs::remove(ticket);
       else
-        desk.put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 2})");
+        fixture.put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 2})");
     });
     CHECK_FALSE(turn.prepared_before);
     CHECK(turn.height_mm == contourd::testing::Approx(had_one ? 0.2 : 0.4));
@@ -180,123 +180,129 @@ TEST_CASE("A job that got a ticket, or lost it, is prepared again") {
 }
 
 TEST_CASE("A job whose resin's profile was edited is prepared again") {
-  Desk desk;
-  desk.put(Spool::Folder::Incoming, "part.stl");
-  CHECK_FALSE(desk.take_turn("part.stl",
+  CachedJobFixture fixture;
+  fixture.put(Spool::Folder::Incoming, "part.stl");
+  CHECK_FALSE(fixture
+                  .take_turn("part.stl",
                              [&] {
-                               const fs::path profile = desk.resins / (desk.config.resin + ".json");
+                               const fs::path profile = fixture.resins / (fixture.config.resin + ".json");
                                replace_in(profile, "\"bottom_layers\": ", "\"bottom_layers\": 1");
                              })
                   .prepared_before);
 }
 
-TEST_CASE("A job is prepared again for a printer that has another resin") {
-  Desk desk;
-  desk.put(Spool::Folder::Incoming, "part.stl");
-  CHECK_FALSE(desk.take_turn("part.stl",
+TEST_CASE("A job is prepared again if the printer's resin has changed") {
+  CachedJobFixture fixture;
+  fixture.put(Spool::Folder::Incoming, "part.stl");
+  CHECK_FALSE(fixture
+                  .take_turn("part.stl",
                              [&] {
-                               fs::copy(desk.resins / (desk.config.resin + ".json"),
-                                        desk.resins / "other.json");
-                               desk.config.resin = "other";
+                               fs::copy(fixture.resins / (fixture.config.resin + ".json"),
+                                        fixture.resins / "other.json");
+                               fixture.config.resin = "other";
                              })
                   .prepared_before);
 }
 
-TEST_CASE("A plate is prepared again when one of its models or its ticket has changed") {
-  const auto changed = [](const std::function<void(const Desk&)>& change) {
-    Desk desk;
-    desk.put_plate("plate");
-    return !desk.take_turn("plate", [&] { change(desk); }).prepared_before;
+TEST_CASE("A plate is prepared again if one of its models or its ticket has changed") {
+  const auto changed = [](const std::function<void(const CachedJobFixture&)>& change) {
+    CachedJobFixture fixture;
+    fixture.put_plate("plate");
+    return !fixture.take_turn("plate", [&] { change(fixture); }).prepared_before;
   };
-  CHECK(changed([](const Desk& desk) { desk.rewrite("plate/b.stl", 0.6F); }));
-  CHECK(changed([](const Desk& desk) {
-    desk.put_text(Spool::Folder::Incoming, "plate/plate.json",
-                  R"({"models": [{"file": "a.stl"}, {"file": "b.stl", "scale": 2}]})");
+  CHECK(changed([](const CachedJobFixture& fixture) { fixture.rewrite("plate/b.stl", 0.6F); }));
+  CHECK(changed([](const CachedJobFixture& fixture) {
+    fixture.put_text(Spool::Folder::Incoming, "plate/plate.json",
+                     R"({"models": [{"file": "a.stl"}, {"file": "b.stl", "scale": 2}]})");
   }));
-  CHECK(changed([](const Desk& desk) {
-    desk.put_text(Spool::Folder::Incoming, "plate/plate.json", R"({"models": [{"file": "a.stl"}]})");
+  CHECK(changed([](const CachedJobFixture& fixture) {
+    fixture.put_text(Spool::Folder::Incoming, "plate/plate.json", R"({"models": [{"file": "a.stl"}]})");
   }));
-  CHECK(changed([](const Desk& desk) {
+  CHECK(changed([](const CachedJobFixture& fixture) {
     // Another folder of the same name and content.
-    const fs::path plate = desk.incoming("plate").model, aside = desk.folder.path() / "aside";
+    const fs::path plate = fixture.incoming("plate").model, aside = fixture.folder.path() / "aside";
     fs::rename(plate, aside);
     fs::copy(aside, plate);
   }));
 }
 
 TEST_CASE("A job that is forgotten is prepared again") {
-  Desk desk;
-  desk.put(Spool::Folder::Incoming, "part.stl");
-  CHECK_FALSE(desk.take_turn("part.stl", [&] { desk.reader.forget("part.stl"); }).prepared_before);
+  CachedJobFixture fixture;
+  fixture.put(Spool::Folder::Incoming, "part.stl");
+  CHECK_FALSE(fixture.take_turn("part.stl", [&] { fixture.reader.forget("part.stl"); }).prepared_before);
 }
 
-TEST_CASE("What is kept of one job stays when another is forgotten or checked behind it") {
-  Desk desk;
-  desk.put(Spool::Folder::Incoming, "part.stl");
-  desk.put(Spool::Folder::Incoming, "other.stl");
-  CHECK(desk.take_turn(
-                "part.stl", [&] { desk.reader.forget("other.stl"); },
-                Desk::Behind{"other.stl", JobReader::Keep::Nothing})
+TEST_CASE("A job stays in the cache when another job is forgotten, or checked after it") {
+  CachedJobFixture fixture;
+  fixture.put(Spool::Folder::Incoming, "part.stl");
+  fixture.put(Spool::Folder::Incoming, "other.stl");
+  CHECK(fixture
+            .take_turn(
+                "part.stl", [&] { fixture.reader.forget("other.stl"); },
+                CachedJobFixture::OtherCheck{"other.stl", JobReader::Keep::Nothing})
             .prepared_before);
 }
 
-TEST_CASE("Only the last of several checked jobs is kept") {
-  Desk desk;
-  desk.put(Spool::Folder::Incoming, "part.stl");
-  desk.put(Spool::Folder::Incoming, "other.stl");
-  CHECK_FALSE(desk.take_turn(
-                      "part.stl", [] {}, Desk::Behind{"other.stl", JobReader::Keep::Prepared})
+TEST_CASE("Only the last of several checked jobs is cached") {
+  CachedJobFixture fixture;
+  fixture.put(Spool::Folder::Incoming, "part.stl");
+  fixture.put(Spool::Folder::Incoming, "other.stl");
+  CHECK_FALSE(fixture
+                  .take_turn(
+                      "part.stl", [] {}, CachedJobFixture::OtherCheck{"other.stl", JobReader::Keep::Prepared})
                   .prepared_before);
 }
 
-TEST_CASE("What is kept gives way when a check needs its memory") {
-  Desk desk;
-  desk.put(Spool::Folder::Incoming, "part.stl");
-  desk.put(Spool::Folder::Incoming, "other.stl");
-  // The other would find room in a process that held nothing else.
+TEST_CASE("The cached job is dropped when a check needs its memory") {
+  CachedJobFixture fixture;
+  fixture.put(Spool::Folder::Incoming, "part.stl");
+  fixture.put(Spool::Folder::Incoming, "other.stl");
+  // The check of the other job would have enough memory in a process that held nothing else.
   const std::vector<char> held(200'000'000, 1);
-  CHECK_FALSE(desk.take_turn(
+  CHECK_FALSE(fixture
+                  .take_turn(
                       "part.stl",
                       [&] {
                         constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
-                        desk.config.memory_limit_bytes = memory_room(kMost).held + 1'000'000;
+                        fixture.config.memory_limit_bytes = memory_room(kMost).held + 1'000'000;
                       },
-                      Desk::Behind{"other.stl", JobReader::Keep::Nothing})
+                      CachedJobFixture::OtherCheck{"other.stl", JobReader::Keep::Nothing})
                   .prepared_before);
   CHECK(held.back() == 1);
 }
 
-TEST_CASE("A model behind a symbolic link is not kept, as a change of it would not show") {
-  Desk desk;
-  desk.put_plate("plate");
-  const fs::path model = desk.incoming("plate").model / "b.stl", elsewhere = desk.folder.path() / "b.stl";
+TEST_CASE("A model behind a symbolic link is not cached, because its changes would go unnoticed") {
+  CachedJobFixture fixture;
+  fixture.put_plate("plate");
+  const fs::path model = fixture.incoming("plate").model / "b.stl",
+                 elsewhere = fixture.folder.path() / "b.stl";
   fs::rename(model, elsewhere);
   fs::create_symlink(elsewhere, model);
-  const JobFiles files = desk.incoming("plate");
-  PreparedJobCache kept;
-  kept.keep(files, mark_of(files), PreparedJob{});
-  CHECK(kept.empty());
+  const JobFiles files = fixture.incoming("plate");
+  PreparedJobCache cache;
+  cache.keep(files, mark_of(files), PreparedJob{});
+  CHECK(cache.empty());
 }
 
-TEST_CASE("A job whose files change while they are read is not kept") {
-  Desk desk;
-  desk.put(Spool::Folder::Incoming, "part.stl");
-  const JobFiles files = desk.incoming("part.stl");
+TEST_CASE("A job whose files change while they are read is not cached") {
+  CachedJobFixture fixture;
+  fixture.put(Spool::Folder::Incoming, "part.stl");
+  const JobFiles files = fixture.incoming("part.stl");
   const std::string mark = mark_of(files);
-  PreparedJobCache kept;
-  kept.keep(files, mark, PreparedJob{});
-  CHECK_FALSE(kept.empty());
-  desk.rewrite("part.stl", 0.6F);
-  kept.keep(files, mark, PreparedJob{});
-  CHECK(kept.empty());
+  PreparedJobCache cache;
+  cache.keep(files, mark, PreparedJob{});
+  CHECK_FALSE(cache.empty());
+  fixture.rewrite("part.stl", 0.6F);
+  cache.keep(files, mark, PreparedJob{});
+  CHECK(cache.empty());
 }
 
-TEST_CASE("A job without settings, as its ticket is a reason to refuse it, is prepared to hear why") {
-  Desk desk;
-  desk.put(Spool::Folder::Incoming, "part.stl");
-  const JobFiles files = desk.incoming("part.stl");
-  PreparedJobCache kept;
-  kept.keep(files, mark_of(files), PreparedJob{});
-  CHECK_FALSE(kept.take(files, std::nullopt));
-  CHECK(kept.empty());
+TEST_CASE("A job without settings is not taken from the cache, because its ticket is invalid") {
+  CachedJobFixture fixture;
+  fixture.put(Spool::Folder::Incoming, "part.stl");
+  const JobFiles files = fixture.incoming("part.stl");
+  PreparedJobCache cache;
+  cache.keep(files, mark_of(files), PreparedJob{});
+  CHECK_FALSE(cache.take(files, std::nullopt));
+  CHECK(cache.empty());
 }

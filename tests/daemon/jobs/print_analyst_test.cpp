@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tests/catch.hpp"
+#include "tests/daemon/jobs/small_display.hpp"
 #include "tests/models/models.hpp"
 
 using namespace contourd;
@@ -11,14 +12,13 @@ using namespace std::chrono_literals;
 
 namespace {
 
-const DisplayGeometry kDisplay{Pixels{64}, Pixels{48}, Micrometers{100.0}};
-
-AnalysisTask task(std::int32_t layers) {
+AnalysisTask task_for(std::int32_t layers) {
   AnalysisTask task;
-  task.engine = std::make_unique<ContourEngine>(HeightIndex(models::box({0, 0, 0}, {3, 2, 1})),
-                                                EngineSettings{kDisplay, AntiAliasing::On},
-                                                std::vector{PixelMap::true_scale(kDisplay, {1.5, 1})});
-  task.display = kDisplay;
+  task.engine =
+      std::make_unique<ContourEngine>(HeightIndex(models::box({0, 0, 0}, {3, 2, 1})),
+                                      EngineSettings{testing::kSmallDisplay, AntiAliasing::On},
+                                      std::vector{PixelMap::true_scale(testing::kSmallDisplay, {1.5, 1})});
+  task.display = testing::kSmallDisplay;
   task.layers.assign(static_cast<std::size_t>(layers), Nanometers{100'000});
   task.layer_durations.assign(static_cast<std::size_t>(layers), 2s);
   return task;
@@ -26,11 +26,11 @@ AnalysisTask task(std::int32_t layers) {
 
 }  // namespace
 
-TEST_CASE("A print is analysed beside the loop and its findings come back on it") {
+TEST_CASE("A print is analyzed on another thread, and its findings arrive on the event loop") {
   EventLoop loop;
   PrintAnalyst analyst(loop);
   AnalyzedPrint analyzed;
-  analyst.start(task(10), [&](AnalyzedPrint print) {
+  analyst.start(task_for(10), [&](AnalyzedPrint print) {
     analyzed = std::move(print);
     loop.stop();
   });
@@ -43,18 +43,18 @@ TEST_CASE("A print is analysed beside the loop and its findings come back on it"
   CHECK(findings.volume_mm3 == testing::Approx(6).epsilon(1e-12));
 }
 
-TEST_CASE("A cancelled analysis is not heard of and the next one is") {
+TEST_CASE("A cancelled analysis reports nothing, and the next one does") {
   EventLoop loop;
   PrintAnalyst analyst(loop);
-  std::vector<int> heard;
-  analyst.start(task(100'000), [&](const AnalyzedPrint&) { heard.push_back(1); });
+  std::vector<int> reported;
+  analyst.start(task_for(100'000), [&](const AnalyzedPrint&) { reported.push_back(1); });
   analyst.cancel();
   CHECK(!analyst.busy());
-  analyst.start(task(100'000), [&](const AnalyzedPrint&) { heard.push_back(2); });
-  analyst.start(task(3), [&](const AnalyzedPrint&) {
-    heard.push_back(3);
+  analyst.start(task_for(100'000), [&](const AnalyzedPrint&) { reported.push_back(2); });
+  analyst.start(task_for(3), [&](const AnalyzedPrint&) {
+    reported.push_back(3);
     loop.stop();
   });
   loop.run();
-  CHECK(heard == std::vector{3});
+  CHECK(reported == std::vector{3});
 }

@@ -8,6 +8,8 @@
 #include "hw/png_file.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
+#include "tests/daemon/jobs/printer_fixture.hpp"
+#include "tests/daemon/jobs/small_display.hpp"
 #include "tests/models/models.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -16,22 +18,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr DisplayGeometry kDisplay{Pixels{64}, Pixels{48}, Micrometers{100.0}};
-
-class NoObserver final : public SpoolObserver {
-  void model_arrived(const std::string&) override {}
-  void model_withdrawn(const std::string&) override {}
-  void plate_waits(const std::string&, const std::vector<std::string>&) override {}
-  void ignored(const std::string&, WhyIgnored) override {}
-  void more_ignored(std::size_t) override {}
-  void incoming_lost(const std::string&) override {}
-  void incoming_replaced() override {}
-};
-
 // A spool with the job "part" in printing/, whose print has ended.
-class Bench {
+class ArchivistFixture {
  public:
-  Bench() { std::ofstream(spool.folder(Spool::Folder::Printing) / "part.stl") << "a model"; }
+  ArchivistFixture() { std::ofstream(spool.folder(Spool::Folder::Printing) / "part.stl") << "a model"; }
 
   [[nodiscard]] EndedPrint ended(PrintOutcome outcome, const std::string& reason = "",
                                  Elevation elevation = {}) const {
@@ -47,8 +37,8 @@ class Bench {
     const StandingModel box{std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {3, 2, 1})),
                             elevation};
     print.engine = std::make_unique<ContourEngine>(
-        std::vector{PlateModel{box, {PixelMap::true_scale(kDisplay, {1.5, 1})}}},
-        EngineSettings{.display = kDisplay});
+        std::vector{PlateModel{box, {PixelMap::true_scale(testing::kSmallDisplay, {1.5, 1})}}},
+        EngineSettings{.display = testing::kSmallDisplay});
     return print;
   }
 
@@ -69,26 +59,26 @@ class Bench {
 
   testing::TemporaryFolder folder;
   EventLoop loop;
-  NoObserver observer;
+  testing::NoSpoolObserver observer;
   Spool spool{folder.path() / "spool", loop, observer};
 };
 
 }  // namespace
 
-TEST_CASE("A print that is done lies in done/ with its report, page and picture") {
-  Bench bench;
-  const FiledPrint filed = bench.file(bench.ended(PrintOutcome::Done));
+TEST_CASE("A finished print is in done/ with its report, page and picture") {
+  ArchivistFixture fixture;
+  const FiledPrint filed = fixture.file(fixture.ended(PrintOutcome::Done));
   CHECK(filed.troubles.empty());
   for (const char* name : {"part.stl", "part.report.json", "part.report.html", "part.preview.png"})
-    CHECK(bench.has(std::string("done/") + name));
-  CHECK_FALSE(bench.has("printing/part.stl"));
+    CHECK(fixture.has(std::string("done/") + name));
+  CHECK_FALSE(fixture.has("printing/part.stl"));
 }
 
-TEST_CASE("The picture shows what was printed of a model at the height where it stands") {
-  // Layers up to 1 mm above the plate, which are all of a model that stands on it.
+TEST_CASE("The picture shows the printed part of a model at the model's height above the plate") {
+  // Ten layers, up to 1 mm above the plate: the whole model if it stands on the plate.
   const auto lit_in_picture = [](Elevation elevation) {
-    Bench bench;
-    EndedPrint print = bench.ended(PrintOutcome::Done, "", elevation);
+    ArchivistFixture fixture;
+    EndedPrint print = fixture.ended(PrintOutcome::Done, "", elevation);
     for (int i = 0; i < 10; ++i) {
       LayerRecord& layer = print.report.layers.emplace_back();
       layer.layer = i;
@@ -97,100 +87,101 @@ TEST_CASE("The picture shows what was printed of a model at the height where it 
       layer.mask_height = Nanometers{100'000 * i + 50'000};
       layer.complete = true;
     }
-    CHECK(bench.file(std::move(print)).troubles.empty());
-    return read_png(bench.folder.path() / "spool/done/part.preview.png").lit_pixels();
+    CHECK(fixture.file(std::move(print)).troubles.empty());
+    return read_png(fixture.folder.path() / "spool/done/part.preview.png").lit_pixels();
   };
   CHECK(lit_in_picture({}) > 0);
   CHECK(lit_in_picture(Elevation(Nanometers{500'000})) > 0);
   CHECK(lit_in_picture(Elevation(Nanometers{1'100'000})) == 0);
 }
 
-TEST_CASE("A report that cannot be written is told, and the job is filed all the same") {
-  Bench bench;
+TEST_CASE("A failure to write the report is reported, and the job is filed without it") {
+  ArchivistFixture fixture;
   // A folder cannot be replaced by a file.
-  fs::create_directory(bench.spool.folder(Spool::Folder::Failed) / "part.report.json");
-  const FiledPrint filed = bench.file(bench.ended(PrintOutcome::Failed, "the sky fell"));
+  fs::create_directory(fixture.spool.folder(Spool::Folder::Failed) / "part.report.json");
+  const FiledPrint filed = fixture.file(fixture.ended(PrintOutcome::Failed, "the sky fell"));
   REQUIRE(filed.troubles.size() == 1);
   CHECK(filed.troubles.front().starts_with("no report: cannot write "));
-  CHECK(bench.has("failed/part.stl"));
-  CHECK(bench.has("failed/part.reason.txt"));
+  CHECK(fixture.has("failed/part.stl"));
+  CHECK(fixture.has("failed/part.reason.txt"));
 }
 
-TEST_CASE("A page that cannot be written is told, and everything else is there") {
-  Bench bench;
-  fs::create_directory(bench.spool.folder(Spool::Folder::Done) / "part.report.html");
-  const FiledPrint filed = bench.file(bench.ended(PrintOutcome::Done));
+TEST_CASE("A failure to write the page is reported, and everything else is there") {
+  ArchivistFixture fixture;
+  fs::create_directory(fixture.spool.folder(Spool::Folder::Done) / "part.report.html");
+  const FiledPrint filed = fixture.file(fixture.ended(PrintOutcome::Done));
   REQUIRE(filed.troubles.size() == 1);
   CHECK(filed.troubles.front().starts_with("no report.html: "));
-  CHECK(bench.has("done/part.report.json"));
-  CHECK(bench.has("done/part.preview.png"));
-  CHECK(bench.has("done/part.stl"));
+  CHECK(fixture.has("done/part.report.json"));
+  CHECK(fixture.has("done/part.preview.png"));
+  CHECK(fixture.has("done/part.stl"));
 }
 
-TEST_CASE("A job that cannot be moved is told, and how its print ended can be read afterwards") {
+TEST_CASE("A job that cannot be moved is reported, and the end of its print can be read afterwards") {
   for (const auto& [outcome, reason] : {std::pair{PrintOutcome::Done, ""},
                                         {PrintOutcome::Failed, "the sky fell"},
                                         {PrintOutcome::Canceled, ""}}) {
     CAPTURE(name_of(outcome));
-    Bench bench;
-    EndedPrint print = bench.ended(outcome, reason);
-    // In the model's place, beside which nothing is wrong.
-    const fs::path there = bench.spool.folder(folder_for(outcome)) / "part.stl";
+    ArchivistFixture fixture;
+    EndedPrint print = fixture.ended(outcome, reason);
+    // An obstacle in the place of the model only.
+    const fs::path there = fixture.spool.folder(folder_for(outcome)) / "part.stl";
     fs::create_directories(there / "full");
-    const FiledPrint filed = bench.file(std::move(print));
+    const FiledPrint filed = fixture.file(std::move(print));
     REQUIRE(filed.troubles.size() == 1);
     CHECK(filed.troubles.front().starts_with("stays in printing: "));
-    const std::optional<PrintEnd> end = recorded_end(bench.spool, "part");
+    const std::optional<PrintEnd> end = recorded_end(fixture.spool, "part");
     REQUIRE(end);
     CHECK(end->outcome == outcome);
     CHECK(end->reason == reason);
   }
 }
 
-TEST_CASE("Without a record, or with what is none or another job's, nobody knows how a print ended") {
-  Bench bench;
-  CHECK_FALSE(recorded_end(bench.spool, "part"));
+TEST_CASE("The end of a print is unknown without a record, or with an invalid one or another job's") {
+  ArchivistFixture fixture;
+  CHECK_FALSE(recorded_end(fixture.spool, "part"));
   for (const char* text :
        {"", "{", "[]", R"({"job": "part", "outcome": 3})", R"({"job": "part", "outcome": "splendid"})",
-        R"({"outcome": "done"})", R"({"job": "other", "outcome": "done"})"}) {
+        R"({"outcome": "done", "key": 1})", R"({"job": "part", "outcome": "done"})",
+        R"({"job": "other", "outcome": "done", "key": 1})"}) {
     CAPTURE(text);
-    bench.spool.records().keep_end_of_print(text);
-    CHECK_FALSE(recorded_end(bench.spool, "part"));
+    fixture.spool.records().keep_end_of_print(text);
+    CHECK_FALSE(recorded_end(fixture.spool, "part"));
   }
 }
 
-TEST_CASE("How a print ended is on the disk before it is filed, and gone once it is") {
-  Bench bench;
-  PrintArchivist archivist(bench.loop, bench.spool);
+TEST_CASE("The end of a print is on the disk before the print is filed, and removed after that") {
+  ArchivistFixture fixture;
+  PrintArchivist archivist(fixture.loop, fixture.spool);
   archivist.record("part", {PrintOutcome::Failed, "the sky fell"});
-  archivist.file(bench.ended(PrintOutcome::Failed, "the sky fell"),
-                 [&](const FiledPrint&) { bench.loop.stop(); });
-  bench.loop.run();
-  CHECK_FALSE(recorded_end(bench.spool, "part"));
-  CHECK(bench.has("failed/part.stl"));
+  archivist.file(fixture.ended(PrintOutcome::Failed, "the sky fell"),
+                 [&](const FiledPrint&) { fixture.loop.stop(); });
+  fixture.loop.run();
+  CHECK_FALSE(recorded_end(fixture.spool, "part"));
+  CHECK(fixture.has("failed/part.stl"));
   archivist.record("next", {PrintOutcome::Failed, "the sky fell"});
-  while (!recorded_end(bench.spool, "next"))
+  while (!recorded_end(fixture.spool, "next"))
     std::this_thread::yield();
-  CHECK(recorded_end(bench.spool, "next")->reason == "the sky fell");
-  CHECK_FALSE(recorded_end(bench.spool, "part"));
+  CHECK(recorded_end(fixture.spool, "next")->reason == "the sky fell");
+  CHECK_FALSE(recorded_end(fixture.spool, "part"));
 }
 
-TEST_CASE("A job that is begun has no end yet, whatever one of its name came to") {
-  Bench bench;
-  bench.spool.records().keep_end_of_print(R"({"job": "new", "outcome": "done", "reason": ""})");
-  REQUIRE(recorded_end(bench.spool, "new"));
-  std::ofstream(bench.spool.folder(Spool::Folder::Incoming) / "new.stl") << "a model";
-  CHECK(bench.spool.begin("new.stl").name == "new");
-  CHECK_FALSE(recorded_end(bench.spool, "new"));
+TEST_CASE("A running job has no outcome, even if an earlier job had its name") {
+  ArchivistFixture fixture;
+  fixture.spool.records().keep_end_of_print(R"({"job": "new", "outcome": "done", "reason": "", "key": 1})");
+  REQUIRE(recorded_end(fixture.spool, "new"));
+  std::ofstream(fixture.spool.folder(Spool::Folder::Incoming) / "new.stl") << "a model";
+  CHECK(fixture.spool.begin("new.stl").name == "new");
+  CHECK_FALSE(recorded_end(fixture.spool, "new"));
 }
 
 TEST_CASE("A print is filed in a folder that was removed meanwhile") {
   for (const PrintOutcome outcome : {PrintOutcome::Done, PrintOutcome::Failed}) {
-    Bench bench;
-    EndedPrint print = bench.ended(outcome, "the sky fell");
-    const fs::path folder = bench.spool.folder(folder_for(outcome));
+    ArchivistFixture fixture;
+    EndedPrint print = fixture.ended(outcome, "the sky fell");
+    const fs::path folder = fixture.spool.folder(folder_for(outcome));
     fs::remove_all(folder);
-    const FiledPrint filed = bench.file(std::move(print));
+    const FiledPrint filed = fixture.file(std::move(print));
     CHECK(filed.troubles.empty());
     CHECK(filed.moved);
     CHECK(fs::exists(folder / "part.stl"));
@@ -199,11 +190,11 @@ TEST_CASE("A print is filed in a folder that was removed meanwhile") {
 }
 
 TEST_CASE("An archivist files one print at a time") {
-  Bench bench;
-  PrintArchivist archivist(bench.loop, bench.spool);
-  // In the child alone: a print is filed there, and a second one is not.
+  ArchivistFixture fixture;
+  PrintArchivist archivist(fixture.loop, fixture.spool);
+  // In the child process only: it files one print, and must not file a second one.
   CHECK(testing::contract_broken_by([&] {
           for (int print = 0; print < 2; ++print)
-            archivist.file(bench.ended(PrintOutcome::Done), [](const FiledPrint&) {});
+            archivist.file(fixture.ended(PrintOutcome::Done), [](const FiledPrint&) {});
         }) == "no other print is being filed");
 }

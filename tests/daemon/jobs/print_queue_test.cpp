@@ -13,8 +13,8 @@ using Check = WaitingJob::Check;
 
 namespace {
 
-// A queue whose checks and refusals end when a test says so.
-class Desk {
+// A queue whose checks and refusals end when a test ends them.
+class QueueFixture {
  public:
   struct RunningCheck {
     std::string file;
@@ -30,7 +30,7 @@ class Desk {
     for (const std::string& file : files)
       queue.arrived(file);
   }
-  // Refused by its check; its files are on their way.
+  // Lets the next check refuse its job, whose files are then on their way to failed/.
   void begin_to_refuse(const std::string& reason) {
     queue.check_next();
     checks.back().done(JobRefusal{reason});
@@ -47,35 +47,38 @@ class Desk {
   std::vector<RunningCheck> checks;
   std::vector<RunningRejection> rejections;
   Names forgotten;
-  Names told;                                          // "changed", "refused FILE: REASON" or "removed ..."
-  std::vector<Names> kept;                             // orders, as the disk was given them
-  std::function<void(const std::string&)> order_kept;  // the last of them
-  PrintQueue queue{
-      log.log,
-      {.check =
-           [this](const std::string& file, JobReader::Keep keep, auto done) {
-             checks.push_back({file, keep, std::move(done)});
-           },
-       .forget = [this](const std::string& file) { forgotten.push_back(file); },
-       .reject =
-           [this](const std::string& file, const std::string& reason, Spool::Rejected done) {
-             rejections.push_back({file, reason, std::move(done)});
-           },
-       .changed = [this] { told.emplace_back("changed"); },
-       .refused = [this](const std::string& file,
-                         const std::string& reason) { told.push_back("refused " + file + ": " + reason); },
-       .removed = [this](const std::string& file,
-                         const std::string& reason) { told.push_back("removed " + file + ": " + reason); },
-       .keep_order =
-           [this](const QueueOrder::Names& names, auto done) {
-             kept.push_back(names);
-             order_kept = std::move(done);
-           }}};
+  Names reported;           // "changed", "refused FILE: REASON" or "removed FILE: REASON"
+  std::vector<Names> kept;  // saved orders
+  std::function<void(const std::string&)> order_kept;  // ends the last save
+  PrintQueue queue{log.log,
+                   {.check =
+                        [this](const std::string& file, JobReader::Keep keep, auto done) {
+                          checks.push_back({file, keep, std::move(done)});
+                        },
+                    .forget = [this](const std::string& file) { forgotten.push_back(file); },
+                    .reject =
+                        [this](const std::string& file, const std::string& reason, Spool::Rejected done) {
+                          rejections.push_back({file, reason, std::move(done)});
+                        },
+                    .changed = [this] { reported.emplace_back("changed"); },
+                    .refused =
+                        [this](const std::string& file, const std::string& reason) {
+                          reported.push_back("refused " + file + ": " + reason);
+                        },
+                    .removed =
+                        [this](const std::string& file, const std::string& reason) {
+                          reported.push_back("removed " + file + ": " + reason);
+                        },
+                    .keep_order =
+                        [this](const QueueOrder::Names& names, auto done) {
+                          kept.push_back(names);
+                          order_kept = std::move(done);
+                        }}};
 };
 
-// The same of a printer whose owner is asked about islands and cracks. What a job is found to have is put
-// there by hand.
-class AskingDesk {
+// A queue with ask_before for islands and cracks. The checks succeed at once; find() sets the findings of an
+// analysis.
+class AskingQueueFixture {
  public:
   struct RunningAnalysis {
     std::string file;
@@ -90,7 +93,7 @@ class AskingDesk {
       queue.check_next();
     }
   }
-  // The analysis under way ends.
+  // Ends the analysis under way with these findings.
   void find(const Names& findings, const std::string& content = "a1") {
     REQUIRE_FALSE(analyses.empty());
     PreprintAnalysis analysis;
@@ -99,15 +102,15 @@ class AskingDesk {
       analysis.warnings.push_back("it has " + each);
     analyses.back().done(AnalyzedJob{analysis, content, {}});
   }
-  // Each in its turn; in the queue's order.
-  void look_through(const std::vector<Names>& findings) {
+  // Analyzes one job after the other in the queue's order, each with its findings.
+  void analyze(const std::vector<Names>& findings) {
     for (const Names& each : findings) {
       queue.check_next();
       find(each, std::to_string(analyses.size()));
     }
   }
 
-  // Of a printer whose file names no finding, where a check finds this.
+  // Returns the calls of a queue without ask_before, whose checks end with `outlook`.
   [[nodiscard]] PrintQueue::Calls calls_without_analysis(const JobOutlook& outlook) {
     PrintQueue::Calls calls{
         .check = [outlook](const std::string&, JobReader::Keep, const auto& done) { done(outlook); },
@@ -129,7 +132,7 @@ class AskingDesk {
   std::vector<Acceptances::Lines> kept;
   Names refused;
   bool check_ends = true;
-  int questions_told = 0;
+  int question_changes = 0;
   PrintQueue queue{log.log,
                    {.check =
                         [this](const std::string&, JobReader::Keep, const auto& done) {
@@ -157,622 +160,627 @@ class AskingDesk {
                                         kept.push_back(lines);
                                         done("");
                                       },
-                                  .changed = [this] { ++questions_told; }}}};
+                                  .changed = [this] { ++question_changes; }}}};
 };
 
 }  // namespace
 
-TEST_CASE("Jobs wait in the order of their arrival, and the first is the next") {
-  Desk desk;
-  desk.arrive({"b.stl", "a.stl", "c.stl"});
-  CHECK(desk.order() == Names{"b.stl", "a.stl", "c.stl"});
-  CHECK(desk.log.has("info: c.stl: arrived, number 3 in the queue"));
-  CHECK(desk.told == Names{"changed", "changed", "changed"});
-  CHECK(desk.queue.take_first().file == "b.stl");
-  CHECK(desk.order() == Names{"a.stl", "c.stl"});
+TEST_CASE("Jobs wait in order of arrival, and the first one is next") {
+  QueueFixture fixture;
+  fixture.arrive({"b.stl", "a.stl", "c.stl"});
+  CHECK(fixture.order() == Names{"b.stl", "a.stl", "c.stl"});
+  CHECK(fixture.log.has("info: c.stl: arrived, number 3 in the queue"));
+  CHECK(fixture.reported == Names{"changed", "changed", "changed"});
+  CHECK(fixture.queue.take_first().file == "b.stl");
+  CHECK(fixture.order() == Names{"a.stl", "c.stl"});
 }
 
-TEST_CASE("A check that was given up is made again") {
-  Desk desk;
-  desk.arrive({"a.stl"});
-  desk.queue.check_next();
-  desk.checks[0].done(ReadingGivenUp{});
-  CHECK(desk.queue.jobs().front().check == Check::Wanted);
-  desk.queue.check_next();
-  CHECK(desk.checks.size() == 2);
+TEST_CASE("A check that was given up is repeated") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  fixture.queue.check_next();
+  fixture.checks[0].done(ReadingGivenUp{});
+  CHECK(fixture.queue.jobs().front().check == Check::Wanted);
+  fixture.queue.check_next();
+  CHECK(fixture.checks.size() == 2);
 }
 
-TEST_CASE("A job that is written again keeps its place, and is checked again") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl"});
-  desk.queue.check_next();
-  desk.checks[0].done(JobOutlook{});
-  REQUIRE(desk.queue.jobs().front().check == Check::Passed);
-  desk.queue.arrived("a.stl");
-  CHECK(desk.order() == Names{"a.stl", "b.stl"});
-  CHECK(desk.queue.jobs().front().check == Check::Wanted);
-  CHECK(desk.log.count("a.stl: arrived") == 1);
+TEST_CASE("A rewritten job keeps its place and is checked again") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl"});
+  fixture.queue.check_next();
+  fixture.checks[0].done(JobOutlook{});
+  REQUIRE(fixture.queue.jobs().front().check == Check::Passed);
+  fixture.queue.arrived("a.stl");
+  CHECK(fixture.order() == Names{"a.stl", "b.stl"});
+  CHECK(fixture.queue.jobs().front().check == Check::Wanted);
+  CHECK(fixture.log.count("a.stl: arrived") == 1);
 }
 
-TEST_CASE("A job that is written again and again while it is read lets the others go first") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl", "c.stl"});
+TEST_CASE("A job that keeps changing while being read moves to the end of the queue") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl", "c.stl"});
   const auto interrupt = [&](int times) {
     for (int i = 0; i < times; ++i) {
-      desk.queue.check_next();
-      REQUIRE(desk.checks.back().file == "a.stl");
-      desk.queue.arrived("a.stl");
-      // What was written while nobody read it has kept nobody waiting.
-      desk.queue.arrived("a.stl");
+      fixture.queue.check_next();
+      REQUIRE(fixture.checks.back().file == "a.stl");
+      fixture.queue.arrived("a.stl");
+      // A second write, while no check is running, does not count as an interruption.
+      fixture.queue.arrived("a.stl");
     }
   };
   interrupt(3);
-  CHECK(desk.order() == Names{"a.stl", "b.stl", "c.stl"});
+  CHECK(fixture.order() == Names{"a.stl", "b.stl", "c.stl"});
   interrupt(1);
-  CHECK(desk.order() == Names{"b.stl", "c.stl", "a.stl"});
-  CHECK(desk.log.count("a.stl: is written again and again while it is read; the others go first") == 1);
-  desk.queue.check_next();
-  CHECK(desk.checks.back().file == "b.stl");
-  // Nor does it wait in vain, once they are through.
-  CHECK(desk.queue.take_first().file == "b.stl");
-  CHECK(desk.queue.take_first().file == "c.stl");
+  CHECK(fixture.order() == Names{"b.stl", "c.stl", "a.stl"});
+  CHECK(fixture.log.count("a.stl: keeps changing while being read; moved to the end of the queue") == 1);
+  fixture.queue.check_next();
+  CHECK(fixture.checks.back().file == "b.stl");
+  // It stays in the queue after the others have begun.
+  CHECK(fixture.queue.take_first().file == "b.stl");
+  CHECK(fixture.queue.take_first().file == "c.stl");
   interrupt(2);
-  CHECK(desk.order() == Names{"a.stl"});
-  CHECK(desk.log.count("the others go first") == 1);
+  CHECK(fixture.order() == Names{"a.stl"});
+  CHECK(fixture.log.count("moved to the end of the queue") == 1);
 }
 
-TEST_CASE("A job that is written again waits anew, and what was told of it is not told again") {
-  Desk desk;
-  desk.arrive({"a.stl"});
-  WaitingJob job = desk.queue.take_first();
+TEST_CASE("A rewritten job starts a new wait, and its trouble is not logged again") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  WaitingJob job = fixture.queue.take_first();
   job.trouble = "it cannot be claimed";
   job.waited = true;
-  desk.queue.put_first(std::move(job));
-  desk.queue.arrived("a.stl");
-  CHECK(desk.queue.jobs().front().trouble == "it cannot be claimed");
-  CHECK_FALSE(desk.queue.jobs().front().waited);
+  fixture.queue.put_first(std::move(job));
+  fixture.queue.arrived("a.stl");
+  CHECK(fixture.queue.jobs().front().trouble == "it cannot be claimed");
+  CHECK_FALSE(fixture.queue.jobs().front().waited);
 }
 
-TEST_CASE("Each job is checked once, one call after the other, the first that was not checked first") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl"});
+TEST_CASE("Each call checks the first unchecked job, so that each job is checked once") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl"});
   for (int i = 0; i < 3; ++i)
-    desk.queue.check_next();
-  REQUIRE(desk.checks.size() == 2);
-  CHECK(desk.checks[0].file == "a.stl");
-  CHECK(desk.checks[1].file == "b.stl");
+    fixture.queue.check_next();
+  REQUIRE(fixture.checks.size() == 2);
+  CHECK(fixture.checks[0].file == "a.stl");
+  CHECK(fixture.checks[1].file == "b.stl");
 }
 
-TEST_CASE("What the check of the next job has prepared is kept, and of no other") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl"});
-  desk.queue.check_next();
-  desk.queue.check_next();
-  REQUIRE(desk.checks.size() == 2);
-  CHECK(desk.checks[0].keep == JobReader::Keep::Prepared);
-  CHECK(desk.checks[1].keep == JobReader::Keep::Nothing);
+TEST_CASE("Only the check of the next job keeps the prepared job") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl"});
+  fixture.queue.check_next();
+  fixture.queue.check_next();
+  REQUIRE(fixture.checks.size() == 2);
+  CHECK(fixture.checks[0].keep == JobReader::Keep::Prepared);
+  CHECK(fixture.checks[1].keep == JobReader::Keep::Nothing);
 }
 
-TEST_CASE("A job that is written again, taken away or put last is not kept") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl"});
-  CHECK(desk.forgotten.empty());
-  desk.queue.arrived("a.stl");
-  CHECK(desk.forgotten == Names{"a.stl"});
-  desk.queue.put_last(desk.queue.take_first());
-  CHECK(desk.forgotten == Names{"a.stl", "a.stl"});
-  desk.queue.withdrawn("b.stl");
-  CHECK(desk.forgotten == Names{"a.stl", "a.stl", "b.stl"});
+TEST_CASE("The cached preparation of a job that is rewritten, removed or put last is discarded") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl"});
+  CHECK(fixture.forgotten.empty());
+  fixture.queue.arrived("a.stl");
+  CHECK(fixture.forgotten == Names{"a.stl"});
+  fixture.queue.put_last(fixture.queue.take_first());
+  CHECK(fixture.forgotten == Names{"a.stl", "a.stl"});
+  fixture.queue.withdrawn("b.stl");
+  CHECK(fixture.forgotten == Names{"a.stl", "a.stl", "b.stl"});
 }
 
-TEST_CASE("What a check finds in a file that was written again meanwhile counts for nothing") {
-  Desk desk;
-  desk.arrive({"a.stl"});
-  desk.queue.check_next();
-  desk.queue.arrived("a.stl");
-  desk.checks[0].done(JobRefusal{"no model"});
-  CHECK(desk.rejections.empty());
-  CHECK(desk.queue.jobs().front().check == Check::Wanted);
+TEST_CASE("The result of a check is ignored if the file was rewritten meanwhile") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  fixture.queue.check_next();
+  fixture.queue.arrived("a.stl");
+  fixture.checks[0].done(JobRefusal{"no model"});
+  CHECK(fixture.rejections.empty());
+  CHECK(fixture.queue.jobs().front().check == Check::Wanted);
 }
 
-TEST_CASE("What a check finds in a file counts for nothing when the new one is being checked already") {
-  Desk desk;
-  desk.arrive({"a.stl"});
-  desk.queue.check_next();
-  desk.queue.arrived("a.stl");
-  desk.queue.check_next();
-  REQUIRE(desk.checks.size() == 2);
-  desk.checks[0].done(JobRefusal{"no model"});
-  CHECK(desk.rejections.empty());
-  CHECK(desk.queue.jobs().front().check == Check::Running);
-  desk.checks[1].done(JobOutlook{});
-  CHECK(desk.queue.jobs().front().check == Check::Passed);
+TEST_CASE("The result of a check is ignored if the rewritten file is already being checked") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  fixture.queue.check_next();
+  fixture.queue.arrived("a.stl");
+  fixture.queue.check_next();
+  REQUIRE(fixture.checks.size() == 2);
+  fixture.checks[0].done(JobRefusal{"no model"});
+  CHECK(fixture.rejections.empty());
+  CHECK(fixture.queue.jobs().front().check == Check::Running);
+  fixture.checks[1].done(JobOutlook{});
+  CHECK(fixture.queue.jobs().front().check == Check::Passed);
 }
 
-TEST_CASE("What a check finds in a job that is gone counts for nothing") {
-  Desk desk;
-  desk.arrive({"a.stl"});
-  desk.queue.check_next();
-  desk.queue.withdrawn("a.stl");
-  desk.told.clear();
-  desk.checks[0].done(JobRefusal{"no model"});
-  CHECK(desk.rejections.empty());
-  CHECK(desk.told == Names{"changed"});
+TEST_CASE("The result of a check is ignored if the job is gone") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  fixture.queue.check_next();
+  fixture.queue.withdrawn("a.stl");
+  fixture.reported.clear();
+  fixture.checks[0].done(JobRefusal{"no model"});
+  CHECK(fixture.rejections.empty());
+  CHECK(fixture.reported == Names{"changed"});
 }
 
-TEST_CASE("A job that its owner takes away leaves the queue, and another file's going is nothing to it") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl"});
-  desk.told.clear();
-  desk.queue.withdrawn("c.stl");
-  CHECK(desk.told.empty());
-  desk.queue.withdrawn("a.stl");
-  CHECK(desk.order() == Names{"b.stl"});
-  CHECK(desk.log.has("info: a.stl: taken away by the owner"));
-  CHECK(desk.told == Names{"changed"});
+TEST_CASE("A job whose file is removed leaves the queue, and the removal of other files changes nothing") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl"});
+  fixture.reported.clear();
+  fixture.queue.withdrawn("c.stl");
+  CHECK(fixture.reported.empty());
+  fixture.queue.withdrawn("a.stl");
+  CHECK(fixture.order() == Names{"b.stl"});
+  CHECK(fixture.log.has("info: a.stl: removed from incoming by a user"));
+  CHECK(fixture.reported == Names{"changed"});
 }
 
-TEST_CASE("A refused job stays until its files are in failed/, then it is told before the queue goes on") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl"});
-  desk.begin_to_refuse("no model");
-  REQUIRE(desk.rejections.size() == 1);
-  CHECK(desk.rejections[0].reason == "no model\n");
-  CHECK(desk.order() == Names{"a.stl", "b.stl"});
-  CHECK_FALSE(desk.log.has("no model"));
-  desk.told.clear();
-  desk.rejections[0].done(Spool::Rejection::Filed, "");
-  CHECK(desk.order() == Names{"b.stl"});
-  CHECK(desk.told == Names{"refused a.stl: no model", "changed"});
-  CHECK(desk.log.has("error: a.stl: no model"));
+TEST_CASE("A refused job stays until its files are in failed/, and is reported before the queue continues") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl"});
+  fixture.begin_to_refuse("no model");
+  REQUIRE(fixture.rejections.size() == 1);
+  CHECK(fixture.rejections[0].reason == "no model\n");
+  CHECK(fixture.order() == Names{"a.stl", "b.stl"});
+  CHECK_FALSE(fixture.log.has("no model"));
+  fixture.reported.clear();
+  fixture.rejections[0].done(Spool::Rejection::Filed, "");
+  CHECK(fixture.order() == Names{"b.stl"});
+  CHECK(fixture.reported == Names{"refused a.stl: no model", "changed"});
+  CHECK(fixture.log.has("error: a.stl: no model"));
 }
 
-TEST_CASE("What the spool takes away as it refuses it was not taken away by its owner") {
-  Desk desk;
-  desk.arrive({"a.stl"});
-  desk.begin_to_refuse("no model");
-  desk.queue.withdrawn("a.stl");
-  CHECK(desk.order() == Names{"a.stl"});
-  desk.rejections[0].done(Spool::Rejection::Filed, "");
-  CHECK(desk.order().empty());
-  CHECK_FALSE(desk.log.has("taken away"));
+TEST_CASE("A file that the spool moves to failed/ is not logged as removed by a user") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  fixture.begin_to_refuse("no model");
+  fixture.queue.withdrawn("a.stl");
+  CHECK(fixture.order() == Names{"a.stl"});
+  fixture.rejections[0].done(Spool::Rejection::Filed, "");
+  CHECK(fixture.order().empty());
+  CHECK_FALSE(fixture.log.has("removed from incoming"));
 }
 
-TEST_CASE("What its owner takes away while it is refused leaves the queue") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl"});
-  desk.begin_to_refuse("no model");
-  desk.queue.withdrawn("a.stl");
-  desk.told.clear();
-  desk.rejections[0].done(Spool::Rejection::Unfinished, "");
-  CHECK(desk.order() == Names{"b.stl"});
-  CHECK(desk.log.has("a.stl: taken away by the owner"));
-  CHECK(desk.told == Names{"changed"});
+TEST_CASE("A job that a user removes during its refusal leaves the queue") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl"});
+  fixture.begin_to_refuse("no model");
+  fixture.queue.withdrawn("a.stl");
+  fixture.reported.clear();
+  fixture.rejections[0].done(Spool::Rejection::Unfinished, "");
+  CHECK(fixture.order() == Names{"b.stl"});
+  CHECK(fixture.log.has("a.stl: removed from incoming by a user"));
+  CHECK(fixture.reported == Names{"changed"});
 }
 
-TEST_CASE("What its owner writes anew while it is refused keeps its place") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl"});
-  desk.begin_to_refuse("no model");
-  desk.told.clear();
-  desk.rejections[0].done(Spool::Rejection::Unfinished, "");
-  CHECK(desk.order() == Names{"a.stl", "b.stl"});
-  CHECK(desk.told == Names{"changed"});
-  CHECK_FALSE(desk.log.has("no model"));
+TEST_CASE("A job that a user rewrites during its refusal keeps its place") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl"});
+  fixture.begin_to_refuse("no model");
+  fixture.reported.clear();
+  fixture.rejections[0].done(Spool::Rejection::Unfinished, "");
+  CHECK(fixture.order() == Names{"a.stl", "b.stl"});
+  CHECK(fixture.reported == Names{"changed"});
+  CHECK_FALSE(fixture.log.has("no model"));
 }
 
-TEST_CASE("What is seen again while it is refused went to failed, or was written anew") {
-  Desk desk;
-  desk.arrive({"a.stl"});
-  desk.begin_to_refuse("no model");
-  desk.queue.arrived("a.stl");
-  SECTION("it went, and its owner did not take it") {
-    desk.queue.withdrawn("a.stl");
-    desk.rejections[0].done(Spool::Rejection::Filed, "");
-    CHECK(desk.order().empty());
-    CHECK_FALSE(desk.log.has("taken away"));
+TEST_CASE("A file that arrives again during its refusal went to failed/ or was rewritten") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  fixture.begin_to_refuse("no model");
+  fixture.queue.arrived("a.stl");
+  SECTION("it went to failed/, and no user removed it") {
+    fixture.queue.withdrawn("a.stl");
+    fixture.rejections[0].done(Spool::Rejection::Filed, "");
+    CHECK(fixture.order().empty());
+    CHECK_FALSE(fixture.log.has("removed from incoming"));
   }
-  SECTION("it is new, and is checked") {
-    desk.rejections[0].done(Spool::Rejection::Unfinished, "");
-    desk.queue.check_next();
-    CHECK(desk.checks.size() == 2);
+  SECTION("it was rewritten, and is checked") {
+    fixture.rejections[0].done(Spool::Rejection::Unfinished, "");
+    fixture.queue.check_next();
+    CHECK(fixture.checks.size() == 2);
   }
-  SECTION("its owner took it away before") {
-    desk.queue.withdrawn("a.stl");
-    desk.queue.arrived("a.stl");
-    desk.rejections[0].done(Spool::Rejection::Unfinished, "");
-    CHECK(desk.order() == Names{"a.stl"});
-    CHECK_FALSE(desk.log.has("taken away"));
+  SECTION("a user removed it before") {
+    fixture.queue.withdrawn("a.stl");
+    fixture.queue.arrived("a.stl");
+    fixture.rejections[0].done(Spool::Rejection::Unfinished, "");
+    CHECK(fixture.order() == Names{"a.stl"});
+    CHECK_FALSE(fixture.log.has("removed from incoming"));
   }
 }
 
-TEST_CASE("What arrives behind a refusal is a job of its own") {
-  Desk desk;
-  desk.arrive({"a.stl"});
-  desk.begin_to_refuse("no model");
-  desk.rejections[0].done(Spool::Rejection::Filed, "");
-  desk.queue.arrived("a.stl");
-  CHECK(desk.order() == Names{"a.stl"});
-  CHECK(desk.queue.first_may_begin());
+TEST_CASE("A file that arrives after the refusal of another with its name is a new job") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  fixture.begin_to_refuse("no model");
+  fixture.rejections[0].done(Spool::Rejection::Filed, "");
+  fixture.queue.arrived("a.stl");
+  CHECK(fixture.order() == Names{"a.stl"});
+  CHECK(fixture.queue.first_may_begin());
 }
 
-TEST_CASE("A refused job whose files cannot be moved leaves the queue, and that is told") {
-  Desk desk;
-  desk.arrive({"a.stl"});
-  desk.begin_to_refuse("no model");
-  SECTION("they may be deleted") {
-    desk.rejections[0].done(Spool::Rejection::LeftThere, "");
-    CHECK(desk.log.has("warning: a.stl: stays in incoming, because it cannot be moved; it may be deleted"));
+TEST_CASE("A refused job whose files cannot be moved leaves the queue, and the log says so") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  fixture.begin_to_refuse("no model");
+  SECTION("its files may be deleted") {
+    fixture.rejections[0].done(Spool::Rejection::LeftThere, "");
+    CHECK(
+        fixture.log.has("warning: a.stl: stays in incoming, because it cannot be moved; it may be deleted"));
   }
-  SECTION("nobody knows what becomes of them") {
-    desk.rejections[0].done(Spool::Rejection::Impossible, "no room");
-    CHECK(desk.log.has("error: a.stl: cannot be moved to failed: no room"));
+  SECTION("the move has failed") {
+    fixture.rejections[0].done(Spool::Rejection::Impossible, "no room");
+    CHECK(fixture.log.has("error: a.stl: cannot be moved to failed: no room"));
   }
-  CHECK(desk.order().empty());
+  CHECK(fixture.order().empty());
 }
 
-TEST_CASE("A job for which there is no room is told once, and read again when there may be") {
-  Desk desk;
-  desk.arrive({"a.stl"});
+TEST_CASE("A job for which memory is short is logged once, and checked again later") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl"});
   for (const char* why : {"it takes 900 MB", "it takes 901 MB"}) {
-    desk.queue.check_next();
-    desk.checks.back().done(JobRefusal{why, true});
-    CHECK(desk.queue.jobs().front().postponed == why);
-    desk.queue.check_next();  // it is not wanted by itself
-    desk.queue.check_postponed();
+    fixture.queue.check_next();
+    fixture.checks.back().done(JobRefusal{why, true});
+    CHECK(fixture.queue.jobs().front().postponed == why);
+    fixture.queue.check_next();  // starts no check before check_postponed()
+    fixture.queue.check_postponed();
   }
-  CHECK(desk.checks.size() == 2);
-  CHECK(desk.log.count("a.stl: is read later") == 1);
-  desk.queue.check_next();
-  desk.checks.back().done(JobOutlook{});
-  CHECK(desk.queue.jobs().front().postponed.empty());
-  CHECK(desk.queue.jobs().front().check == Check::Passed);
+  CHECK(fixture.checks.size() == 2);
+  CHECK(fixture.log.count("a.stl: will be read later") == 1);
+  fixture.queue.check_next();
+  fixture.checks.back().done(JobOutlook{});
+  CHECK(fixture.queue.jobs().front().postponed.empty());
+  CHECK(fixture.queue.jobs().front().check == Check::Passed);
 }
 
-TEST_CASE("A broken profile is no reason to refuse the job that names it") {
-  Desk desk;
-  desk.arrive({"a.stl"});
-  desk.queue.check_next();
-  desk.checks[0].done(JobRefusal{"the profile is broken", false, "standard.json: it is broken"});
-  CHECK(desk.rejections.empty());
-  CHECK(desk.log.has("warning: a.stl: standard.json: it is broken"));
-  CHECK(desk.queue.jobs().front().check == Check::Passed);
+TEST_CASE("A job is not refused because its resin profile is broken") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  fixture.queue.check_next();
+  fixture.checks[0].done(JobRefusal{"the profile is broken", false, "standard.json: it is broken"});
+  CHECK(fixture.rejections.empty());
+  CHECK(fixture.log.has("warning: a.stl: standard.json: it is broken"));
+  CHECK(fixture.queue.jobs().front().check == Check::Passed);
 }
 
-TEST_CASE("The first job does not begin while it is being checked, nor while any is being refused") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl"});
-  CHECK(desk.queue.first_may_begin());
-  desk.queue.check_next();
-  CHECK_FALSE(desk.queue.first_may_begin());
-  desk.checks[0].done(JobOutlook{});
-  CHECK(desk.queue.first_may_begin());
-  desk.begin_to_refuse("no model");
-  CHECK(desk.rejections[0].file == "b.stl");
-  CHECK_FALSE(desk.queue.first_may_begin());
-  desk.rejections[0].done(Spool::Rejection::Filed, "");
-  CHECK(desk.queue.first_may_begin());
+TEST_CASE("The first job does not begin during its check, nor while any job is being refused") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl"});
+  CHECK(fixture.queue.first_may_begin());
+  fixture.queue.check_next();
+  CHECK_FALSE(fixture.queue.first_may_begin());
+  fixture.checks[0].done(JobOutlook{});
+  CHECK(fixture.queue.first_may_begin());
+  fixture.begin_to_refuse("no model");
+  CHECK(fixture.rejections[0].file == "b.stl");
+  CHECK_FALSE(fixture.queue.first_may_begin());
+  fixture.rejections[0].done(Spool::Rejection::Filed, "");
+  CHECK(fixture.queue.first_may_begin());
 }
 
-TEST_CASE("A job can be moved to any place, and the order is kept down to where it was or is") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl", "c.stl", "d.stl"});
-  desk.told.clear();
-  desk.queue.move("c.stl", 0);
-  CHECK(desk.order() == Names{"c.stl", "a.stl", "b.stl", "d.stl"});
-  CHECK(desk.kept.back() == Names{"c.stl", "a.stl", "b.stl"});
-  CHECK(desk.told == Names{"changed"});
-  CHECK(desk.log.has("info: c.stl: number 1 in the queue now"));
-  desk.order_kept("");
-  desk.queue.move("a.stl", 99);
-  CHECK(desk.order() == Names{"c.stl", "b.stl", "d.stl", "a.stl"});
-  CHECK(desk.kept.back() == desk.order());
-  desk.order_kept("");
-  desk.queue.move("b.stl", 2);
-  CHECK(desk.order() == Names{"c.stl", "d.stl", "b.stl", "a.stl"});
-  CHECK(desk.kept.back() == desk.order());
+TEST_CASE("A job can be moved to any place, and the order is saved up to its old or new place") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl", "c.stl", "d.stl"});
+  fixture.reported.clear();
+  fixture.queue.move("c.stl", 0);
+  CHECK(fixture.order() == Names{"c.stl", "a.stl", "b.stl", "d.stl"});
+  CHECK(fixture.kept.back() == Names{"c.stl", "a.stl", "b.stl"});
+  CHECK(fixture.reported == Names{"changed"});
+  CHECK(fixture.log.has("info: c.stl: number 1 in the queue now"));
+  fixture.order_kept("");
+  fixture.queue.move("a.stl", 99);
+  CHECK(fixture.order() == Names{"c.stl", "b.stl", "d.stl", "a.stl"});
+  CHECK(fixture.kept.back() == fixture.order());
+  fixture.order_kept("");
+  fixture.queue.move("b.stl", 2);
+  CHECK(fixture.order() == Names{"c.stl", "d.stl", "b.stl", "a.stl"});
+  CHECK(fixture.kept.back() == fixture.order());
 }
 
-TEST_CASE("A job that is moved to where it is changes nothing") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl"});
-  desk.told.clear();
-  desk.queue.move("b.stl", 1);
-  CHECK(desk.kept.empty());
-  CHECK(desk.told.empty());
+TEST_CASE("Moving a job to its own place changes nothing") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl"});
+  fixture.reported.clear();
+  fixture.queue.move("b.stl", 1);
+  CHECK(fixture.kept.empty());
+  CHECK(fixture.reported.empty());
 }
 
-TEST_CASE("The order is written once at a time, the latest of it") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl", "c.stl"});
-  desk.queue.move("c.stl", 0);
-  desk.queue.move("b.stl", 0);
-  desk.queue.move("a.stl", 0);
-  CHECK(desk.kept.size() == 1);
-  desk.order_kept("");
-  REQUIRE(desk.kept.size() == 2);
-  CHECK(desk.kept.back() == Names{"a.stl", "b.stl", "c.stl"});
-  desk.order_kept("");
-  CHECK(desk.kept.size() == 2);
+TEST_CASE("The order is saved one write at a time, and the latest one is written last") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl", "c.stl"});
+  fixture.queue.move("c.stl", 0);
+  fixture.queue.move("b.stl", 0);
+  fixture.queue.move("a.stl", 0);
+  CHECK(fixture.kept.size() == 1);
+  fixture.order_kept("");
+  REQUIRE(fixture.kept.size() == 2);
+  CHECK(fixture.kept.back() == Names{"a.stl", "b.stl", "c.stl"});
+  fixture.order_kept("");
+  CHECK(fixture.kept.size() == 2);
 }
 
-TEST_CASE("What has left the queue is not in its order any more") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl", "c.stl", "d.stl"});
-  desk.queue.move("d.stl", 0);
-  desk.order_kept("");
+TEST_CASE("A job that has left the queue is removed from the saved order") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl", "c.stl", "d.stl"});
+  fixture.queue.move("d.stl", 0);
+  fixture.order_kept("");
   SECTION("claimed") {
-    const WaitingJob job = desk.queue.take_first();
-    CHECK(desk.kept.size() == 1);
-    desk.queue.claimed(job.file);
-    CHECK(desk.kept.back() == Names{"a.stl", "b.stl", "c.stl"});
+    const WaitingJob job = fixture.queue.take_first();
+    CHECK(fixture.kept.size() == 1);
+    fixture.queue.claimed(job.file);
+    CHECK(fixture.kept.back() == Names{"a.stl", "b.stl", "c.stl"});
   }
   SECTION("put last") {
-    desk.queue.put_last(desk.queue.take_first());
-    CHECK(desk.kept.back() == Names{"a.stl", "b.stl", "c.stl"});
+    fixture.queue.put_last(fixture.queue.take_first());
+    CHECK(fixture.kept.back() == Names{"a.stl", "b.stl", "c.stl"});
   }
-  SECTION("taken away") {
-    desk.queue.withdrawn("b.stl");
-    CHECK(desk.kept.back() == Names{"d.stl", "a.stl", "c.stl"});
+  SECTION("removed") {
+    fixture.queue.withdrawn("b.stl");
+    CHECK(fixture.kept.back() == Names{"d.stl", "a.stl", "c.stl"});
   }
   SECTION("refused") {
-    desk.queue.refuse_first("no");
-    desk.rejections.back().done(Spool::Rejection::Filed, "");
-    CHECK(desk.kept.back() == Names{"a.stl", "b.stl", "c.stl"});
+    fixture.queue.refuse_first("no");
+    fixture.rejections.back().done(Spool::Rejection::Filed, "");
+    CHECK(fixture.kept.back() == Names{"a.stl", "b.stl", "c.stl"});
   }
 }
 
-TEST_CASE("A job that could not be claimed has kept its place") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl"});
-  desk.queue.move("b.stl", 0);
-  desk.queue.put_first(desk.queue.take_first());
-  CHECK(desk.order() == Names{"b.stl", "a.stl"});
-  CHECK(desk.kept.size() == 1);
-}
-
-TEST_CASE("After a restart jobs have their places, in whatever order they are seen, and new ones come last") {
-  Desk desk;
-  desk.queue.load_order({"c.stl", "gone.stl", "a.stl", "b.stl"});
-  desk.arrive({"a.stl", "new.stl", "b.stl", "c.stl"});
-  CHECK(desk.order() == Names{"c.stl", "a.stl", "b.stl", "new.stl"});
-  CHECK(desk.log.has("info: c.stl: arrived, number 1 in the queue"));
-  CHECK(desk.kept.empty());
-  desk.queue.move("new.stl", 1);
-  CHECK(desk.order() == Names{"c.stl", "new.stl", "a.stl", "b.stl"});
-  CHECK(desk.kept.back() == Names{"c.stl", "gone.stl", "new.stl", "a.stl", "b.stl"});
-  desk.queue.arrived("gone.stl");
-  CHECK(desk.order() == Names{"c.stl", "gone.stl", "new.stl", "a.stl", "b.stl"});
-}
-
-TEST_CASE("An order that the disk does not take is told once, and the next one is tried") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl"});
-  for (int i = 0; i < 3; ++i) {
-    desk.queue.move("b.stl", i == 1 ? 1 : 0);
-    desk.order_kept("no room");
-  }
-  CHECK(desk.kept.size() == 3);
-  CHECK(desk.log.count("warning: the queue's order will be lost with a restart: no room") == 1);
+TEST_CASE("A job that could not be claimed keeps its place") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl"});
+  fixture.queue.move("b.stl", 0);
+  fixture.queue.put_first(fixture.queue.take_first());
+  CHECK(fixture.order() == Names{"b.stl", "a.stl"});
+  CHECK(fixture.kept.size() == 1);
 }
 
 TEST_CASE(
-    "A removed job is filed with its reason, is no mistake, and keeps the next from beginning until then") {
-  Desk desk;
-  desk.arrive({"a.stl", "b.stl"});
-  desk.queue.check_next();
-  desk.told.clear();
-  desk.queue.remove("a.stl", "removed by me");
-  CHECK(desk.forgotten == Names{"a.stl"});
-  CHECK(desk.order() == Names{"a.stl", "b.stl"});
-  CHECK_FALSE(desk.queue.first_may_begin());
-  desk.checks[0].done(JobRefusal{"no model"});  // of nobody's interest any more
-  REQUIRE(desk.rejections.size() == 1);
-  CHECK(desk.rejections[0].reason == "removed by me\n");
-  desk.told.clear();
-  desk.rejections[0].done(Spool::Rejection::Filed, "");
-  CHECK(desk.order() == Names{"b.stl"});
-  CHECK(desk.told == Names{"removed a.stl: removed by me", "changed"});
-  CHECK(desk.log.has("info: a.stl: removed by me"));
+    "After a restart jobs have their saved places, in whatever order they arrive, and new ones come last") {
+  QueueFixture fixture;
+  fixture.queue.load_order({"c.stl", "gone.stl", "a.stl", "b.stl"});
+  fixture.arrive({"a.stl", "new.stl", "b.stl", "c.stl"});
+  CHECK(fixture.order() == Names{"c.stl", "a.stl", "b.stl", "new.stl"});
+  CHECK(fixture.log.has("info: c.stl: arrived, number 1 in the queue"));
+  CHECK(fixture.kept.empty());
+  fixture.queue.move("new.stl", 1);
+  CHECK(fixture.order() == Names{"c.stl", "new.stl", "a.stl", "b.stl"});
+  CHECK(fixture.kept.back() == Names{"c.stl", "gone.stl", "new.stl", "a.stl", "b.stl"});
+  fixture.queue.arrived("gone.stl");
+  CHECK(fixture.order() == Names{"c.stl", "gone.stl", "new.stl", "a.stl", "b.stl"});
 }
 
-TEST_CASE("A job that somebody writes anew is not removed, and that is told") {
-  Desk desk;
-  desk.arrive({"a.stl"});
-  desk.queue.remove("a.stl", "removed by me");
-  desk.queue.arrived("a.stl");
-  desk.rejections[0].done(Spool::Rejection::Unfinished, "");
-  CHECK(desk.order() == Names{"a.stl"});
-  CHECK(desk.queue.jobs().front().check == Check::Wanted);
-  CHECK(desk.log.has("warning: a.stl: stays in the queue, because somebody is writing it anew"));
+TEST_CASE("A failure to save the order is logged once, and the next order is tried") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl"});
+  for (int i = 0; i < 3; ++i) {
+    fixture.queue.move("b.stl", i == 1 ? 1 : 0);
+    fixture.order_kept("no room");
+  }
+  CHECK(fixture.kept.size() == 3);
+  CHECK(fixture.log.count("warning: cannot save the order of the queue; a restart will lose it: no room") ==
+        1);
 }
 
-TEST_CASE("What a check has found counts until the file is written again") {
-  Desk desk;
-  desk.arrive({"a.stl"});
-  desk.queue.check_next();
-  desk.checks[0].done(JobOutlook{.layers = 7});
-  REQUIRE(desk.queue.jobs().front().outlook);
-  CHECK(desk.queue.jobs().front().outlook->layers == 7);
-  desk.queue.arrived("a.stl");
-  CHECK_FALSE(desk.queue.jobs().front().outlook);
+TEST_CASE(
+    "A removed job goes to failed/ with its reason and without an error, and no job begins until then") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl"});
+  fixture.queue.check_next();
+  fixture.reported.clear();
+  fixture.queue.remove("a.stl", "removed by me");
+  CHECK(fixture.forgotten == Names{"a.stl"});
+  CHECK(fixture.order() == Names{"a.stl", "b.stl"});
+  CHECK_FALSE(fixture.queue.first_may_begin());
+  fixture.checks[0].done(JobRefusal{"no model"});  // ignored
+  REQUIRE(fixture.rejections.size() == 1);
+  CHECK(fixture.rejections[0].reason == "removed by me\n");
+  fixture.reported.clear();
+  fixture.rejections[0].done(Spool::Rejection::Filed, "");
+  CHECK(fixture.order() == Names{"b.stl"});
+  CHECK(fixture.reported == Names{"removed a.stl: removed by me", "changed"});
+  CHECK(fixture.log.has("info: a.stl: removed by me"));
 }
 
-TEST_CASE("Where nobody is to be asked, no job is looked through") {
-  Desk desk;
-  desk.arrive({"a.stl"});
-  CHECK_FALSE(desk.queue.questions().wanted());
-  CHECK(desk.queue.first_unanalyzed().empty());
-  CHECK(desk.queue.questions().knows(std::nullopt, {}, std::nullopt));
+TEST_CASE("A job that is being rewritten is not removed, and the log says so") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  fixture.queue.remove("a.stl", "removed by me");
+  fixture.queue.arrived("a.stl");
+  fixture.rejections[0].done(Spool::Rejection::Unfinished, "");
+  CHECK(fixture.order() == Names{"a.stl"});
+  CHECK(fixture.queue.jobs().front().check == Check::Wanted);
+  CHECK(fixture.log.has("warning: a.stl: stays in the queue, because it is being rewritten"));
 }
 
-TEST_CASE("Jobs are looked through one after the other, behind all checks, and the next one is kept") {
-  AskingDesk desk;
-  desk.check_ends = false;
-  desk.arrive({"a.stl"});
-  desk.queue.check_next();
-  CHECK(desk.analyses.empty());
-  desk.check_ends = true;
-  desk.arrive({"b.stl", "c.stl"});
-  CHECK(desk.analyses.empty());  // the first's check has not ended
-  desk.queue.arrived("a.stl");
-  desk.queue.check_next();
+TEST_CASE("The result of a check is valid until the file is rewritten") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  fixture.queue.check_next();
+  fixture.checks[0].done(JobOutlook{.layers = 7});
+  REQUIRE(fixture.queue.jobs().front().outlook);
+  CHECK(fixture.queue.jobs().front().outlook->layers == 7);
+  fixture.queue.arrived("a.stl");
+  CHECK_FALSE(fixture.queue.jobs().front().outlook);
+}
+
+TEST_CASE("Without ask_before no job is analyzed") {
+  QueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  CHECK_FALSE(fixture.queue.questions().wanted());
+  CHECK(fixture.queue.first_unanalyzed().empty());
+  CHECK(fixture.queue.questions().knows(std::nullopt, {}, std::nullopt));
+}
+
+TEST_CASE("Jobs are analyzed one at a time after all checks, and only the next one is kept") {
+  AskingQueueFixture fixture;
+  fixture.check_ends = false;
+  fixture.arrive({"a.stl"});
+  fixture.queue.check_next();
+  CHECK(fixture.analyses.empty());
+  fixture.check_ends = true;
+  fixture.arrive({"b.stl", "c.stl"});
+  CHECK(fixture.analyses.empty());  // the check of a.stl has not ended
+  fixture.queue.arrived("a.stl");
+  fixture.queue.check_next();
   for (int i = 0; i < 3; ++i)
-    desk.queue.check_next();
-  REQUIRE(desk.analyses.size() == 1);
-  CHECK(desk.analyses[0].file == "a.stl");
-  CHECK(desk.analyses[0].keep == JobReader::Keep::Prepared);
-  CHECK(desk.queue.first_unanalyzed() == "its layers are looked through first, as ask_before demands");
-  desk.find({});
-  CHECK(desk.queue.first_unanalyzed().empty());
-  desk.queue.check_next();
-  REQUIRE(desk.analyses.size() == 2);
-  CHECK(desk.analyses[1].file == "b.stl");
-  CHECK(desk.analyses[1].keep == JobReader::Keep::Nothing);
+    fixture.queue.check_next();
+  REQUIRE(fixture.analyses.size() == 1);
+  CHECK(fixture.analyses[0].file == "a.stl");
+  CHECK(fixture.analyses[0].keep == JobReader::Keep::Prepared);
+  CHECK(fixture.queue.first_unanalyzed() == "its layers must be analyzed first, as ask_before requires");
+  fixture.find({});
+  CHECK(fixture.queue.first_unanalyzed().empty());
+  fixture.queue.check_next();
+  REQUIRE(fixture.analyses.size() == 2);
+  CHECK(fixture.analyses[1].file == "b.stl");
+  CHECK(fixture.analyses[1].keep == JobReader::Keep::Nothing);
 }
 
-TEST_CASE("A job that asks is ignored and keeps its place") {
-  AskingDesk desk;
-  desk.arrive({"a.stl", "b.stl"});
-  desk.look_through({{"islands", "empty_layers"}, {}});
-  CHECK(desk.queue.jobs()[0].asks == Names{"islands"});
-  CHECK(desk.log.has("warning: a.stl waits: islands; \"contourctl accept a\" has it printed as it is"));
-  CHECK(desk.log.has("warning: a.stl: it has islands"));
-  REQUIRE(desk.queue.has_first());
-  CHECK(desk.queue.first() == 1);
-  WaitingJob next = desk.queue.take_first();
+TEST_CASE("A job that waits for confirmation is skipped and keeps its place") {
+  AskingQueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl"});
+  fixture.analyze({{"islands", "empty_layers"}, {}});
+  CHECK(fixture.queue.jobs()[0].asks == Names{"islands"});
+  CHECK(fixture.log.has("warning: a.stl waits: islands; run \"contourctl accept a\" to print it as it is"));
+  CHECK(fixture.log.has("warning: a.stl: it has islands"));
+  REQUIRE(fixture.queue.has_first());
+  CHECK(fixture.queue.first() == 1);
+  WaitingJob next = fixture.queue.take_first();
   CHECK(next.file == "b.stl");
-  CHECK_FALSE(desk.queue.has_first());
-  desk.queue.put_first(std::move(next));
-  REQUIRE(desk.queue.jobs().size() == 2);
-  CHECK(desk.queue.jobs()[0].file == "a.stl");
-  CHECK(desk.queue.jobs()[1].file == "b.stl");
+  CHECK_FALSE(fixture.queue.has_first());
+  fixture.queue.put_first(std::move(next));
+  REQUIRE(fixture.queue.jobs().size() == 2);
+  CHECK(fixture.queue.jobs()[0].file == "a.stl");
+  CHECK(fixture.queue.jobs()[1].file == "b.stl");
 }
 
-TEST_CASE("An accepted job is the next one again, and is in the log with who accepted it") {
-  AskingDesk desk;
-  desk.arrive({"a.stl", "b.stl"});
-  desk.look_through({{"islands"}, {}});
-  desk.queue.accept("a.stl", "user me");
-  CHECK(desk.queue.first() == 0);
-  CHECK(desk.questions_told == 2);  // it asks, it was accepted
-  CHECK(desk.log.has("info: a.stl: user me accepts it with islands"));
-  CHECK(desk.kept == std::vector<Acceptances::Lines>{{"1 islands"}});
+TEST_CASE("An accepted job is the next one again, and the log says who accepted it") {
+  AskingQueueFixture fixture;
+  fixture.arrive({"a.stl", "b.stl"});
+  fixture.analyze({{"islands"}, {}});
+  fixture.queue.accept("a.stl", "user me");
+  CHECK(fixture.queue.first() == 0);
+  CHECK(fixture.question_changes == 2);  // the question, then its acceptance
+  CHECK(fixture.log.has("info: a.stl: accepted by user me with islands"));
+  CHECK(fixture.kept == std::vector<Acceptances::Lines>{{"1 islands"}});
 }
 
-TEST_CASE("What was accepted needs no second word from these files, and one from others") {
-  AskingDesk desk;
-  desk.queue.questions().load_accepted({"a1 islands"});
-  desk.arrive({"a.stl", "b.stl", "c.stl"});
-  desk.find({"islands"}, "a1");
-  CHECK(desk.queue.jobs()[0].asks.empty());
-  desk.queue.check_next();
-  desk.find({"islands"}, "b1");
-  CHECK(desk.queue.jobs()[1].asks == Names{"islands"});
-  desk.queue.check_next();
-  desk.find({"islands", "cracks"}, "a1");
-  CHECK(desk.queue.jobs()[2].asks == Names{"cracks"});
+TEST_CASE(
+    "An accepted finding needs no second confirmation for the same content, but one for other content") {
+  AskingQueueFixture fixture;
+  fixture.queue.questions().load_accepted({"a1 islands"});
+  fixture.arrive({"a.stl", "b.stl", "c.stl"});
+  fixture.find({"islands"}, "a1");
+  CHECK(fixture.queue.jobs()[0].asks.empty());
+  fixture.queue.check_next();
+  fixture.find({"islands"}, "b1");
+  CHECK(fixture.queue.jobs()[1].asks == Names{"islands"});
+  fixture.queue.check_next();
+  fixture.find({"islands", "cracks"}, "a1");
+  CHECK(fixture.queue.jobs()[2].asks == Names{"cracks"});
 }
 
-TEST_CASE("A job that was checked and has places that cannot be held waits for its owner") {
-  AskingDesk desk;
+TEST_CASE("A checked job with places that cannot be held waits for confirmation") {
+  AskingQueueFixture fixture;
   JobOutlook outlook;
   outlook.question =
       AnalyzedJob{{.resin_ml = {}, .findings = {"unheld_places"}, .warnings = {"1 place"}}, "a1", {}};
-  SECTION("where nothing else is asked about") {
-    PrintQueue queue(desk.log.log, desk.calls_without_analysis(outlook));
+  SECTION("without ask_before") {
+    PrintQueue queue(fixture.log.log, fixture.calls_without_analysis(outlook));
     queue.arrived("a.stl");
     queue.check_next();
     CHECK_FALSE(queue.has_first());
     CHECK(queue.jobs()[0].asks == Names{"unheld_places"});
-    CHECK(desk.log.has("warning: a.stl waits: unheld places; \"contourctl accept a\""));
-    CHECK(desk.log.has("warning: a.stl: 1 place"));
+    CHECK(fixture.log.has("warning: a.stl waits: unheld places; run \"contourctl accept a\""));
+    CHECK(fixture.log.has("warning: a.stl: 1 place"));
     queue.accept("a.stl", "user me");
     CHECK(queue.has_first());
     CHECK(queue.questions().has_accepted(queue.jobs()[0].analyzed, "unheld_places"));
   }
-  SECTION("where its layers are looked through, by what that finds") {
-    desk.arrive({"a.stl"});
-    CHECK(desk.queue.has_first());
-    desk.find({"unheld_places"});
-    CHECK_FALSE(desk.queue.has_first());
+  SECTION("with ask_before, after its analysis") {
+    fixture.arrive({"a.stl"});
+    CHECK(fixture.queue.has_first());
+    fixture.find({"unheld_places"});
+    CHECK_FALSE(fixture.queue.has_first());
   }
 }
 
-TEST_CASE("What was accepted is forgotten when the job has ended, and not when it only begins") {
-  AskingDesk desk;
-  desk.arrive({"a.stl"});
-  desk.find({"islands"}, "a1");
-  desk.queue.accept("a.stl", "user me");
-  desk.queue.questions().begun(desk.queue.take_first().analyzed);
-  CHECK(desk.kept.back() == Acceptances::Lines{"a1 islands"});
-  desk.queue.questions().ended();
-  CHECK(desk.kept.back().empty());
+TEST_CASE("Acceptances are forgotten when the job ends, not when it begins") {
+  AskingQueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  fixture.find({"islands"}, "a1");
+  fixture.queue.accept("a.stl", "user me");
+  fixture.queue.questions().begun(fixture.queue.take_first().analyzed);
+  CHECK(fixture.kept.back() == Acceptances::Lines{"a1 islands"});
+  fixture.queue.questions().ended();
+  CHECK(fixture.kept.back().empty());
 }
 
-TEST_CASE("A job that is written again while it asks, or is looked through, is looked through again") {
-  AskingDesk desk;
-  desk.arrive({"a.stl"});
-  const auto late = desk.analyses[0].done;
-  desk.queue.arrived("a.stl");
+TEST_CASE(
+    "A job that is rewritten during its analysis, or while it waits for confirmation, is analyzed again") {
+  AskingQueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  const auto late = fixture.analyses[0].done;
+  fixture.queue.arrived("a.stl");
   late(AnalyzedJob{});
-  CHECK_FALSE(desk.queue.jobs()[0].analyzed);
-  desk.queue.check_next();
-  desk.queue.check_next();
-  REQUIRE(desk.analyses.size() == 2);
-  desk.find({"islands"});
-  CHECK_FALSE(desk.queue.has_first());
-  desk.queue.arrived("a.stl");
-  CHECK(desk.queue.has_first());
-  CHECK_FALSE(desk.queue.first_unanalyzed().empty());
+  CHECK_FALSE(fixture.queue.jobs()[0].analyzed);
+  fixture.queue.check_next();
+  fixture.queue.check_next();
+  REQUIRE(fixture.analyses.size() == 2);
+  fixture.find({"islands"});
+  CHECK_FALSE(fixture.queue.has_first());
+  fixture.queue.arrived("a.stl");
+  CHECK(fixture.queue.has_first());
+  CHECK_FALSE(fixture.queue.first_unanalyzed().empty());
 }
 
-TEST_CASE("A analysis that was given up is made again, and one that finds a mistake refuses the job") {
-  AskingDesk desk;
-  desk.arrive({"a.stl"});
-  desk.analyses[0].done(ReadingGivenUp{});
-  desk.queue.check_next();
-  REQUIRE(desk.analyses.size() == 2);
-  desk.analyses[1].done(JobRefusal{"no model"});
-  CHECK(desk.refused == Names{"a.stl: no model\n"});
+TEST_CASE("An analysis that was given up is repeated, and one that finds a mistake refuses the job") {
+  AskingQueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  fixture.analyses[0].done(ReadingGivenUp{});
+  fixture.queue.check_next();
+  REQUIRE(fixture.analyses.size() == 2);
+  fixture.analyses[1].done(JobRefusal{"no model"});
+  CHECK(fixture.refused == Names{"a.stl: no model\n"});
 }
 
-TEST_CASE("Without room in memory, or with a broken profile, a job is looked through later") {
-  AskingDesk desk;
-  desk.arrive({"a.stl"});
-  SECTION("no room") {
-    desk.analyses[0].done(JobRefusal{"100 MB", true});
-    CHECK(desk.queue.jobs()[0].check == Check::Postponed);
-    CHECK(desk.queue.first_unanalyzed() == "100 MB");
+TEST_CASE("Without enough memory, or with a broken profile, a job is analyzed later") {
+  AskingQueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  SECTION("not enough memory") {
+    fixture.analyses[0].done(JobRefusal{"100 MB", true});
+    CHECK(fixture.queue.jobs()[0].check == Check::Postponed);
+    CHECK(fixture.queue.first_unanalyzed() == "100 MB");
   }
   SECTION("a broken profile") {
-    desk.analyses[0].done(JobRefusal{"wrong", false, "the resin profile x cannot be used"});
-    CHECK(desk.queue.jobs()[0].analysis == WaitingJob::Analysis::Blocked);
-    CHECK(desk.queue.first_unanalyzed() ==
-          "the resin profile x cannot be used; the queue goes on when it is mended");
+    fixture.analyses[0].done(JobRefusal{"wrong", false, "the resin profile x cannot be used"});
+    CHECK(fixture.queue.jobs()[0].analysis == WaitingJob::Analysis::Blocked);
+    CHECK(fixture.queue.first_unanalyzed() ==
+          "the resin profile x cannot be used; the queue continues when the profile is fixed");
   }
-  desk.queue.check_next();
-  CHECK(desk.analyses.size() == 1);
-  desk.queue.check_postponed();
-  desk.queue.check_next();
-  desk.queue.check_next();
-  REQUIRE(desk.analyses.size() == 2);
-  desk.find({});
-  CHECK(desk.queue.first_unanalyzed().empty());
+  fixture.queue.check_next();
+  CHECK(fixture.analyses.size() == 1);
+  fixture.queue.check_postponed();
+  fixture.queue.check_next();
+  fixture.queue.check_next();
+  REQUIRE(fixture.analyses.size() == 2);
+  fixture.find({});
+  CHECK(fixture.queue.first_unanalyzed().empty());
 }
 
-TEST_CASE("A removed job that asks is filed, whatever its analysis says later") {
-  AskingDesk desk;
-  desk.arrive({"a.stl"});
-  desk.queue.remove("a.stl", "removed by me");
-  desk.find({"islands"});
-  CHECK(desk.queue.jobs()[0].check == Check::Refused);
-  CHECK(desk.queue.jobs()[0].asks.empty());
+TEST_CASE("A job that is removed during its analysis asks for no confirmation") {
+  AskingQueueFixture fixture;
+  fixture.arrive({"a.stl"});
+  fixture.queue.remove("a.stl", "removed by me");
+  fixture.find({"islands"});
+  CHECK(fixture.queue.jobs()[0].check == Check::Refused);
+  CHECK(fixture.queue.jobs()[0].asks.empty());
 }
 
-TEST_CASE("The command that accepts a job is one for a shell, whatever the job is called") {
+TEST_CASE("The command that accepts a job is valid in a shell for every job name") {
   const auto question = [](const char* file) { return question_about(file, {"cracks"}); };
-  CHECK(question("a-1.b.stl") == "cracks; \"contourctl accept a-1.b\" has it printed as it is");
+  CHECK(question("a-1.b.stl") == "cracks; run \"contourctl accept a-1.b\" to print it as it is");
   CHECK(question("two words.stl").find("accept 'two words'\"") != std::string::npos);
   CHECK(question("it's.stl").find(R"(accept 'it'\''s'")") != std::string::npos);
   CHECK(question("-x.stl").find("accept -- -x\"") != std::string::npos);

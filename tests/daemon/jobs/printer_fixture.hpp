@@ -1,5 +1,5 @@
-// What the printer's parts work with, for their tests: a spool in a folder of its own, a simulated machine
-// whose time goes on as fast as it can, and the log as text. Not thread-safe.
+// The objects that the components of the printer share, for their tests: a spool in a folder of its own, a
+// simulated machine whose time runs as fast as it can, and the log as text. Not thread-safe.
 #pragma once
 
 #include <spdlog/sinks/ostream_sink.h>
@@ -25,7 +25,7 @@
 
 namespace contourd::testing {
 
-// The shipped simulated printer, which keeps no masks, asks for no room on the disk and holds nothing.
+// Returns the shipped simulated printer, without saved masks, free disk space or supports.
 inline PrinterConfig simulated_config(const std::filesystem::path& folder) {
   PrinterConfig config = load_printer_config(std::filesystem::path(CONTOURD_CONFIG_DIR) / "simulated.json");
   config.spool_folder = folder / "spool";
@@ -81,7 +81,7 @@ class PrinterFixture {
   void put_text(Spool::Folder where, const std::string& file, std::string_view text) const {
     std::ofstream(spool.folder(where) / file) << text;
   }
-  // By its path in the spool's folder.
+  // True if the spool folder has this path.
   [[nodiscard]] bool has(const std::string& path) const {
     return std::filesystem::exists(config.spool_folder / path);
   }
@@ -90,8 +90,8 @@ class PrinterFixture {
   }
   [[nodiscard]] std::filesystem::path state() const { return folder.path() / "spool.state"; }
 
-  // Runs the loop, and the machine's time with it, until this is so. To be called once: an event loop does
-  // not run again.
+  // Runs the loop, and the machine's time with it, until `so` returns true; returns false after 20 s. To be
+  // called once, because an event loop does not run again.
   bool run_until(const std::function<bool()>& so) {
     using namespace std::chrono_literals;
     bool reached = false;

@@ -13,9 +13,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-class Desk : public testing::PrinterFixture {
+class QueueHoldFixture : public testing::PrinterFixture {
  public:
-  // As a process that starts now has it.
+  QueueHoldFixture() { restart(); }
+
+  // Replaces the hold by one of a process that starts now.
   void restart() {
     hold = std::make_unique<QueueHold>(
         context, spool,
@@ -25,18 +27,13 @@ class Desk : public testing::PrinterFixture {
   void adopt_left_jobs(bool ended_in_reading = false) {
     hold->adopt_left_jobs([=](const JobFiles&) { return ended_in_reading; });
   }
-  // The disk does not take this record.
+  // Makes every attempt to save this record fail.
   void obstruct(const std::string& record) const { fs::create_directories(state() / record / "full"); }
-  void clear_away(const std::string& record) const { fs::remove_all(state() / record); }
+  void remove_obstacle(const std::string& record) const { fs::remove_all(state() / record); }
 
   bool lit = false;
   int retries = 0;
   std::unique_ptr<QueueHold> hold;
-};
-
-class Hold : public Desk {
- public:
-  Hold() { restart(); }
 };
 
 constexpr const char* kHeld = "queue-held";
@@ -45,160 +42,162 @@ constexpr const char* kEnded = "ended-print";
 
 std::string record_of(PrintOutcome outcome, const std::string& reason) {
   return R"({"job": "part", "outcome": ")" + std::string(name_of(outcome)) + R"(", "reason": ")" + reason +
-         "\"}";
+         R"(", "key": 1})";
 }
 
 }  // namespace
 
 TEST_CASE("A held queue stays held in the next process, until it is released") {
-  Hold desk;
-  CHECK_FALSE(desk.hold->reason());
-  desk.hold->hold("the lid is broken");
-  desk.restart();
-  CHECK(desk.hold->reason() == "the lid is broken");
-  desk.hold->release();
-  CHECK(desk.log.has("the queue goes on: the owner has seen to the printer"));
-  desk.restart();
-  CHECK_FALSE(desk.hold->reason());
+  QueueHoldFixture fixture;
+  CHECK_FALSE(fixture.hold->reason());
+  fixture.hold->hold("the lid is broken");
+  fixture.restart();
+  CHECK(fixture.hold->reason() == "the lid is broken");
+  fixture.hold->release();
+  CHECK(fixture.log.has("the queue continues: a user has released it"));
+  fixture.restart();
+  CHECK_FALSE(fixture.hold->reason());
 }
 
-TEST_CASE("A queue is held for the first reason, which is told once") {
-  Hold desk;
-  desk.hold->hold("one");
-  desk.hold->hold("two");
-  CHECK(desk.hold->reason() == "one");
-  CHECK(desk.log.count("the queue is held") == 1);
+TEST_CASE("The queue is held for the first reason, which is logged once") {
+  QueueHoldFixture fixture;
+  fixture.hold->hold("one");
+  fixture.hold->hold("two");
+  CHECK(fixture.hold->reason() == "one");
+  CHECK(fixture.log.count("the queue is held") == 1);
 }
 
-TEST_CASE("What is to be recorded waits for the dark") {
-  Hold desk;
-  desk.lit = true;
-  desk.hold->hold("the emergency stop");
-  CHECK(desk.hold->due());
-  CHECK_FALSE(desk.has_record(kHeld));
-  desk.lit = false;
-  desk.hold->keep();
-  CHECK_FALSE(desk.hold->due());
-  CHECK(desk.has_record(kHeld));
+TEST_CASE("Records are saved when the light is off") {
+  QueueHoldFixture fixture;
+  fixture.lit = true;
+  fixture.hold->hold("the emergency stop");
+  CHECK(fixture.hold->due());
+  CHECK_FALSE(fixture.has_record(kHeld));
+  fixture.lit = false;
+  fixture.hold->keep();
+  CHECK_FALSE(fixture.hold->due());
+  CHECK(fixture.has_record(kHeld));
 }
 
-TEST_CASE("What the plate holds is on the disk at once, light or not") {
-  Hold desk;
-  desk.lit = true;
-  desk.hold->set_plate_occupant("part");
-  CHECK(desk.has_record(kOccupied));
-  desk.hold->set_plate_occupant(std::nullopt);
-  CHECK_FALSE(desk.has_record(kOccupied));
+TEST_CASE("The plate's occupant is on the disk at once, even if the light is on") {
+  QueueHoldFixture fixture;
+  fixture.lit = true;
+  fixture.hold->set_plate_occupant("part");
+  CHECK(fixture.has_record(kOccupied));
+  fixture.hold->set_plate_occupant(std::nullopt);
+  CHECK_FALSE(fixture.has_record(kOccupied));
 }
 
-TEST_CASE("An owner is told what to say: plate-cleared where the plate has to be cleared too, else resume") {
-  Hold desk;
-  desk.hold->hold("part failed");
-  CHECK(desk.hold->sentence() ==
-        "the queue is held: part failed; see to the printer, then say \"contourctl resume\"");
-  desk.hold->set_plate_occupant("part");
-  CHECK(desk.hold->sentence() ==
-        "the queue is held: part failed; see to the printer and clear the plate, then say \"contourctl "
+TEST_CASE("The sentence names the command: plate-cleared if the plate must be cleared too, else resume") {
+  QueueHoldFixture fixture;
+  fixture.hold->hold("part failed");
+  CHECK(fixture.hold->sentence() ==
+        "the queue is held: part failed; check the printer, then run \"contourctl resume\"");
+  fixture.hold->set_plate_occupant("part");
+  CHECK(fixture.hold->sentence() ==
+        "the queue is held: part failed; check the printer and clear the plate, then run \"contourctl "
         "plate-cleared\"");
-  desk.config.wait_for_plate_cleared = false;
-  CHECK(desk.hold->sentence().ends_with("then say \"contourctl resume\""));
+  fixture.config.wait_for_plate_cleared = false;
+  CHECK(fixture.hold->sentence().ends_with("then run \"contourctl resume\""));
 }
 
-TEST_CASE("The hold comes before the job that is not filed, and that before the plate") {
-  Hold desk;
-  desk.hold->set_plate_occupant("old");
-  desk.put(Spool::Folder::Printing, "part.stl");
-  fs::create_directories(desk.spool.folder(Spool::Folder::Done) / "part.stl" / "full");
-  desk.hold->add_unfiled(desk.spool.files_of(Spool::Folder::Printing, "part.stl"), {PrintOutcome::Done, ""});
-  desk.hold->hold("the lid is broken");
-  CHECK(desk.hold->reason_to_wait().starts_with("the queue is held: the lid is broken"));
-  desk.hold->release();
-  CHECK(desk.hold->reason_to_wait().starts_with("part is not filed yet: "));
-  fs::remove_all(desk.spool.folder(Spool::Folder::Done) / "part.stl");
-  desk.hold->keep();
-  CHECK(desk.hold->reason_to_wait() ==
-        "the plate holds old; say \"contourctl plate-cleared\" when it is clear");
-  desk.hold->set_plate_occupant(std::nullopt);
-  CHECK(desk.hold->reason_to_wait().empty());
+TEST_CASE("The queue waits for the hold first, then for an unfiled job, then for the plate") {
+  QueueHoldFixture fixture;
+  fixture.hold->set_plate_occupant("old");
+  fixture.put(Spool::Folder::Printing, "part.stl");
+  fs::create_directories(fixture.spool.folder(Spool::Folder::Done) / "part.stl" / "full");
+  fixture.hold->add_unfiled(fixture.spool.files_of(Spool::Folder::Printing, "part.stl"),
+                            {PrintOutcome::Done, ""});
+  fixture.hold->hold("the lid is broken");
+  CHECK(fixture.hold->reason_to_wait().starts_with("the queue is held: the lid is broken"));
+  fixture.hold->release();
+  CHECK(fixture.hold->reason_to_wait().starts_with("part is not filed yet: "));
+  fs::remove_all(fixture.spool.folder(Spool::Folder::Done) / "part.stl");
+  fixture.hold->keep();
+  CHECK(fixture.hold->reason_to_wait() ==
+        "the plate holds old; run \"contourctl plate-cleared\" when it is clear");
+  fixture.hold->set_plate_occupant(std::nullopt);
+  CHECK(fixture.hold->reason_to_wait().empty());
 }
 
-TEST_CASE("An occupied plate keeps nothing where the printer does not wait for it") {
-  Hold desk;
-  desk.config.wait_for_plate_cleared = false;
-  desk.hold->set_plate_occupant("part");
-  CHECK(desk.hold->reason_to_wait().empty());
+TEST_CASE("An occupied plate keeps no job waiting if wait_for_plate_cleared is off") {
+  QueueHoldFixture fixture;
+  fixture.config.wait_for_plate_cleared = false;
+  fixture.hold->set_plate_occupant("part");
+  CHECK(fixture.hold->reason_to_wait().empty());
 }
 
-TEST_CASE("A print that did not end holds the queue, has its part on the plate and is in failed/") {
-  Hold desk;
-  desk.put(Spool::Folder::Printing, "part.stl");
-  desk.adopt_left_jobs();
-  CHECK(desk.hold->reason() == "part was interrupted: the power was cut, or contourd was killed or crashed");
-  CHECK(desk.hold->plate_occupant() == "part");
-  CHECK(desk.has("failed/part.stl"));
-  CHECK(desk.has("failed/part.reason.txt"));
-  CHECK(desk.has_record(kHeld));
-  CHECK(desk.has_record(kOccupied));
+TEST_CASE("A print that did not end holds the queue, occupies the plate and goes to failed/") {
+  QueueHoldFixture fixture;
+  fixture.put(Spool::Folder::Printing, "part.stl");
+  fixture.adopt_left_jobs();
+  CHECK(fixture.hold->reason() ==
+        "part was interrupted: the power was cut, or contourd was killed or crashed");
+  CHECK(fixture.hold->plate_occupant() == "part");
+  CHECK(fixture.has("failed/part.stl"));
+  CHECK(fixture.has("failed/part.reason.txt"));
+  CHECK(fixture.has_record(kHeld));
+  CHECK(fixture.has_record(kOccupied));
 }
 
-TEST_CASE("A print that ended and was not filed is filed by its end, which holds the queue if it failed") {
-  Hold desk;
-  desk.put(Spool::Folder::Printing, "part.stl");
+TEST_CASE("A print that ended but was not filed is filed by its end, and holds the queue if it failed") {
+  QueueHoldFixture fixture;
+  fixture.put(Spool::Folder::Printing, "part.stl");
   SECTION("done") {
-    desk.spool.records().keep_end_of_print(record_of(PrintOutcome::Done, ""));
-    desk.adopt_left_jobs();
-    CHECK(desk.has("done/part.stl"));
-    CHECK_FALSE(desk.hold->reason());
+    fixture.spool.records().keep_end_of_print(record_of(PrintOutcome::Done, ""));
+    fixture.adopt_left_jobs();
+    CHECK(fixture.has("done/part.stl"));
+    CHECK_FALSE(fixture.hold->reason());
   }
   SECTION("failed") {
-    desk.spool.records().keep_end_of_print(record_of(PrintOutcome::Failed, "the sky fell"));
-    desk.adopt_left_jobs();
-    CHECK(desk.has("failed/part.stl"));
-    CHECK(desk.hold->reason() == "part failed: the sky fell");
+    fixture.spool.records().keep_end_of_print(record_of(PrintOutcome::Failed, "the sky fell"));
+    fixture.adopt_left_jobs();
+    CHECK(fixture.has("failed/part.stl"));
+    CHECK(fixture.hold->reason() == "part failed: the sky fell");
   }
-  CHECK_FALSE(desk.hold->plate_occupant());
+  CHECK_FALSE(fixture.hold->plate_occupant());
 }
 
-TEST_CASE("How a print ended is forgotten once it is filed, also by the process before") {
-  Hold desk;
-  desk.spool.records().keep_end_of_print(record_of(PrintOutcome::Done, ""));
-  REQUIRE(desk.has_record(kEnded));
-  desk.adopt_left_jobs();
-  CHECK_FALSE(desk.has_record(kEnded));
+TEST_CASE("The record of a print's end is removed if the last process has filed the print") {
+  QueueHoldFixture fixture;
+  fixture.spool.records().keep_end_of_print(record_of(PrintOutcome::Done, ""));
+  REQUIRE(fixture.has_record(kEnded));
+  fixture.adopt_left_jobs();
+  CHECK_FALSE(fixture.has_record(kEnded));
 }
 
 TEST_CASE("A job whose reading ended the process had not begun: it failed, and nothing is held") {
-  Hold desk;
-  desk.put(Spool::Folder::Printing, "part.stl");
-  desk.adopt_left_jobs(true);
-  CHECK(desk.has("failed/part.stl"));
-  CHECK(desk.log.has(std::string("error: part: ") + std::string(kEndedAProcess)));
-  CHECK_FALSE(desk.hold->reason());
-  CHECK_FALSE(desk.hold->plate_occupant());
+  QueueHoldFixture fixture;
+  fixture.put(Spool::Folder::Printing, "part.stl");
+  fixture.adopt_left_jobs(true);
+  CHECK(fixture.has("failed/part.stl"));
+  CHECK(fixture.log.has(std::string("error: part: ") + std::string(kEndedAProcess)));
+  CHECK_FALSE(fixture.hold->reason());
+  CHECK_FALSE(fixture.hold->plate_occupant());
 }
 
-TEST_CASE("A job whose part is on the plate had begun, whatever was being read") {
-  Hold desk;
-  desk.put(Spool::Folder::Printing, "part.stl");
-  desk.hold->set_plate_occupant("part");
-  desk.adopt_left_jobs(true);
-  CHECK(desk.hold->reason());
+TEST_CASE("A job whose part is on the plate had begun, even if reading it ended the process") {
+  QueueHoldFixture fixture;
+  fixture.put(Spool::Folder::Printing, "part.stl");
+  fixture.hold->set_plate_occupant("part");
+  fixture.adopt_left_jobs(true);
+  CHECK(fixture.hold->reason());
 }
 
-TEST_CASE("A print that did not end stays in printing/ until the disk has what it tells") {
-  Hold desk;
-  desk.put(Spool::Folder::Printing, "part.stl");
-  desk.obstruct(kHeld);
-  desk.adopt_left_jobs();
-  CHECK(desk.has("printing/part.stl"));
-  CHECK(desk.hold->failed());
-  CHECK(desk.log.count("the state for the next start is not on the disk") == 1);
-  CHECK(desk.log.has("error: part: stays in printing until then"));
-  desk.hold->keep();
-  CHECK(desk.log.count("the state for the next start is not on the disk") == 1);
-  desk.clear_away(kHeld);
-  desk.hold->keep();
-  CHECK_FALSE(desk.hold->failed());
-  CHECK(desk.has_record(kHeld));
-  CHECK(desk.has("failed/part.stl"));
+TEST_CASE("A print that did not end stays in printing/ until its records are saved") {
+  QueueHoldFixture fixture;
+  fixture.put(Spool::Folder::Printing, "part.stl");
+  fixture.obstruct(kHeld);
+  fixture.adopt_left_jobs();
+  CHECK(fixture.has("printing/part.stl"));
+  CHECK(fixture.hold->failed());
+  CHECK(fixture.log.count("cannot save the state for the next start") == 1);
+  CHECK(fixture.log.has("error: part: stays in printing until the state is saved"));
+  fixture.hold->keep();
+  CHECK(fixture.log.count("cannot save the state for the next start") == 1);
+  fixture.remove_obstacle(kHeld);
+  fixture.hold->keep();
+  CHECK_FALSE(fixture.hold->failed());
+  CHECK(fixture.has_record(kHeld));
+  CHECK(fixture.has("failed/part.stl"));
 }

@@ -19,7 +19,7 @@ JsonDocument parse(std::string_view text) {
   return JsonDocument::from_text(text, "test.json");
 }
 
-Complaints complaints_about(std::string_view text) {
+Complaints syntax_complaints(std::string_view text) {
   return complaints_of([&] { parse(text).throw_if_violated(); });
 }
 
@@ -32,7 +32,7 @@ TEST_CASE("a JSON file is read with its path as the name in messages") {
   CHECK(document.violations().empty());
 }
 
-TEST_CASE("what cannot be read as a file is refused with one sentence") {
+TEST_CASE("a path that is not a readable file is refused with one sentence") {
   const ConfigFolder folder;
   const auto missing = folder.path() / "missing.json";
   const auto fifo = folder.path() / "fifo.json";
@@ -68,28 +68,27 @@ TEST_CASE("a file of 1 MiB is read and one byte more is refused") {
 }
 
 TEST_CASE("a syntax error is one sentence with line and column") {
-  CHECK(complaints_about("") ==
-        Complaints{"line 1, column 1: there is nothing in it; a JSON object is expected"});
-  CHECK(complaints_about(" \n ").size() == 1);
-  CHECK(complaints_about("{\n  \"a\": 1,\n}") ==
-        Complaints{"line 3, column 1: the comma before this bracket is one too many"});
-  CHECK(complaints_about("{\"a\": [1, 2,]}") ==
-        Complaints{"line 1, column 13: the comma before this bracket is one too many"});
-  CHECK(complaints_about("{\"a\": 1") ==
+  CHECK(syntax_complaints("") == Complaints{"line 1, column 1: it is empty; a JSON object is expected"});
+  CHECK(syntax_complaints(" \n ").size() == 1);
+  CHECK(syntax_complaints("{\n  \"a\": 1,\n}") ==
+        Complaints{"line 3, column 1: remove the comma before this bracket"});
+  CHECK(syntax_complaints("{\"a\": [1, 2,]}") ==
+        Complaints{"line 1, column 13: remove the comma before this bracket"});
+  CHECK(syntax_complaints("{\"a\": 1") ==
         Complaints{"line 1, column 8: the text ends before its last bracket or quote is closed"});
-  CHECK(complaints_about("// mine\n{}") == Complaints{"line 1, column 1: JSON has no comments"});
-  CHECK(complaints_about("{'a': 1}") ==
+  CHECK(syntax_complaints("// mine\n{}") == Complaints{"line 1, column 1: JSON has no comments"});
+  CHECK(syntax_complaints("{'a': 1}") ==
         Complaints{"line 1, column 2: keys and texts are written in double quotes"});
-  CHECK(complaints_about("{\"a\": }") == Complaints{"line 1, column 7: \"}\" is not expected here"});
-  CHECK(complaints_about("{\"a\": True}") == Complaints{"line 1, column 7: \"True\" is not expected here"});
-  CHECK(complaints_about("{\"a\": tru}") == Complaints{"line 1, column 10: \"tru\" is not expected here"});
-  CHECK(complaints_about("{\"a\": 1 \"b\": 2}") ==
+  CHECK(syntax_complaints("{\"a\": }") == Complaints{"line 1, column 7: \"}\" is not expected here"});
+  CHECK(syntax_complaints("{\"a\": True}") == Complaints{"line 1, column 7: \"True\" is not expected here"});
+  CHECK(syntax_complaints("{\"a\": tru}") == Complaints{"line 1, column 10: \"tru\" is not expected here"});
+  CHECK(syntax_complaints("{\"a\": 1 \"b\": 2}") ==
         Complaints{"line 1, column 11: \"b\" is not expected here"});
   for (const std::string_view text :
        {"{\"a\" 1}", "{\"a\": 1 \"b\": 2}", "{\"a\": tru}", "{\"a\": NaN}", "{\"a\": -}", "{\"a\": 01}",
         "{\"a\": \"\\ud800\"}", "{\"a\": \"\n\"}", "{} {}", "\\"}) {
     INFO(text);
-    const Complaints complaints = complaints_about(text);
+    const Complaints complaints = syntax_complaints(text);
     REQUIRE(complaints.size() == 1);
     CHECK(complaints[0].starts_with("line 1, column "));
     CHECK(complaints[0].find("json.exception") == std::string::npos);
@@ -98,80 +97,80 @@ TEST_CASE("a syntax error is one sentence with line and column") {
 }
 
 TEST_CASE("columns count characters, not bytes") {
-  CHECK(complaints_about("{\"\xc3\xa4\xe2\x82\xac\": }") ==
+  CHECK(syntax_complaints("{\"\xc3\xa4\xe2\x82\xac\": }") ==
         Complaints{"line 1, column 8: \"}\" is not expected here"});
 }
 
-TEST_CASE("a byte order mark is skipped and counts for nothing") {
+TEST_CASE("a byte order mark is skipped and not counted as a column") {
   CHECK(parse("\xef\xbb\xbf{\"a\": 1}").value().at("a").get<int>() == 1);
-  CHECK(complaints_about("\xef\xbb\xbf{\"a\": }") ==
+  CHECK(syntax_complaints("\xef\xbb\xbf{\"a\": }") ==
         Complaints{"line 1, column 7: \"}\" is not expected here"});
-  CHECK(complaints_about("\xff\xfe{\0}\0").size() == 1);  // UTF-16
+  CHECK(syntax_complaints("\xff\xfe{\0}\0").size() == 1);  // UTF-16
 }
 
-TEST_CASE("a text that is not UTF-8 is refused at its first wrong byte") {
-  CHECK(complaints_about("{\n\"a\": \"x\xff\"}") == Complaints{"line 2, column 8: this is not UTF-8 text"});
-  // A continuation byte alone, overlong forms, a surrogate, beyond U+10FFFF, cut short.
+TEST_CASE("a text that is not UTF-8 is refused at its first invalid byte") {
+  CHECK(syntax_complaints("{\n\"a\": \"x\xff\"}") == Complaints{"line 2, column 8: this is not UTF-8 text"});
+  // A lone continuation byte, overlong forms, a surrogate, code points beyond U+10FFFF, truncated characters.
   for (const std::string_view bad : {"\x80", "\xc0\xaf", "\xe0\x80\xaf", "\xf0\x80\x80\xaf", "\xed\xa0\x80",
                                      "\xf4\x90\x80\x80", "\xf5\x80\x80\x80", "\xe2\x82", "\xf0\x9f\x92"}) {
     INFO(nlohmann::json(bad).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
     const std::string prefix = "{\"";
-    CHECK(complaints_about(prefix + std::string(bad)) ==
+    CHECK(syntax_complaints(prefix + std::string(bad)) ==
           Complaints{"line 1, column 3: this is not UTF-8 text"});
-    CHECK(complaints_about(prefix + std::string(bad) + "\": 1}") ==
+    CHECK(syntax_complaints(prefix + std::string(bad) + "\": 1}") ==
           Complaints{"line 1, column 3: this is not UTF-8 text"});
   }
 }
 
-TEST_CASE("every well-formed length of UTF-8 is accepted") {
+TEST_CASE("UTF-8 characters of every length are accepted") {
   const std::string text =
       "\x7f \xc2\x80 \xdf\xbf \xe0\xa0\x80 \xed\x9f\xbf \xef\xbf\xbf \xf0\x90\x80\x80 \xf4\x8f\xbf\xbf";
   CHECK(parse("[\"" + text + "\"]").value().at(0).get<std::string>() == text);
 }
 
-TEST_CASE("duplicate keys are violations wherever they are, each named once") {
+TEST_CASE("duplicate keys are violations at any depth, each reported once") {
   const JsonDocument document = parse(
       R"({"a": 1, "b": [0, {"c": 1, "c": 2, "d": {"e/f": 1, "e/f": 2, "e/f": 3}}], "a": 2, "x": {"a": 1}})");
   const std::vector<Violation> expected{
-      {"test.json", "/a", "this key is there more than once"},
-      {"test.json", "/b/1/c", "this key is there more than once"},
-      {"test.json", "/b/1/d/e~1f", "this key is there more than once"},
+      {"test.json", "/a", "this key occurs more than once"},
+      {"test.json", "/b/1/c", "this key occurs more than once"},
+      {"test.json", "/b/1/d/e~1f", "this key occurs more than once"},
   };
   CHECK(document.violations() == expected);
 }
 
-TEST_CASE("the same key in two objects is no duplicate") {
-  CHECK(complaints_about(R"([{"a": 1}, {"a": 1}, {"a": {"a": [{"a": 1}]}}])").empty());
+TEST_CASE("the same key in two objects is not a duplicate") {
+  CHECK(syntax_complaints(R"([{"a": 1}, {"a": 1}, {"a": {"a": [{"a": 1}]}}])").empty());
 }
 
-TEST_CASE("nesting is bounded") {
+TEST_CASE("nesting has a maximum depth") {
   const auto nested = [](std::size_t depth, char open, char close) {
     return std::string(depth, open) + std::string(depth, close);
   };
-  CHECK(complaints_about(nested(64, '[', ']')).empty());
-  CHECK(complaints_about(nested(65, '[', ']')) == Complaints{"it is nested more than 64 deep"});
-  CHECK(complaints_about(nested(500'000, '[', ']')) == Complaints{"it is nested more than 64 deep"});
+  CHECK(syntax_complaints(nested(64, '[', ']')).empty());
+  CHECK(syntax_complaints(nested(65, '[', ']')) == Complaints{"it is nested more than 64 deep"});
+  CHECK(syntax_complaints(nested(500'000, '[', ']')) == Complaints{"it is nested more than 64 deep"});
   std::string objects;
   for (int i = 0; i < 100'000; ++i)
     objects += "{\"a\":";
-  CHECK(complaints_about(objects) == Complaints{"it is nested more than 64 deep"});
+  CHECK(syntax_complaints(objects) == Complaints{"it is nested more than 64 deep"});
 }
 
-TEST_CASE("texts and keys are bounded and hold no NUL") {
+TEST_CASE("texts and keys have a maximum length and no NUL") {
   const std::string fits(1024, 'x');
-  CHECK(complaints_about("{\"a\": \"" + fits + "\"}").empty());
-  CHECK(complaints_about("{\"a\": [\"" + fits + "x\"]}") ==
+  CHECK(syntax_complaints("{\"a\": \"" + fits + "\"}").empty());
+  CHECK(syntax_complaints("{\"a\": [\"" + fits + "x\"]}") ==
         Complaints{"/a/0: this text is 1025 bytes long; the limit is 1024"});
-  CHECK(complaints_about("{\"" + fits + "x\": 1}") ==
+  CHECK(syntax_complaints("{\"" + fits + "x\": 1}") ==
         Complaints{"/" + std::string(32, 'x') + ": this key is 1025 bytes long; the limit is 1024"});
-  CHECK(complaints_about(R"({"a": "/var/spool\u0000/x"})") ==
+  CHECK(syntax_complaints(R"({"a": "/var/spool\u0000/x"})") ==
         Complaints{"/a: this text has a NUL character in it"});
 }
 
-TEST_CASE("a number too large for a double is refused and one too small is zero") {
-  CHECK(complaints_about("{\"a\": 1e400}") ==
+TEST_CASE("a number too large for a double is refused and one too small becomes zero") {
+  CHECK(syntax_complaints("{\"a\": 1e400}") ==
         Complaints{"line 1, column 11: the number \"1e400\" is too large"});
-  CHECK(complaints_about("{\"a\": -1e400}").size() == 1);
+  CHECK(syntax_complaints("{\"a\": -1e400}").size() == 1);
   CHECK(parse("[1e-400]").value().at(0).get<double>() == 0.0);
 }
 
@@ -189,7 +188,7 @@ TEST_CASE("whole numbers are integers however they are written, and none wraps a
   CHECK(huge.at(1).get<std::int64_t>() == INT64_MAX);
 }
 
-TEST_CASE("an error's text is one line a violation, whatever is in the names") {
+TEST_CASE("an error's text has one line per violation, whatever the names contain") {
   const ConfigError error(
       {{"a\nb.json", "/x\x1b", "one"}, {"c.json", "", "two\xc2\x9b"}, {"\xe2\x80\xae", "", "\r3"}});
   CHECK(std::string(error.what()) == "a?b.json: /x?: one\nc.json: two?\n?: ?3");
@@ -203,11 +202,11 @@ TEST_CASE("a quoted value is short, printable and valid UTF-8") {
   CHECK(in_quotes("\xc2\x9b\xe2\x80\xae") == "\"??\"");
   CHECK(in_quotes("\xff") == "\"\xef\xbf\xbd\"");
   CHECK(in_quotes(std::string(61, 'x')) == "\"" + std::string(60, 'x') + "...\"");
-  // A two-byte character across the cut is dropped as a whole.
+  // A two-byte character at the cut is dropped completely.
   CHECK(in_quotes(std::string(59, 'x') + "\xc3\xa4z") == "\"" + std::string(59, 'x') + "...\"");
 }
 
-TEST_CASE("a sound value is one of the right kind with no violation at its place") {
+TEST_CASE("a valid value has the right type and no violation") {
   JsonDocument document = parse(R"({"a": 1.5, "b": "x", "c": {"d": 2}})");
   CHECK(document.valid_number("/a") == 1.5);
   CHECK(document.valid_number("/c/d") == 2.0);

@@ -41,106 +41,105 @@ JsonDocument checked(std::string_view text) {
   return document;
 }
 
-Complaints complaints_about(std::string_view text) {
+Complaints tank_complaints(std::string_view text) {
   return complaints_of([&] { checked(text).throw_if_violated(); });
 }
 
-TEST_CASE("a number outside its range is named with the limit and the unit") {
-  CHECK(complaints_about(R"({"name": "a", "depth_mm": 900})") ==
+TEST_CASE("a number outside its range is reported with the limit and the unit") {
+  CHECK(tank_complaints(R"({"name": "a", "depth_mm": 900})") ==
         Complaints{"/depth_mm: 900 is more than the limit, 500 mm"});
-  CHECK(complaints_about(R"({"name": "a", "depth_mm": 0.5})") ==
+  CHECK(tank_complaints(R"({"name": "a", "depth_mm": 0.5})") ==
         Complaints{"/depth_mm: 0.5 is less than the least allowed, 1 mm"});
-  CHECK(complaints_about(R"({"name": "a", "count": 11})") ==
+  CHECK(tank_complaints(R"({"name": "a", "count": 11})") ==
         Complaints{"/count: 11 is more than the limit, 10"});
-  CHECK(complaints_about(R"({"name": "a", "rotation_deg": {"x": 361}})") ==
+  CHECK(tank_complaints(R"({"name": "a", "rotation_deg": {"x": 361}})") ==
         Complaints{"/rotation_deg/x: 361 is more than the limit, 360 degrees"});
-  CHECK(complaints_about(R"({"name": "a", "depth_mm": 500, "count": -5})").empty());
+  CHECK(tank_complaints(R"({"name": "a", "depth_mm": 500, "count": -5})").empty());
 }
 
-TEST_CASE("a wrong type is named with what was found and what is expected") {
-  CHECK(complaints_about(R"({"name": 5})") == Complaints{"/name: expected a text, found 5"});
-  CHECK(complaints_about(R"({"name": "a", "depth_mm": "900"})") ==
+TEST_CASE("a wrong type is reported with the found and the expected type") {
+  CHECK(tank_complaints(R"({"name": 5})") == Complaints{"/name: expected a text, found 5"});
+  CHECK(tank_complaints(R"({"name": "a", "depth_mm": "900"})") ==
         Complaints{"/depth_mm: expected a number, found the text \"900\""});
-  CHECK(complaints_about(R"({"name": "a", "depth_mm": true})") ==
+  CHECK(tank_complaints(R"({"name": "a", "depth_mm": true})") ==
         Complaints{"/depth_mm: expected a number, found true"});
-  CHECK(complaints_about(R"({"name": "a", "lid": 1})") ==
-        Complaints{"/lid: expected true or false, found 1"});
-  CHECK(complaints_about(R"({"name": "a", "lid": null})") ==
+  CHECK(tank_complaints(R"({"name": "a", "lid": 1})") == Complaints{"/lid: expected true or false, found 1"});
+  CHECK(tank_complaints(R"({"name": "a", "lid": null})") ==
         Complaints{"/lid: expected true or false, found null"});
-  CHECK(complaints_about(R"({"name": "a", "kind": [1]})") ==
+  CHECK(tank_complaints(R"({"name": "a", "kind": [1]})") ==
         Complaints{"/kind: expected a text, found an array"});
-  CHECK(complaints_about(R"({"name": "a", "depth_mm": {}})") ==
+  CHECK(tank_complaints(R"({"name": "a", "depth_mm": {}})") ==
         Complaints{"/depth_mm: expected a number, found an object"});
-  CHECK(complaints_about(R"({"name": "a", "rotation_deg": 3})") ==
+  CHECK(tank_complaints(R"({"name": "a", "rotation_deg": 3})") ==
         Complaints{"/rotation_deg: expected an object, found 3"});
-  CHECK(complaints_about("[]") == Complaints{"expected an object, found an array"});
-  CHECK(complaints_about("null") == Complaints{"expected an object, found null"});
+  CHECK(tank_complaints("[]") == Complaints{"expected an object, found an array"});
+  CHECK(tank_complaints("null") == Complaints{"expected an object, found null"});
 }
 
 TEST_CASE("an integer is a whole number in any notation and nothing else") {
-  CHECK(complaints_about(R"({"name": "a", "count": 3.0})").empty());
-  CHECK(complaints_about(R"({"name": "a", "count": 1e1})").empty());
-  CHECK(complaints_about(R"({"name": "a", "count": -3.7})") ==
+  CHECK(tank_complaints(R"({"name": "a", "count": 3.0})").empty());
+  CHECK(tank_complaints(R"({"name": "a", "count": 1e1})").empty());
+  CHECK(tank_complaints(R"({"name": "a", "count": -3.7})") ==
         Complaints{"/count: expected a whole number, found -3.7"});
-  CHECK(complaints_about(R"({"name": "a", "count": true})") ==
+  CHECK(tank_complaints(R"({"name": "a", "count": true})") ==
         Complaints{"/count: expected a whole number, found true"});
-  CHECK(complaints_about(R"({"name": "a", "count": "3"})") ==
+  CHECK(tank_complaints(R"({"name": "a", "count": "3"})") ==
         Complaints{"/count: expected a whole number, found the text \"3\""});
 }
 
 TEST_CASE("a huge integer is out of range, also one that would wrap around into the range") {
-  CHECK(complaints_about(R"({"name": "a", "count": 4294967299})") ==
+  CHECK(tank_complaints(R"({"name": "a", "count": 4294967299})") ==
         Complaints{"/count: 4294967299 is more than the limit, 10"});
   // As int64 this would be -1.
-  CHECK(complaints_about(R"({"name": "a", "count": 18446744073709551615})") ==
+  CHECK(tank_complaints(R"({"name": "a", "count": 18446744073709551615})") ==
         Complaints{"/count: 1.8446744073709552e+19 is more than the limit, 10"});
-  CHECK(complaints_about(R"({"name": "a", "depth_mm": 18446744073709551615})") ==
+  CHECK(tank_complaints(R"({"name": "a", "depth_mm": 18446744073709551615})") ==
         Complaints{"/depth_mm: 1.8446744073709552e+19 is more than the limit, 500 mm"});
-  CHECK(complaints_about(R"({"name": "a", "count": -1e300})") ==
+  CHECK(tank_complaints(R"({"name": "a", "count": -1e300})") ==
         Complaints{"/count: -1e+300 is less than the least allowed, -5"});
 }
 
-TEST_CASE("an unknown key is named with the closest known one, or with all") {
-  CHECK(complaints_about(R"({"name": "a", "dept_mm": 3})") ==
+TEST_CASE("an unknown key is reported with the closest known key, or with all known keys") {
+  CHECK(tank_complaints(R"({"name": "a", "dept_mm": 3})") ==
         Complaints{"/dept_mm: there is no key \"dept_mm\" here; did you mean \"depth_mm\"?"});
   CHECK(
-      complaints_about(R"({"name": "a", "zzzzzzzz": 3})") ==
-      Complaints{"/zzzzzzzz: there is no key \"zzzzzzzz\" here; the known ones are \"count\", \"depth_mm\", "
+      tank_complaints(R"({"name": "a", "zzzzzzzz": 3})") ==
+      Complaints{"/zzzzzzzz: there is no key \"zzzzzzzz\" here; the known keys are \"count\", \"depth_mm\", "
                  "\"kind\", \"lid\", \"name\", \"rotation_deg\""});
-  CHECK(complaints_about(R"({"name": "a", "rotation_deg": {"a/b~": 1}})") ==
-        Complaints{"/rotation_deg/a~1b~0: there is no key \"a/b~\" here; the known ones are \"x\""});
-  CHECK(complaints_about(R"({"name": "a", "": 1})").size() == 1);
+  CHECK(tank_complaints(R"({"name": "a", "rotation_deg": {"a/b~": 1}})") ==
+        Complaints{"/rotation_deg/a~1b~0: there is no key \"a/b~\" here; the known keys are \"x\""});
+  CHECK(tank_complaints(R"({"name": "a", "": 1})").size() == 1);
 }
 
-TEST_CASE("all unknown keys are named, and what is in them is left alone") {
-  CHECK(complaints_about(
+TEST_CASE("all unknown keys are reported, and their values are not checked") {
+  CHECK(tank_complaints(
             R"({"name": "a", "u1": {"depth_mm": 900}, "u2": 1, "rotation_deg": {"u3": [], "u4": 0}})")
             .size() == 4);
 }
 
-TEST_CASE("a missing key is named with what it is") {
-  CHECK(complaints_about("{}") == Complaints{"/name: this key is missing: A name without '/'"});
+TEST_CASE("a missing key is reported with its description") {
+  CHECK(tank_complaints("{}") == Complaints{"/name: this key is missing: A name without '/'"});
 }
 
-TEST_CASE("a text is checked against the list, its length and its pattern") {
-  CHECK(complaints_about(R"({"name": "a", "kind": "box"})") ==
+TEST_CASE("a text is checked against the enumeration, the length and the pattern") {
+  CHECK(tank_complaints(R"({"name": "a", "kind": "box"})") ==
         Complaints{"/kind: the text \"box\" is not one of \"vat\", \"tray\""});
-  CHECK(complaints_about(R"({"name": "abcdef"})") ==
+  CHECK(tank_complaints(R"({"name": "abcdef"})") ==
         Complaints{"/name: \"abcdef\" is 6 characters long; the limit is 5"});
-  CHECK(complaints_about("{\"name\": \"\xe2\x82\xac\xe2\x82\xac\xe2\x82\xac\xe2\x82\xac\xe2\x82\xac\"}")
+  CHECK(tank_complaints("{\"name\": \"\xe2\x82\xac\xe2\x82\xac\xe2\x82\xac\xe2\x82\xac\xe2\x82\xac\"}")
             .empty());
-  CHECK(complaints_about(R"({"name": "a/b"})") ==
+  CHECK(tank_complaints(R"({"name": "a/b"})") ==
         Complaints{"/name: \"a/b\" is not allowed: A name without '/'"});
-  CHECK(complaints_about(R"({"name": ""})") == Complaints{"/name: it must not be empty"});
+  CHECK(tank_complaints(R"({"name": ""})") == Complaints{"/name: it must not be empty"});
 }
 
-TEST_CASE("the longest text that is read does not exhaust the stack of the pattern's matcher") {
-  CHECK(complaints_about("{\"name\": \"" + std::string(1024, 'x') + "\"}").size() == 1);
+TEST_CASE("the longest permitted text does not exhaust the stack of the pattern's matcher") {
+  CHECK(tank_complaints("{\"name\": \"" + std::string(1024, 'x') + "\"}").size() == 1);
 }
 
-TEST_CASE("a schema's duplicates and violations are reported together in the order of their places") {
-  CHECK(complaints_about(R"({"name": "a/b", "lid": 1, "count": 99, "lid": 2})") ==
-        Complaints{"/count: 99 is more than the limit, 10", "/lid: this key is there more than once",
+TEST_CASE("duplicate keys and violations of the schema are reported together, sorted by place") {
+  CHECK(tank_complaints(R"({"name": "a/b", "lid": 1, "count": 99, "lid": 2})") ==
+        Complaints{"/count: 99 is more than the limit, 10", "/lid: this key occurs more than once",
                    "/lid: expected true or false, found 2",
                    "/name: \"a/b\" is not allowed: A name without '/'"});
 }
@@ -152,7 +151,7 @@ TEST_CASE("missing keys get the schema's defaults, also in sections that are mis
         4);
 }
 
-TEST_CASE("a document has no more than a thousand violations, however many there are in it") {
+TEST_CASE("at most a thousand violations of a document are reported") {
   std::string text = R"({"name": "a")";
   for (int i = 0; i < 5000; ++i)
     text += ", \"u" + std::to_string(i) + "\": 1";
@@ -162,7 +161,7 @@ TEST_CASE("a document has no more than a thousand violations, however many there
 const std::array kAllSchemas{&printer_schema, &projector_schema, &resin_schema, &ticket_schema,
                              &plate_schema};
 
-// Calls `visit` for every property of the schema, its parents first. REQUIRES: no circle of references.
+// Calls `visit` for every property of the schema, parents first. The references must have no cycle.
 void each_property(const SchemaNode& named, const std::string& pointer,
                    const std::function<void(const std::string&, const SchemaNode&)>& visit) {
   const SchemaNode& rules = named.followed();
@@ -174,7 +173,7 @@ void each_property(const SchemaNode& named, const std::string& pointer,
   }
 }
 
-TEST_CASE("every property of every schema says what it is, in which unit and within which limits") {
+TEST_CASE("every property of every schema has a description, its unit and limits") {
   for (const auto schema : kAllSchemas) {
     each_property(schema().root(), "", [](const std::string& place, const SchemaNode& property) {
       INFO(place);
@@ -211,7 +210,7 @@ TEST_CASE("every property of every schema says what it is, in which unit and wit
   }
 }
 
-TEST_CASE("every default in a schema is one that the schema itself allows") {
+TEST_CASE("every default in a schema satisfies that schema") {
   for (const auto schema : kAllSchemas) {
     each_property(schema().root(), "", [](const std::string& place, const SchemaNode& property) {
       if (property.default_here() == nullptr) return;
@@ -232,26 +231,27 @@ TEST_CASE("the embedded schemas are the files in config") {
   CHECK(json::parse(ticket_schema_text) == testing::shipped("ticket.schema.json"));
 }
 
-TEST_CASE("no embedded schema has a key twice") {
+TEST_CASE("no embedded schema has a duplicate key") {
   for (const std::string_view text : {contourd_schema_text, plate_schema_text, projector_schema_text,
                                       resin_schema_text, ticket_schema_text})
     CHECK(JsonDocument::from_text(text, "schema").violations().empty());
 }
 
-// Elsewhere it would be ignored, as the draft says.
-void check_what_stands_beside_references(const json& schema) {
+// Checks that only "description" and "default" stand beside "$ref"; the draft ignores all other keywords
+// there.
+void check_keywords_beside_references(const json& schema) {
   if (schema.is_object() && schema.contains("$ref")) {
     for (const auto& member : schema.items())
       CHECK((member.key() == "$ref" || member.key() == "description" || member.key() == "default"));
   }
   for (const json& part : schema) {
-    if (part.is_structured()) check_what_stands_beside_references(part);
+    if (part.is_structured()) check_keywords_beside_references(part);
   }
 }
 
 TEST_CASE("only a description or a default stands beside a reference in the schemas of config") {
   for (const char* name : {"contourd", "plate", "projector", "resin", "ticket"})
-    check_what_stands_beside_references(testing::shipped(name + std::string(".schema.json")));
+    check_keywords_beside_references(testing::shipped(name + std::string(".schema.json")));
 }
 
 TEST_CASE("a place in the schema is found by the document's keys") {
@@ -262,7 +262,7 @@ TEST_CASE("a place in the schema is found by the document's keys") {
   CHECK_THROWS_AS(printer_schema().at(Pointer("/z_axis/colour")), std::out_of_range);
 }
 
-TEST_CASE("a schema refers to parts of itself, and what stands beside a reference wins") {
+TEST_CASE("a schema refers to parts of itself, and a description beside a reference wins") {
   const JsonSchema schema(R"({"type": "object",
     "definitions": {"size": {"description": "A size.", "type": "number", "minimum": 1, "default": 3},
                     "pair": {"type": "object", "properties": {"a": {"$ref": "#/definitions/size"}}}},
@@ -278,7 +278,7 @@ TEST_CASE("a schema refers to parts of itself, and what stands beside a referenc
   CHECK_THROWS(JsonSchema(R"({"properties": {"x": {"$ref": "#/definitions/none"}}})"));
 }
 
-TEST_CASE("a schema borrows from another by reference") {
+TEST_CASE("a schema refers to parts of another schema") {
   const JsonSchema other(R"({"properties": {"size": {"type": "number", "minimum": 1, "default": 3}}})",
                          "other.json");
   const JsonSchema schema(R"({"type": "object", "properties": {"list": {"type": "array", "maxItems": 2,
@@ -297,7 +297,7 @@ TEST_CASE("a schema borrows from another by reference") {
   CHECK_THROWS(JsonSchema(R"({"$ref": "other.json#/properties/colour"})", "schema", other));
 }
 
-TEST_CASE("a schema may refer to another part of its own text, also through a third") {
+TEST_CASE("a schema may refer to a part of its own text, also indirectly") {
   const JsonSchema schema(R"({"definitions": {
       "short": {"type": "integer", "maximum": 9},
       "pair": {"type": "object", "properties": {"a": {"$ref": "#/definitions/short"}}}},
@@ -309,7 +309,7 @@ TEST_CASE("a schema may refer to another part of its own text, also through a th
   CHECK(document.violations()[1].pointer == "/two/a");
 }
 
-TEST_CASE("what a plate shares with a ticket is said once, in the ticket's schema") {
+TEST_CASE("keys that a plate shares with a ticket are defined once, in the ticket's schema") {
   const json file = testing::shipped("plate.schema.json");
   const json& model = file["properties"]["models"]["items"]["properties"];
   for (const auto& property : model.items()) {

@@ -12,7 +12,7 @@ namespace {
 using testing::Complaints;
 using testing::complaints_of;
 
-// Numbers as the parser has them, before the document makes them uniform.
+// Returns a document whose key "x" has this value, without the document's normalization of numbers.
 JsonDocument holding(const nlohmann::json& value) {
   JsonDocument document = JsonDocument::from_text("{}", "test.json");
   document.value()["x"] = value;
@@ -48,7 +48,7 @@ TEST_CASE("a list of texts is read only from texts") {
   CHECK(complaints({"a", 1}) == Complaints{"/x: expected a list of texts"});
 }
 
-TEST_CASE("a read of the wrong kind or of nothing throws with its place") {
+TEST_CASE("a read of the wrong type or of a missing key throws with the place") {
   const JsonDocument document = JsonDocument::from_text(R"({"a": {"b": true, "c": 1}})", "test.json");
   const JsonSection a = JsonSection(document).section("a");
   CHECK(complaints_of([&] { (void)a.number("b"); }) == Complaints{"/a/b: expected a number"});
@@ -58,7 +58,7 @@ TEST_CASE("a read of the wrong kind or of nothing throws with its place") {
   CHECK(complaints_of([&] { (void)a.number("d"); }) == Complaints{"/a/d: this key is missing"});
 }
 
-TEST_CASE("lengths and durations take their unit from the key and round to the nearest") {
+TEST_CASE("lengths and durations take their unit from the key and are rounded to the nearest") {
   const JsonDocument document = JsonDocument::from_text(
       R"({"a_mm": 0.0025, "a_um": 2.5004, "a_ms": 0.5, "a_s": 16.6666667,
           "huge_mm": 1e200, "huge_s": 1e200, "a": 1})",

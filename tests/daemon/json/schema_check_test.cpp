@@ -14,7 +14,7 @@ using nlohmann::json;
 using testing::Complaints;
 using testing::complaints_of;
 
-// The value as it is written, without what reading a document does to its numbers.
+// Checks the value as it is written, without the document's normalization of numbers.
 Complaints complaints_about(std::string_view schema, std::string_view value) {
   JsonDocument document = JsonDocument::from_text("{}", "test.json");
   document.value() = json::parse(value);
@@ -26,8 +26,8 @@ bool fits(std::string_view schema, std::string_view value) {
   return complaints_about(schema, value).empty();
 }
 
-TEST_CASE("numbers are compared exactly, whatever they are stored as") {
-  // As doubles both are 2^53.
+TEST_CASE("numbers are compared exactly, however they are stored") {
+  // As doubles, both are 2^53.
   CHECK_FALSE(fits(R"({"maximum": 9007199254740992})", "9007199254740993"));
   CHECK_FALSE(fits(R"({"minimum": 9007199254740993})", "9007199254740992.0"));
   CHECK(fits(R"({"maximum": 18446744073709551615})", "18446744073709551615"));
@@ -38,7 +38,7 @@ TEST_CASE("numbers are compared exactly, whatever they are stored as") {
   CHECK_FALSE(fits(R"({"maximum": 1e300})", "1.1e300"));
 }
 
-TEST_CASE("a listed number is the same in any notation, and is no truth value") {
+TEST_CASE("a number in an enumeration matches any notation, but not a boolean") {
   CHECK(fits(R"({"enum": [1]})", "1.0"));
   CHECK(fits(R"({"enum": [{"a": [2.0]}]})", R"({"a": [2]})"));
   CHECK_FALSE(fits(R"({"enum": [1]})", "true"));
@@ -55,13 +55,14 @@ TEST_CASE("a whole number of any size is an integer, and null is a type") {
         Complaints{"expected true or false or null, found 1"});
 }
 
-TEST_CASE("a text's length is that of its characters, and a text that is too short is told its least") {
+TEST_CASE(
+    "a text's length is counted in characters, and a text that is too short is reported with the minimum") {
   CHECK(fits(R"({"minLength": 2, "maxLength": 2})", "\"\xF0\x9F\x92\xA9\xC3\xA4\""));
   CHECK(complaints_about(R"({"minLength": 2})", "\"\xF0\x9F\x92\xA9\"") ==
         Complaints{"\"\xF0\x9F\x92\xA9\" is 1 characters long; it must have at least 2"});
 }
 
-TEST_CASE("what fits nothing is not allowed") {
+TEST_CASE("a value is not allowed where the schema is false") {
   CHECK(complaints_about("false", "1") == Complaints{"it is not allowed here"});
   CHECK(complaints_about(R"({"properties": {"a": false}})", R"({"a": 1, "b": 2})") ==
         Complaints{"/a: it is not allowed here"});
@@ -69,13 +70,15 @@ TEST_CASE("what fits nothing is not allowed") {
   CHECK(fits("true", "1"));
 }
 
-TEST_CASE("the keys that a schema does not name may have a schema of their own") {
+TEST_CASE("keys that a schema does not name may have a schema of their own") {
   constexpr std::string_view kSchema = R"({"properties": {"a": {}}, "additionalProperties": {"maximum": 3}})";
   CHECK(complaints_about(kSchema, R"({"a": 9, "b_mm": 9})") ==
         Complaints{"/b_mm: 9 is more than the limit, 3 mm"});
 }
 
-TEST_CASE("a choice between sets of keys names them, any other how many fit") {
+TEST_CASE(
+    "a choice between sets of keys is reported with the keys, any other with the number of fitting "
+    "alternatives") {
   constexpr std::string_view keys =
       R"({"oneOf": [{"required": ["a", "b"], "properties": {"c": false}},
                     {"required": ["c"], "properties": {"a": false, "b": false}}]})";
@@ -101,7 +104,7 @@ TEST_CASE("a schema that refers to itself checks the deepest document that is re
   CHECK(complaints[0].ends_with("/0/a: expected an object or a list, found 7"));
 }
 
-TEST_CASE("defaults are given in what refers to its own schema as deep as there is something") {
+TEST_CASE("defaults of a recursive schema are set in every object that is present") {
   const JsonSchema schema(R"({"properties": {"a": {"$ref": "#"}, "n": {"default": 1}}})");
   json value = json::parse(R"({"a": {"a": {}}})");
   fill_defaults(schema.root(), value);

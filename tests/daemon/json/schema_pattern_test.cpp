@@ -7,7 +7,7 @@
 namespace contourd {
 namespace {
 
-TEST_CASE("a pattern is looked for anywhere, its anchors are the text's ends and not a line's") {
+TEST_CASE("a pattern matches anywhere, and its anchors are the ends of the text, not of a line") {
   CHECK(SchemaPattern("a+").is_in("xxaayy"));
   CHECK(SchemaPattern("^a*$").is_in("aaa"));
   CHECK_FALSE(SchemaPattern("^a*$").is_in("aab"));
@@ -16,21 +16,21 @@ TEST_CASE("a pattern is looked for anywhere, its anchors are the text's ends and
   CHECK(SchemaPattern("").is_in(""));
 }
 
-TEST_CASE("a pattern counts characters and not bytes") {
+TEST_CASE("a pattern matches characters, not bytes") {
   CHECK(SchemaPattern("^.$").is_in("\xF0\x9F\x90\xB2"));
   CHECK(SchemaPattern("^\xF0\x9F\x90\xB2*$").is_in("\xF0\x9F\x90\xB2\xF0\x9F\x90\xB2"));
   CHECK(SchemaPattern("^[^/]{2}$").is_in("\xC3\xA4\xE2\x82\xAC"));
   CHECK_FALSE(SchemaPattern("^[\xC3\xA0-\xC3\xA5]$").is_in("\xC3\xBC"));
 }
 
-TEST_CASE("a digit and a letter are ASCII's") {
+TEST_CASE("digit and word classes are ASCII only") {
   CHECK(SchemaPattern("^\\d\\w$").is_in("1a"));
   CHECK_FALSE(SchemaPattern("^\\d$").is_in("\xE0\xA7\xAA"));
   CHECK_FALSE(SchemaPattern("^\\w$").is_in("\xC3\xA9"));
   CHECK(SchemaPattern("^\\W\\D$").is_in("\xC3\xA9\xC3\xA9"));
 }
 
-TEST_CASE("what is taken otherwise than the draft says is refused") {
+TEST_CASE("patterns that std::regex treats differently from the draft are refused") {
   for (const char* pattern :
        {"\\s", "\\Z", "\\p{L}", "a\\", "\\\\\\b", "[[:alpha:]]", "[[=a=]]", "(", "*", "a{2"})
     CHECK_THROWS_AS(SchemaPattern(pattern), std::invalid_argument);

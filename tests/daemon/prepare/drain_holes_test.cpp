@@ -12,7 +12,7 @@ using namespace contourd;
 
 namespace {
 
-const DisplayGeometry kDisplay{Pixels{300}, Pixels{300}, Micrometers{100.0}};
+const DisplayGeometry kSquareDisplay{Pixels{300}, Pixels{300}, Micrometers{100.0}};
 
 ModelTicket ticket_with(const DrainHole& hole) {
   ModelTicket ticket;
@@ -20,7 +20,7 @@ ModelTicket ticket_with(const DrainHole& hole) {
   return ticket;
 }
 
-// Single floats, some operations: a hundred times their last bit at 10 mm.
+// Tolerance in mm: single floats after a few operations, about a hundred times their last bit at 10 mm.
 bool near(double a, double b) {
   return std::fabs(a - b) < 1e-4;
 }
@@ -28,13 +28,13 @@ bool near(const PlatePoint& a, const PlatePoint& b) {
   return near(a.x, b.x) && near(a.y, b.y) && near(a.z, b.z);
 }
 
-// Of a block of 10 x 10 x 10 mm from (0, 0, 0).
+// Returns the refusal of a hole in a block of 10 x 10 x 10 mm from (0, 0, 0); empty if the hole is accepted.
 std::string refusal_of(const DrainHole& hole, std::chrono::seconds time = std::chrono::hours(1)) {
   const ModelTicket ticket = ticket_with(hole);
   const auto index = std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {10, 10, 10}));
-  const PlateModel model{{index}, {PixelMap::true_scale(kDisplay, {5, 5})}};
+  const PlateModel model{{index}, {PixelMap::true_scale(kSquareDisplay, {5, 5})}};
   const auto cylinders = drain_cylinders(ticket, {}, {});
-  HoleSearch search{{kDisplay, AntiAliasing::On}, {}, MaskBudget::Clock::now() + time};
+  HoleSearch search{{kSquareDisplay, AntiAliasing::On}, {}, MaskBudget::Clock::now() + time};
   for (std::int64_t layer = 0; layer < 20; ++layer)
     search.heights.emplace_back(500'000 * layer + 250'000);
   try {
@@ -47,7 +47,7 @@ std::string refusal_of(const DrainHole& hole, std::chrono::seconds time = std::c
 
 }  // namespace
 
-TEST_CASE("A hole goes from half its diameter before its place to its depth along any vector") {
+TEST_CASE("A hole reaches from half a diameter before its position to its depth, along any direction") {
   const auto cylinders = drain_cylinders(ticket_with({1, 2, 3, {0, 0, -7}, 2, 5}), {}, {});
   REQUIRE(cylinders.size() == 1);
   CHECK(near(cylinders[0].lower, {1, 2, -2}));
@@ -59,7 +59,7 @@ TEST_CASE("A hole goes from half its diameter before its place to its depth alon
   CHECK(std::fabs(oblique[0].upper.z - 4) < 1e-3);
 }
 
-TEST_CASE("A hole's direction may be as short or as long as numbers are") {
+TEST_CASE("A hole's direction may be a vector of any length") {
   for (const double length : {1e-300, 5e-324, 1e308}) {
     const auto cylinders = drain_cylinders(ticket_with({1, 2, 3, {0, length, -length}, 2, 5}), {}, {});
     REQUIRE(cylinders.size() == 1);
@@ -69,21 +69,21 @@ TEST_CASE("A hole's direction may be as short or as long as numbers are") {
 
 TEST_CASE("A hole is turned and scaled as its model is") {
   ModelTicket ticket = ticket_with({1, 0, 0, {1, 0, 0}, 2, 3});
-  ticket.rotation = {0, -90, 0};  // x comes to point up
+  ticket.rotation = {0, -90, 0};  // x points up afterwards
   ticket.scale = Scale{2};
   const Scale shrinkage(1.01);
   const auto cylinders = drain_cylinders(ticket, *ticket.scale, shrinkage);
   CHECK(near(cylinders[0].lower, {0, 0, 0}));
   CHECK(near(cylinders[0].upper, {0, 0, 8.08}));
   CHECK(near(cylinders[0].lower_radius_mm, 2.02));
-  // A facet of the model that lies there goes the same way.
+  // A facet of the model at the end of the hole is moved to the same place.
   std::vector<Facet> facets{{{Vertex{4, 0, 0}, Vertex{4, 0, 0}, Vertex{4, 0, 0}}}};
   turn_and_scale(facets, ticket, shrinkage);
   CHECK(
       near(cylinders[0].upper, {facets[0].vertices[0].x, facets[0].vertices[0].y, facets[0].vertices[0].z}));
 }
 
-TEST_CASE("Where the factors differ the diameter has their mean") {
+TEST_CASE("If the factors differ by axis, the diameter is scaled by their mean") {
   ModelTicket ticket = ticket_with({0, 0, 0, {0, 0, 1}, 2, 5});
   ticket.scale = Scale{1, 2, 3};
   const auto cylinders = drain_cylinders(ticket, *ticket.scale, {});
@@ -91,7 +91,7 @@ TEST_CASE("Where the factors differ the diameter has their mean") {
   CHECK(near(cylinders[0].lower_radius_mm, 2));
 }
 
-TEST_CASE("What fills the display is turned first and its holes are enlarged with it") {
+TEST_CASE("The holes of a model with fit are turned, then enlarged with it") {
   ModelTicket ticket = ticket_with({1, 0, 0, {0, 0, 1}, 2, 5});
   ticket.fit = true;
   ticket.up = Direction{0, 0, 1};
@@ -101,35 +101,33 @@ TEST_CASE("What fills the display is turned first and its holes are enlarged wit
   CHECK(near(cylinders[0].lower_radius_mm, 4));
 }
 
-TEST_CASE("A hole without a length as printed is refused") {
+TEST_CASE("A hole that has no length once it is scaled is refused") {
   ModelTicket ticket = ticket_with({90'000, 0, 0, {1, 0, 0}, 0.001, 0.001});
   CHECK_THROWS_AS(drain_cylinders(ticket, {}, {}), JobRefused);
 }
 
-TEST_CASE("A hole that takes something away is good, wherever it begins") {
+TEST_CASE("A hole that removes something is accepted, wherever it begins") {
   CHECK(refusal_of({5, 5, 0, {0, 0, 1}, 2, 3}).empty());
   CHECK(refusal_of({0, 5, 5, {1, 0, 0}, 2, 3}).empty());
   CHECK(refusal_of({5, 5, 5, {1, 1, 1}, 1, 1}).empty());
 }
 
-TEST_CASE("A hole beside the model is refused with its place and the model's") {
+TEST_CASE("A hole that misses the model is refused with the positions of both") {
   CHECK(refusal_of({-20, 5, 5, {1, 0, 0}, 2, 3}) ==
-        "drain hole 1 of the model is beside the model: from -20, 5, 5 mm on, 2 mm wide and 3 mm deep, it "
-        "takes "
-        "nothing away; as printed it goes from -21.00, 5.00, 5.00 to -17.00, 5.00, 5.00 mm, the model from "
-        "0.00, "
-        "0.00, 0.00 to 10.00, 10.00, 10.00 mm");
-  // It points away from the model, begins above it, or lies between its layers' middles.
+        "drain hole 1 of the model misses it: the hole starts at -20, 5, 5 mm, is 2 mm wide and 3 mm deep, "
+        "and removes nothing; as printed, it reaches from -21.00, 5.00, 5.00 to -17.00, 5.00, 5.00 mm, and "
+        "the model from 0.00, 0.00, 0.00 to 10.00, 10.00, 10.00 mm");
+  // Holes that point away from the model, begin above it, or lie between the heights at which layers are cut.
   CHECK_FALSE(refusal_of({0, 5, 5, {-1, 0, 0}, 0.001, 3}).empty());
   CHECK_FALSE(refusal_of({5, 5, 40, {0, 0, -1}, 2, 3}).empty());
   CHECK_FALSE(refusal_of({5, 5, 2.5, {1, 0, 0}, 0.2, 3}).empty());
 }
 
-TEST_CASE("A hole is believed when the time to look for it is over") {
+TEST_CASE("A hole is accepted if the time to check it runs out") {
   CHECK(refusal_of({-20, 5, 5, {1, 0, 0}, 2, 3}, std::chrono::seconds(0)).empty());
 }
 
-TEST_CASE("Without holes there is nothing to take out") {
+TEST_CASE("A ticket without holes gives no cylinders and no section source") {
   CHECK(drain_cylinders({}, {}, {}).empty());
   CHECK(holes_of({}) == nullptr);
 }

@@ -32,21 +32,22 @@ std::uint64_t memory_for_sections_of(const PlateModel& model) {
 
 }  // namespace
 
-TEST_CASE("A job's memory grows with its facets, and there is no number of them for which it wraps around") {
+TEST_CASE("The memory estimate grows with the number of facets and never overflows") {
   CHECK(memory_of({binary(0)}) == 0);
   CHECK(memory_of({binary(2'000'000)}) == 2 * memory_of({binary(1'000'000)}));
   CHECK(memory_of({binary(0xFFFFFFFF)}) > 400'000'000'000);
   CHECK(memory_of(std::vector(100, binary(0xFFFFFFFF, 100))) > 10'000'000'000'000);
 }
 
-TEST_CASE("A file that many models are alike of takes no more than one, and turned models take some each") {
+TEST_CASE(
+    "Models that are alike share the memory of one, and each model that is turned differently adds its own") {
   const std::uint64_t alone = memory_of({binary(1'000'000)});
   CHECK(memory_of({binary(1'000'000, 2)}) == alone + 48'000'000);
-  // One is inspected at a time.
+  // Models are inspected one at a time.
   CHECK(memory_of({binary(1'000'000), binary(1'000'000)}) == alone + 48'000'000);
 }
 
-TEST_CASE("A text is in memory as a whole while it is read") {
+TEST_CASE("A text file is in memory completely while it is read") {
   constexpr std::uint64_t kBytes = 10'000'000'000;
   CHECK(memory_of({FileToRead{{.most_facets = 1, .buffered_bytes = kBytes}}}) >= kBytes);
 }
@@ -56,7 +57,7 @@ TEST_CASE("A larger display takes more memory") {
   CHECK(memory_for_display(kLarge) > memory_for_display(kDisplay) + 3 * 1920 * 1080);
 }
 
-TEST_CASE("What sections take goes by the height that crosses most facets") {
+TEST_CASE("The memory for sections depends on the height that crosses the most facets") {
   // 1,000 needles of four facets side by side, or one above the other.
   models::Facets beside, above;
   for (int i = 0; i < 1000; ++i) {
@@ -71,20 +72,19 @@ TEST_CASE("What sections take goes by the height that crosses most facets") {
   CHECK(memory_for_sections_of(all_at_once) <= most_memory_for_sections({&all_at_once, 1}, false));
   CHECK(memory_for_sections_of(plate_model(beside, 10)) > 2 * memory_for_sections_of(all_at_once));
   const std::vector<PlateModel> ten(10, all_at_once);
-  // The cuts of ten models are kept, of ten copies one.
+  // Ten models keep ten cuts, ten copies of one model keep one.
   CHECK(memory_for_sections(ten, false) > memory_for_sections_of(plate_model(beside, 10)));
   CHECK(memory_for_sections(ten, false) < 2 * memory_for_sections_of(plate_model(beside, 10)));
   CHECK(memory_for_sections({&all_at_once, 1}, true) > 2 * memory_for_sections_of(all_at_once));
 }
 
-TEST_CASE("What is too large now and what is too large for ever are told apart, both with their figures") {
+TEST_CASE("JobTooLarge states the figures and whether the job would fit if contourd held nothing else") {
   const std::vector<FileToRead> files{binary(1'300'000), {{.most_facets = 20, .buffered_bytes = 1500}, 1}};
-  const MemoryRoom room{.bytes = 200'000'000, .reason = "it is so", .held = 300'000'000};
+  const MemoryRoom room{.bytes = 200'000'000, .reason = "the reason", .held = 300'000'000};
   const JobTooLarge now(files, "", 450'000'000, room);
   CHECK(now.fits_alone());
   CHECK(std::string(now.what()) ==
         "the models hold up to 1300020 facets, for which 450 MB of memory are needed, and there is room for "
-        "200 "
-        "MB: it is so");
+        "200 MB: the reason");
   CHECK_FALSE(JobTooLarge(files, "", 501'000'000, room).fits_alone());
 }

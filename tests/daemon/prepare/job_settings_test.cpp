@@ -12,10 +12,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A printer whose profiles a test can edit, and one job.
-class Desk {
+// A printer with profiles that a test can edit, and a job.
+class JobSettingsFixture {
  public:
-  Desk() {
+  JobSettingsFixture() {
     write_resin("standard", 3000);
     write_resin("tough", 4000);
     fs::create_directory(folder.path() / "spool");
@@ -38,7 +38,7 @@ class Desk {
   [[nodiscard]] Duration exposure(const std::string& ticket = "") const {
     return std::get<FixedExposure>(read(ticket).resin.exposure).exposure;
   }
-  // Whose fault it is that the profile cannot be used; nothing when it can.
+  // Returns who is at fault if the profile cannot be used; nullopt if it can be used.
   [[nodiscard]] std::optional<ProfileTrouble::Fault> fault(const std::string& ticket = "") {
     try {
       (void)read(ticket);
@@ -66,67 +66,68 @@ constexpr const char* kStandard = R"({"resin": "standard"})";
 
 }  // namespace
 
-TEST_CASE("A profile is what its file says now, with and without a ticket that names it") {
-  const Desk desk;
-  CHECK(desk.exposure() == milliseconds{3000});
-  desk.write_resin("standard", 3500);
-  desk.write_resin("tough", 4500);
-  CHECK(desk.exposure() == milliseconds{3500});
-  CHECK(desk.exposure(kStandard) == milliseconds{3500});
-  CHECK(desk.exposure(R"({"copies": 2})") == milliseconds{3500});
-  CHECK(desk.exposure(kTough) == milliseconds{4500});
+TEST_CASE("A profile's current file counts, with and without a ticket that names it") {
+  const JobSettingsFixture fixture;
+  CHECK(fixture.exposure() == milliseconds{3000});
+  fixture.write_resin("standard", 3500);
+  fixture.write_resin("tough", 4500);
+  CHECK(fixture.exposure() == milliseconds{3500});
+  CHECK(fixture.exposure(kStandard) == milliseconds{3500});
+  CHECK(fixture.exposure(R"({"copies": 2})") == milliseconds{3500});
+  CHECK(fixture.exposure(kTough) == milliseconds{4500});
 }
 
 TEST_CASE(
-    "A broken profile is the profile's fault, whoever names it, and its first mistake is told with their "
-    "number") {
-  Desk desk;
-  desk.folder.write("resins/standard.json", R"({"layer_height_um": "thin", "lift_mm": -1})");
-  desk.folder.write("resins/tough.json", "{");
-  CHECK(desk.fault() == Fault::Profile);
-  CHECK(desk.sentence.find("the resin profile \"standard\" cannot be used: ") == 0);
-  CHECK(desk.sentence.find(desk.resin("standard").string()) != std::string::npos);
-  CHECK(desk.sentence.find(" more") != std::string::npos);
-  CHECK(desk.fault(kStandard) == Fault::Profile);
-  CHECK(desk.fault(kTough) == Fault::Profile);
-  CHECK(desk.sentence.find("tough.json") != std::string::npos);
+    "A broken profile is the profile's fault, whoever names it, and the first mistake and the number of "
+    "others "
+    "are reported") {
+  JobSettingsFixture fixture;
+  fixture.folder.write("resins/standard.json", R"({"layer_height_um": "thin", "lift_mm": -1})");
+  fixture.folder.write("resins/tough.json", "{");
+  CHECK(fixture.fault() == Fault::Profile);
+  CHECK(fixture.sentence.find("the resin profile \"standard\" cannot be used: ") == 0);
+  CHECK(fixture.sentence.find(fixture.resin("standard").string()) != std::string::npos);
+  CHECK(fixture.sentence.find(" more") != std::string::npos);
+  CHECK(fixture.fault(kStandard) == Fault::Profile);
+  CHECK(fixture.fault(kTough) == Fault::Profile);
+  CHECK(fixture.sentence.find("tough.json") != std::string::npos);
 }
 
-TEST_CASE("A profile that there is none of is the ticket's fault, but the printer's own is not") {
-  Desk desk;
-  CHECK(desk.fault(R"({"resin": "gold"})") == Fault::Ticket);
-  fs::remove(desk.resin("standard"));
-  CHECK(desk.fault() == Fault::Profile);
-  CHECK(desk.fault(kStandard) == Fault::Profile);
-  CHECK_FALSE(desk.fault(kTough));
+TEST_CASE("A missing profile is the ticket's fault if the ticket names it, unless it is the printer's own") {
+  JobSettingsFixture fixture;
+  CHECK(fixture.fault(R"({"resin": "gold"})") == Fault::Ticket);
+  fs::remove(fixture.resin("standard"));
+  CHECK(fixture.fault() == Fault::Profile);
+  CHECK(fixture.fault(kStandard) == Fault::Profile);
+  CHECK_FALSE(fixture.fault(kTough));
 }
 
-TEST_CASE("A folder of profiles that is not there is no ticket's fault") {
-  Desk desk;
-  fs::remove_all(desk.folder.path() / "resins");
-  CHECK(desk.fault() == Fault::Profile);
-  CHECK(desk.fault(kTough) == Fault::Profile);
+TEST_CASE("A missing folder of profiles is not the ticket's fault") {
+  JobSettingsFixture fixture;
+  fs::remove_all(fixture.folder.path() / "resins");
+  CHECK(fixture.fault() == Fault::Profile);
+  CHECK(fixture.fault(kTough) == Fault::Profile);
 }
 
-TEST_CASE("A wrong ticket is refused before its profile is looked at") {
-  const Desk desk;
-  desk.folder.write("resins/tough.json", "{");
+TEST_CASE("A wrong ticket is refused before its profile is read") {
+  const JobSettingsFixture fixture;
+  fixture.folder.write("resins/tough.json", "{");
   try {
-    (void)desk.read(R"({"resin": "tough", "copies": 0})");
-    FAIL("it was taken");
+    (void)fixture.read(R"({"resin": "tough", "copies": 0})");
+    FAIL("the ticket was accepted");
   } catch (const ProfileTrouble&) {
-    FAIL("the profile was looked at");
+    FAIL("the profile was read");
   } catch (const JobRefused& refusal) {
     CHECK(std::string(refusal.what()).find("/copies") != std::string::npos);
   }
 }
 
-TEST_CASE("A ticket's exposure counts within the profile's limits, which are read anew each time") {
-  Desk desk;
+TEST_CASE("A ticket's exposure counts within the profile's limits, which are read again each time") {
+  JobSettingsFixture fixture;
   constexpr const char* kLonger = R"({"resin": "tough", "exposure_ms": 5000})";
-  const auto refusal = [&desk] {
+  const auto refusal = [&fixture] {
     try {
-      (void)desk.read(kLonger);
+      (void)fixture.read(kLonger);
       return std::string();
     } catch (const ProfileTrouble&) {
       return std::string("it is the profile's fault");
@@ -134,27 +135,27 @@ TEST_CASE("A ticket's exposure counts within the profile's limits, which are rea
       return std::string(refused.what());
     }
   };
-  const std::string file = (desk.folder.path() / "part.json").string(),
-                    profile = (desk.folder.path() / "resins/tough.json").string();
+  const std::string file = (fixture.folder.path() / "part.json").string(),
+                    profile = (fixture.folder.path() / "resins/tough.json").string();
   CHECK(refusal() == "the job ticket is wrong: " + file +
                          ": /exposure_ms: 5000 is asked for, but the resin's profile names no ticket_limits "
                          "for it: " +
                          profile);
-  desk.write_resin("tough", 4000, {{"exposure_ms", {3000, 6000}}});
-  CHECK(desk.exposure(kLonger) == milliseconds{5000});
-  CHECK(desk.read(kLonger).overridden == OverriddenSettings{{"exposure_ms", 5000, 4000}});
-  desk.write_resin("tough", 4000, {{"exposure_ms", {3000, 4500}}});
+  fixture.write_resin("tough", 4000, {{"exposure_ms", {3000, 6000}}});
+  CHECK(fixture.exposure(kLonger) == milliseconds{5000});
+  CHECK(fixture.read(kLonger).overridden == OverriddenSettings{{"exposure_ms", 5000, 4000}});
+  fixture.write_resin("tough", 4000, {{"exposure_ms", {3000, 4500}}});
   CHECK(refusal() ==
         "the job ticket is wrong: " + file +
             ": /exposure_ms: 5000 is asked for, but the resin's profile allows tickets 3000 to 4500: " +
             profile);
 }
 
-TEST_CASE("Settings that differ in their limits alone are not the same") {
-  Desk desk;
-  desk.write_resin("tough", 4000, {{"exposure_ms", {3000, 6000}}});
-  const JobSettings before = desk.read(kTough);
-  CHECK(before == desk.read(kTough));
-  desk.write_resin("tough", 4000, {{"exposure_ms", {3000, 6001}}});
-  CHECK_FALSE(before == desk.read(kTough));
+TEST_CASE("Settings that differ only in their limits are not equal") {
+  JobSettingsFixture fixture;
+  fixture.write_resin("tough", 4000, {{"exposure_ms", {3000, 6000}}});
+  const JobSettings before = fixture.read(kTough);
+  CHECK(before == fixture.read(kTough));
+  fixture.write_resin("tough", 4000, {{"exposure_ms", {3000, 6001}}});
+  CHECK_FALSE(before == fixture.read(kTough));
 }

@@ -7,7 +7,8 @@
 using namespace contourd;
 using namespace std::chrono_literals;
 
-TEST_CASE("What is done to contours and masks is told in one sentence, and nothing when nothing is") {
+TEST_CASE(
+    "Corrections of contours and masks are described in one sentence, which is empty without corrections") {
   JobSummary summary;
   CHECK(describe_correction(summary).empty());
   summary.resin.compensation.growth = Micrometers{-50.0};
@@ -16,10 +17,10 @@ TEST_CASE("What is done to contours and masks is told in one sentence, and nothi
   summary.uniformity_mask = true;
   summary.tone.threshold = 12;
   CHECK(describe_correction(summary) ==
-        "contours moved outwards by 50 um, lamp evened out, grey below 12 left dark");
+        "contours moved outwards by 50 um, uniformity mask applied, grey below 12 left dark");
 }
 
-TEST_CASE("The resin's values are told, those of the bottom layers where there are any") {
+TEST_CASE("The settings line has the resin's values, and the bottom layers' if there are any") {
   JobSummary summary;
   summary.layers.thinnest = summary.layers.thickest = Nanometers{50'000};
   summary.irradiance_mw_cm2 = 5;
@@ -29,12 +30,12 @@ TEST_CASE("The resin's values are told, those of the bottom layers where there a
   resin.settle = 1s;
   resin.rest = 500ms;
   resin.bottom_layers = resin.fade_layers = 0;
-  CHECK(describe_settings(summary).starts_with("standard: light of 3000 ms; lift of "));
-  CHECK(describe_settings(summary).ends_with("waits of 1000 ms before the light, 500 ms after"));
+  CHECK(describe_settings(summary).starts_with("standard: exposure 3000 ms; lift "));
+  CHECK(describe_settings(summary).ends_with("wait 1000 ms before exposure, 500 ms after"));
   resin.bottom_layers = 5;
   resin.fade_layers = 10;
   CHECK(describe_settings(summary).starts_with(
-      "standard: light of 3000 ms, 30000 ms in 5 bottom layers, fading over 10; "));
+      "standard: exposure 3000 ms, 30000 ms in 5 bottom layers, fading over 10; "));
   summary.overridden = {{"exposure_ms", 3000, 2500.5}, {"lift_mm", 8, 6}};
   CHECK(describe_settings(summary).ends_with(
       "500 ms after; by its ticket: exposure_ms 3000 instead of 2500.5, lift_mm 8 instead of 6"));

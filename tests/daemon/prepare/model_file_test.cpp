@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const models::Facets kCube = models::box({0, 0, 0}, {20, 20, 20});
+const models::Facets kTwelveFacets = models::box({0, 0, 0}, {20, 20, 20});
 
 std::string refusal_of(const fs::path& path, const std::string& name = "") {
   try {
@@ -27,20 +27,20 @@ std::string refusal_of(const fs::path& path, const std::string& name = "") {
 
 }  // namespace
 
-TEST_CASE("A model is read as it was when it was looked at, whatever lies under its name by now") {
+TEST_CASE("A model is read from the file that was opened, even if another file has replaced it") {
   const testing::TemporaryFolder folder;
   const fs::path path = folder.path() / "part.stl";
-  models::write_binary_stl(path, kCube);
+  models::write_binary_stl(path, kTwelveFacets);
   ModelFile replaced(path, "", Links::Refuse);
   CHECK(replaced.outline().most_facets == 12);
   fs::rename(folder.write("other.stl", "no model"), path);
   CHECK(replaced.read().facets.size() == 12);
 }
 
-TEST_CASE("A model that grew since it was looked at is read no further than it went") {
+TEST_CASE("A model file that has grown since it was opened is read only to its former end") {
   const testing::TemporaryFolder folder;
   const fs::path path = folder.path() / "part.stl";
-  models::write_binary_stl(path, kCube);
+  models::write_binary_stl(path, kTwelveFacets);
   ModelFile grown(path, "", Links::Refuse);
   fs::resize_file(path, fs::file_size(path) + 50'000'000);
   const Model model = grown.read();
@@ -48,7 +48,7 @@ TEST_CASE("A model that grew since it was looked at is read no further than it w
   CHECK(model.warnings.empty());
 }
 
-TEST_CASE("What is wrong with a model is told with its name where there are several") {
+TEST_CASE("An error names the model if the job has several") {
   const testing::TemporaryFolder folder;
   CHECK(refusal_of(folder.write("bad.stl", "no model")).starts_with("not a usable model: "));
   CHECK(refusal_of(folder.write("bad.stl", "no model"), "bad.stl")

@@ -26,30 +26,29 @@ models::Facets on_its_point() {
 
 }  // namespace
 
-TEST_CASE("What points up is told with its figures, and those of the model as it is drawn") {
+TEST_CASE("A chosen orientation is described with its figures and with those of the model as drawn") {
   CHECK(describe(found(on_its_point())) ==
-        "0, 0, -1 points up (auto): nothing hangs over, 20.00 mm high, 111 mm2 at most, stands by itself; as "
-        "drawn: about 1 contact, 0.01 ml of supports, 20.00 mm high, 111 mm2 at most");
+        "0, 0, -1 points up (auto): no overhangs, 20.00 mm high, largest layer 111 mm2, stands by itself; as "
+        "drawn: about 1 contact, 0.01 ml of supports, 20.00 mm high, largest layer 111 mm2");
   CHECK(describe(found(models::box({0, 0, 0}, {10, 10, 10}), {OrientationPreset::Clean, {}})) ==
-        "stays as it is drawn (clean): nothing hangs over, 10.00 mm high, 100 mm2 at most, stands by itself");
+        "stays as drawn (clean): no overhangs, 10.00 mm high, largest layer 100 mm2, stands by itself");
 }
 
-TEST_CASE("Surfaces that are touched all the same, and what does not fit, are told") {
+TEST_CASE("The description reports touched surfaces and a model that does not fit") {
   OrientationFigures figures;
   figures.contacts = 1.2;
   figures.touched_mm2 = 12;
   figures.fits = false;
   CHECK(describe(figures) ==
-        "about 2 contacts, 0.00 ml of supports, 0.00 mm high, 0 mm2 at most, 12 mm2 touched of what is to be "
-        "kept "
-        "clean, does not fit into the machine");
+        "about 2 contacts, 0.00 ml of supports, 0.00 mm high, largest layer 0 mm2, 12 mm2 of the surfaces to "
+        "be kept clean are touched, does not fit into the machine");
 }
 
-TEST_CASE("A direction is told in thousandths, without a minus in front of 0") {
+TEST_CASE("A direction is printed in thousandths, without a minus in front of 0") {
   CHECK(text_of({0.70710678, -0.0001, -1}) == "0.707, 0, -1");
 }
 
-TEST_CASE("The report has the best ways up, the chosen one first") {
+TEST_CASE("The report lists the best orientations, the chosen one first") {
   const ModelOrientation orientation = found(on_its_point());
   const nlohmann::ordered_json json = orientation_json(orientation);
   CHECK(json["preset"] == "auto");
@@ -59,7 +58,7 @@ TEST_CASE("The report has the best ways up, the chosen one first") {
   CHECK(json["alternatives"][0]["stands"] == true);
 }
 
-TEST_CASE("A model that fills the display fits, however large its file has it") {
+TEST_CASE("A model with fit fits the machine, however large it is in its file") {
   ModelTicket ticket;
   ticket.orientation.emplace();
   ticket.fit = true;
@@ -73,7 +72,7 @@ TEST_CASE("A model that fills the display fits, however large its file has it") 
                   .fits);
 }
 
-TEST_CASE("Nothing is found once it is told to stop") {
+TEST_CASE("A stopped search returns no orientation") {
   std::stop_source stop;
   stop.request_stop();
   ModelTicket ticket;
@@ -82,9 +81,9 @@ TEST_CASE("Nothing is found once it is told to stop") {
                   .has_value());
 }
 
-TEST_CASE("A way up is found only where a ticket leaves it to contourd") {
+TEST_CASE("An orientation is searched only if the ticket leaves it to contourd") {
   const models::Facets cone = on_its_point();
   CHECK(testing::contract_broken_by([&] {
           (void)find_orientation(cone, ModelTicket{}, {{kAny, kAny, kAny}, Scale{}, {}});
-        }) == "a model's ticket leaves its way up to contourd");
+        }) == "the ticket leaves the orientation to contourd, and there is a facet");
 }

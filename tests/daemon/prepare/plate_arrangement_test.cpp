@@ -9,7 +9,7 @@ using namespace contourd;
 
 namespace {
 
-// 96 x 54 mm in pixels of 50 um.
+// A plate of 96 x 54 mm with pixels of 50 um.
 const BuildVolume kVolume{{Pixels{1920}, Pixels{1080}, Micrometers{50}}, 100};
 constexpr Nanometers kLayer{50'000};
 
@@ -40,7 +40,7 @@ bool on_grid(double line_mm) {
 
 }  // namespace
 
-TEST_CASE("Models with a position stand there, copies in rows around it") {
+TEST_CASE("Models with a position stand there, their copies in rows around it") {
   const Arrangement places = arrange({model("a", 4, 4, at(-10, 5)), model("b", 4, 4, at(20, 0), 2)}, kVolume);
   REQUIRE(places.size() == 2);
   REQUIRE(places[0].size() == 1);
@@ -51,7 +51,7 @@ TEST_CASE("Models with a position stand there, copies in rows around it") {
 }
 
 TEST_CASE("Models without a position are put side by side in the middle of the plate, on the pixel grid") {
-  // 20.03 and 9.99 mm are no whole pixels: their left front corners are on the grid all the same.
+  // 20.03 and 9.99 mm are not whole pixels, but the left front corners are on the grid all the same.
   const std::vector<ModelToPlace> models{model("a", 20.03F, 10, std::nullopt, 3),
                                          model("b", 9.99F, 20, std::nullopt, 2)};
   const Arrangement places = arrange(models, kVolume);
@@ -85,7 +85,7 @@ TEST_CASE("Models without a position keep 2 mm from those with one") {
   }
 }
 
-TEST_CASE("What finds no room is refused by its name") {
+TEST_CASE("A model without room on the plate is refused by name") {
   CHECK(refusal_of({model("a.stl", 90, 50, at(0, 0)), model("b.stl", 5, 5, std::nullopt)}) ==
         "there is no room on the plate (96.00 x 54.00 mm) for b.stl (5.00 x 5.00 mm) beside the others");
   CHECK(
@@ -94,18 +94,17 @@ TEST_CASE("What finds no room is refused by its name") {
       "others");
 }
 
-TEST_CASE("What reaches over an edge is refused with how far over which") {
+TEST_CASE("A model over the plate's edge is refused with the distance and the edge") {
   CHECK(refusal_of({model("a.stl", 10, 10, at(45, 25))}) ==
         "a.stl (10.00 x 10.00 mm, its centre 45.00, 25.00 mm from the plate's) reaches 2.00 mm over the "
-        "right edge "
-        "and 3.00 mm over the back edge of the build area (96.00 x 54.00 mm)");
+        "right edge and 3.00 mm over the back edge of the build area (96.00 x 54.00 mm)");
   CHECK(refusal_of({model("a.stl", 10, 10, at(-43.5, -22.25))})
             .find("reaches 0.50 mm over the left edge and 0.25 mm over the front edge") != std::string::npos);
   CHECK(refusal_of({model("a.stl", 10, 10, at(40, 0), 2)}).find("a.stl (copy 2) (10.00") == 0);
   CHECK(refusal_of({model("a.stl", 10, 10, at(43, 22))}).empty());
 }
 
-TEST_CASE("A model above another is not in its way") {
+TEST_CASE("A model above another does not collide with it") {
   std::vector<ModelToPlace> models{model("a.stl", 10, 10, at(0, 0)), model("b.stl", 10, 10, at(0, 0))};
   CHECK_FALSE(refusal_of(models).empty());
   models[1].elevation = Elevation(Nanometers{5'000'000});
@@ -114,9 +113,8 @@ TEST_CASE("A model above another is not in its way") {
   CHECK(refusal_of(models).find("at a height of 4.025 mm") != std::string::npos);
 }
 
-TEST_CASE("Models in each other's way are refused with both names, the height and the place") {
+TEST_CASE("Models that collide are refused with both names, the height and the place") {
   CHECK(refusal_of({model("a.stl", 10, 10, at(0, 0)), model("b.stl", 10, 10, at(9, 9), 1, 20)}) ==
-        "a.stl and b.stl are in each other's way: at a height of 0.025 mm both are at 4.03, 4.97 mm from the "
-        "plate's centre");
+        "a.stl and b.stl collide: at a height of 0.025 mm both are at 4.03, 4.97 mm from the plate's centre");
   CHECK(refusal_of({model("a.stl", 10, 10, at(0, 0)), model("b.stl", 10, 10, at(10, 0))}).empty());
 }

@@ -18,7 +18,7 @@ PrinterConfig printer_that_asks(const Names& names) {
   return printer;
 }
 
-// Two layers of 10 mm2, and a watertight model.
+// A job of two layers of 10 mm2 and a watertight model.
 struct Job {
   Job() {
     findings.area_mm2 = {10, 10};
@@ -33,9 +33,9 @@ struct Job {
   JobSummary summary;
 };
 
-bool warns(const PreprintAnalysis& analysis, const std::string& of) {
+bool warns(const PreprintAnalysis& analysis, const std::string& text) {
   return std::ranges::any_of(
-      analysis.warnings, [&](const std::string& warning) { return warning.find(of) != std::string::npos; });
+      analysis.warnings, [&](const std::string& warning) { return warning.find(text) != std::string::npos; });
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ TEST_CASE("A sound job has no finding") {
   CHECK(analysis.resin_ml == Approx(1));
 }
 
-TEST_CASE("Places that cannot be held are asked about whatever the printer's file names") {
+TEST_CASE("Unheld places need confirmation whatever ask_before names") {
   Job job;
   job.summary.supports.emplace().unheld = {{{{1, 2, 3}, {0, 0, -1}, ContactCause::Island, 0.5}, "no way"}};
   const PreprintAnalysis analysis = job.analysis();
@@ -62,7 +62,7 @@ TEST_CASE("Places that cannot be held are asked about whatever the printer's fil
   CHECK_FALSE(analysis_of_preparation(job.summary));
 }
 
-TEST_CASE("Each finding has its name, and its sentence is among the warnings") {
+TEST_CASE("Each finding has a name and a warning") {
   Job job;
   SECTION("islands") {
     job.findings.island_count = 1;
@@ -82,7 +82,7 @@ TEST_CASE("Each finding has its name, and its sentence is among the warnings") {
     CHECK(job.analysis().findings == Names{"resin_traps"});
     CHECK(warns(job.analysis(), "closed hollow"));
   }
-  SECTION("a first layer that is tiny") {
+  SECTION("a tiny first layer") {
     job.findings.area_mm2[0] = 0.49;
     CHECK(job.analysis().findings == Names{"tiny_first_layer"});
     CHECK(warns(job.analysis(), "layer 1 is tiny: it covers 0.49 mm2, 4.9 % of layer 1"));
@@ -115,13 +115,13 @@ TEST_CASE("Each finding has its name, and its sentence is among the warnings") {
   }
 }
 
-TEST_CASE("What is there twice in a mesh is no crack") {
+TEST_CASE("Duplicate facets are not a crack") {
   Job job;
   job.summary.models[0].repairs.doubled = 3;
   CHECK(job.analysis().findings.empty());
 }
 
-TEST_CASE("An owner is asked about what the printer's file names, and about what nobody knows") {
+TEST_CASE("Findings named in ask_before need confirmation, and so does a job that could not be analyzed") {
   PreprintAnalysis analysis;
   analysis.findings = {"islands", "cracks"};
   CHECK(asked_findings(analysis, printer_that_asks({})).empty());
@@ -130,7 +130,7 @@ TEST_CASE("An owner is asked about what the printer's file names, and about what
   CHECK(asked_findings(analysis, printer_that_asks({"cracks"})) == analysis.findings);
 }
 
-TEST_CASE("Of very many warnings the first are told, and each in bounds") {
+TEST_CASE("Warnings are limited in number and length") {
   Job job;
   job.summary.warnings.assign(1000, std::string(10'000, 'x'));
   const PreprintAnalysis analysis = job.analysis();
@@ -139,7 +139,7 @@ TEST_CASE("Of very many warnings the first are told, and each in bounds") {
   CHECK(analysis.warnings.front().size() < 600);
 }
 
-TEST_CASE("Findings are told as people say them") {
+TEST_CASE("Findings are printed in words") {
   CHECK(findings_text({}).empty());
   CHECK(findings_text({"islands", "tiny_first_layer"}) == "islands, tiny first layer");
 }

@@ -26,7 +26,7 @@ PrintFindings spoilt() {
 
 }  // namespace
 
-TEST_CASE("Findings are told in one line with layers, time, resin and what is wrong") {
+TEST_CASE("The findings line has layers, time, resin and the number of faults") {
   CHECK(findings_line(spoilt()) ==
         "10 layers in 3 h 05 min, 1.23 ml of resin, at most 81.00 mm2 (layer 4), 40 islands, 5 empty layers");
   PrintFindings sound;
@@ -39,7 +39,7 @@ TEST_CASE("Findings are told in one line with layers, time, resin and what is wr
 TEST_CASE("A sound print has no warnings") {
   PrintFindings sound;
   sound.area_mm2 = {10, 10};
-  sound.cracks.gaps_closed = 3;  // closed within the tolerance: told, but not a warning
+  sound.cracks.gaps_closed = 3;  // closed within the tolerance: a figure, not a warning
   CHECK(warnings_about(sound).empty());
 }
 
@@ -51,12 +51,12 @@ TEST_CASE("Warnings name the largest islands, the empty layers and the open cont
       "40 islands begin with nothing under them: layer 6 at 1.00, 1.00 mm from the plate's centre (7 mm2), "
       "layer 8 at 2.00, 2.00 mm from the plate's centre (5 mm2), layer 10 at 3.00, 3.00 mm from the plate's "
       "centre (4 mm2), and 37 more");
-  CHECK(warnings[1] == "layers 2 to 3, 5, 7 and 1 more are empty: what comes above has nothing to hold it");
+  CHECK(warnings[1] == "layers 2 to 3, 5, 7 and 1 more are empty: nothing holds the layers above");
   CHECK(warnings[2] ==
         "the model is cracked: contours of 1 layer (4) did not close; the widest gap bridged is 1.500 mm");
 }
 
-TEST_CASE("A warning tells the layers that its sentence names, and what is to be seen there") {
+TEST_CASE("A warning lists the layers named in its sentence and a label for them") {
   const auto warnings = findings_warnings(spoilt());
   REQUIRE(warnings.size() == 3);
   CHECK(warnings[0].mark == "island");
@@ -67,7 +67,7 @@ TEST_CASE("A warning tells the layers that its sentence names, and what is to be
   CHECK(warnings[2].layers == std::vector<std::int32_t>{3});
 }
 
-TEST_CASE("Suction cups and resin traps are told with their layers, place, area and volume") {
+TEST_CASE("Warnings of suction cups and resin traps have their layers, place, area and volume") {
   PrintFindings findings;
   findings.area_mm2 = {10, 10};
   findings.largest_area_mm2 = 10;
@@ -87,8 +87,8 @@ TEST_CASE("Suction cups and resin traps are told with their layers, place, area 
   CHECK(warnings[0].layers == std::vector<std::int32_t>{4});
   CHECK(warnings[1].sentence ==
         "5 closed hollows keep resin that cannot flow out: layer 12, at 5.00, 6.00 mm from the plate's "
-        "centre in "
-        "layer 12 (800 mm3), layers 13 to 21, at 7.00, 8.00 mm from the plate's centre in layer 15 (20 mm3), "
+        "centre in layer 12 (800 mm3), layers 13 to 21, at 7.00, 8.00 mm from the plate's centre in layer 15 "
+        "(20 mm3), "
         "layers 14 to 21, at 9.00, 9.00 mm from the plate's centre in layer 15 (10 mm3), and 2 more");
   CHECK(warnings[1].mark == "resin trap");
   CHECK(warnings[1].layers == std::vector<std::int32_t>{11, 14});
@@ -125,7 +125,7 @@ TEST_CASE("Turned facets are a warning and a figure") {
   CHECK(json["cracked_layer_list"][0]["turned_chains"] == 2);
 }
 
-TEST_CASE("One island and one empty layer are told in the singular") {
+TEST_CASE("One island and one empty layer are described in the singular") {
   PrintFindings findings;
   findings.area_mm2 = {1, 0, 1};
   findings.empty_layers = {1};
@@ -135,19 +135,19 @@ TEST_CASE("One island and one empty layer are told in the singular") {
   REQUIRE(warnings.size() == 2);
   CHECK(warnings[0] ==
         "1 island begins with nothing under it: layer 3 at 0.00, 0.00 mm from the plate's centre (1 mm2)");
-  CHECK(warnings[1] == "layer 2 is empty: what comes above has nothing to hold it");
+  CHECK(warnings[1] == "layer 2 is empty: nothing holds the layers above");
 }
 
-TEST_CASE("Empty layers at the top have nothing above that they could not hold") {
+TEST_CASE("Empty layers at the top end the print") {
   PrintFindings findings;
   findings.area_mm2 = {1, 0, 1, 0, 0};
   findings.empty_layers = {1, 3, 4};
   CHECK(warnings_about(findings) ==
-        std::vector<std::string>{"layer 2 is empty: what comes above has nothing to hold it",
-                                 "layers 4 to 5 are empty: the print ends beneath"});
+        std::vector<std::string>{"layer 2 is empty: nothing holds the layers above",
+                                 "layers 4 to 5 are empty: the print ends below"});
 }
 
-TEST_CASE("A print without any light is told so") {
+TEST_CASE("A print without any light has one warning") {
   PrintFindings findings;
   findings.area_mm2 = {0};
   findings.empty_layers = {0};
@@ -157,7 +157,7 @@ TEST_CASE("A print without any light is told so") {
 }
 
 TEST_CASE("An island's area has no exponent however large or small it is") {
-  const auto told = [](double area_mm2) {
+  const auto text_of_island = [](double area_mm2) {
     PrintFindings findings;
     findings.area_mm2 = {1, area_mm2};
     findings.islands = {{1, {1, 2}, {0, 0}, area_mm2}};
@@ -165,13 +165,13 @@ TEST_CASE("An island's area has no exponent however large or small it is") {
     const std::string text = warnings_about(findings).at(0);
     return text.substr(text.find('('));
   };
-  CHECK(told(1800) == "(1800 mm2)");
-  CHECK(told(12345.6) == "(12346 mm2)");
-  CHECK(told(999.9) == "(1000 mm2)");
-  CHECK(told(123.4) == "(123 mm2)");
-  CHECK(told(0.0025) == "(0.0025 mm2)");
-  // A 255th of a pixel of 10 um.
-  CHECK(told(3.92e-7) == "(less than 0.0001 mm2)");
+  CHECK(text_of_island(1800) == "(1800 mm2)");
+  CHECK(text_of_island(12345.6) == "(12346 mm2)");
+  CHECK(text_of_island(999.9) == "(1000 mm2)");
+  CHECK(text_of_island(123.4) == "(123 mm2)");
+  CHECK(text_of_island(0.0025) == "(0.0025 mm2)");
+  // A grey value of 1 in a pixel of 10 um: 1/255 of its area.
+  CHECK(text_of_island(3.92e-7) == "(less than 0.0001 mm2)");
 }
 
 TEST_CASE("Findings as JSON count layers from one") {

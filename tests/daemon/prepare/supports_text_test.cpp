@@ -22,7 +22,7 @@ Supports some() {
 
 }  // namespace
 
-TEST_CASE("Supports are told by cause, and by what holds") {
+TEST_CASE("The supports line counts contacts by cause, branches and feet") {
   Supports supports = some();
   CHECK(supports_line(counts_of(supports)) ==
         "4 contacts (1 island, 2 overhangs, 1 peel), 3 branches, 1 foot, 0.33 ml");
@@ -35,10 +35,10 @@ TEST_CASE("Supports are told by cause, and by what holds") {
         "4 contacts (1 island, 2 overhangs, 1 peel), 3 branches, 1 foot, 2 on the model, 0.33 ml; 1 place "
         "not held");
   CHECK(supports_in_summary(supports_summary_json(counts)) == counts);
-  CHECK(supports_line({}) == "nothing has to be held");
+  CHECK(supports_line({}) == "none needed");
 }
 
-TEST_CASE("Places that are not held are named, the first three of them") {
+TEST_CASE("The sentence about unheld places describes the first three") {
   std::vector<UnheldPlace> places{{contact(ContactCause::Island, 1), "no path leads to the plate"}};
   CHECK(unheld_sentence({}).empty());
   CHECK(unheld_sentence(places) ==
@@ -50,7 +50,7 @@ TEST_CASE("Places that are not held are named, the first three of them") {
   CHECK(sentence.find("(peel, 0.25 mm2): there is no room; and 2 more") != std::string::npos);
 }
 
-TEST_CASE("Supports as JSON have every contact and every place that is not held") {
+TEST_CASE("The JSON of supports lists every contact and every unheld place") {
   Supports supports = some();
   supports.unheld = {{contact(ContactCause::Island, 9), "no way"}};
   const auto json = supports_json(supports);

@@ -1,4 +1,4 @@
-// Each header of daemon/print checks what it requires.
+// Tests of the contract checks in daemon/print.
 #include <string>
 #include <utility>
 
@@ -17,23 +17,23 @@ const std::string kPrint = "a print is under way";
 
 }  // namespace
 
-TEST_CASE("PrintProcess starts a print that has layers and exposures, while none is under way") {
-  testing::CurrentJobFixture desk;
-  PrintProcess& process = desk.job.print();
+TEST_CASE("PrintProcess::start requires a plan with layers and exposures, and that no print is under way") {
+  testing::CurrentJobFixture fixture;
+  PrintProcess& process = fixture.job.print();
   PrintPlan dark;
   dark.layers = PrintLayers(LayerStack{Nanometers{50'000}, 1});
   CHECK(contract_broken_by([&] { process.start({}); }) == "a print has a layer and its exposure");
   CHECK(contract_broken_by([&] { process.start(std::move(dark)); }) ==
         "a print has a layer and its exposure");
-  desk.begin();
-  REQUIRE(desk.run_until([&] { return process.state() != PrintState::Idle; }));
+  fixture.begin();
+  REQUIRE(fixture.run_until([&] { return process.state() != PrintState::Idle; }));
   CHECK(contract_broken_by([&] { process.start({}); }) == "no print is under way");
   CHECK(contract_broken_by([&] { (void)process.time_left(); }).empty());
 }
 
-TEST_CASE("PrintProcess tells of the layer under way while there is one") {
-  const testing::CurrentJobFixture desk;
-  const PrintProcess& process = desk.job.print();
+TEST_CASE("The layer and time functions of PrintProcess require that a print is under way") {
+  const testing::CurrentJobFixture fixture;
+  const PrintProcess& process = fixture.job.print();
   CHECK(contract_broken_by([&] { (void)process.layer(); }) == kPrint);
   CHECK(contract_broken_by([&] { (void)process.layer_top(); }) == kPrint);
   CHECK(contract_broken_by([&] { (void)process.layer_thickness(); }) == kPrint);
@@ -41,20 +41,21 @@ TEST_CASE("PrintProcess tells of the layer under way while there is one") {
   CHECK(contract_broken_by([&] { (void)process.time_left(); }) == kPrint);
 }
 
-TEST_CASE("ManualProcess begins one operation at a time, moves from a known height, and shows in the dark") {
-  testing::PrinterFixture desk;
-  ManualProcess process(desk.machine, desk.clock, [] {});
+TEST_CASE(
+    "ManualProcess requires one operation at a time, a known height for a move, and darkness for a picture") {
+  testing::PrinterFixture fixture;
+  ManualProcess process(fixture.machine, fixture.clock, [] {});
   const MillimetersPerSecond speed{5};
-  const Mask picture(desk.machine.display().width(), desk.machine.display().height());
+  const Mask picture(fixture.machine.display().width(), fixture.machine.display().height());
   CHECK(contract_broken_by([&] { process.move_to(Nanometers{}, speed); }) == "the plate's height is known");
   CHECK(contract_broken_by([&] { process.nudge(Nanometers{2'000'001}, speed); }) == "a nudge is short");
   process.light_on(std::chrono::seconds{1});
-  const std::string one = "no operation is under way";
-  CHECK(contract_broken_by([&] { process.home(speed); }) == one);
-  CHECK(contract_broken_by([&] { process.power_on(); }) == one);
-  CHECK(contract_broken_by([&] { process.give_way(); }) == one);
+  const std::string idle = "no operation is under way";
+  CHECK(contract_broken_by([&] { process.home(speed); }) == idle);
+  CHECK(contract_broken_by([&] { process.power_on(); }) == idle);
+  CHECK(contract_broken_by([&] { process.give_way(); }) == idle);
   while (!process.light_may_be_on())
-    REQUIRE(desk.clock.run_next());
+    REQUIRE(fixture.clock.run_next());
   CHECK(contract_broken_by([&] { process.show(picture, "white", std::chrono::seconds{1}); }) ==
         "nothing shines while the picture changes");
 }

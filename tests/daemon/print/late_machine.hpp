@@ -1,5 +1,5 @@
-// A simulated printer whose motor could not keep its times, and whose machine events a test makes. Not
-// thread-safe.
+// A simulated printer with an adjustable count of late motor steps, whose machine events a test can trigger.
+// Not thread-safe.
 #pragma once
 
 #include <filesystem>

@@ -11,106 +11,115 @@ using namespace contourd;
 
 namespace {
 
-using S = ManualState;
-using E = ManualEvent;
-using F = ManualEffect;
+using State = ManualState;
+using Event = ManualEvent;
+using Effect = ManualEffect;
 
-struct Row {
-  S from;
-  E on;
-  S to;
-  std::vector<F> effects;
+struct ManualRow {
+  State from;
+  Event on;
+  State to;
+  std::vector<Effect> effects;
 };
 
-const std::vector<F> kFailure{F::LightOff, F::BlackNow, F::AbortAxis, F::AwaitDark};
-const std::vector<F> kDarkAndWait{F::LightOff, F::BlackNow, F::AwaitDark};
-const std::vector<F> kBrake{F::LightOff, F::StopAxis};
+const std::vector<Effect> kManualFailure{Effect::LightOff, Effect::BlackNow, Effect::AbortAxis,
+                                         Effect::AwaitDark};
+const std::vector<Effect> kManualDarkAndWait{Effect::LightOff, Effect::BlackNow, Effect::AwaitDark};
+const std::vector<Effect> kManualBrake{Effect::LightOff, Effect::StopAxis};
 
-// Written out apart from the table, row for row.
-const std::vector<Row> kExpected{
-    {S::Idle, E::Home, S::Homing, {F::Home}},
-    {S::Idle, E::Move, S::Moving, {F::Move}},
-    {S::Idle, E::Nudge, S::Moving, {F::Nudge}},
-    {S::Idle, E::PowerOn, S::PoweringOn, {F::LightOff, F::PowerOn}},
-    {S::Idle, E::PowerOff, S::Extinguishing, {F::LightOff, F::PowerOff, F::AwaitDark}},
-    {S::Idle, E::LightOn, S::WarmingUp, {F::LightOff, F::PowerOn}},
-    {S::Idle, E::AskStatus, S::Asking, {F::AskStatus}},
-    {S::Homing, E::Homed, S::Idle, {}},
-    {S::Moving, E::MoveEnded, S::Idle, {}},
-    {S::Braking, E::MoveEnded, S::Idle, {}},
-    {S::PoweringOn, E::ProjectorReady, S::Idle, {}},
-    {S::WarmingUp, E::ProjectorReady, S::Igniting, {F::LightOn}},
-    {S::Igniting, E::LightOnSent, S::Lit, {F::TimeLight}},
-    {S::Lit, E::TimeOver, S::Extinguishing, {F::LightOff, F::AwaitDark}},
-    {S::Extinguishing, E::LightIsOff, S::Idle, {}},
-    {S::Extinguishing, E::GaveUp, S::Idle, {F::LightOff, F::TellLightMayBeOn}},
-    {S::Asking, E::StatusTold, S::Idle, {}},
-    {S::Homing, E::Stop, S::Braking, kBrake},
-    {S::Moving, E::Stop, S::Braking, kBrake},
-    {S::PoweringOn, E::Stop, S::Extinguishing, kDarkAndWait},
-    {S::WarmingUp, E::Stop, S::Extinguishing, kDarkAndWait},
-    {S::Igniting, E::Stop, S::Extinguishing, kDarkAndWait},
-    {S::Lit, E::Stop, S::Extinguishing, kDarkAndWait},
-    {S::Asking, E::Stop, S::Extinguishing, kDarkAndWait},
-    {S::Homing, E::Failed, S::Extinguishing, kFailure},
-    {S::Moving, E::Failed, S::Extinguishing, kFailure},
-    {S::Braking, E::Failed, S::Extinguishing, kFailure},
-    {S::PoweringOn, E::Failed, S::Extinguishing, kFailure},
-    {S::WarmingUp, E::Failed, S::Extinguishing, kFailure},
-    {S::Igniting, E::Failed, S::Extinguishing, kFailure},
-    {S::Lit, E::Failed, S::Extinguishing, kFailure},
-    {S::Asking, E::Failed, S::Extinguishing, kFailure},
-    {S::Extinguishing, E::Failed, S::Extinguishing, {F::LightOff, F::BlackNow, F::AbortAxis}},
+// The expected rows, written down independently of the table.
+const std::vector<ManualRow> kExpectedManualRows{
+    {State::Idle, Event::Home, State::Homing, {Effect::Home}},
+    {State::Idle, Event::Move, State::Moving, {Effect::Move}},
+    {State::Idle, Event::Nudge, State::Moving, {Effect::Nudge}},
+    {State::Idle, Event::PowerOn, State::PoweringOn, {Effect::LightOff, Effect::PowerOn}},
+    {State::Idle,
+     Event::PowerOff,
+     State::Extinguishing,
+     {Effect::LightOff, Effect::PowerOff, Effect::AwaitDark}},
+    {State::Idle, Event::LightOn, State::WarmingUp, {Effect::LightOff, Effect::PowerOn}},
+    {State::Idle, Event::AskStatus, State::Asking, {Effect::AskStatus}},
+    {State::Homing, Event::Homed, State::Idle, {}},
+    {State::Moving, Event::MoveEnded, State::Idle, {}},
+    {State::Braking, Event::MoveEnded, State::Idle, {}},
+    {State::PoweringOn, Event::ProjectorReady, State::Idle, {}},
+    {State::WarmingUp, Event::ProjectorReady, State::Igniting, {Effect::LightOn}},
+    {State::Igniting, Event::LightOnSent, State::Lit, {Effect::TimeLight}},
+    {State::Lit, Event::TimeOver, State::Extinguishing, {Effect::LightOff, Effect::AwaitDark}},
+    {State::Extinguishing, Event::LightIsOff, State::Idle, {}},
+    {State::Extinguishing, Event::GaveUp, State::Idle, {Effect::LightOff, Effect::TellLightMayBeOn}},
+    {State::Asking, Event::StatusTold, State::Idle, {}},
+    {State::Homing, Event::Stop, State::Braking, kManualBrake},
+    {State::Moving, Event::Stop, State::Braking, kManualBrake},
+    {State::PoweringOn, Event::Stop, State::Extinguishing, kManualDarkAndWait},
+    {State::WarmingUp, Event::Stop, State::Extinguishing, kManualDarkAndWait},
+    {State::Igniting, Event::Stop, State::Extinguishing, kManualDarkAndWait},
+    {State::Lit, Event::Stop, State::Extinguishing, kManualDarkAndWait},
+    {State::Asking, Event::Stop, State::Extinguishing, kManualDarkAndWait},
+    {State::Homing, Event::Failed, State::Extinguishing, kManualFailure},
+    {State::Moving, Event::Failed, State::Extinguishing, kManualFailure},
+    {State::Braking, Event::Failed, State::Extinguishing, kManualFailure},
+    {State::PoweringOn, Event::Failed, State::Extinguishing, kManualFailure},
+    {State::WarmingUp, Event::Failed, State::Extinguishing, kManualFailure},
+    {State::Igniting, Event::Failed, State::Extinguishing, kManualFailure},
+    {State::Lit, Event::Failed, State::Extinguishing, kManualFailure},
+    {State::Asking, Event::Failed, State::Extinguishing, kManualFailure},
+    {State::Extinguishing,
+     Event::Failed,
+     State::Extinguishing,
+     {Effect::LightOff, Effect::BlackNow, Effect::AbortAxis}},
 };
 
-bool has(const ManualTransition& row, F effect) {
+bool has(const ManualTransition& row, Effect effect) {
   return std::ranges::find(row.done(), effect) != row.done().end();
 }
 
 }  // namespace
 
-TEST_CASE("Every row of what is done by hand leads where it should, with the effects it should have") {
-  for (const Row& row : kExpected) {
+TEST_CASE("Every row of manual control leads to the expected state with the expected effects") {
+  for (const ManualRow& row : kExpectedManualRows) {
     CAPTURE(name_of(row.from), name_of(row.on));
     const ManualTransition* found = find_row(manual_transitions(), row.from, row.on);
     REQUIRE(found != nullptr);
     CHECK(found->to == row.to);
-    CHECK(std::vector<F>(found->done().begin(), found->done().end()) == row.effects);
+    CHECK(std::vector<Effect>(found->done().begin(), found->done().end()) == row.effects);
   }
-  CHECK(manual_transitions().size() == kExpected.size());
+  CHECK(manual_transitions().size() == kExpectedManualRows.size());
 }
 
-TEST_CASE("By hand, no state has two rows for one event") {
-  std::set<std::pair<S, E>> seen;
+TEST_CASE("In manual control, no state has two rows for one event") {
+  std::set<std::pair<State, Event>> seen;
   for (const ManualTransition& row : manual_transitions())
     CHECK(seen.insert({row.from, row.on}).second);
 }
 
-TEST_CASE("By hand, light off comes first wherever it comes at all, and on every way out of the light") {
+TEST_CASE("In manual control, light off always comes first, and every row that leaves a lit state has it") {
   for (const ManualTransition& row : manual_transitions()) {
     CAPTURE(name_of(row.from), name_of(row.on));
-    if (has(row, F::LightOff)) CHECK(row.done().front() == F::LightOff);
-    const bool lit = row.from == S::Igniting || row.from == S::Lit;
-    if (lit && row.to != S::Lit) CHECK(has(row, F::LightOff));
+    if (has(row, Effect::LightOff)) CHECK(row.done().front() == Effect::LightOff);
+    const bool lit = row.from == State::Igniting || row.from == State::Lit;
+    if (lit && row.to != State::Lit) CHECK(has(row, Effect::LightOff));
   }
 }
 
-TEST_CASE("By hand, every state but the last can be stopped and fails, and the light's end is waited for") {
+TEST_CASE(
+    "In manual control, every active state can be stopped and can fail, and the light's end is awaited") {
   for (const ManualTransition& row : manual_transitions()) {
-    if (row.to == S::Idle || row.to == S::Extinguishing || row.to == S::Braking) continue;
+    if (row.to == State::Idle || row.to == State::Extinguishing || row.to == State::Braking) continue;
     CAPTURE(name_of(row.to));
-    CHECK(find_row(manual_transitions(), row.to, E::Stop) != nullptr);
-    CHECK(find_row(manual_transitions(), row.to, E::Failed) != nullptr);
+    CHECK(find_row(manual_transitions(), row.to, Event::Stop) != nullptr);
+    CHECK(find_row(manual_transitions(), row.to, Event::Failed) != nullptr);
   }
   for (const ManualTransition& row : manual_transitions()) {
-    if (row.to == S::Extinguishing && row.from != S::Extinguishing) CHECK(has(row, F::AwaitDark));
+    if (row.to == State::Extinguishing && row.from != State::Extinguishing)
+      CHECK(has(row, Effect::AwaitDark));
   }
 }
 
-TEST_CASE("By hand, nothing moves where there may be light") {
+TEST_CASE("In manual control, nothing moves while there may be light") {
   for (const ManualTransition& row : manual_transitions()) {
-    if (!has(row, F::Home) && !has(row, F::Move) && !has(row, F::Nudge)) continue;
-    CHECK(row.from == S::Idle);
-    CHECK_FALSE(has(row, F::LightOn));
+    if (!has(row, Effect::Home) && !has(row, Effect::Move) && !has(row, Effect::Nudge)) continue;
+    CHECK(row.from == State::Idle);
+    CHECK_FALSE(has(row, Effect::LightOn));
   }
 }

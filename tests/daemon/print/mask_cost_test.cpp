@@ -17,14 +17,14 @@ using namespace std::chrono_literals;
 
 namespace {
 
-const DisplayGeometry kDisplay{Pixels{1920}, Pixels{1080}, Micrometers{50.0}};
+const DisplayGeometry kFullHdDisplay{Pixels{1920}, Pixels{1080}, Micrometers{50.0}};
 
 ContourEngine engine_of(const models::Facets& facets, Elevation elevation = {}) {
   const StandingModel model{std::make_shared<const HeightIndex>(facets), elevation};
-  return {{PlateModel{model, {PixelMap::true_scale(kDisplay, {0, 0})}}}, {.display = kDisplay}};
+  return {{PlateModel{model, {PixelMap::true_scale(kFullHdDisplay, {0, 0})}}}, {.display = kFullHdDisplay}};
 }
 
-// As many facets cross each other nearly all at a middle height.
+// Returns this number of random facets, nearly all of which cross each other at a middle height.
 models::Facets soup(std::size_t count) {
   models::Dice dice(11);
   models::Facets facets(count);
@@ -55,11 +55,11 @@ TEST_CASE("A print whose masks cross themselves too often is refused with the fi
   CHECK(refusal.find("facets cut") != std::string::npos);
 }
 
-TEST_CASE("A print whose masks take too long is refused also where others have the processor") {
+TEST_CASE("A print whose masks take too long is refused even if other threads occupy the processor") {
   ContourEngine engine = engine_of(soup(4000));
   std::string refusal;
-  // On one processor with a thread of a lower niceness this one gets a tenth: of four budgets less than half
-  // a one.
+  // On one processor, next to a thread of lower niceness, this thread gets a tenth of the time: less than
+  // half a budget within four budgets.
   std::jthread check([&] {
     cpu_set_t allowed{};
     REQUIRE(sched_getaffinity(0, sizeof allowed, &allowed) == 0);
@@ -81,7 +81,7 @@ TEST_CASE("A print whose masks take too long is refused also where others have t
   CHECK(refusal.find("mask_budget_ms, 20 ms") != std::string::npos);
 }
 
-TEST_CASE("A sample has the layer of each part that cuts the most facets") {
+TEST_CASE("A sample contains, for each part of the print, the layer that cuts the most facets") {
   // A thin slice of many facets, 1 um at 6.5 mm, beside a column of 10 mm.
   models::Facets facets = models::box({-5, -5, 0}, {5, 5, 10});
   models::Facets slice = models::box({-5, -5, 6.4999F}, {5, 5, 6.5009F});
@@ -93,14 +93,14 @@ TEST_CASE("A sample has the layer of each part that cuts the most facets") {
   const std::vector<std::size_t> sample = layers_to_sample(engine.models(), middles);
   CHECK(sample ==
         std::vector<std::size_t>{0, 833, 1666, 2500, 3333, 4166, 5000, 6500, 6666, 7500, 8333, 9166});
-  // 2 mm above the plate it is in those that are 2 mm higher.
+  // With the model 2 mm above the plate, the slice is in the layers 2 mm higher.
   CHECK(layers_to_sample(engine_of(facets, Elevation(Nanometers{2'000'000})).models(), middles) ==
         std::vector<std::size_t>{0, 833, 2000, 2500, 3333, 4166, 5000, 5833, 6666, 7500, 8500, 9166});
   CHECK(layers_to_sample(engine.models(), {}).empty());
   CHECK(layers_to_sample(engine.models(), std::span(middles).first(1)) == std::vector<std::size_t>{0});
 }
 
-TEST_CASE("A print whose masks keep their budget is not") {
+TEST_CASE("A print whose masks keep their budget is not refused") {
   ContourEngine engine = engine_of(models::box({-5, -5, 0}, {5, 5, 10}));
   CHECK(refusal_of(engine, std::vector(100, Nanometers{100'000}), 1h).empty());
   CHECK(refusal_of(engine, std::vector(1, Nanometers{100'000}), 1h).empty());

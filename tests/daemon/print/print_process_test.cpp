@@ -9,6 +9,7 @@
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
+#include "tests/daemon/print/box_print.hpp"
 #include "tests/hw/plain_devices.hpp"
 #include "tests/models/models.hpp"
 
@@ -18,13 +19,10 @@ using contourd::testing::TemporaryFolder;
 
 namespace {
 
-constexpr DisplayGeometry kDisplay{Pixels{64}, Pixels{48}, Micrometers{100.0}};
-constexpr Nanometers kLayer{50'000};
-
-// A printer with a print in it, driven call by call.
-class Bench final : public PrintObserver {
+// A simulated printer with a print process, driven one clock callback at a time.
+class PrintProcessFixture final : public PrintObserver {
  public:
-  explicit Bench(const SimulatedPrinterConfig& config = small_printer())
+  explicit PrintProcessFixture(const SimulatedPrinterConfig& config = testing::small_printer())
       : machine(clock, config), process(machine, clock, *this) {
     machine.on_event([this](const MachineEvent& event) {
       if (event.kind == MachineEvent::Kind::Interlock) process.interrupt(event.what);
@@ -32,35 +30,9 @@ class Bench final : public PrintObserver {
     });
   }
 
-  static SimulatedPrinterConfig small_printer() {
-    SimulatedPrinterConfig config;
-    config.display.width = kDisplay.width;
-    config.display.height = kDisplay.height;
-    return config;
-  }
+  void start(int count = 3) { process.start(testing::box_plan(count)); }
 
-  static PrintPlan plan(int count) {
-    PrintPlan plan;
-    plan.job = "box";
-    const double height = to_millimeters(kLayer).count() * count;
-    HeightIndex box(models::box({0, 0, 0}, {3, 2, static_cast<float>(height)}));
-    plan.engine = std::make_unique<ContourEngine>(std::move(box), EngineSettings{.display = kDisplay},
-                                                  std::vector{PixelMap::true_scale(kDisplay, {1.5, 1})});
-    plan.layers = PrintLayers(LayerStack{kLayer, count});
-    plan.expected_layers = plan.layers.all();
-    plan.exposure = [](std::int32_t layer, Nanometers) { return 1s + 100ms * layer; };
-    plan.pixel_area_mm2 = 0.01;
-    plan.lift = Nanometers{6'000'000};
-    plan.lift_speed = MillimetersPerSecond{2};
-    plan.retract_speed = plan.travel_speed = plan.homing_speed = MillimetersPerSecond{5};
-    plan.settle = 700ms;
-    plan.rest = 300ms;
-    return plan;
-  }
-
-  void start(int count = 3) { process.start(plan(count)); }
-
-  // Makes the clock's calls until the state is reached; false when the print ends before.
+  // Runs the clock until the state is reached; returns false if the print ends before.
   bool run_to(PrintState state) {
     while (process.state() != state) {
       if (!step()) return false;
@@ -97,7 +69,7 @@ class Bench final : public PrintObserver {
   std::string reason;
   bool light_at_end = false;
   bool gone_while_lit = false;
-  bool lit_unknown = false;  // light on while the process takes it as off
+  bool lit_unknown = false;  // light on while the process reports it as off
   bool lit_wrongly = false;  // light on outside an exposure, or over a black screen
   PrintProcess process;
 
@@ -120,89 +92,89 @@ constexpr PrintState kActiveStates[] = {
     S::Paused,    S::Held,          S::Braking,      S::Halting,  S::Parking, S::Ending};
 
 // Brings a print into a state.
-void bring_to(Bench& bench, PrintState state) {
-  bench.start();
-  if (state == S::Raising || state == S::Paused) bench.process.pause();
-  if (state == S::Held) bench.process.interrupt("the lid was opened");
+void bring_to(PrintProcessFixture& fixture, PrintState state) {
+  fixture.start();
+  if (state == S::Raising || state == S::Paused) fixture.process.pause();
+  if (state == S::Held) fixture.process.interrupt("the lid was opened");
   if (state == S::Interrupting) {
-    REQUIRE(bench.run_to(S::Exposing));
-    bench.process.interrupt("the lid was opened");
+    REQUIRE(fixture.run_to(S::Exposing));
+    fixture.process.interrupt("the lid was opened");
   }
   if (state == S::Braking) {
-    REQUIRE(bench.run_to(S::Lowering));
-    bench.process.interrupt("the lid was opened");
+    REQUIRE(fixture.run_to(S::Lowering));
+    fixture.process.interrupt("the lid was opened");
   }
   if (state == S::Halting) {
-    REQUIRE(bench.run_to(S::Lifting));
-    bench.process.cancel();
+    REQUIRE(fixture.run_to(S::Lifting));
+    fixture.process.cancel();
   }
-  REQUIRE(bench.run_to(state));
+  REQUIRE(fixture.run_to(state));
 }
 
 }  // namespace
 
-TEST_CASE("A homing as slow as it may be is waited for over the whole travel") {
-  SimulatedPrinterConfig config = Bench::small_printer();
+TEST_CASE("Homing at the slowest speed over the whole travel does not time out") {
+  SimulatedPrinterConfig config = testing::small_printer();
   config.axis.homing_speed = MillimetersPerSecond{0.1};
   config.axis.start_height = config.axis.travel;
-  Bench bench(config);
-  PrintPlan plan = Bench::plan(1);
+  PrintProcessFixture fixture(config);
+  PrintPlan plan = testing::box_plan(1);
   plan.homing_speed = config.axis.homing_speed;
-  bench.process.start(std::move(plan));
-  bench.run_out();
-  CHECK(bench.reason.empty());
-  CHECK(bench.ends == std::vector{PrintOutcome::Done});
+  fixture.process.start(std::move(plan));
+  fixture.run_out();
+  CHECK(fixture.reason.empty());
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
 }
 
 TEST_CASE("A print goes through its states layer by layer and ends parked, done and dark") {
-  Bench bench;
-  bench.start(2);
-  bench.run_out();
+  PrintProcessFixture fixture;
+  fixture.start(2);
+  fixture.run_out();
   const std::vector<S> layer{S::Lowering,  S::Settling,      S::Showing, S::Igniting, S::Exposing,
                              S::Darkening, S::Extinguishing, S::Resting, S::Lifting,  S::AwaitingDark};
   std::vector<S> expected{S::WarmingUp, S::Homing, S::AwaitingDark};
   for (int i = 0; i < 2; ++i)
     expected.insert(expected.end(), layer.begin(), layer.end());
   expected.insert(expected.end(), {S::Parking, S::Ending, S::Idle});
-  CHECK(bench.states == expected);
-  CHECK(bench.ends == std::vector{PrintOutcome::Done});
-  CHECK_FALSE(bench.lit_wrongly);
-  CHECK_FALSE(bench.light_at_end);
-  CHECK(bench.machine.z_axis().height() == bench.machine.z_axis().travel());
+  CHECK(fixture.states == expected);
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  CHECK_FALSE(fixture.lit_wrongly);
+  CHECK_FALSE(fixture.light_at_end);
+  CHECK(fixture.machine.z_axis().height() == fixture.machine.z_axis().travel());
 }
 
-TEST_CASE("Light may be on from its command until it is confirmed off, and its layer is told then") {
-  Bench bench;
-  bench.start(2);
-  // The layer has had its light, which is not confirmed off.
-  REQUIRE(bench.run_to(S::Darkening));
-  CHECK(bench.process.light_may_be_on());
-  bench.process.interrupt("the lid was opened");
-  CHECK(bench.process.light_may_be_on());
-  CHECK(bench.layers.empty());
-  REQUIRE(bench.run_to(S::Paused));
-  CHECK_FALSE(bench.process.light_may_be_on());
-  REQUIRE(bench.layers.size() == 1);
-  CHECK(bench.layers[0].loops == 1);
-  bench.process.resume();
-  bench.run_out();
-  CHECK(bench.ends == std::vector{PrintOutcome::Done});
-  CHECK_FALSE(bench.lit_unknown);
-  CHECK_FALSE(bench.gone_while_lit);
+TEST_CASE("Light may be on from its command until it is confirmed off, and its layer is reported then") {
+  PrintProcessFixture fixture;
+  fixture.start(2);
+  // The layer has had all its light, which is not confirmed off yet.
+  REQUIRE(fixture.run_to(S::Darkening));
+  CHECK(fixture.process.light_may_be_on());
+  fixture.process.interrupt("the lid was opened");
+  CHECK(fixture.process.light_may_be_on());
+  CHECK(fixture.layers.empty());
+  REQUIRE(fixture.run_to(S::Paused));
+  CHECK_FALSE(fixture.process.light_may_be_on());
+  REQUIRE(fixture.layers.size() == 1);
+  CHECK(fixture.layers[0].loops == 1);
+  fixture.process.resume();
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  CHECK_FALSE(fixture.lit_unknown);
+  CHECK_FALSE(fixture.gone_while_lit);
 }
 
-TEST_CASE("Each layer is exposed for exactly as long as was asked, at its own height") {
-  Bench bench;
-  bench.start(3);
-  bench.run_out();
-  REQUIRE(bench.layers.size() == 3);
+TEST_CASE("Each layer is exposed for exactly the requested time, at its own height") {
+  PrintProcessFixture fixture;
+  fixture.start(3);
+  fixture.run_out();
+  REQUIRE(fixture.layers.size() == 3);
   for (std::size_t i = 0; i < 3; ++i) {
-    const LayerRecord& layer = bench.layers[i];
+    const LayerRecord& layer = fixture.layers[i];
     CHECK(layer.exposure_asked == 1s + 100ms * static_cast<int>(i));
     CHECK(layer.exposure_most == layer.exposure_asked);
-    CHECK(layer.plate_height == kLayer * static_cast<std::int64_t>(i + 1));
-    CHECK(layer.mask_height == layer.plate_height - kLayer / 2);
-    // 3 mm by 2 mm at 0.1 mm a pixel: whole pixels, so exact.
+    CHECK(layer.plate_height == testing::kBoxLayer * static_cast<std::int64_t>(i + 1));
+    CHECK(layer.mask_height == layer.plate_height - testing::kBoxLayer / 2);
+    // 3 mm x 2 mm at 0.1 mm per pixel are whole pixels, so the area is exact.
     CHECK(layer.area_mm2 == contourd::testing::Approx(6.0).epsilon(1e-12));
     CHECK(layer.loops == 1);
     CHECK(layer.intersecting_facets == 8);
@@ -210,9 +182,9 @@ TEST_CASE("Each layer is exposed for exactly as long as was asked, at its own he
   }
 }
 
-TEST_CASE("A layer's record has the gaps that were closed in its mask") {
-  Bench bench;
-  PrintPlan plan = Bench::plan(2);
+TEST_CASE("A layer's record contains the gaps that were closed in its mask") {
+  PrintProcessFixture fixture;
+  PrintPlan plan = testing::box_plan(2);
   models::Facets cracked = models::box({0, 0, 0}, {3, 2, 0.1F});
   for (Facet& facet : cracked) {
     const auto& v = facet.vertices;
@@ -220,13 +192,14 @@ TEST_CASE("A layer's record has the gaps that were closed in its mask") {
     for (Vertex& vertex : facet.vertices)
       vertex.y -= front ? 0.02F : 0;
   }
-  plan.engine = std::make_unique<ContourEngine>(HeightIndex(cracked), EngineSettings{.display = kDisplay},
-                                                std::vector{PixelMap::true_scale(kDisplay, {1.5, 1})});
+  plan.engine =
+      std::make_unique<ContourEngine>(HeightIndex(cracked), EngineSettings{.display = testing::kSmallDisplay},
+                                      std::vector{PixelMap::true_scale(testing::kSmallDisplay, {1.5, 1})});
   ContourEngine alone(*plan.engine);
-  bench.process.start(std::move(plan));
-  bench.run_out();
-  REQUIRE(bench.layers.size() == 2);
-  for (const LayerRecord& layer : bench.layers) {
+  fixture.process.start(std::move(plan));
+  fixture.run_out();
+  REQUIRE(fixture.layers.size() == 2);
+  for (const LayerRecord& layer : fixture.layers) {
     const Contours& contours = alone.contours_at(layer.mask_height);
     CHECK(layer.cracks == contours.cracks);
     CHECK(layer.cracks.gaps_closed == 2);
@@ -235,334 +208,338 @@ TEST_CASE("A layer's record has the gaps that were closed in its mask") {
   }
 }
 
-TEST_CASE("Layers of different thickness lie upon each other, each with the light for its own") {
-  Bench bench;
-  PrintPlan plan = Bench::plan(1);
-  // A cone's point up: slopes of 45 degrees on a block.
+TEST_CASE(
+    "Layers of different thickness are stacked without gaps, each with the exposure for its thickness") {
+  PrintProcessFixture fixture;
+  PrintPlan plan = testing::box_plan(1);
+  // A cone with its point up on a block: slopes of 45 degrees.
   auto model = std::make_shared<const HeightIndex>(models::cone(2, 2, 64));
   plan.engine = std::make_unique<ContourEngine>(
-      std::vector{PlateModel{{model}, {PixelMap::true_scale(kDisplay, {0, 0})}}},
-      EngineSettings{kDisplay, AntiAliasing::On});
+      std::vector{PlateModel{{model}, {PixelMap::true_scale(testing::kSmallDisplay, {0, 0})}}},
+      EngineSettings{testing::kSmallDisplay, AntiAliasing::On});
   plan.layers =
       PrintLayers({{model}, {std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {1, 1, 3}))}},
                   {Nanometers{20'000}, Nanometers{100'000}, Nanometers{35'000}});
   plan.expected_layers = plan.layers.all();
   plan.exposure = [](std::int32_t, Nanometers thickness) { return thickness.count() * 10us; };
   const std::vector<Nanometers> expected = plan.expected_layers;
-  bench.process.start(std::move(plan));
-  bench.run_out();
-  CHECK(bench.ends == std::vector{PrintOutcome::Done});
-  REQUIRE(bench.layers.size() == expected.size());
+  fixture.process.start(std::move(plan));
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  REQUIRE(fixture.layers.size() == expected.size());
   Nanometers bottom{};
   std::set<Nanometers> thicknesses;
   for (std::size_t i = 0; i < expected.size(); ++i) {
-    const LayerRecord& layer = bench.layers[i];
+    const LayerRecord& layer = fixture.layers[i];
     CHECK(layer.bottom == bottom);
     CHECK(layer.thickness == expected[i]);
     CHECK(layer.exposure_most == layer.thickness.count() * 10us);
     bottom += layer.thickness;
-    // A microstep of the simulated axis is 1.25 um: half of one at most.
+    // The simulated axis rounds to its microstep of 1.25 um: by at most half of it.
     CHECK(std::abs((layer.plate_height - bottom).count()) <= 625);
     CHECK(layer.mask_height == layer.plate_height - layer.thickness / 2);
     thicknesses.insert(layer.thickness);
   }
   CHECK(bottom == Nanometers{3'000'000});
-  // On the slope 35 um / cos 45 degrees, above it the thickest.
+  // On the slope, layers are 35 um / cos 45 degrees thick; above it they have the largest thickness.
   CHECK(thicknesses.contains(Nanometers{49'000}));
   CHECK(thicknesses.contains(Nanometers{100'000}));
 }
 
-TEST_CASE("A print whose layers are not as expected goes on and ends where the layers end") {
-  Bench bench;
-  PrintPlan plan = Bench::plan(3);
+TEST_CASE("A print with more layers than expected continues and ends after its last layer") {
+  PrintProcessFixture fixture;
+  PrintPlan plan = testing::box_plan(3);
   plan.expected_layers.resize(1);
-  bench.process.start(std::move(plan));
-  REQUIRE(bench.run_to(S::Lifting));
-  const ZAxis& axis = bench.machine.z_axis();
-  CHECK(bench.process.time_left() <= axis.move_duration(axis.travel(), MillimetersPerSecond{5}) + 3s);
-  bench.run_out();
-  CHECK(bench.layers.size() == 3);
-  CHECK(bench.ends == std::vector{PrintOutcome::Done});
+  fixture.process.start(std::move(plan));
+  REQUIRE(fixture.run_to(S::Lifting));
+  const ZAxis& axis = fixture.machine.z_axis();
+  CHECK(fixture.process.time_left() <= axis.move_duration(axis.travel(), MillimetersPerSecond{5}) + 3s);
+  fixture.run_out();
+  CHECK(fixture.layers.size() == 3);
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
 }
 
-TEST_CASE("The mask belongs to the height that the plate has, not to the one that was asked") {
-  SimulatedPrinterConfig config = Bench::small_printer();
+TEST_CASE("The mask belongs to the plate's actual height, not to the requested height") {
+  SimulatedPrinterConfig config = testing::small_printer();
   config.axis.microsteps_per_mm = 30;  // steps of 33 um: no layer of 50 um falls on one
-  Bench bench(config);
-  bench.start(3);
-  bench.run_out();
-  REQUIRE(bench.layers.size() == 3);
-  CHECK(bench.layers[0].plate_height == Nanometers{66'667});
-  for (const LayerRecord& layer : bench.layers)
-    CHECK(layer.mask_height == layer.plate_height - kLayer / 2);
+  PrintProcessFixture fixture(config);
+  fixture.start(3);
+  fixture.run_out();
+  REQUIRE(fixture.layers.size() == 3);
+  CHECK(fixture.layers[0].plate_height == Nanometers{66'667});
+  for (const LayerRecord& layer : fixture.layers)
+    CHECK(layer.mask_height == layer.plate_height - testing::kBoxLayer / 2);
 }
 
 TEST_CASE("A failure in any state turns the light off, leaves the motor still and ends the print once") {
   for (const S state : kActiveStates) {
     CAPTURE(name_of(state));
-    Bench bench;
-    bring_to(bench, state);
-    bench.process.fail("the sky fell");
-    CHECK_FALSE(bench.machine.light_is_on());
-    CHECK(bench.machine.screen_is_black());
-    CHECK_FALSE(bench.machine.z_axis().moving());
-    CHECK(bench.process.state() == S::Ending);
-    bench.run_out();  // late answers from the machine change nothing
-    CHECK(bench.process.state() == S::Idle);
-    REQUIRE(bench.ends.size() == 1);
-    CHECK_FALSE(bench.machine.light_is_on());
-    if (state == S::Ending) continue;  // all had been done
-    CHECK(bench.ends[0] == PrintOutcome::Failed);
-    CHECK(bench.reason == "the sky fell");
+    PrintProcessFixture fixture;
+    bring_to(fixture, state);
+    fixture.process.fail("the sky fell");
+    CHECK_FALSE(fixture.machine.light_is_on());
+    CHECK(fixture.machine.screen_is_black());
+    CHECK_FALSE(fixture.machine.z_axis().moving());
+    CHECK(fixture.process.state() == S::Ending);
+    fixture.run_out();  // late answers from the machine change nothing
+    CHECK(fixture.process.state() == S::Idle);
+    REQUIRE(fixture.ends.size() == 1);
+    CHECK_FALSE(fixture.machine.light_is_on());
+    if (state == S::Ending) continue;  // the print had been completed
+    CHECK(fixture.ends[0] == PrintOutcome::Failed);
+    CHECK(fixture.reason == "the sky fell");
   }
 }
 
 TEST_CASE(
-    "A cancel in any state turns the light off at once, and the plate goes up where its position is known") {
+    "A cancel in any state turns the light off at once and moves the plate up if its position is known") {
   for (const S state : kActiveStates) {
-    if (state == S::Halting || state == S::Parking || state == S::Ending) continue;  // cancelled, or done
+    if (state == S::Halting || state == S::Parking || state == S::Ending)
+      continue;  // cancelled or done already
     CAPTURE(name_of(state));
-    Bench bench;
-    bring_to(bench, state);
-    bench.process.cancel();
-    CHECK_FALSE(bench.machine.light_is_on());
-    CHECK(bench.machine.screen_is_black());
-    bench.run_out();
-    CHECK(bench.process.state() == S::Idle);
-    CHECK(bench.ends == std::vector{PrintOutcome::Canceled});
-    CHECK_FALSE(bench.lit_wrongly);
+    PrintProcessFixture fixture;
+    bring_to(fixture, state);
+    fixture.process.cancel();
+    CHECK_FALSE(fixture.machine.light_is_on());
+    CHECK(fixture.machine.screen_is_black());
+    fixture.run_out();
+    CHECK(fixture.process.state() == S::Idle);
+    CHECK(fixture.ends == std::vector{PrintOutcome::Canceled});
+    CHECK_FALSE(fixture.lit_wrongly);
     const bool position_known = state != S::WarmingUp && state != S::Homing && state != S::Held;
-    if (position_known) CHECK(bench.machine.z_axis().height() == bench.machine.z_axis().travel());
+    if (position_known) CHECK(fixture.machine.z_axis().height() == fixture.machine.z_axis().travel());
   }
 }
 
-TEST_CASE("A cancel after the last layer does not undo the print") {
-  Bench bench;
-  bring_to(bench, S::Parking);
-  bench.process.cancel();
-  bench.run_out();
-  CHECK(bench.ends == std::vector{PrintOutcome::Done});
+TEST_CASE("A print that is cancelled after its last layer still counts as done") {
+  PrintProcessFixture fixture;
+  bring_to(fixture, S::Parking);
+  fixture.process.cancel();
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
 }
 
 TEST_CASE(
-    "A pause waits for the layer under way, lifts the plate, and a resume goes on with the next layer") {
-  Bench bench;
-  bench.start(3);
-  REQUIRE(bench.run_to(S::Exposing));
-  bench.process.pause();
-  CHECK(bench.process.pause_pending());
-  REQUIRE(bench.run_to(S::Paused));
-  CHECK(bench.layers.size() == 1);
-  CHECK(bench.layers[0].exposure_most == bench.layers[0].exposure_asked);
-  // Layer height, lift and 30 mm for a look.
-  CHECK(bench.machine.z_axis().height() == Nanometers{36'050'000});
-  bench.run_out();
-  CHECK(bench.process.state() == S::Paused);
-  bench.process.resume();
-  bench.run_out();
-  CHECK(bench.layers.size() == 3);
-  CHECK(bench.ends == std::vector{PrintOutcome::Done});
+    "A pause waits for the layer under way and lifts the plate, and a resume continues with the next layer") {
+  PrintProcessFixture fixture;
+  fixture.start(3);
+  REQUIRE(fixture.run_to(S::Exposing));
+  fixture.process.pause();
+  CHECK(fixture.process.pause_pending());
+  REQUIRE(fixture.run_to(S::Paused));
+  CHECK(fixture.layers.size() == 1);
+  CHECK(fixture.layers[0].exposure_most == fixture.layers[0].exposure_asked);
+  // The layer's height, the lift, and 30 mm for looking at the part.
+  CHECK(fixture.machine.z_axis().height() == Nanometers{36'050'000});
+  fixture.run_out();
+  CHECK(fixture.process.state() == S::Paused);
+  fixture.process.resume();
+  fixture.run_out();
+  CHECK(fixture.layers.size() == 3);
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
 }
 
-TEST_CASE("When a pause comes is told in every state, and where the print ends before there is none") {
-  const auto told = [](PrintState state) {
-    Bench bench;
-    bring_to(bench, state);
-    return std::string(bench.process.next_pause());
+TEST_CASE("Every state reports when a pause takes effect, or none if the print ends before") {
+  const auto next_pause_in = [](PrintState state) {
+    PrintProcessFixture fixture;
+    bring_to(fixture, state);
+    return std::string(fixture.process.next_pause());
   };
   for (const S state : {S::WarmingUp, S::Homing})
-    CHECK(told(state) == "before the first layer");
+    CHECK(next_pause_in(state) == "before the first layer");
   for (const S state : {S::Lowering, S::Settling, S::Showing, S::Igniting, S::Exposing, S::Darkening,
                         S::Extinguishing, S::Resting, S::Lifting})
-    CHECK(told(state) == "after this layer");
+    CHECK(next_pause_in(state) == "after this layer");
   for (const S state : {S::Raising, S::Paused, S::Held})
-    CHECK(told(state) == "now");
+    CHECK(next_pause_in(state) == "now");
   for (const S state : {S::Interrupting, S::Braking})
-    CHECK(told(state) == "when the plate is up");
+    CHECK(next_pause_in(state) == "when the plate is up");
   for (const S state : {S::Halting, S::Parking, S::Ending})
-    CHECK(told(state).empty());
+    CHECK(next_pause_in(state).empty());
 }
 
-TEST_CASE("A print's only layer can be paused before it, not in it") {
-  Bench bench;
-  bench.start(1);
-  REQUIRE(bench.run_to(S::Homing));
-  CHECK(bench.process.next_pause() == "before the first layer");
-  REQUIRE(bench.run_to(S::Exposing));
-  CHECK(bench.process.next_pause().empty());
-  bench.process.interrupt("the lid was opened");
-  CHECK(bench.process.next_pause() == "when the plate is up");
-  REQUIRE(bench.run_to(S::Paused));
+TEST_CASE("A print of one layer can be paused before the layer but not during it") {
+  PrintProcessFixture fixture;
+  fixture.start(1);
+  REQUIRE(fixture.run_to(S::Homing));
+  CHECK(fixture.process.next_pause() == "before the first layer");
+  REQUIRE(fixture.run_to(S::Exposing));
+  CHECK(fixture.process.next_pause().empty());
+  fixture.process.interrupt("the lid was opened");
+  CHECK(fixture.process.next_pause() == "when the plate is up");
+  REQUIRE(fixture.run_to(S::Paused));
 }
 
-TEST_CASE("A resume while the plate still rises for the pause goes on as soon as it is up") {
-  Bench bench;
-  bring_to(bench, S::Raising);
-  bench.process.resume();
-  bench.run_out();
-  CHECK(std::count(bench.states.begin(), bench.states.end(), S::Paused) == 1);
-  CHECK(bench.layers.size() == 3);
-  CHECK(bench.ends == std::vector{PrintOutcome::Done});
+TEST_CASE("A resume while the plate still moves up for a pause takes effect as soon as it is up") {
+  PrintProcessFixture fixture;
+  bring_to(fixture, S::Raising);
+  fixture.process.resume();
+  fixture.run_out();
+  CHECK(std::count(fixture.states.begin(), fixture.states.end(), S::Paused) == 1);
+  CHECK(fixture.layers.size() == 3);
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
 }
 
-TEST_CASE("A resume before the pause has come takes the pause back") {
-  Bench bench;
-  bench.start(2);
-  bench.process.pause();
-  bench.process.resume();
-  bench.run_out();
-  CHECK(std::count(bench.states.begin(), bench.states.end(), S::Paused) == 0);
-  CHECK(bench.ends == std::vector{PrintOutcome::Done});
+TEST_CASE("A resume before a pause has taken effect withdraws the pause") {
+  PrintProcessFixture fixture;
+  fixture.start(2);
+  fixture.process.pause();
+  fixture.process.resume();
+  fixture.run_out();
+  CHECK(std::count(fixture.states.begin(), fixture.states.end(), S::Paused) == 0);
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
 }
 
-TEST_CASE("A limit switch that never closes ends the print with its name") {
-  SimulatedPrinterConfig config = Bench::small_printer();
+TEST_CASE("A limit switch that never closes ends the print with a reason that names it") {
+  SimulatedPrinterConfig config = testing::small_printer();
   config.axis.limit_switch = SimulatedAxisConfig::Switch::StuckOpen;
-  Bench bench(config);
-  bench.start();
-  bench.run_out();
-  CHECK(bench.ends == std::vector{PrintOutcome::Failed});
-  CHECK(bench.reason == "homing failed: the limit switch did not trigger after the full travel");
+  PrintProcessFixture fixture(config);
+  fixture.start();
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Failed});
+  CHECK(fixture.reason == "homing failed: the limit switch did not trigger after the full travel");
 }
 
 TEST_CASE(
-    "A display lost during the print pauses it in the dark, with the plate up, until the owner resumes") {
-  SimulatedPrinterConfig config = Bench::small_printer();
+    "A display lost during the print pauses it in the dark, with the plate up, until the user resumes") {
+  SimulatedPrinterConfig config = testing::small_printer();
   config.display.lost_after_frames = 1;
-  Bench bench(config);
-  bench.start();
-  bench.run_out();
-  CHECK(bench.process.state() == S::Paused);
-  CHECK(bench.process.interruption() == "the display was unplugged");
-  CHECK(bench.machine.why_not_ready() == "the display is unplugged");
-  CHECK(bench.layers.size() == 1);
-  CHECK_FALSE(bench.machine.light_is_on());
-  // Two layers, lift and 30 mm for a look.
-  CHECK(bench.machine.z_axis().height() == Nanometers{36'100'000});
-  bench.machine.plug_display();
-  CHECK(bench.process.state() == S::Paused);
-  bench.process.resume();
-  bench.run_out();
-  CHECK(bench.ends == std::vector{PrintOutcome::Done});
-  CHECK(bench.layers.size() == 3);
-  CHECK_FALSE(bench.lit_wrongly);
+  PrintProcessFixture fixture(config);
+  fixture.start();
+  fixture.run_out();
+  CHECK(fixture.process.state() == S::Paused);
+  CHECK(fixture.process.interruption() == "the display was unplugged");
+  CHECK(fixture.machine.why_not_ready() == "the display is unplugged");
+  CHECK(fixture.layers.size() == 1);
+  CHECK_FALSE(fixture.machine.light_is_on());
+  // Two layers, the lift, and 30 mm for looking at the part.
+  CHECK(fixture.machine.z_axis().height() == Nanometers{36'100'000});
+  fixture.machine.plug_display();
+  CHECK(fixture.process.state() == S::Paused);
+  fixture.process.resume();
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  CHECK(fixture.layers.size() == 3);
+  CHECK_FALSE(fixture.lit_wrongly);
 }
 
 TEST_CASE("A print resumed while the display is still gone exposes nothing and pauses again") {
-  SimulatedPrinterConfig config = Bench::small_printer();
+  SimulatedPrinterConfig config = testing::small_printer();
   config.display.lost_after_frames = 1;
-  Bench bench(config);
-  bench.start();
-  bench.run_out();
-  bench.process.resume();
-  CHECK(bench.process.interruption().empty());
-  bench.run_out();
-  CHECK(bench.process.state() == S::Paused);
-  CHECK(bench.process.interruption() == "the display was lost");
-  CHECK(bench.layers.size() == 1);
-  bench.process.cancel();
-  bench.run_out();
-  CHECK(bench.ends == std::vector{PrintOutcome::Canceled});
-  CHECK_FALSE(bench.lit_wrongly);
+  PrintProcessFixture fixture(config);
+  fixture.start();
+  fixture.run_out();
+  fixture.process.resume();
+  CHECK(fixture.process.interruption().empty());
+  fixture.run_out();
+  CHECK(fixture.process.state() == S::Paused);
+  CHECK(fixture.process.interruption() == "the display was lost");
+  CHECK(fixture.layers.size() == 1);
+  fixture.process.cancel();
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Canceled});
+  CHECK_FALSE(fixture.lit_wrongly);
 }
 
 TEST_CASE(
-    "A mask that does not keep its budget is abandoned: dark, told with its figures, and tried again on "
-    "resume") {
-  Bench bench;
-  PrintPlan plan = Bench::plan(3);
+    "A mask that exceeds its budget is abandoned in the dark, reported with its figures, and computed again "
+    "on resume") {
+  PrintProcessFixture fixture;
+  PrintPlan plan = testing::box_plan(3);
   plan.mask_budget = Duration{0};
-  bench.process.start(std::move(plan));
+  fixture.process.start(std::move(plan));
   for (std::size_t times = 1; times <= 2; ++times) {
-    bench.run_out();
-    CHECK(bench.process.state() == S::Paused);
-    REQUIRE(bench.interruptions.size() == times);
-    CAPTURE(bench.interruptions.back());
-    CHECK(bench.interruptions.back().find("the mask at 0.025 mm was abandoned") == 0);
-    CHECK(bench.interruptions.back().find("mask_budget_ms, 0 ms") != std::string::npos);
-    CHECK(bench.interruptions.back().find("8 facets cut") != std::string::npos);
-    CHECK(std::ranges::count(bench.states, S::Igniting) == 0);
-    CHECK(bench.machine.screen_is_black());
-    bench.process.resume();
+    fixture.run_out();
+    CHECK(fixture.process.state() == S::Paused);
+    REQUIRE(fixture.interruptions.size() == times);
+    CAPTURE(fixture.interruptions.back());
+    CHECK(fixture.interruptions.back().find("the mask at 0.025 mm was abandoned") == 0);
+    CHECK(fixture.interruptions.back().find("mask_budget_ms, 0 ms") != std::string::npos);
+    CHECK(fixture.interruptions.back().find("8 facets cut") != std::string::npos);
+    CHECK(std::ranges::count(fixture.states, S::Igniting) == 0);
+    CHECK(fixture.machine.screen_is_black());
+    fixture.process.resume();
   }
-  bench.process.cancel();
-  bench.run_out();
-  CHECK(bench.ends == std::vector{PrintOutcome::Canceled});
-  CHECK(bench.layers.empty());
-  CHECK_FALSE(bench.lit_wrongly);
+  fixture.process.cancel();
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Canceled});
+  CHECK(fixture.layers.empty());
+  CHECK_FALSE(fixture.lit_wrongly);
 }
 
-TEST_CASE("An exposure that is interrupted goes on with what is left of it, at the same layer") {
-  Bench bench;
-  bench.start(2);
-  REQUIRE(bench.run_to_light());
-  const TimePoint lit = bench.clock.now();
-  const auto opening = bench.clock.call_at(lit + 400ms, [&] { bench.machine.open_lid(); });
-  while (bench.machine.light_is_on())
-    REQUIRE(bench.clock.run_next());
-  CHECK(bench.clock.now() == lit + 400ms);
-  CHECK(bench.machine.screen_is_black());
-  REQUIRE(bench.run_to(S::Paused));
-  CHECK(bench.process.interruption() == "the lid was opened");
-  CHECK(bench.interruptions == std::vector<std::string>{"the lid was opened"});
-  CHECK(bench.layers.empty());
-  CHECK(bench.process.layer() == 0);
-  bench.machine.close_lid();
-  bench.process.resume();
-  REQUIRE(bench.run_to_light());
-  CHECK(bench.machine.z_axis().height() == kLayer);
-  const TimePoint lit_again = bench.clock.now();
-  REQUIRE(bench.run_to(S::Darkening));
-  CHECK(bench.clock.now() == lit_again + 600ms);
-  bench.run_out();
-  REQUIRE(bench.layers.size() == 2);
-  CHECK(bench.layers[0].exposure_most == 1s);
-  CHECK(bench.layers[0].exposure_parts == 2);
-  CHECK(bench.layers[1].exposure_most == 1100ms);
-  CHECK(bench.layers[1].exposure_parts == 1);
-  CHECK(bench.ends == std::vector{PrintOutcome::Done});
-  CHECK_FALSE(bench.lit_wrongly);
+TEST_CASE("An interrupted exposure continues with its remaining time, at the same layer") {
+  PrintProcessFixture fixture;
+  fixture.start(2);
+  REQUIRE(fixture.run_to_light());
+  const TimePoint lit = fixture.clock.now();
+  const auto opening = fixture.clock.call_at(lit + 400ms, [&] { fixture.machine.open_lid(); });
+  while (fixture.machine.light_is_on())
+    REQUIRE(fixture.clock.run_next());
+  CHECK(fixture.clock.now() == lit + 400ms);
+  CHECK(fixture.machine.screen_is_black());
+  REQUIRE(fixture.run_to(S::Paused));
+  CHECK(fixture.process.interruption() == "the lid was opened");
+  CHECK(fixture.interruptions == std::vector<std::string>{"the lid was opened"});
+  CHECK(fixture.layers.empty());
+  CHECK(fixture.process.layer() == 0);
+  fixture.machine.close_lid();
+  fixture.process.resume();
+  REQUIRE(fixture.run_to_light());
+  CHECK(fixture.machine.z_axis().height() == testing::kBoxLayer);
+  const TimePoint lit_again = fixture.clock.now();
+  REQUIRE(fixture.run_to(S::Darkening));
+  CHECK(fixture.clock.now() == lit_again + 600ms);
+  fixture.run_out();
+  REQUIRE(fixture.layers.size() == 2);
+  CHECK(fixture.layers[0].exposure_most == 1s);
+  CHECK(fixture.layers[0].exposure_parts == 2);
+  CHECK(fixture.layers[1].exposure_most == 1100ms);
+  CHECK(fixture.layers[1].exposure_parts == 1);
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  CHECK_FALSE(fixture.lit_wrongly);
 }
 
-TEST_CASE("A light that somebody else turns off in an exposure interrupts it, and is not taken for given") {
-  for (const bool told : {false, true}) {
-    Bench bench;
-    bench.start(1);
-    REQUIRE(bench.run_to(S::Igniting));
-    const auto off = bench.clock.call_after(300ms, [&] { bench.machine.projector().light_off(); });
-    // Heard of when the exposure is to end, before that is seen to.
-    const TimePoint end = bench.machine.projector().last_light().value().on_earliest + 1s;
-    const auto word = bench.clock.call_at(end, [&] {
-      if (told) bench.process.interrupt("the light watchdog has turned the light off");
+TEST_CASE(
+    "A light that goes off early during an exposure interrupts the exposure, and only the light given "
+    "counts") {
+  for (const bool reported : {false, true}) {
+    PrintProcessFixture fixture;
+    fixture.start(1);
+    REQUIRE(fixture.run_to(S::Igniting));
+    const auto off = fixture.clock.call_after(300ms, [&] { fixture.machine.projector().light_off(); });
+    // The report arrives at the exposure's planned end, before the exposure's own timer.
+    const TimePoint end = fixture.machine.projector().last_light().value().on_earliest + 1s;
+    const auto report = fixture.clock.call_at(end, [&] {
+      if (reported) fixture.process.interrupt("the light watchdog has turned the light off");
     });
-    REQUIRE(bench.run_to(S::Paused));
-    CHECK(bench.interruptions.size() == 1);
-    CHECK(bench.layers.empty());
-    bench.process.resume();
-    bench.run_out();
-    REQUIRE(bench.layers.size() == 1);
-    CHECK(bench.ends == std::vector{PrintOutcome::Done});
-    CHECK(bench.layers[0].exposure_parts == 2);
-    CHECK(bench.layers[0].complete);
-    // A turn of the loop lies between light on and what is known of it.
-    CHECK(bench.layers[0].exposure_most - 1s < 1ms);
-    CHECK(1s - bench.layers[0].exposure_least < 1ms);
+    REQUIRE(fixture.run_to(S::Paused));
+    CHECK(fixture.interruptions.size() == 1);
+    CHECK(fixture.layers.empty());
+    fixture.process.resume();
+    fixture.run_out();
+    REQUIRE(fixture.layers.size() == 1);
+    CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+    CHECK(fixture.layers[0].exposure_parts == 2);
+    CHECK(fixture.layers[0].complete);
+    // The bounds include the turn of the loop between the light-on command and its reply.
+    CHECK(fixture.layers[0].exposure_most - 1s < 1ms);
+    CHECK(1s - fixture.layers[0].exposure_least < 1ms);
   }
 }
 
-TEST_CASE("An exposure interrupted three times adds up to what was asked") {
-  Bench bench;
-  bench.start(1);
+TEST_CASE("An exposure interrupted three times adds up to the requested time") {
+  PrintProcessFixture fixture;
+  fixture.start(1);
   for (const Duration until : {100ms, 250ms, 1ms}) {
-    REQUIRE(bench.run_to(S::Exposing));
-    const auto opening = bench.clock.call_after(until, [&] { bench.machine.open_lid(); });
-    REQUIRE(bench.run_to(S::Paused));
-    bench.process.resume();
+    REQUIRE(fixture.run_to(S::Exposing));
+    const auto opening = fixture.clock.call_after(until, [&] { fixture.machine.open_lid(); });
+    REQUIRE(fixture.run_to(S::Paused));
+    fixture.process.resume();
   }
-  bench.run_out();
-  REQUIRE(bench.layers.size() == 1);
-  CHECK(bench.layers[0].exposure_most == 1s);
-  CHECK(bench.layers[0].exposure_parts == 4);
+  fixture.run_out();
+  REQUIRE(fixture.layers.size() == 1);
+  CHECK(fixture.layers[0].exposure_most == 1s);
+  CHECK(fixture.layers[0].exposure_parts == 4);
 }
 
 TEST_CASE(
@@ -570,135 +547,135 @@ TEST_CASE(
   for (const S state : kActiveStates) {
     for (const bool resumed : {true, false}) {
       CAPTURE(name_of(state), resumed);
-      Bench bench;
-      bring_to(bench, state);
-      bench.process.interrupt("the cat jumped on it");
-      CHECK_FALSE(bench.machine.light_is_on());
-      CHECK(bench.machine.screen_is_black());
-      bench.run_out();
-      CHECK_FALSE(bench.lit_wrongly);
+      PrintProcessFixture fixture;
+      bring_to(fixture, state);
+      fixture.process.interrupt("the cat jumped on it");
+      CHECK_FALSE(fixture.machine.light_is_on());
+      CHECK(fixture.machine.screen_is_black());
+      fixture.run_out();
+      CHECK_FALSE(fixture.lit_wrongly);
       if (state == S::Halting || state == S::Parking || state == S::Ending) {
-        CHECK(bench.process.state() == S::Idle);  // was about to end, and did
+        CHECK(fixture.process.state() == S::Idle);  // was about to end
         continue;
       }
-      CHECK((bench.process.state() == S::Paused || bench.process.state() == S::Held));
-      CHECK_FALSE(bench.process.pause_pending());
-      CHECK(bench.process.interruption().ends_with("the cat jumped on it"));
-      resumed ? bench.process.resume() : bench.process.cancel();
-      bench.run_out();
-      CHECK(bench.ends == std::vector{resumed ? PrintOutcome::Done : PrintOutcome::Canceled});
+      CHECK((fixture.process.state() == S::Paused || fixture.process.state() == S::Held));
+      CHECK_FALSE(fixture.process.pause_pending());
+      CHECK(fixture.process.interruption().ends_with("the cat jumped on it"));
+      resumed ? fixture.process.resume() : fixture.process.cancel();
+      fixture.run_out();
+      CHECK(fixture.ends == std::vector{resumed ? PrintOutcome::Done : PrintOutcome::Canceled});
       if (!resumed) continue;
-      REQUIRE(bench.layers.size() == 3);
-      for (const LayerRecord& layer : bench.layers)
+      REQUIRE(fixture.layers.size() == 3);
+      for (const LayerRecord& layer : fixture.layers)
         CHECK(layer.exposure_most == layer.exposure_asked);
     }
   }
 }
 
-TEST_CASE("The last layer's exposure is finished too when it was interrupted") {
+TEST_CASE("An interrupted exposure of the last layer is completed too") {
   for (const S state : {S::Exposing, S::Darkening, S::Lifting}) {
     CAPTURE(name_of(state));
-    Bench bench;
-    bench.start(1);
-    REQUIRE(bench.run_to(state));
-    bench.process.interrupt("the lid was opened");
-    bench.run_out();
-    CHECK(bench.process.state() == S::Paused);
-    bench.process.resume();
-    bench.run_out();
-    CHECK(bench.ends == std::vector{PrintOutcome::Done});
-    REQUIRE(bench.layers.size() == 1);
-    CHECK(bench.layers[0].exposure_most == bench.layers[0].exposure_asked);
+    PrintProcessFixture fixture;
+    fixture.start(1);
+    REQUIRE(fixture.run_to(state));
+    fixture.process.interrupt("the lid was opened");
+    fixture.run_out();
+    CHECK(fixture.process.state() == S::Paused);
+    fixture.process.resume();
+    fixture.run_out();
+    CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+    REQUIRE(fixture.layers.size() == 1);
+    CHECK(fixture.layers[0].exposure_most == fixture.layers[0].exposure_asked);
   }
 }
 
-TEST_CASE("An interruption at the instant at which an exposure ends leaves no rest of it") {
-  Bench bench;
-  bench.start(2);
-  REQUIRE(bench.run_to(S::Igniting));
-  // Asked for before the exposure's timer, so it comes first.
-  const auto opening = bench.clock.call_after(20ms + 1s, [&] { bench.machine.open_lid(); });
-  REQUIRE(bench.run_to(S::Paused));
-  CHECK(bench.layers.size() == 1);
-  bench.process.resume();
-  bench.run_out();
-  REQUIRE(bench.layers.size() == 2);
-  CHECK(bench.layers[0].exposure_most == 1s);
-  CHECK(bench.layers[0].exposure_parts == 1);
+TEST_CASE("An interruption at the instant at which an exposure ends leaves no remaining exposure") {
+  PrintProcessFixture fixture;
+  fixture.start(2);
+  REQUIRE(fixture.run_to(S::Igniting));
+  // This timer was requested before the exposure's timer, so it fires first.
+  const auto opening = fixture.clock.call_after(20ms + 1s, [&] { fixture.machine.open_lid(); });
+  REQUIRE(fixture.run_to(S::Paused));
+  CHECK(fixture.layers.size() == 1);
+  fixture.process.resume();
+  fixture.run_out();
+  REQUIRE(fixture.layers.size() == 2);
+  CHECK(fixture.layers[0].exposure_most == 1s);
+  CHECK(fixture.layers[0].exposure_parts == 1);
 }
 
-TEST_CASE("A resume while an interrupted plate is still being lifted does not skip the layer") {
-  Bench bench;
-  bench.start(2);
-  REQUIRE(bench.run_to(S::Exposing));
-  bench.machine.open_lid();
-  CHECK(bench.process.state() == S::Interrupting);
-  REQUIRE(bench.run_to(S::Lifting));
-  CHECK(bench.process.pause_pending());
-  bench.process.resume();
-  bench.run_out();
-  CHECK(std::count(bench.states.begin(), bench.states.end(), S::Paused) == 0);
-  REQUIRE(bench.layers.size() == 2);
-  CHECK(bench.layers[0].exposure_most == 1s);
+TEST_CASE("A resume while the plate is still being lifted after an interruption does not skip the layer") {
+  PrintProcessFixture fixture;
+  fixture.start(2);
+  REQUIRE(fixture.run_to(S::Exposing));
+  fixture.machine.open_lid();
+  CHECK(fixture.process.state() == S::Interrupting);
+  REQUIRE(fixture.run_to(S::Lifting));
+  CHECK(fixture.process.pause_pending());
+  fixture.process.resume();
+  fixture.run_out();
+  CHECK(std::count(fixture.states.begin(), fixture.states.end(), S::Paused) == 0);
+  REQUIRE(fixture.layers.size() == 2);
+  CHECK(fixture.layers[0].exposure_most == 1s);
 }
 
-TEST_CASE("What interrupts a print twice is told once, and two things are both told") {
-  Bench bench;
-  bench.start();
-  REQUIRE(bench.run_to(S::Settling));
-  bench.process.interrupt("the lid was opened");
-  bench.process.interrupt("the lid was opened");
-  bench.process.interrupt("HDMI-A-1 was unplugged");
-  CHECK(bench.process.interruption() == "the lid was opened; HDMI-A-1 was unplugged");
-  CHECK(bench.interruptions.size() == 2);
+TEST_CASE("A cause that interrupts a print twice is reported once, and two causes are both reported") {
+  PrintProcessFixture fixture;
+  fixture.start();
+  REQUIRE(fixture.run_to(S::Settling));
+  fixture.process.interrupt("the lid was opened");
+  fixture.process.interrupt("the lid was opened");
+  fixture.process.interrupt("HDMI-A-1 was unplugged");
+  CHECK(fixture.process.interruption() == "the lid was opened; HDMI-A-1 was unplugged");
+  CHECK(fixture.interruptions.size() == 2);
 }
 
-TEST_CASE("An interruption where the plate's position has been lost ends the print, with the light off") {
-  Bench bench;
-  bench.start();
-  REQUIRE(bench.run_to(S::Lowering));
-  bench.machine.z_axis().abort();
-  bench.process.interrupt("the lid was opened");
-  bench.run_out();
-  CHECK(bench.ends == std::vector{PrintOutcome::Failed});
-  CHECK_FALSE(bench.light_at_end);
+TEST_CASE("An interruption while the plate's position is unknown ends the print with the light off") {
+  PrintProcessFixture fixture;
+  fixture.start();
+  REQUIRE(fixture.run_to(S::Lowering));
+  fixture.machine.z_axis().abort();
+  fixture.process.interrupt("the lid was opened");
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Failed});
+  CHECK_FALSE(fixture.light_at_end);
 }
 
-TEST_CASE("A pressed emergency stop ends the print at once, with its sentence") {
+TEST_CASE("A pressed emergency stop ends the print at once and is reported as the reason") {
   for (const S state : kActiveStates) {
     CAPTURE(name_of(state));
-    Bench bench;
-    bring_to(bench, state);
-    bench.machine.press_emergency_stop();
-    CHECK_FALSE(bench.machine.light_is_on());
-    CHECK_FALSE(bench.machine.z_axis().moving());
-    CHECK(bench.process.state() == S::Ending);
-    bench.run_out();
+    PrintProcessFixture fixture;
+    bring_to(fixture, state);
+    fixture.machine.press_emergency_stop();
+    CHECK_FALSE(fixture.machine.light_is_on());
+    CHECK_FALSE(fixture.machine.z_axis().moving());
+    CHECK(fixture.process.state() == S::Ending);
+    fixture.run_out();
     if (state == S::Ending) continue;
-    CHECK(bench.ends == std::vector{PrintOutcome::Failed});
-    CHECK(bench.reason == "the emergency stop was pressed");
+    CHECK(fixture.ends == std::vector{PrintOutcome::Failed});
+    CHECK(fixture.reason == "the emergency stop was pressed");
   }
 }
 
-TEST_CASE("A projector that falls silent ends the print, with the light off") {
-  SimulatedPrinterConfig config = Bench::small_printer();
+TEST_CASE("A projector that stops answering ends the print with the light off") {
+  SimulatedPrinterConfig config = testing::small_printer();
   config.projector.silent_after_commands = 2;  // power on and the first light on
-  Bench bench(config);
-  bench.start();
-  bench.run_out();
-  CHECK(bench.ends == std::vector{PrintOutcome::Failed});
-  CHECK(bench.reason == "waited 30 s in vain for the projector to confirm that its light is off");
-  REQUIRE(bench.layers.size() == 2);
-  CHECK(bench.layers[0].dark_confirmed);
-  CHECK_FALSE(bench.layers[1].dark_confirmed);
-  CHECK(bench.layers[1].exposure_least == Duration{0});
-  CHECK(bench.layers[1].exposure_most > 30s);
-  CHECK_FALSE(bench.light_at_end);
+  PrintProcessFixture fixture(config);
+  fixture.start();
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Failed});
+  CHECK(fixture.reason == "timed out after 30 s waiting for the projector to confirm that its light is off");
+  REQUIRE(fixture.layers.size() == 2);
+  CHECK(fixture.layers[0].dark_confirmed);
+  CHECK_FALSE(fixture.layers[1].dark_confirmed);
+  CHECK(fixture.layers[1].exposure_least == Duration{0});
+  CHECK(fixture.layers[1].exposure_most > 30s);
+  CHECK_FALSE(fixture.light_at_end);
 }
 
 namespace {
 
-// An axis that homes, and then never answers again.
+// An axis that homes and then never answers again.
 class DeafAxis final : public testing::PlainAxis {
  public:
   explicit DeafAxis(Clock& clock) : clock_(clock) {}
@@ -725,7 +702,7 @@ class DeafAxis final : public testing::PlainAxis {
 
 class DeafMachine final : public Machine {
  public:
-  explicit DeafMachine(Clock& clock) : axis(clock), rest_(clock, Bench::small_printer()) {}
+  explicit DeafMachine(Clock& clock) : axis(clock), rest_(clock, testing::small_printer()) {}
   [[nodiscard]] ZAxis& z_axis() override { return axis; }
   [[nodiscard]] MaskDisplay& display() override { return rest_.display(); }
   [[nodiscard]] Projector& projector() override { return rest_.projector(); }
@@ -739,11 +716,11 @@ class DeafMachine final : public Machine {
   SimulatedPrinter rest_;
 };
 
-// One whose projector was lost, and another was found.
+// A machine whose projector was lost, after which another was found.
 class ChangedMachine final : public Machine {
  public:
   explicit ChangedMachine(Clock& clock)
-      : before(clock, Bench::small_printer()), after(clock, Bench::small_printer()) {}
+      : before(clock, testing::small_printer()), after(clock, testing::small_printer()) {}
   [[nodiscard]] ZAxis& z_axis() override { return before.z_axis(); }
   [[nodiscard]] MaskDisplay& display() override { return before.display(); }
   [[nodiscard]] Projector& projector() override { return (changed ? after : before).projector(); }
@@ -757,11 +734,11 @@ class ChangedMachine final : public Machine {
 
 }  // namespace
 
-TEST_CASE("A projector found in place of a lost one does not answer for that one's light") {
-  Bench observer;
+TEST_CASE("A projector found in place of a lost one does not answer for the lost projector's light") {
+  PrintProcessFixture observer;
   VirtualClock clock;
   ChangedMachine machine(clock);
-  // Ten seconds of the other's own.
+  // The other projector has a light of its own: ten seconds.
   Projector& other = machine.after.projector();
   other.power_on([](ProjectorReply) {});
   while (clock.run_next()) {
@@ -771,16 +748,16 @@ TEST_CASE("A projector found in place of a lost one does not answer for that one
   while (clock.run_next()) {
   }
   PrintProcess process(machine, clock, observer);
-  process.start(Bench::plan(1));
+  process.start(testing::box_plan(1));
   while (process.state() != S::Exposing)
     REQUIRE(clock.run_next());
   REQUIRE(other.last_light());
   process.fail("the serial port was lost");
   machine.changed = true;
-  SECTION("whatever happens before the print is over") {
+  SECTION("when something happens before the print is over") {
     process.interrupt("the emergency stop was touched");
   }
-  SECTION("nor when nothing more happens") {}
+  SECTION("when nothing more happens") {}
   while (clock.run_next()) {
   }
   REQUIRE(observer.layers.size() == 1);
@@ -790,25 +767,25 @@ TEST_CASE("A projector found in place of a lost one does not answer for that one
 
 TEST_CASE(
     "A move that never ends fails the print after its expected time, a tenth and 15 s, and is aborted") {
-  Bench observer;
+  PrintProcessFixture observer;
   VirtualClock clock;
   DeafMachine machine(clock);
   PrintProcess process(machine, clock, observer);
   machine.axis.aborted = false;
-  process.start(Bench::plan(1));
+  process.start(testing::box_plan(1));
   while (clock.run_next()) {
   }
   CHECK(observer.ends == std::vector{PrintOutcome::Failed});
-  CHECK(observer.reason == "waited 26 s in vain for a move to end");
+  CHECK(observer.reason == "timed out after 26 s waiting for a move to end");
   CHECK(machine.axis.aborted);
 }
 
-TEST_CASE("A cancelled move that never stops fails the print instead of holding it for ever") {
-  Bench observer;
+TEST_CASE("A cancelled move that never stops fails the print instead of blocking it forever") {
+  PrintProcessFixture observer;
   VirtualClock clock;
   DeafMachine machine(clock);
   PrintProcess process(machine, clock, observer);
-  process.start(Bench::plan(1));
+  process.start(testing::box_plan(1));
   while (process.state() != S::Lowering)
     REQUIRE(clock.run_next());
   machine.axis.aborted = false;
@@ -816,111 +793,111 @@ TEST_CASE("A cancelled move that never stops fails the print instead of holding 
   CHECK(process.state() == S::Halting);
   while (clock.run_next()) {
   }
-  CHECK(observer.reason == "waited 15 s in vain for the axis to stop");
+  CHECK(observer.reason == "timed out after 15 s waiting for the axis to stop");
   CHECK(machine.axis.aborted);
 }
 
 TEST_CASE("A mask that cannot be shown ends the print with the reason, with the light off") {
   const TemporaryFolder folder;
-  SimulatedPrinterConfig config = Bench::small_printer();
+  SimulatedPrinterConfig config = testing::small_printer();
   config.display.masks = folder.path() / "masks";
-  Bench bench(config);
-  const auto masks = bench.machine.begin_job("box");
+  PrintProcessFixture fixture(config);
+  const auto masks = fixture.machine.begin_job("box");
   REQUIRE(masks);
-  bench.start();
-  REQUIRE(bench.run_to(S::Resting));
+  fixture.start();
+  REQUIRE(fixture.run_to(S::Resting));
   std::filesystem::remove_all(*masks);
-  bench.run_out();
-  CHECK(bench.ends == std::vector{PrintOutcome::Failed});
-  CHECK(bench.reason.find("cannot write") != std::string::npos);
-  CHECK_FALSE(bench.machine.light_is_on());
-  CHECK(bench.machine.screen_is_black());
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Failed});
+  CHECK(fixture.reason.find("cannot write") != std::string::npos);
+  CHECK_FALSE(fixture.machine.light_is_on());
+  CHECK(fixture.machine.screen_is_black());
 }
 
 TEST_CASE("The process leaves the light off when it is destroyed in the middle of an exposure") {
   VirtualClock clock;
-  SimulatedPrinter machine(clock, Bench::small_printer());
+  SimulatedPrinter machine(clock, testing::small_printer());
   {
-    Bench unused;  // only to observe
+    PrintProcessFixture unused;  // only an observer
     PrintProcess process(machine, clock, unused);
-    process.start(Bench::plan(1));
+    process.start(testing::box_plan(1));
     while (!machine.light_is_on())
       REQUIRE(clock.run_next());
   }
   while (clock.run_next()) {
-  }  // what it waited for is not told to what is gone
+  }  // pending callbacks must not reach the destroyed process
   CHECK_FALSE(machine.light_is_on());
   CHECK(machine.screen_is_black());
 }
 
-TEST_CASE("The time left is what the print really takes, with warm-up, homing and parking") {
-  Bench bench;
-  PrintPlan plan = Bench::plan(3);
-  plan.warm_up = 5s;  // the simulated projector's
-  bench.process.start(std::move(plan));
-  const Duration expected = bench.process.time_left();
-  const TimePoint start = bench.clock.now();
-  REQUIRE(bench.run_to(S::Ending));
-  const Duration real = bench.clock.now() - start;
-  // It stood at 40 mm, which nobody knew, and not where a print parks it.
-  const ZAxis& axis = bench.machine.z_axis();
+TEST_CASE("The time left is the actual duration of the print, with warm-up, homing and parking") {
+  PrintProcessFixture fixture;
+  PrintPlan plan = testing::box_plan(3);
+  plan.warm_up = 5s;  // as configured for the simulated projector
+  fixture.process.start(std::move(plan));
+  const Duration expected = fixture.process.time_left();
+  const TimePoint start = fixture.clock.now();
+  REQUIRE(fixture.run_to(S::Ending));
+  const Duration real = fixture.clock.now() - start;
+  // The plate was at 40 mm, an unknown height; the estimate assumes the parking height.
+  const ZAxis& axis = fixture.machine.z_axis();
   const Duration sooner = axis.move_duration(axis.travel(), MillimetersPerSecond{5}) -
                           axis.move_duration(Nanometers{40'000'000}, MillimetersPerSecond{5});
-  // Two frames and two replies a layer are not in the estimate, nor that retracts are a layer shorter.
+  // The estimate ignores two frames and two replies for each layer, and that retracts are a layer shorter.
   CHECK(std::chrono::abs(real - (expected - sooner)) < 3 * (2 * 17ms + 2 * 20ms) + 100ms);
 }
 
-TEST_CASE("The time left counts down in every state that takes its time") {
-  Bench bench;
-  PrintPlan plan = Bench::plan(1);
+TEST_CASE("The time left counts down in every state of known duration") {
+  PrintProcessFixture fixture;
+  PrintPlan plan = testing::box_plan(1);
   plan.warm_up = 5s;
-  bench.process.start(std::move(plan));
+  fixture.process.start(std::move(plan));
   const auto state = GENERATE(S::WarmingUp, S::Homing, S::Lowering, S::Settling, S::Exposing, S::Resting,
                               S::Lifting, S::Parking);
-  REQUIRE(bench.run_to(state));
+  REQUIRE(fixture.run_to(state));
   INFO(name_of(state));
-  const Duration total = bench.process.time_left();
-  const Duration in_state = bench.process.state_left().value();
+  const Duration total = fixture.process.time_left();
+  const Duration in_state = fixture.process.state_left().value();
   REQUIRE(in_state > 50ms);
   bool looked = false;
-  const auto look = bench.clock.call_after(50ms, [&] {
+  const auto look = fixture.clock.call_after(50ms, [&] {
     looked = true;
-    CHECK(bench.process.time_left() == total - 50ms);
-    CHECK(bench.process.state_left() == in_state - 50ms);
+    CHECK(fixture.process.time_left() == total - 50ms);
+    CHECK(fixture.process.state_left() == in_state - 50ms);
   });
   while (!looked)
-    REQUIRE(bench.clock.run_next());
+    REQUIRE(fixture.clock.run_next());
 }
 
-TEST_CASE("The time left waits while the print waits for its owner") {
-  Bench bench;
-  bring_to(bench, S::Paused);
-  CHECK_FALSE(bench.process.state_left());
-  const Duration left = bench.process.time_left();
+TEST_CASE("The time left stands still while the print waits for the user") {
+  PrintProcessFixture fixture;
+  bring_to(fixture, S::Paused);
+  CHECK_FALSE(fixture.process.state_left());
+  const Duration left = fixture.process.time_left();
   bool looked = false;
-  const auto look = bench.clock.call_after(1min, [&looked] { looked = true; });
+  const auto look = fixture.clock.call_after(1min, [&looked] { looked = true; });
   while (!looked)
-    REQUIRE(bench.clock.run_next());
-  CHECK(bench.process.time_left() == left);
+    REQUIRE(fixture.clock.run_next());
+  CHECK(fixture.process.time_left() == left);
 }
 
-TEST_CASE("Of a print that is cancelled only parking is left") {
-  Bench bench;
-  bench.start(100);
-  REQUIRE(bench.run_to(S::Lifting));
-  bench.process.cancel();
-  const ZAxis& axis = bench.machine.z_axis();
+TEST_CASE("The time left of a cancelled print is the time for parking") {
+  PrintProcessFixture fixture;
+  fixture.start(100);
+  REQUIRE(fixture.run_to(S::Lifting));
+  fixture.process.cancel();
+  const ZAxis& axis = fixture.machine.z_axis();
   const Duration whole = axis.move_duration(axis.travel(), MillimetersPerSecond{5});
-  CHECK(bench.process.time_left() <= whole + 1s);
-  CHECK(bench.process.time_left() > whole / 2);
+  CHECK(fixture.process.time_left() <= whole + 1s);
+  CHECK(fixture.process.time_left() > whole / 2);
 }
 
 TEST_CASE("A second print follows the first on the same machine") {
-  Bench bench;
-  bench.start(1);
-  bench.run_out();
-  bench.start(2);
-  bench.run_out();
-  CHECK(bench.ends == std::vector{PrintOutcome::Done, PrintOutcome::Done});
-  CHECK(bench.layers.size() == 3);
+  PrintProcessFixture fixture;
+  fixture.start(1);
+  fixture.run_out();
+  fixture.start(2);
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done, PrintOutcome::Done});
+  CHECK(fixture.layers.size() == 3);
 }

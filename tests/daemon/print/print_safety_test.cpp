@@ -1,5 +1,5 @@
-// A print on an axis of lines and a light of a line, with an emergency stop and a lid: what becomes of it
-// when their contacts move.
+// Tests of a print on a GPIO axis with a GPIO light line, an emergency stop and a lid, whose contacts move
+// during the print.
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,19 +10,18 @@
 #include "hw/projector_with_light_line.hpp"
 #include "hw/simulated_printer.hpp"
 #include "tests/catch.hpp"
+#include "tests/daemon/print/box_print.hpp"
 #include "tests/hw/gpio/plant.hpp"
-#include "tests/models/models.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
 using testing::Plant;
 using testing::PlantOutput;
-using S = PrintState;
 
 namespace {
 
-constexpr DisplayGeometry kDisplay{Pixels{64}, Pixels{48}, Micrometers{100.0}};
-constexpr Nanometers kLayer{50'000};
+using S = PrintState;
+
 constexpr int kLayers = 3;
 constexpr Duration kExposure = 1s;
 
@@ -34,34 +33,16 @@ GpioAxisConfig axis_config() {
   return config;
 }
 
-SimulatedPrinterConfig display_config() {
-  SimulatedPrinterConfig config;
-  config.display.width = kDisplay.width;
-  config.display.height = kDisplay.height;
-  return config;
-}
-
 PrintPlan print_plan() {
-  PrintPlan plan;
-  plan.job = "box";
-  HeightIndex box(models::box({0, 0, 0}, {3, 2, 0.15F}));
-  plan.engine = std::make_unique<ContourEngine>(std::move(box), EngineSettings{.display = kDisplay},
-                                                std::vector{PixelMap::true_scale(kDisplay, {1.5, 1})});
-  plan.layers = PrintLayers(LayerStack{kLayer, kLayers});
-  plan.expected_layers = plan.layers.all();
+  PrintPlan plan = testing::box_plan(kLayers);
   plan.exposure = [](std::int32_t, Nanometers) { return kExposure; };
-  plan.pixel_area_mm2 = 0.01;
   plan.lift = Nanometers{4'000'000};
-  plan.lift_speed = MillimetersPerSecond{2};
-  plan.retract_speed = plan.travel_speed = plan.homing_speed = MillimetersPerSecond{5};
-  plan.settle = 700ms;
-  plan.rest = 300ms;
   return plan;
 }
 
-class Bench final : public Machine, public PrintObserver {
+class PrintSafetyFixture final : public Machine, public PrintObserver {
  public:
-  Bench() {
+  PrintSafetyFixture() {
     plant.build();
     auto output = std::make_unique<PlantOutput>();
     line = output.get();
@@ -74,7 +55,7 @@ class Bench final : public Machine, public PrintObserver {
     });
     process.emplace(*this, plant.clock, *this);
   }
-  ~Bench() override {
+  ~PrintSafetyFixture() override {
     process.reset();
     plant.axis->set_light_cutoff(nullptr);
   }
@@ -104,7 +85,7 @@ class Bench final : public Machine, public PrintObserver {
     plant.run([&] { return process->state() == state || outcome; });
     return process->state() == state;
   }
-  // On the second layer, where the state is one of a layer's.
+  // Runs a print to the state; to its occurrence in the second layer if the state belongs to a layer.
   void bring_to(PrintState state) {
     process->start(print_plan());
     if (state == S::WarmingUp || state == S::Homing || state == S::Parking) {
@@ -114,13 +95,13 @@ class Bench final : public Machine, public PrintObserver {
       if (state == S::Raising || state == S::Paused) process->pause();
       REQUIRE(run_to(state));
     }
-    plant.run_for(10us);  // well in it, where it lasts
+    plant.run_for(10us);  // so that the state has really begun
   }
   void press(AxisInput which, Duration lasting) {
     plant.press(which, true);
     release = plant.clock.call_after(lasting, [this, which] { plant.press(which, false); });
   }
-  // Until it waits for its owner, or is over; the owner resumes as soon as nothing is in the way.
+  // Runs the print to its end; whenever it waits for the user, resumes it as soon as the machine is ready.
   void run_out() {
     while (!outcome) {
       plant.run([&] { return outcome || process->state() == S::Paused || process->state() == S::Held; });
@@ -131,7 +112,7 @@ class Bench final : public Machine, public PrintObserver {
   }
 
   Plant plant{axis_config()};
-  SimulatedPrinter screen{plant.clock, display_config()};
+  SimulatedPrinter screen{plant.clock, testing::small_printer()};
   PlantOutput* line = nullptr;
   std::optional<GpioLightLine> light;
   std::optional<LightLineProjector> lamp;
@@ -148,24 +129,23 @@ constexpr PrintState kStates[] = {S::WarmingUp, S::Homing,  S::Lowering, S::Sett
 
 }  // namespace
 
-TEST_CASE(
-    "A spike on the emergency stop's or the lid's line in any state leaves a print that can be finished") {
+TEST_CASE("A print can be finished after a spike on the emergency stop's or the lid's line in any state") {
   for (const AxisInput which : {AxisInput::EmergencyStop, AxisInput::Lid}) {
     for (const PrintState state : kStates) {
       CAPTURE(name_of(state), which == AxisInput::Lid);
-      Bench bench;
-      bench.bring_to(state);
-      bench.press(which, 1ms);
-      bench.plant.run_for(100us);  // 60 us until the thread has woken
-      CHECK_FALSE(bench.line->level);
-      CHECK_FALSE(bench.why_not_ready().empty());
-      CHECK(bench.interruptions.size() == 1);
-      bench.run_out();
-      CHECK(bench.outcome == PrintOutcome::Done);
-      CHECK(bench.reason.empty());
-      REQUIRE(bench.layers.size() == kLayers);
-      for (const LayerRecord& layer : bench.layers) {
-        // What the cut took off is given later; the light is known to a wake-up of the thread, 60 us.
+      PrintSafetyFixture fixture;
+      fixture.bring_to(state);
+      fixture.press(which, 1ms);
+      fixture.plant.run_for(100us);  // the thread needs 60 us to wake up
+      CHECK_FALSE(fixture.line->level);
+      CHECK_FALSE(fixture.why_not_ready().empty());
+      CHECK(fixture.interruptions.size() == 1);
+      fixture.run_out();
+      CHECK(fixture.outcome == PrintOutcome::Done);
+      CHECK(fixture.reason.empty());
+      REQUIRE(fixture.layers.size() == kLayers);
+      for (const LayerRecord& layer : fixture.layers) {
+        // The missing exposure is given later. The light is known to within 60 us, a wake-up of the thread.
         CHECK(layer.exposure_least >= kExposure - 1ms);
         CHECK(layer.exposure_most <= kExposure + 1ms);
       }
@@ -173,49 +153,50 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("An emergency stop in any state ends the print dark, without a step once it has lasted") {
+TEST_CASE("An emergency stop in any state ends the print dark, without a step after its debounce time") {
   for (const PrintState state : kStates) {
     CAPTURE(name_of(state));
-    Bench bench;
-    bench.bring_to(state);
-    const TimePoint pressed = bench.plant.clock.now();
-    bench.press(AxisInput::EmergencyStop, 1000s);
-    bench.plant.run_for(100us);
-    CHECK_FALSE(bench.line->level);
-    bench.plant.run_for(60s);
-    CHECK(bench.outcome == PrintOutcome::Failed);
-    CHECK(bench.reason == "the emergency stop is pressed (line 5 of gpiochip0)");
-    CHECK_FALSE(bench.line->level);
-    if (!bench.plant.pulses.empty()) CHECK(bench.plant.pulses.back() - pressed <= 5ms + 60us);
+    PrintSafetyFixture fixture;
+    fixture.bring_to(state);
+    const TimePoint pressed = fixture.plant.clock.now();
+    fixture.press(AxisInput::EmergencyStop, 1000s);
+    fixture.plant.run_for(100us);
+    CHECK_FALSE(fixture.line->level);
+    fixture.plant.run_for(60s);
+    CHECK(fixture.outcome == PrintOutcome::Failed);
+    CHECK(fixture.reason == "the emergency stop is pressed (line 5 of gpiochip0)");
+    CHECK_FALSE(fixture.line->level);
+    if (!fixture.plant.pulses.empty()) CHECK(fixture.plant.pulses.back() - pressed <= 5ms + 60us);
   }
 }
 
-TEST_CASE("A light that is refused because the lid has just moved interrupts the print, and is no fault") {
-  Bench bench;
-  bench.bring_to(S::Showing);
-  bench.press(AxisInput::Lid, 2s);
-  bench.plant.run_threads_for(100ms);  // the mask is shown, the light asked for, and the lid not heard of yet
-  CHECK_FALSE(bench.line->level);
-  REQUIRE(bench.interruptions.size() == 2);
-  CHECK(bench.interruptions[0].find("stays off") != std::string::npos);
-  CHECK(bench.interruptions[1] == "the lid was opened (line 6 of gpiochip0)");
-  bench.run_out();
-  CHECK(bench.outcome == PrintOutcome::Done);
+TEST_CASE("A light that is refused because the lid has just moved interrupts the print and is not a fault") {
+  PrintSafetyFixture fixture;
+  fixture.bring_to(S::Showing);
+  fixture.press(AxisInput::Lid, 2s);
+  // The mask is shown and the light requested before the process learns of the lid.
+  fixture.plant.run_threads_for(100ms);
+  CHECK_FALSE(fixture.line->level);
+  REQUIRE(fixture.interruptions.size() == 2);
+  CHECK(fixture.interruptions[0].find("stays off") != std::string::npos);
+  CHECK(fixture.interruptions[1] == "the lid was opened (line 6 of gpiochip0)");
+  fixture.run_out();
+  CHECK(fixture.outcome == PrintOutcome::Done);
 }
 
-TEST_CASE("Several spikes in one print pause it each time, and it is finished all the same") {
-  Bench bench;
-  bench.bring_to(S::Exposing);
+TEST_CASE("Several spikes pause the print each time, and it can still be finished") {
+  PrintSafetyFixture fixture;
+  fixture.bring_to(S::Exposing);
   for (int i = 0; i < 5; ++i) {
-    bench.press(i % 2 == 0 ? AxisInput::EmergencyStop : AxisInput::Lid, 1ms);
-    REQUIRE(bench.run_to(S::Paused));
-    bench.plant.run_for(100ms);
-    REQUIRE(bench.why_not_ready().empty());
-    bench.process->resume();
-    REQUIRE(bench.run_to(S::Exposing));
-    bench.plant.run_for(50ms);
+    fixture.press(i % 2 == 0 ? AxisInput::EmergencyStop : AxisInput::Lid, 1ms);
+    REQUIRE(fixture.run_to(S::Paused));
+    fixture.plant.run_for(100ms);
+    REQUIRE(fixture.why_not_ready().empty());
+    fixture.process->resume();
+    REQUIRE(fixture.run_to(S::Exposing));
+    fixture.plant.run_for(50ms);
   }
-  bench.run_out();
-  CHECK(bench.outcome == PrintOutcome::Done);
-  CHECK(bench.layers.size() == kLayers);
+  fixture.run_out();
+  CHECK(fixture.outcome == PrintOutcome::Done);
+  CHECK(fixture.layers.size() == kLayers);
 }

@@ -31,7 +31,7 @@ const std::vector<F> kDark{F::LightOff, F::BlackNow};
 const std::vector<F> kDarkAndWait{F::LightOff, F::BlackNow, F::AwaitDark};
 const std::vector<F> kDarkAndLift{F::LightOff, F::BlackNow, F::Lift};
 
-// Written out apart from the table, row for row.
+// The expected rows, written down independently of the table.
 const std::vector<Row> kExpected{
     {S::Idle, E::Started, S::WarmingUp, {F::LightOff, F::BlackNow, F::PowerOn}},
     {S::WarmingUp, E::ProjectorReady, S::Homing, {F::Home}},
@@ -128,7 +128,7 @@ std::set<S> all_states() {
 
 }  // namespace
 
-TEST_CASE("Every row of the print process leads where it should, with the effects it should have") {
+TEST_CASE("Every row of the print process leads to the expected state with the expected effects") {
   for (const Row& row : kExpected) {
     CAPTURE(name_of(row.from), name_of(row.on));
     const PrintTransition* found = find_transition(row.from, row.on);
@@ -155,7 +155,7 @@ TEST_CASE("Every way out of a state in which the light may be on turns it off be
   }
 }
 
-TEST_CASE("Light off comes first wherever it comes at all") {
+TEST_CASE("Light off is always the first effect of its row") {
   for (const PrintTransition& t : print_transitions()) {
     const auto effects = t.done();
     const auto light_off = std::find(effects.begin(), effects.end(), F::LightOff);
@@ -163,7 +163,7 @@ TEST_CASE("Light off comes first wherever it comes at all") {
   }
 }
 
-TEST_CASE("A print can fail in every state but where it ends, and ends idle whatever happens to it") {
+TEST_CASE("A print can fail in every state before its end, and becomes idle only by finishing") {
   for (const S state : all_states()) {
     if (state == S::Idle || state == S::Ending) continue;
     CAPTURE(name_of(state));
@@ -175,7 +175,8 @@ TEST_CASE("A print can fail in every state but where it ends, and ends idle what
   }
 }
 
-TEST_CASE("A print can be interrupted in every state, which turns the light off and never ends it") {
+TEST_CASE(
+    "An interruption is possible in every state of a print, turns the light off and never ends the print") {
   for (const S state : all_states()) {
     if (state == S::Idle) continue;
     CAPTURE(name_of(state));
@@ -194,7 +195,7 @@ TEST_CASE("The light goes on only when the mask is on the screen") {
   }
 }
 
-TEST_CASE("The plate goes down into the resin, and a mask is shown, only behind a confirmed light off") {
+TEST_CASE("The plate moves down into the resin, and a mask is shown, only after the light is confirmed off") {
   for (const PrintTransition& t : print_transitions()) {
     const auto effects = t.done();
     const auto has = [&](F effect) {
@@ -205,14 +206,14 @@ TEST_CASE("The plate goes down into the resin, and a mask is shown, only behind 
     if (t.to == S::Lowering) CHECK(t.from == S::AwaitingDark);
     if (has(F::ShowMask)) CHECK(t.from == S::Settling);
     if (t.to == S::Settling) CHECK(t.from == S::Lowering);
-    // Who waits for the light to be confirmed off has asked for it.
+    // A state that waits for the light to be confirmed off is entered with AwaitDark.
     const bool waits =
         t.to == S::AwaitingDark || t.to == S::Extinguishing || t.to == S::Interrupting || t.to == S::Ending;
     if (waits) CHECK((has(F::AwaitDark) || t.from == t.to));
   }
 }
 
-TEST_CASE("Nothing moves where there may be light") {
+TEST_CASE("Nothing moves while there may be light") {
   const std::set<S> lit{S::Igniting, S::Exposing, S::Darkening, S::Extinguishing, S::Interrupting};
   for (const PrintTransition& t : print_transitions()) {
     if (!lit.contains(t.from)) continue;
@@ -222,7 +223,7 @@ TEST_CASE("Nothing moves where there may be light") {
   }
 }
 
-TEST_CASE("The drawing names every state, also of homing and of a projector's power and light") {
+TEST_CASE("The drawing names every state, including homing and a projector's power and light") {
   const std::string drawing = draw_print_states();
   for (const S state : all_states())
     CHECK(drawing.find("\"" + std::string(name_of(state)) + "\"") != std::string::npos);

@@ -1,4 +1,4 @@
-// Each header of daemon/report checks what it requires.
+// Tests of the contract checks in daemon/report.
 #include <chrono>
 
 #include "daemon/report/html_page.hpp"
@@ -10,14 +10,14 @@
 using namespace contourd;
 using testing::contract_broken_by;
 
-TEST_CASE("A plot's heights rise") {
+TEST_CASE("svg_plot requires rising heights") {
   if (testing::costly_checks_are_off()) return;
   const PlotPoint rising[] = {{1, 5}, {1, 6}, {2, 4}}, falling[] = {{1, 5}, {0.5, 6}};
   CHECK(contract_broken_by([&] { (void)svg_plot("area", rising); }).empty());
   CHECK(contract_broken_by([&] { (void)svg_plot("area", falling); }) == "heights rise");
 }
 
-TEST_CASE("StateTimes goes forwards only") {
+TEST_CASE("StateTimes::enter requires times that do not fall") {
   const TimePoint start{std::chrono::hours(1)};
   StateTimes times(start);
   CHECK(contract_broken_by([&] { times.enter(PrintState::Homing, start - std::chrono::nanoseconds(1)); }) ==
@@ -25,6 +25,6 @@ TEST_CASE("StateTimes goes forwards only") {
   CHECK(contract_broken_by([&] { times.enter(PrintState::Homing, start); }).empty());
 }
 
-TEST_CASE("A histogram of light is drawn when it has bins") {
+TEST_CASE("Drawing a light histogram requires bins") {
   CHECK(contract_broken_by([] { (void)svg_of(LightHistogram{}); }) == "a histogram has bins");
 }

@@ -6,7 +6,7 @@
 
 #include "hw/png_file.hpp"
 #include "tests/catch.hpp"
-#include "tests/models/models.hpp"
+#include "tests/daemon/report/report_fixture.hpp"
 #include "tests/temporary_folder.hpp"
 
 using namespace contourd;
@@ -14,9 +14,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr DisplayGeometry kDisplay{Pixels{64}, Pixels{48}, Micrometers{100.0}};
-
-// Layers of 0.1 mm, from the plate up, all of the same area.
+// Returns the report on layers of 0.1 mm from the plate up, all of the same area.
 PrintReport printed(std::int32_t layers) {
   PrintReport report;
   for (std::int32_t i = 0; i < layers; ++i) {
@@ -42,17 +40,10 @@ std::string why(const std::vector<ChosenLayer>& chosen, std::size_t record) {
   return found == chosen.end() ? "not chosen" : found->why;
 }
 
-// A box of 3 x 2 x 1 mm in the middle of the display.
-ContourEngine engine_of_a_box() {
-  const StandingModel box{std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {3, 2, 1})), {}};
-  return {std::vector{PlateModel{box, {PixelMap::true_scale(kDisplay, {1.5, 1})}}},
-          EngineSettings{.display = kDisplay}};
-}
-
 }  // namespace
 
 TEST_CASE(
-    "Of a print without a warning, the first, the largest and the last layer and those between are shown") {
+    "For a print without warnings, the first, the largest, the last and evenly spread layers are chosen") {
   PrintReport report = printed(800);
   report.layers[300].area_mm2 = 7;
   const auto chosen = choose_layers(report);
@@ -66,14 +57,14 @@ TEST_CASE(
     CHECK(*std::next(at) - *at <= 130);
 }
 
-TEST_CASE("A print of few layers has them all, and one without layers none") {
+TEST_CASE("All layers of a short print are chosen, and none of a print without layers") {
   CHECK(choose_layers(printed(0)).empty());
   REQUIRE(choose_layers(printed(1)).size() == 1);
   CHECK(choose_layers(printed(1)).front() == ChosenLayer{0, "first, largest, last"});
   CHECK(records(choose_layers(printed(5))) == std::set<std::size_t>{0, 1, 2, 3, 4});
 }
 
-TEST_CASE("Each warning has a layer shown before any has a second, and the reason is said") {
+TEST_CASE("Each warning gets one layer before any warning gets a second, and each layer has its reason") {
   PrintReport report = printed(1000);
   PrintFindings& findings = report.findings.emplace();
   findings.area_mm2.assign(1000, 6);
@@ -95,7 +86,7 @@ TEST_CASE("Each warning has a layer shown before any has a second, and the reaso
   CHECK(why(chosen, 230) == "interrupted");
 }
 
-TEST_CASE("Layers that were never exposed are not shown, whatever is warned of there") {
+TEST_CASE("Layers that were not exposed are not chosen, even if a warning names them") {
   PrintReport report = printed(20);
   report.findings.emplace().area_mm2.assign(1000, 6);
   report.findings->islands = {{500, {1, 2}, {0, 0}, 3}};
@@ -104,23 +95,22 @@ TEST_CASE("Layers that were never exposed are not shown, whatever is warned of t
     CHECK(each.record < 20);
 }
 
-TEST_CASE("The box is around all copies with some room, and within the display") {
-  const ContourEngine engine = engine_of_a_box();
-  // 30 by 20 pixels, from (17, 14); 4 pixels around them, and a twentieth of 30.
-  CHECK(box_around(engine.models(), kDisplay.width, kDisplay.height) == PixelBox{11, 8, 53, 40});
-  CHECK(box_around({}, kDisplay.width, kDisplay.height) == PixelBox{0, 0, 64, 48});
+TEST_CASE("The box surrounds all copies with a margin and lies within the display") {
+  const ContourEngine engine = testing::engine_of_a_box();
+  // The box covers 30 x 20 pixels from (17, 14); the margin is 4 pixels and a twentieth of 30.
+  CHECK(box_around(engine.models(), Pixels{64}, Pixels{48}) == PixelBox{11, 8, 53, 40});
+  CHECK(box_around({}, Pixels{64}, Pixels{48}) == PixelBox{0, 0, 64, 48});
   CHECK(box_around(engine.models(), Pixels{30}, Pixels{20}) == PixelBox{11, 8, 30, 20});
 }
 
-TEST_CASE(
-    "A picture is the mask that was shown, in that box, with the islands that begin there and the hollows") {
+TEST_CASE("A picture is the shown mask within the box, with marks for the layer's islands and hollows") {
   PrintReport report = printed(3);
   report.findings.emplace().area_mm2.assign(3, 6);
   report.findings->islands = {{1, {20, 30}, {0, 0}, 3}};
   report.findings->island_count = 1;
   report.findings->suction_cups = {{0, 2, 2, {20, 30}, {0, 0}, 3, 5, false}};
   report.findings->resin_traps = {{0, 2, 0, {21, 31}, {0, 0}, 3, 5, false}};
-  ContourEngine engine = engine_of_a_box();
+  ContourEngine engine = testing::engine_of_a_box();
   const auto pictures = draw_layer_pictures(report, engine, MaskBudget::Clock::now() + 1h);
   REQUIRE(pictures.size() == 3);
   const testing::TemporaryFolder folder;
@@ -149,7 +139,7 @@ TEST_CASE(
   CHECK(pictures[2].voids[0].middle.y == 22);
 }
 
-TEST_CASE("What is not drawn by the deadline is left out") {
-  ContourEngine engine = engine_of_a_box();
+TEST_CASE("Pictures that are not drawn by the deadline are omitted") {
+  ContourEngine engine = testing::engine_of_a_box();
   CHECK(draw_layer_pictures(printed(3), engine, MaskBudget::Clock::now() - 1s).empty());
 }

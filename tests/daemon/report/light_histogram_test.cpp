@@ -27,7 +27,7 @@ std::uint64_t count_of(const LightHistogram& histogram, std::uint64_t LightBin::
 
 }  // namespace
 
-TEST_CASE("Layers that all had exactly the light that was asked for are one bin around 0") {
+TEST_CASE("Layers with exactly the requested exposure are in one bin around 0") {
   const std::vector<LayerRecord> layers{lit(0, 0ms, 0ms), lit(1, 0ms, 0ms)};
   const LightHistogram histogram = histogram_of_light(layers);
   REQUIRE(histogram.bins.size() == 1);
@@ -38,7 +38,7 @@ TEST_CASE("Layers that all had exactly the light that was asked for are one bin 
   CHECK(histogram.layers == 2);
 }
 
-TEST_CASE("Every layer is in the bin of each of its bounds") {
+TEST_CASE("Every layer counts in the bin of its lower bound and in the bin of its upper bound") {
   const std::vector<LayerRecord> layers{lit(0, -3ms, 5ms), lit(1, 0ms, 5ms), lit(2, 0ms, 37ms)};
   const LightHistogram histogram = histogram_of_light(layers);
   CHECK(histogram.width_ms == 1);
@@ -53,7 +53,7 @@ TEST_CASE("Every layer is in the bin of each of its bounds") {
   CHECK(histogram.farthest_ms == 37);
 }
 
-TEST_CASE("One layer far off makes the bins wider, not more") {
+TEST_CASE("One outlier makes the bins wider, not more numerous") {
   std::vector<LayerRecord> layers;
   for (std::int32_t i = 0; i < 1000; ++i)
     layers.push_back(lit(i, 10us, 20us));
@@ -64,13 +64,13 @@ TEST_CASE("One layer far off makes the bins wider, not more") {
     CHECK(count_of(histogram, &LightBin::least) == 1000);
     CHECK(count_of(histogram, &LightBin::most) == 1000);
     CHECK(histogram.farthest == 999);
-    // 0 is a bin's middle.
+    // The middle of one bin is 0.
     const double to_zero = histogram.bins.front().middle_ms / histogram.width_ms;
     CHECK(std::abs(to_zero - std::round(to_zero)) < 1e-9);
   }
 }
 
-TEST_CASE("Light that was not all given, or is not known to be off, is counted apart") {
+TEST_CASE("Layers whose light was incomplete or not confirmed off are counted separately") {
   std::vector<LayerRecord> layers{lit(0, 0ms, 0ms), lit(1, -1s, -1s), lit(2, 0ms, 9h)};
   layers[1].complete = false;
   layers[2].dark_confirmed = false;
@@ -83,11 +83,11 @@ TEST_CASE("Light that was not all given, or is not known to be off, is counted a
   CHECK(histogram_of_light({}).bins.empty());
 }
 
-TEST_CASE("The drawing tells each bin's layers, one layer among thousands too") {
+TEST_CASE("The drawing labels each bin with its layers and keeps one layer among thousands visible") {
   std::vector<LayerRecord> layers(20'000, lit(0, 0ms, 0ms));
   layers.push_back(lit(1, 4ms, 4ms));
   const std::string svg = svg_of(histogram_of_light(layers));
   CHECK(svg.find("<title>20000 layers: +0 ms</title>") != std::string::npos);
   CHECK(svg.find("height=\"3.0\"><title>1 layer: +4 ms</title>") != std::string::npos);
-  CHECK(svg.find(">as asked</text>") != std::string::npos);
+  CHECK(svg.find(">as requested</text>") != std::string::npos);
 }

@@ -13,9 +13,9 @@ using namespace std::chrono_literals;
 
 namespace {
 
-class Desk {
+class PrintRecordFixture {
  public:
-  Desk() { machine.axis.late.count = 5; }
+  PrintRecordFixture() { machine.axis.late.count = 5; }
   [[nodiscard]] PrintRecord begin() { return {machine, clock, "masks/part"}; }
 
   VirtualClock clock;
@@ -31,23 +31,23 @@ LayerRecord layer(std::int32_t number) {
 
 }  // namespace
 
-TEST_CASE("A record counts the late steps of its print, and no others") {
-  Desk desk;
-  PrintRecord record = desk.begin();
-  desk.machine.axis.late.count = 12;
+TEST_CASE("A record counts only the late steps of its own print") {
+  PrintRecordFixture fixture;
+  PrintRecord record = fixture.begin();
+  fixture.machine.axis.late.count = 12;
   CHECK(record.take_report().late_steps == 7);
 }
 
-TEST_CASE("A record has all late steps of an axis that was opened again and counts anew") {
-  Desk desk;
-  PrintRecord record = desk.begin();
-  desk.machine.axis.late.count = 2;
+TEST_CASE("A record contains all late steps of an axis that was opened again and counts from 0") {
+  PrintRecordFixture fixture;
+  PrintRecord record = fixture.begin();
+  fixture.machine.axis.late.count = 2;
   CHECK(record.take_report().late_steps == 2);
 }
 
-TEST_CASE("A record keeps the longest turn with light") {
-  Desk desk;
-  PrintRecord record = desk.begin();
+TEST_CASE("A record keeps the longest turn of the event loop with light") {
+  PrintRecordFixture fixture;
+  PrintRecord record = fixture.begin();
   record.add_lit_turn({"a client", 3ms, 1ms});
   record.add_lit_turn({"the spool", 9ms, 2ms});
   record.add_lit_turn({"a timer", 4ms, 4ms});
@@ -56,9 +56,9 @@ TEST_CASE("A record keeps the longest turn with light") {
   CHECK(report.busiest_lit.busy == 9ms);
 }
 
-TEST_CASE("A record tells layers and interruptions in their order") {
-  Desk desk;
-  PrintRecord record = desk.begin();
+TEST_CASE("A record keeps layers and interruptions in order") {
+  PrintRecordFixture fixture;
+  PrintRecord record = fixture.begin();
   record.add(layer(0));
   record.add_interruption(1, "the lid was opened");
   record.add(layer(1));
@@ -74,21 +74,21 @@ TEST_CASE("A record tells layers and interruptions in their order") {
   CHECK(report.masks == "masks/part");
 }
 
-TEST_CASE("A record's time is the machine's") {
-  Desk desk;
-  PrintRecord record = desk.begin();
-  const auto timer = desk.clock.call_at(desk.clock.now() + 90s, [] {});
-  CHECK(desk.clock.run_next());
+TEST_CASE("A record measures time by the machine's clock") {
+  PrintRecordFixture fixture;
+  PrintRecord record = fixture.begin();
+  const auto timer = fixture.clock.call_at(fixture.clock.now() + 90s, [] {});
+  CHECK(fixture.clock.run_next());
   CHECK(record.elapsed() == 90s);
   CHECK(record.take_report().print_time == 90s);
 }
 
-TEST_CASE("A record has each pause with its layer, its time and how long it lasted") {
-  Desk desk;
-  PrintRecord record = desk.begin();
+TEST_CASE("A record contains each pause with its layer, start and duration") {
+  PrintRecordFixture fixture;
+  PrintRecord record = fixture.begin();
   const auto go_on_for = [&](Duration duration) {
-    const auto timer = desk.clock.call_at(desk.clock.now() + duration, [] {});
-    REQUIRE(desk.clock.run_next());
+    const auto timer = fixture.clock.call_at(fixture.clock.now() + duration, [] {});
+    REQUIRE(fixture.clock.run_next());
   };
   record.enter(PrintState::Exposing, 6);
   go_on_for(20s);
@@ -112,9 +112,9 @@ TEST_CASE("A record has each pause with its layer, its time and how long it last
   CHECK(report.states.total() == 125s);
 }
 
-TEST_CASE("A record of endless stops keeps the first ones and counts the others") {
-  Desk desk;
-  PrintRecord record = desk.begin();
+TEST_CASE("A record keeps a limited number of stops and counts the others") {
+  PrintRecordFixture fixture;
+  PrintRecord record = fixture.begin();
   for (std::size_t i = 0; i < PrintStops::kMost + 7; ++i) {
     record.add_interruption(2, "the lid was opened");
     record.enter(PrintState::Paused, 2);

@@ -6,13 +6,14 @@
 #include "daemon/report/layer_pictures.hpp"
 #include "hw/png_file.hpp"
 #include "tests/catch.hpp"
+#include "tests/daemon/report/report_fixture.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
 
 namespace {
 
-// What docs/printing.md says.
+// The limit that docs/printing.md promises.
 constexpr std::size_t kLargestPage = 3'000'000;
 
 PrintReport report_of(std::int32_t layers) {
@@ -42,7 +43,7 @@ LayerPicture picture_of(std::int32_t layer, const Mask& mask) {
   return {layer, "", mask.width(), mask.height(), encode_png(mask), {}, {}};
 }
 
-// No two pixels beside each other are alike, which is the most that a picture takes.
+// Returns random pixels, which PNG cannot compress: the largest possible picture.
 Mask noise(Pixels side) {
   Mask mask(side, side);
   std::uint32_t state = 1;
@@ -53,16 +54,9 @@ Mask noise(Pixels side) {
   return mask;
 }
 
-std::size_t count(const std::string& text, const std::string& what) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1))
-    ++found;
-  return found;
-}
-
 }  // namespace
 
-TEST_CASE("A warning links to those of its layers that have a picture, and to no others") {
+TEST_CASE("A warning links only to its layers that have a picture") {
   PrintReport report = report_of(30);
   PrintFindings& findings = report.findings.emplace();
   findings.area_mm2.assign(30, 1);
@@ -70,13 +64,13 @@ TEST_CASE("A warning links to those of its layers that have a picture, and to no
   findings.island_count = 2;
   report.layer_pictures.push_back(picture_of(9, Mask(Pixels{20}, Pixels{10})));
   const std::string page = report_as_html(report);
-  CHECK(count(page, "<a href=\"#layer-10\">layer 10</a>") == 1);
-  CHECK(count(page, "<a href=") == 1);
-  CHECK(count(page, "<figure id=\"layer-10\">") == 1);
-  CHECK(count(page, "2 islands begin") == 1);
+  CHECK(testing::occurrences(page, "<a href=\"#layer-10\">layer 10</a>") == 1);
+  CHECK(testing::occurrences(page, "<a href=") == 1);
+  CHECK(testing::occurrences(page, "<figure id=\"layer-10\">") == 1);
+  CHECK(testing::occurrences(page, "2 islands begin") == 1);
 }
 
-TEST_CASE("What others have written into names is text on the page, and nothing else") {
+TEST_CASE("Hostile names appear on the page only as text") {
   const std::string hostile = "\"><script>alert(1)</script><img src=//x onerror='y'>\x1b[31m\xff";
   PrintReport report = report_of(3);
   report.job = report.printer = report.reason = hostile;
@@ -88,19 +82,20 @@ TEST_CASE("What others have written into names is text on the page, and nothing 
   report.layer_pictures.push_back(picture_of(1, Mask(Pixels{20}, Pixels{10})));
   report.layer_pictures.back().why = hostile;
   const std::string page = report_as_html(report);
-  CHECK(count(page, "<script") == 0);
-  CHECK(count(page, "<img src=//") == 0);
-  CHECK(count(page, "\x1b") == 0);
-  CHECK(count(page, "\xff") == 0);
-  CHECK(count(page, "&lt;script&gt;alert(1)") >= 8);
+  CHECK(testing::occurrences(page, "<script") == 0);
+  CHECK(testing::occurrences(page, "<img src=//") == 0);
+  CHECK(testing::occurrences(page, "\x1b") == 0);
+  CHECK(testing::occurrences(page, "\xff") == 0);
+  CHECK(testing::occurrences(page, "&lt;script&gt;alert(1)") >= 8);
 }
 
 TEST_CASE("A page allows no request and no script") {
   const std::string page = report_as_html(report_of(3));
-  CHECK(count(page, "content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'") == 1);
+  CHECK(testing::occurrences(page,
+                             "content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'") == 1);
 }
 
-TEST_CASE("The page of a print with everything that can be wrong is as large as is said at the most") {
+TEST_CASE("The page of a print with everything that can go wrong stays below the documented size") {
   PrintReport report = report_of(100'000);
   report.reason = std::string(1'000'000, '<');
   report.summary.warnings.assign(5000, std::string(5000, '<'));
@@ -118,31 +113,33 @@ TEST_CASE("The page of a print with everything that can be wrong is as large as 
   const std::string page = report_as_html(report);
   CHECK(page.size() < kLargestPage);
   CHECK(page.size() > kLargestPage / 2);
-  CHECK(count(page, "<li>and 4950 more</li>") == 2);  // warnings, and pauses with those that are not kept
-  CHECK(count(page, "<li>and 950 more</li>") == 1);   // interruptions
+  // Warnings, and pauses including those that were not kept.
+  CHECK(testing::occurrences(page, "<li>and 4950 more</li>") == 2);
+  // Interruptions.
+  CHECK(testing::occurrences(page, "<li>and 950 more</li>") == 1);
 }
 
-TEST_CASE("The picture of a part shows the contacts of its supports by their cause") {
+TEST_CASE("The picture of a part shows the contacts of its supports with their causes") {
   PrintReport report = report_of(3);
   report.preview = PartPreview{Pixels{720}, encode_png(noise(Pixels{720})), {}};
-  CHECK(count(report_as_html(report), "class=\"contacts\"") == 0);
+  CHECK(testing::occurrences(report_as_html(report), "class=\"contacts\"") == 0);
   report.preview->contacts = {{{100.26, 200}, ContactCause::Island},
                               {{300, 400}, ContactCause::Peel},
                               {{300, 410}, ContactCause::Peel}};
   const std::string page = report_as_html(report);
-  CHECK(count(page, "<circle class=\"island\" cx=\"100.3\" cy=\"200.0\"") == 1);
-  CHECK(count(page, "<circle class=\"peel\"") == 2);
-  CHECK(count(page, "</span>island 1</span>") == 1);
-  CHECK(count(page, "</span>peel 2</span>") == 1);
-  CHECK(count(page, "</span>overhang") == 0);
+  CHECK(testing::occurrences(page, "<circle class=\"island\" cx=\"100.3\" cy=\"200.0\"") == 1);
+  CHECK(testing::occurrences(page, "<circle class=\"peel\"") == 2);
+  CHECK(testing::occurrences(page, "</span>island 1</span>") == 1);
+  CHECK(testing::occurrences(page, "</span>peel 2</span>") == 1);
+  CHECK(testing::occurrences(page, "</span>overhang") == 0);
 }
 
 TEST_CASE("A print that ended before its first layer has a page without pictures and plots") {
   PrintReport report = report_of(0);
   report.outcome = PrintOutcome::Canceled;
   const std::string page = report_as_html(report);
-  CHECK(count(page, "<figure") == 0);
-  CHECK(count(page, "<svg") == 0);
-  CHECK(count(page, "<h2>") == 0);
-  CHECK(count(page, "nan") == 0);
+  CHECK(testing::occurrences(page, "<figure") == 0);
+  CHECK(testing::occurrences(page, "<svg") == 0);
+  CHECK(testing::occurrences(page, "<h2>") == 0);
+  CHECK(testing::occurrences(page, "nan") == 0);
 }

@@ -7,23 +7,14 @@
 
 #include "hw/png_file.hpp"
 #include "tests/catch.hpp"
-#include "tests/models/models.hpp"
+#include "tests/daemon/report/report_fixture.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
 
 namespace {
 
-// A box of 3 x 2 x 1 mm in the middle of the display, on the plate or above it.
-ContourEngine engine_of_a_box(bool mirrored = false, Nanometers lift = {}) {
-  const DisplayGeometry display{Pixels{64}, Pixels{48}, Micrometers{100.0}, mirrored, mirrored};
-  const StandingModel box{std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {3, 2, 1})),
-                          Elevation(lift)};
-  return {std::vector{PlateModel{box, {PixelMap::true_scale(display, {1.5, 1})}}},
-          EngineSettings{.display = display}};
-}
-
-// That many layers of 0.1 mm.
+// Returns the report on this number of layers of 0.1 mm.
 PrintReport printed(int layers, PrintOutcome outcome) {
   PrintReport report;
   report.outcome = outcome;
@@ -39,7 +30,7 @@ PrintReport printed(int layers, PrintOutcome outcome) {
   return report;
 }
 
-Mask picture_of(const PrintReport& report, ContourEngine engine = engine_of_a_box()) {
+Mask picture_of(const PrintReport& report, ContourEngine engine = testing::engine_of_a_box()) {
   const auto preview = draw_printed_part(report, engine, MaskBudget::Clock::now() + 1h).value();
   return decode_png(preview.png, preview.side, preview.side);
 }
@@ -50,7 +41,8 @@ int brightest(const Mask& picture) {
 
 }  // namespace
 
-TEST_CASE("A print that is done shows the whole part, and one that ended before shows the rest faint") {
+TEST_CASE(
+    "The picture of a completed print shows the whole part, and of an unfinished print the rest faintly") {
   const Mask whole = picture_of(printed(10, PrintOutcome::Done));
   CHECK(brightest(whole) > 150);
   const Mask half = picture_of(printed(5, PrintOutcome::Canceled));
@@ -62,13 +54,13 @@ TEST_CASE("A print that is done shows the whole part, and one that ended before 
   CHECK(brightest(none) < 100);
 }
 
-TEST_CASE("A layer that had not all its light is no part of the part") {
+TEST_CASE("A layer that lacks light is not drawn as printed") {
   PrintReport report = printed(6, PrintOutcome::Canceled);
   report.layers.back().complete = false;
   CHECK(picture_of(report) == picture_of(printed(5, PrintOutcome::Canceled)));
 }
 
-TEST_CASE("The part is made of the masks that were shown, wherever they were cut") {
+TEST_CASE("The part is drawn from the masks that were shown, at whatever height they were cut") {
   PrintReport report = printed(10, PrintOutcome::Done);
   for (std::size_t i = 5; i < report.layers.size(); ++i)
     report.layers[i].mask_height = Nanometers{2'000'000};  // above the model: dark
@@ -80,26 +72,25 @@ TEST_CASE("The part is made of the masks that were shown, wherever they were cut
   CHECK(picture_of(report).lit_pixels() == 0);
 }
 
-TEST_CASE("A mirror in the light's path does not turn the picture of the part round") {
+TEST_CASE("A mirror in the light's path does not mirror the picture of the part") {
   const PrintReport report = printed(10, PrintOutcome::Done);
-  CHECK(picture_of(report) == picture_of(report, engine_of_a_box(true)));
+  CHECK(picture_of(report) == picture_of(report, testing::engine_of_a_box(true)));
 }
 
-TEST_CASE("A part above the plate is drawn where it stands") {
+TEST_CASE("A part above the plate is drawn at its height") {
   // The lower half of the layers is dark, and the model's upper half was not printed.
   const Mask lifted =
-      picture_of(printed(10, PrintOutcome::Done), engine_of_a_box(false, Nanometers{500'000}));
+      picture_of(printed(10, PrintOutcome::Done), testing::engine_of_a_box(false, Nanometers{500'000}));
   CHECK(lifted.lit_pixels() > 0);
-  CHECK(
-      picture_of(printed(5, PrintOutcome::Done), engine_of_a_box(false, Nanometers{500'001})).lit_pixels() ==
-      0);
+  CHECK(picture_of(printed(5, PrintOutcome::Done), testing::engine_of_a_box(false, Nanometers{500'001}))
+            .lit_pixels() == 0);
 }
 
-TEST_CASE("Where there is no time left, there is no picture of the part") {
-  ContourEngine engine = engine_of_a_box();
+TEST_CASE("After the deadline, no picture of the part is drawn") {
+  ContourEngine engine = testing::engine_of_a_box();
   const auto past = MaskBudget::Clock::now() - 1s;
   CHECK_FALSE(draw_printed_part(printed(10, PrintOutcome::Done), engine, past));
-  // It needs none of it.
+  // A picture without layers needs no time.
   PrintReport nothing = printed(0, PrintOutcome::Failed);
   nothing.summary.height_mm = 0;
   REQUIRE(draw_printed_part(nothing, engine, past));
@@ -107,22 +98,22 @@ TEST_CASE("Where there is no time left, there is no picture of the part") {
   CHECK(decode_png(dark.png, dark.side, dark.side).lit_pixels() == 0);
 }
 
-TEST_CASE("The contacts of supports are marked in the picture where they are, by their cause") {
+TEST_CASE("The contacts of supports are marked at their places in the picture, with their causes") {
   for (const bool mirrored : {false, true}) {
     PrintReport report = printed(10, PrintOutcome::Done);
     Supports& supports = report.summary.supports.emplace();
-    // At the box's lower front corners, left and right, and at its upper right one behind.
+    // Contacts at the box's lower front corners, left and right, and at its upper right back corner.
     for (const PlatePoint& corner : {PlatePoint{-1.5, -1, 0}, {1.5, -1, 0}, {1.5, 1, 1}})
       supports.contacts.push_back({corner, {0, 0, -1}, ContactCause::Peel, 1});
     supports.contacts[1].cause = ContactCause::Overhang;
-    ContourEngine engine = engine_of_a_box(mirrored);
+    ContourEngine engine = testing::engine_of_a_box(mirrored);
     const PartPreview preview = draw_printed_part(report, engine, MaskBudget::Clock::now() + 1h).value();
     const Mask picture = decode_png(preview.png, preview.side, preview.side);
     REQUIRE(preview.contacts.size() == 3);
     CHECK(preview.contacts[0].cause == ContactCause::Peel);
     CHECK(preview.contacts[1].cause == ContactCause::Overhang);
-    // They are the outline's leftmost, lowest and rightmost points; anti-aliasing rounds its corners by up to
-    // two pixels of the display.
+    // These corners are the outline's leftmost, lowest and rightmost points; anti-aliasing rounds its corners
+    // by up to two pixels of the display.
     int left = 1000, right = 0, bottom = 0;
     for (int row = 0; row < preview.side.count(); ++row) {
       for (int column = 0; column < preview.side.count(); ++column) {

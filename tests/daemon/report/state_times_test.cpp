@@ -18,7 +18,7 @@ Duration sum_of(const StateTimes& times, PrintActivity activity) {
 
 }  // namespace
 
-TEST_CASE("Each state has the time between it and the next one") {
+TEST_CASE("Each state gets the time until the next state is entered") {
   StateTimes times(kStart);
   times.enter(PrintState::WarmingUp, kStart);
   times.enter(PrintState::Homing, kStart + 5s);
@@ -32,7 +32,7 @@ TEST_CASE("Each state has the time between it and the next one") {
   CHECK(times.total() == 11s);
 }
 
-TEST_CASE("Slices follow each other without a gap, and a state that spans many is in all of them") {
+TEST_CASE("Slices follow each other without gaps, and a long state is in all slices that it spans") {
   StateTimes times(kStart);
   times.enter(PrintState::Exposing, kStart);
   times.enter(PrintState::Paused, kStart + 250ms);
@@ -49,7 +49,7 @@ TEST_CASE("Slices follow each other without a gap, and a state that spans many i
   CHECK(in(4, PrintActivity::Stopped) == 20ms);
 }
 
-TEST_CASE("A print of a week has no more slices than one of a minute, and no time of it is lost") {
+TEST_CASE("A print of a week keeps to the limit of slices, and no time is lost") {
   StateTimes times(kStart);
   TimePoint now = kStart;
   Duration exposing{}, moving{};
@@ -75,7 +75,7 @@ TEST_CASE("A print of a week has no more slices than one of a minute, and no tim
   }
 }
 
-TEST_CASE("A wait of a year between two states takes no more slices") {
+TEST_CASE("A state that lasts a year keeps to the limit of slices") {
   StateTimes times(kStart);
   times.enter(PrintState::Paused, kStart + 1s);
   times.enter(PrintState::Idle, kStart + std::chrono::hours(8766));
@@ -83,7 +83,7 @@ TEST_CASE("A wait of a year between two states takes no more slices") {
   CHECK(sum_of(times, PrintActivity::Stopped) == std::chrono::hours(8766) - 1s);
 }
 
-TEST_CASE("Every state is drawn as something, and those in which nothing goes on as a stop") {
+TEST_CASE("Every state has an activity, and Paused and Held count as stopped") {
   for (std::size_t state = 0; state < kPrintStates; ++state)
     CHECK(name_of(activity_of(static_cast<PrintState>(state))) != "?");
   CHECK(activity_of(PrintState::Paused) == PrintActivity::Stopped);

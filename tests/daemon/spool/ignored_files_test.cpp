@@ -16,15 +16,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// What is told in the time that it takes.
-struct Told {
+// The reports of ignored files.
+struct ReportedFiles {
   std::vector<std::string> files;
   std::size_t more = 0;
 };
 
-class Bench {
+class IgnoredFilesFixture {
  public:
-  // Runs until `end`.
+  // Runs the loop for `duration`, then calls `then`.
   void run_for(
       Duration duration, const std::function<void()>& then = [] {}) {
     const auto end = loop.at(std::chrono::steady_clock::now() + duration, "the test", [this, then] {
@@ -35,19 +35,21 @@ class Bench {
   }
 
   EventLoop loop;
-  Told told;
-  IgnoredFiles ignored{loop,
-                       {.one = [this](const std::string& file, WhyIgnored) { told.files.push_back(file); },
-                        .more = [this](std::size_t files) { told.more += files; }},
-                       1s};
+  ReportedFiles reported;
+  IgnoredFiles ignored{
+      loop,
+      {.one = [this](const std::string& file, WhyIgnored) { reported.files.push_back(file); },
+       .more = [this](std::size_t files) { reported.more += files; }},
+      1s};
 };
 
-// Longer than it takes to settle, which is a second; a change comes when half of that has passed.
+// kLong is longer than the second after which a file settles; a change comes after kHalf, half of that
+// second.
 constexpr Duration kLong = 1300ms, kHalf = 500ms;
 
 }  // namespace
 
-TEST_CASE("What lies in incoming is odd when it will never be printed") {
+TEST_CASE("A file in incoming that will never be printed is ignored with the reason") {
   const testing::TemporaryFolder folder;
   const auto why = [&](const std::string& name) { return why_ignored(folder.write(name, "")); };
   CHECK(why("part.3mf") == WhyIgnored::Model);
@@ -67,7 +69,7 @@ TEST_CASE("What lies in incoming is odd when it will never be printed") {
   CHECK(why_ignored(folder.path() / "pipe") == WhyIgnored::NotAFile);
 }
 
-TEST_CASE("A ticket, what is hidden, what is still being written and what has gone is not odd") {
+TEST_CASE("Tickets, hidden files, unfinished uploads and missing files are not reported as ignored") {
   const testing::TemporaryFolder folder;
   for (const char* name : {"part.json", ".part.3mf", ".hidden", "part.stl.part", "part.3mf.crdownload",
                            "part.TMP", "part.stl.filepart", "part.stl~"})
@@ -75,35 +77,35 @@ TEST_CASE("A ticket, what is hidden, what is still being written and what has go
   CHECK_FALSE(why_ignored(folder.path() / "gone.3mf"));
 }
 
-TEST_CASE("Every why has a sentence that says what is wanted") {
+TEST_CASE("Every reason to ignore a file has a sentence for the user") {
   for (const WhyIgnored why : {WhyIgnored::Folder, WhyIgnored::Model, WhyIgnored::Sliced, WhyIgnored::Archive,
                                WhyIgnored::NotAFile, WhyIgnored::Other})
     CHECK(sentence_for(why).size() > 30);
 }
 
-TEST_CASE("What lies there for some seconds is told once, and what has gone or changed in that time is not") {
-  Bench bench;
-  bench.ignored.saw("stays.3mf", WhyIgnored::Model);
-  bench.ignored.saw("goes.3mf", WhyIgnored::Model);
-  bench.ignored.saw("grows", WhyIgnored::Folder);
-  CHECK(bench.ignored.files().empty());
-  const auto later = bench.loop.at(std::chrono::steady_clock::now() + kHalf, "the test", [&] {
-    bench.ignored.forget("goes.3mf");
-    bench.ignored.saw("grows", WhyIgnored::Folder);
+TEST_CASE("An ignored file is reported once after some seconds, unless it goes or changes in that time") {
+  IgnoredFilesFixture fixture;
+  fixture.ignored.saw("stays.3mf", WhyIgnored::Model);
+  fixture.ignored.saw("goes.3mf", WhyIgnored::Model);
+  fixture.ignored.saw("grows", WhyIgnored::Folder);
+  CHECK(fixture.ignored.files().empty());
+  const auto later = fixture.loop.at(std::chrono::steady_clock::now() + kHalf, "the test", [&] {
+    fixture.ignored.forget("goes.3mf");
+    fixture.ignored.saw("grows", WhyIgnored::Folder);
   });
-  bench.run_for(kLong, [&] { bench.ignored.saw("stays.3mf", WhyIgnored::Model); });
-  CHECK(bench.told.files == std::vector<std::string>{"stays.3mf"});
-  CHECK(bench.ignored.files() == std::map<std::string, WhyIgnored>{{"stays.3mf", WhyIgnored::Model}});
-  bench.ignored.forget_all_but({"grows"});
-  CHECK(bench.ignored.files().empty());
+  fixture.run_for(kLong, [&] { fixture.ignored.saw("stays.3mf", WhyIgnored::Model); });
+  CHECK(fixture.reported.files == std::vector<std::string>{"stays.3mf"});
+  CHECK(fixture.ignored.files() == std::map<std::string, WhyIgnored>{{"stays.3mf", WhyIgnored::Model}});
+  fixture.ignored.forget_all_but({"grows"});
+  CHECK(fixture.ignored.files().empty());
 }
 
-TEST_CASE("Of very many the first are named and the rest is counted, and all are known") {
-  Bench bench;
+TEST_CASE("The first of many ignored files are reported by name, the rest by number, and all are listed") {
+  IgnoredFilesFixture fixture;
   for (int i = 0; i < 2000; ++i)
-    bench.ignored.saw("part" + std::to_string(i) + ".3mf", WhyIgnored::Model);
-  bench.run_for(kLong);
-  CHECK(bench.told.files.size() == 10);
-  CHECK(bench.told.more == 1990);
-  CHECK(bench.ignored.files().size() == 2000);
+    fixture.ignored.saw("part" + std::to_string(i) + ".3mf", WhyIgnored::Model);
+  fixture.run_for(kLong);
+  CHECK(fixture.reported.files.size() == 10);
+  CHECK(fixture.reported.more == 1990);
+  CHECK(fixture.ignored.files().size() == 2000);
 }

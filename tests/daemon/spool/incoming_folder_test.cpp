@@ -25,18 +25,18 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A folder that is watched, and what is told of it.
-class Desk {
+// A watched folder and the calls that its watch makes.
+class IncomingFolderFixture {
  public:
-  Desk() {
+  IncomingFolderFixture() {
     source_ = loop.on_ready(inotify.get(), EPOLLIN, "inotify", [this](std::uint32_t) { read_events(); });
   }
 
   struct Step {
-    std::function<bool()> when;  // looked at after each turn of the loop
+    std::function<bool()> when;  // checked after each turn of the loop
     std::function<void()> then = [] {};
   };
-  // Turns the loop until the last step is done; false when that takes longer than anything here does. Once.
+  // Runs the loop until the last step is done; false after 30 s. To be called once.
   bool run(std::deque<Step> steps) {
     const auto limit = loop.at(std::chrono::steady_clock::now() + std::chrono::seconds{30}, "the limit",
                                [this] { loop.stop(); });
@@ -58,11 +58,11 @@ class Desk {
     return {[this] { return replaced > 0; }, std::move(then)};
   }
   void put(const std::string& file) const { (void)top.write(file, ""); }
-  // A file that is made in it is seen.
+  // Returns the step that waits until a new file in the folder has been seen.
   [[nodiscard]] Step when_seen() {
     return {[this] { return !seen.empty(); }};
   }
-  // What the disk was asked for before is told by then.
+  // Returns the steps that call `then` after the disk's thread has done its earlier tasks.
   [[nodiscard]] std::deque<Step> when_disk_is_idle(std::function<void()> then) {
     return {at_once([this] { disk.run([] { return true; }, [this](bool) { disk_is_idle = true; }); }),
             {[this] { return disk_is_idle; }, std::move(then)}};
@@ -76,8 +76,8 @@ class Desk {
   std::atomic<bool> makes_it = true;  // read by the disk's thread
   bool disk_is_idle = false;
   int left = 0, replaced = 0;
-  std::vector<std::string> told;
-  std::set<std::string> seen;  // of the files
+  std::vector<std::string> errors;
+  std::set<std::string> seen;  // names of files
   IncomingFolder folder{path,
                         loop,
                         disk,
@@ -88,7 +88,7 @@ class Desk {
                              },
                          .left = [this] { ++left; },
                          .replaced = [this] { ++replaced; },
-                         .not_there = [this](const std::string& why) { told.push_back(why); }}};
+                         .not_there = [this](const std::string& why) { errors.push_back(why); }}};
 
  private:
   void read_events() {
@@ -104,9 +104,9 @@ class Desk {
   std::unique_ptr<EventLoop::IoSource> source_;
 };
 
-std::string refusal_of(Desk& desk) {
+std::string refusal_of(IncomingFolderFixture& fixture) {
   try {
-    desk.folder.watch_by(desk.inotify.get());
+    fixture.folder.watch_by(fixture.inotify.get());
     return "";
   } catch (const std::runtime_error& error) {
     return error.what();
@@ -115,79 +115,80 @@ std::string refusal_of(Desk& desk) {
 
 }  // namespace
 
-TEST_CASE("A folder that is not there is made, and what comes into it is seen") {
-  Desk desk;
-  CHECK(refusal_of(desk).empty());
-  CHECK(fs::is_directory(desk.path));
-  CHECK(desk.run({desk.at_once([&] { desk.put("incoming/part.stl"); }), desk.when_seen()}));
-  CHECK(desk.seen == std::set<std::string>{"part.stl"});
-  CHECK(desk.left + desk.replaced == 0);
-  CHECK_FALSE(desk.folder.is_watched_by(-1));
+TEST_CASE("A folder that does not exist is made, and new files in it are seen") {
+  IncomingFolderFixture fixture;
+  CHECK(refusal_of(fixture).empty());
+  CHECK(fs::is_directory(fixture.path));
+  CHECK(fixture.run({fixture.at_once([&] { fixture.put("incoming/part.stl"); }), fixture.when_seen()}));
+  CHECK(fixture.seen == std::set<std::string>{"part.stl"});
+  CHECK(fixture.left + fixture.replaced == 0);
+  CHECK_FALSE(fixture.folder.is_watched_by(-1));
 }
 
 TEST_CASE("At the start a folder that cannot be watched is refused with the reason") {
-  Desk desk;
+  IncomingFolderFixture fixture;
   SECTION("it cannot be made") {
-    desk.makes_it = false;
-    CHECK(refusal_of(desk) == "the disk is full");
+    fixture.makes_it = false;
+    CHECK(refusal_of(fixture) == "the disk is full");
   }
   SECTION("a file has its name") {
-    desk.put("incoming");
-    CHECK_FALSE(refusal_of(desk).empty());
+    fixture.put("incoming");
+    CHECK_FALSE(refusal_of(fixture).empty());
   }
   SECTION("it is a link to another folder") {
-    fs::create_directory(desk.top.path() / "elsewhere");
-    fs::create_symlink("elsewhere", desk.path);
-    CHECK(refusal_of(desk).starts_with("cannot open " + desk.path.string()));
+    fs::create_directory(fixture.top.path() / "elsewhere");
+    fs::create_symlink("elsewhere", fixture.path);
+    CHECK(refusal_of(fixture).starts_with("cannot open " + fixture.path.string()));
   }
-  CHECK(desk.told.empty());
+  CHECK(fixture.errors.empty());
 }
 
-TEST_CASE("The folder that is there instead is watched, the one before no more") {
-  Desk desk;
-  REQUIRE(refusal_of(desk).empty());
-  fs::rename(desk.path, desk.top.path() / "old");
-  desk.folder.watch_anew();
-  CHECK(desk.left == 1);
-  CHECK(desk.run({desk.when_replaced([&] {
-                    desk.put("old/late.stl");
-                    desk.put("incoming/part.stl");
-                  }),
-                  desk.when_seen()}));
-  CHECK(desk.seen == std::set<std::string>{"part.stl"});
+TEST_CASE("A replacement folder is watched, and the previous one no longer is") {
+  IncomingFolderFixture fixture;
+  REQUIRE(refusal_of(fixture).empty());
+  fs::rename(fixture.path, fixture.top.path() / "old");
+  fixture.folder.watch_anew();
+  CHECK(fixture.left == 1);
+  CHECK(fixture.run({fixture.when_replaced([&] {
+                       fixture.put("old/late.stl");
+                       fixture.put("incoming/part.stl");
+                     }),
+                     fixture.when_seen()}));
+  CHECK(fixture.seen == std::set<std::string>{"part.stl"});
 }
 
-TEST_CASE("A folder that is to be watched anew while it is being opened is opened once") {
-  Desk desk;
-  REQUIRE(refusal_of(desk).empty());
-  desk.folder.watch_anew();
-  desk.folder.watch_anew();
-  CHECK(desk.run(desk.when_disk_is_idle([] {})));
-  CHECK(desk.replaced == 1);
+TEST_CASE("A second request to watch the folder again while it is being opened opens it once") {
+  IncomingFolderFixture fixture;
+  REQUIRE(refusal_of(fixture).empty());
+  fixture.folder.watch_anew();
+  fixture.folder.watch_anew();
+  CHECK(fixture.run(fixture.when_disk_is_idle([] {})));
+  CHECK(fixture.replaced == 1);
 }
 
-TEST_CASE("One that cannot be watched is told once, and tried again until it can be") {
-  Desk desk;
-  REQUIRE(refusal_of(desk).empty());
-  fs::remove(desk.path);
-  desk.makes_it = false;
-  desk.folder.watch_anew();
-  std::deque<Desk::Step> steps{{[&] { return !desk.told.empty(); }, [&] { desk.folder.watch_anew(); }}};
-  for (Desk::Step& step : desk.when_disk_is_idle([&] { desk.makes_it = true; }))
+TEST_CASE("A folder that cannot be watched is reported once and retried until it can") {
+  IncomingFolderFixture fixture;
+  REQUIRE(refusal_of(fixture).empty());
+  fs::remove(fixture.path);
+  fixture.makes_it = false;
+  fixture.folder.watch_anew();
+  std::deque<IncomingFolderFixture::Step> steps{
+      {[&] { return !fixture.errors.empty(); }, [&] { fixture.folder.watch_anew(); }}};
+  for (IncomingFolderFixture::Step& step : fixture.when_disk_is_idle([&] { fixture.makes_it = true; }))
     steps.push_back(std::move(step));
-  steps.push_back(desk.when_replaced([&] { desk.put("incoming/part.stl"); }));
-  steps.push_back(desk.when_seen());
-  CHECK(desk.run(std::move(steps)));
-  CHECK(desk.told == std::vector<std::string>{"the disk is full"});
+  steps.push_back(fixture.when_replaced([&] { fixture.put("incoming/part.stl"); }));
+  steps.push_back(fixture.when_seen());
+  CHECK(fixture.run(std::move(steps)));
+  CHECK(fixture.errors == std::vector<std::string>{"the disk is full"});
 }
 
-TEST_CASE("A folder that was replaced though no event told so is seen to be another") {
-  Desk desk;
-  REQUIRE(refusal_of(desk).empty());
-  // Nobody acts on the event here: it is as when a folder above was renamed, or a file system mounted over
-  // it.
-  fs::rename(desk.path, desk.top.path() / "old");
-  fs::create_directory(desk.path);
-  CHECK(desk.run({desk.when_replaced([&] { desk.put("incoming/part.stl"); }), desk.when_seen()}));
-  CHECK(desk.left == 1);
+TEST_CASE("A folder that was replaced without an event is noticed") {
+  IncomingFolderFixture fixture;
+  REQUIRE(refusal_of(fixture).empty());
+  // This test ignores the event, as if a folder above had been renamed, or a file system mounted over the
+  // folder.
+  fs::rename(fixture.path, fixture.top.path() / "old");
+  fs::create_directory(fixture.path);
+  CHECK(fixture.run({fixture.when_replaced([&] { fixture.put("incoming/part.stl"); }), fixture.when_seen()}));
+  CHECK(fixture.left == 1);
 }

@@ -17,10 +17,11 @@ using Names = std::vector<std::string>;
 
 namespace {
 
-// A spool's incoming/ that is watched, and what is told of it.
-class Desk : public testing::NoSpoolObserver {
+// A watched incoming/ and the reports of its watch.
+class IncomingWatchFixture : public testing::NoSpoolObserver {
  public:
-  // Turns the loop until incoming/`file` has arrived, and calls `when` for every file that does. Once.
+  // Runs the loop until incoming/`file` has arrived, and calls `when` for each file that arrives. To be
+  // called once.
   bool run_until_arrived(const std::string& file, std::function<void(const std::string&)> when) {
     using namespace std::chrono_literals;
     when_arrived_ = [this, file, when = std::move(when)](const std::string& each) {
@@ -32,7 +33,7 @@ class Desk : public testing::NoSpoolObserver {
     loop.run();
     return !arrived.empty() && arrived.back() == file;
   }
-  // The disk has answered all that it was asked for, and its answers are not told yet.
+  // Waits until the disk's thread has done all its tasks; their results have not been delivered yet.
   void wait_for_disk() {
     std::promise<void> answered;
     disk.run(
@@ -63,86 +64,86 @@ class Desk : public testing::NoSpoolObserver {
 
 }  // namespace
 
-TEST_CASE("What a look found in a file that the spool moved away meanwhile is not told") {
-  Desk desk;
-  desk.spool.put("incoming/part.stl");
-  desk.watch.open();
-  const bool last_arrived = desk.run_until_arrived("next.stl", [&](const std::string& file) {
+TEST_CASE("A look at a file that the spool moves away meanwhile reports nothing") {
+  IncomingWatchFixture fixture;
+  fixture.spool.put("incoming/part.stl");
+  fixture.watch.open();
+  const bool last_arrived = fixture.run_until_arrived("next.stl", [&](const std::string& file) {
     if (file != "part.stl") return;
-    desk.watch.wait_for("part.stl");
-    desk.wait_for_disk();
-    std::filesystem::rename(desk.spool.folder.path() / "incoming/part.stl",
-                            desk.spool.folder.path() / "printing/part.stl");
-    desk.watch.moved_away("part.stl");
-    desk.spool.put("incoming/next.stl");
+    fixture.watch.wait_for("part.stl");
+    fixture.wait_for_disk();
+    std::filesystem::rename(fixture.spool.folder.path() / "incoming/part.stl",
+                            fixture.spool.folder.path() / "printing/part.stl");
+    fixture.watch.moved_away("part.stl");
+    fixture.spool.put("incoming/next.stl");
   });
   CHECK(last_arrived);
-  CHECK(desk.arrived == Names{"part.stl", "next.stl"});
-  CHECK(desk.withdrawn.empty());
+  CHECK(fixture.arrived == Names{"part.stl", "next.stl"});
+  CHECK(fixture.withdrawn.empty());
 }
 
-TEST_CASE("What comes under the name of a file that the spool moved away has arrived") {
-  Desk desk;
-  desk.spool.put("incoming/part.stl");
-  desk.watch.open();
+TEST_CASE("A new file with the name of one that the spool moved away arrives") {
+  IncomingWatchFixture fixture;
+  fixture.spool.put("incoming/part.stl");
+  fixture.watch.open();
   int times = 0;
-  const bool last_arrived = desk.run_until_arrived("next.stl", [&](const std::string& file) {
+  const bool last_arrived = fixture.run_until_arrived("next.stl", [&](const std::string& file) {
     if (file != "part.stl" || ++times > 2) return;
     if (times == 1) {
-      std::filesystem::rename(desk.spool.folder.path() / "incoming/part.stl",
-                              desk.spool.folder.path() / "printing/part.stl");
-      desk.watch.moved_away("part.stl");
-      desk.spool.put("incoming/part.stl", "another model");
+      std::filesystem::rename(fixture.spool.folder.path() / "incoming/part.stl",
+                              fixture.spool.folder.path() / "printing/part.stl");
+      fixture.watch.moved_away("part.stl");
+      fixture.spool.put("incoming/part.stl", "another model");
     } else {
-      desk.spool.put("incoming/next.stl");
+      fixture.spool.put("incoming/next.stl");
     }
   });
   CHECK(last_arrived);
   CHECK(times >= 2);
-  CHECK(desk.withdrawn.empty());
+  CHECK(fixture.withdrawn.empty());
 }
 
-TEST_CASE("What is looked at again arrives in the order in which it came, whatever the names") {
-  Desk desk;
-  desk.watch.open();
-  // Empty files may be written yet: they are whole when nothing has changed for a while.
-  const auto come = desk.loop.at(std::chrono::steady_clock::now(), "the test", [&desk] {
-    desk.spool.put("incoming/z.stl", "");
-    desk.spool.put("incoming/a.stl", "");
+TEST_CASE("Files that need several looks arrive in the order in which they came, not by name") {
+  IncomingWatchFixture fixture;
+  fixture.watch.open();
+  // Empty files may still be written: they count as complete after some time without a change.
+  const auto come = fixture.loop.at(std::chrono::steady_clock::now(), "the test", [&fixture] {
+    fixture.spool.put("incoming/z.stl", "");
+    fixture.spool.put("incoming/a.stl", "");
   });
-  CHECK(desk.run_until_arrived("a.stl", [](const std::string&) {}));
-  CHECK(desk.arrived == Names{"z.stl", "a.stl"});
+  CHECK(fixture.run_until_arrived("a.stl", [](const std::string&) {}));
+  CHECK(fixture.arrived == Names{"z.stl", "a.stl"});
 }
 
 TEST_CASE("A model arrives again when its ticket comes, changes or goes, and no other does") {
-  Desk desk;
-  desk.spool.put("incoming/part.stl");
-  desk.spool.put("incoming/part.2.stl");
-  desk.spool.put("incoming/part2.stl");
-  desk.watch.open();
-  const std::filesystem::path ticket = desk.spool.folder.path() / "incoming/part.json";
+  IncomingWatchFixture fixture;
+  fixture.spool.put("incoming/part.stl");
+  fixture.spool.put("incoming/part.2.stl");
+  fixture.spool.put("incoming/part2.stl");
+  fixture.watch.open();
+  const std::filesystem::path ticket = fixture.spool.folder.path() / "incoming/part.json";
   int times = 0;
-  const bool last_arrived = desk.run_until_arrived("next.stl", [&](const std::string& file) {
+  const bool last_arrived = fixture.run_until_arrived("next.stl", [&](const std::string& file) {
     // All three have arrived when the last of them has.
-    if (times == 0 ? desk.arrived.size() < 3 : file != "part.stl") return;
+    if (times == 0 ? fixture.arrived.size() < 3 : file != "part.stl") return;
     switch (++times) {
       case 1:
-        return desk.spool.put("incoming/part.json", "{}");
+        return fixture.spool.put("incoming/part.json", "{}");
       case 2: {
-        const std::filesystem::path other = desk.spool.folder.path() / "other.json";
-        desk.spool.put("other.json", "{ }");
+        const std::filesystem::path other = fixture.spool.folder.path() / "other.json";
+        fixture.spool.put("other.json", "{ }");
         return std::filesystem::rename(other, ticket);
       }
       case 3:
         std::filesystem::remove(ticket);
         return;
       default:
-        desk.spool.put("incoming/next.stl");
+        fixture.spool.put("incoming/next.stl");
     }
   });
   CHECK(last_arrived);
   CHECK(times == 4);
-  CHECK(std::ranges::count(desk.arrived, "part.stl") == 4);
-  CHECK(desk.arrived.size() == 3 + 3 + 1);
-  CHECK(desk.withdrawn.empty());
+  CHECK(std::ranges::count(fixture.arrived, "part.stl") == 4);
+  CHECK(fixture.arrived.size() == 3 + 3 + 1);
+  CHECK(fixture.withdrawn.empty());
 }

@@ -10,9 +10,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-class Desk : public testing::PrinterFixture {
+class JobFilingFixture : public testing::PrinterFixture {
  public:
-  Desk() { put(Spool::Folder::Printing, "part.stl"); }
+  JobFilingFixture() { put(Spool::Folder::Printing, "part.stl"); }
 
   void file() { file_job(spool, log.log, files, Spool::Folder::Failed, "no model\n"); }
 
@@ -22,32 +22,32 @@ class Desk : public testing::PrinterFixture {
 }  // namespace
 
 TEST_CASE("A job is filed with its reason beside it") {
-  Desk desk;
-  desk.file();
-  CHECK(desk.has("failed/part.stl"));
-  CHECK(desk.has("failed/part.reason.txt"));
-  CHECK_FALSE(desk.log.has("error"));
+  JobFilingFixture fixture;
+  fixture.file();
+  CHECK(fixture.has("failed/part.stl"));
+  CHECK(fixture.has("failed/part.reason.txt"));
+  CHECK_FALSE(fixture.log.has("error"));
 }
 
-TEST_CASE("A job whose reason cannot be written is filed all the same, and that is told") {
-  Desk desk;
-  fs::create_directories(desk.spool.folder(Spool::Folder::Failed) / "part.reason.txt" / "full");
-  desk.file();
-  CHECK(desk.has("failed/part.stl"));
-  CHECK(desk.log.has("error: part: no reason beside it: "));
+TEST_CASE("A job whose reason cannot be written is filed, and the error is logged") {
+  JobFilingFixture fixture;
+  fs::create_directories(fixture.spool.folder(Spool::Folder::Failed) / "part.reason.txt" / "full");
+  fixture.file();
+  CHECK(fixture.has("failed/part.stl"));
+  CHECK(fixture.log.has("error: part: cannot write its reason file: "));
 }
 
-TEST_CASE("A job that somebody took away is told") {
-  Desk desk;
-  fs::remove(desk.files.model);
-  desk.file();
-  CHECK(desk.log.has("part.stl is gone: somebody took it away"));
+TEST_CASE("A job that someone has removed is logged") {
+  JobFilingFixture fixture;
+  fs::remove(fixture.files.model);
+  fixture.file();
+  CHECK(fixture.log.has("part.stl is gone: someone removed it"));
 }
 
-TEST_CASE("A job that cannot be moved stays in printing/, and that is told") {
-  Desk desk;
-  fs::create_directories(desk.spool.folder(Spool::Folder::Failed) / "part.stl" / "full");
-  desk.file();
-  CHECK(desk.has("printing/part.stl"));
-  CHECK(desk.log.has("error: part: stays in printing: "));
+TEST_CASE("A job that cannot be moved stays in printing/, and the error is logged") {
+  JobFilingFixture fixture;
+  fs::create_directories(fixture.spool.folder(Spool::Folder::Failed) / "part.stl" / "full");
+  fixture.file();
+  CHECK(fixture.has("printing/part.stl"));
+  CHECK(fixture.log.has("error: part: stays in printing: "));
 }

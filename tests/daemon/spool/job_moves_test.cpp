@@ -11,9 +11,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-class Desk : public testing::SpoolFixture {
+class JobMovesFixture : public testing::SpoolFixture {
  public:
-  Desk() {
+  JobMovesFixture() {
     put("incoming/part.stl");
     put("incoming/part.json", "{}");
   }
@@ -24,61 +24,61 @@ class Desk : public testing::SpoolFixture {
 }  // namespace
 
 TEST_CASE("A job moves with its ticket") {
-  const Desk desk;
-  move_files(desk.folders, desk.from(), desk.to());
-  CHECK(desk.has("printing/part.stl"));
-  CHECK(desk.has("printing/part.json"));
-  CHECK(fs::is_empty(desk.folders.path(SpoolFolder::Incoming)));
+  const JobMovesFixture fixture;
+  move_files(fixture.folders, fixture.from(), fixture.to());
+  CHECK(fixture.has("printing/part.stl"));
+  CHECK(fixture.has("printing/part.json"));
+  CHECK(fs::is_empty(fixture.folders.path(SpoolFolder::Incoming)));
 }
 
-TEST_CASE("A ticket that is meant for another model too is copied, and stays when one of them is removed") {
-  const Desk desk;
-  desk.put("incoming/part.STL");
-  const JobFiles from = desk.from();
-  move_files(desk.folders, from, desk.to());
-  CHECK(desk.has("printing/part.json"));
-  CHECK(desk.has("incoming/part.json"));
-  desk.put("incoming/part.stl");
-  remove_files(desk.folders, from);
-  CHECK_FALSE(desk.has("incoming/part.stl"));
-  CHECK(desk.has("incoming/part.json"));
+TEST_CASE("A ticket that belongs to two models is copied, and stays when one of them is removed") {
+  const JobMovesFixture fixture;
+  fixture.put("incoming/part.STL");
+  const JobFiles from = fixture.from();
+  move_files(fixture.folders, from, fixture.to());
+  CHECK(fixture.has("printing/part.json"));
+  CHECK(fixture.has("incoming/part.json"));
+  fixture.put("incoming/part.stl");
+  remove_files(fixture.folders, from);
+  CHECK_FALSE(fixture.has("incoming/part.stl"));
+  CHECK(fixture.has("incoming/part.json"));
 }
 
 TEST_CASE("A job whose ticket cannot be moved stays whole where it is") {
-  const Desk desk;
-  desk.put("printing/part.json/full");
-  CHECK_THROWS_AS(move_files(desk.folders, desk.from(), desk.to()), std::system_error);
-  CHECK(desk.has("incoming/part.stl"));
-  CHECK(desk.has("incoming/part.json"));
-  CHECK_FALSE(desk.has("printing/part.stl"));
+  const JobMovesFixture fixture;
+  fixture.put("printing/part.json/full");
+  CHECK_THROWS_AS(move_files(fixture.folders, fixture.from(), fixture.to()), std::system_error);
+  CHECK(fixture.has("incoming/part.stl"));
+  CHECK(fixture.has("incoming/part.json"));
+  CHECK_FALSE(fixture.has("printing/part.stl"));
 }
 
-TEST_CASE("A ticket that is gone in that moment keeps no job from being moved") {
-  const Desk desk;
-  const JobFiles from = desk.from(), to = desk.to();
+TEST_CASE("A job whose ticket disappears meanwhile is moved without it") {
+  const JobMovesFixture fixture;
+  const JobFiles from = fixture.from(), to = fixture.to();
   fs::remove(*from.ticket);
-  move_files(desk.folders, from, to);
-  CHECK(desk.has("printing/part.stl"));
+  move_files(fixture.folders, from, to);
+  CHECK(fixture.has("printing/part.stl"));
 }
 
 TEST_CASE("A job that is removed takes its own ticket with it") {
-  const Desk desk;
-  remove_files(desk.folders, desk.from());
-  CHECK(fs::is_empty(desk.folders.path(SpoolFolder::Incoming)));
+  const JobMovesFixture fixture;
+  remove_files(fixture.folders, fixture.from());
+  CHECK(fs::is_empty(fixture.folders.path(SpoolFolder::Incoming)));
 }
 
-TEST_CASE("What is moved has changed, and what is not there never has") {
-  const Desk desk;
-  const auto before = change_time(desk.from().model);
+TEST_CASE("A move updates the change time, and a missing file has none") {
+  const JobMovesFixture fixture;
+  const auto before = change_time(fixture.from().model);
   CHECK(before > 0);
-  const JobFiles to = desk.to();
+  const JobFiles to = fixture.to();
   // The kernel's clock for files ticks every few milliseconds.
   for (int i = 0; i < 1'000'000 && change_time(to.model) <= before; ++i) {
-    if (desk.has("incoming/part.stl"))
-      fs::rename(desk.from().model, to.model);
+    if (fixture.has("incoming/part.stl"))
+      fs::rename(fixture.from().model, to.model);
     else
-      fs::rename(to.model, desk.folders.path(SpoolFolder::Incoming) / "part.stl");
+      fs::rename(to.model, fixture.folders.path(SpoolFolder::Incoming) / "part.stl");
   }
   CHECK(change_time(to.model) > before);
-  CHECK(change_time(desk.folder.path() / "gone") == 0);
+  CHECK(change_time(fixture.folder.path() / "gone") == 0);
 }

@@ -13,10 +13,10 @@ namespace fs = std::filesystem;
 namespace {
 
 // A state folder and two models.
-class Desk {
+class ReadingRecordFixture {
  public:
   [[nodiscard]] fs::path record() const { return folder_.path() / "reading"; }
-  // What a process leaves that ends while it reads this.
+  // Leaves the record of a process that ends while it reads the job.
   void die_reading(const JobFiles& job) {
     const fs::path kept = folder_.path() / "kept";
     {
@@ -41,84 +41,84 @@ class Desk {
 
 }  // namespace
 
-TEST_CASE("What a process was reading when it ended is known to the next one, once") {
-  Desk desk;
-  desk.die_reading(desk.part);
-  ReadingRecord next(desk.record());
-  CHECK_FALSE(next.take_ended(desk.other));
-  CHECK(next.take_ended(desk.part));
-  CHECK_FALSE(next.take_ended(desk.part));
-  CHECK_FALSE(fs::exists(desk.record()));
+TEST_CASE("The model that a process was reading when it ended is reported once to the next process") {
+  ReadingRecordFixture fixture;
+  fixture.die_reading(fixture.part);
+  ReadingRecord next(fixture.record());
+  CHECK_FALSE(next.take_ended(fixture.other));
+  CHECK(next.take_ended(fixture.part));
+  CHECK_FALSE(next.take_ended(fixture.part));
+  CHECK_FALSE(fs::exists(fixture.record()));
 }
 
-TEST_CASE("A reading that came to its end leaves nothing") {
-  Desk desk;
+TEST_CASE("A finished reading leaves no record") {
+  ReadingRecordFixture fixture;
   {
-    ReadingRecord record(desk.record());
-    { const ReadingRecord::Reading under_way(record, desk.part); }
-    CHECK_FALSE(fs::exists(desk.record()));
+    ReadingRecord record(fixture.record());
+    { const ReadingRecord::Reading under_way(record, fixture.part); }
+    CHECK_FALSE(fs::exists(fixture.record()));
   }
-  CHECK_FALSE(ReadingRecord(desk.record()).take_ended(desk.part));
+  CHECK_FALSE(ReadingRecord(fixture.record()).take_ended(fixture.part));
 }
 
-TEST_CASE("A model stays known while others are read, over as many ends as there are") {
-  Desk desk;
-  desk.die_reading(desk.part);
-  desk.die_reading(desk.other);
+TEST_CASE("A model stays in the record while others are read, also if further processes end") {
+  ReadingRecordFixture fixture;
+  fixture.die_reading(fixture.part);
+  fixture.die_reading(fixture.other);
   {
-    ReadingRecord record(desk.record());
+    ReadingRecord record(fixture.record());
     const ReadingRecord::Reading under_way(
-        record, JobFiles{"third", desk.record().parent_path() / "none.stl", std::nullopt});
+        record, JobFiles{"third", fixture.record().parent_path() / "none.stl", std::nullopt});
   }
-  ReadingRecord next(desk.record());
-  CHECK(next.take_ended(desk.part));
-  CHECK(next.take_ended(desk.other));
+  ReadingRecord next(fixture.record());
+  CHECK(next.take_ended(fixture.part));
+  CHECK(next.take_ended(fixture.other));
 }
 
 TEST_CASE("A model that was moved is the same, and one that was written again is not") {
-  Desk desk;
-  desk.die_reading(desk.part);
-  const JobFiles moved{"part-2", desk.part.model.parent_path() / "part-2.stl", std::nullopt};
-  fs::rename(desk.part.model, moved.model);
-  desk.die_reading(desk.other);
-  std::ofstream(desk.other.model, std::ios::app) << "more";
-  ReadingRecord next(desk.record());
+  ReadingRecordFixture fixture;
+  fixture.die_reading(fixture.part);
+  const JobFiles moved{"part-2", fixture.part.model.parent_path() / "part-2.stl", std::nullopt};
+  fs::rename(fixture.part.model, moved.model);
+  fixture.die_reading(fixture.other);
+  std::ofstream(fixture.other.model, std::ios::app) << "more";
+  ReadingRecord next(fixture.record());
   CHECK(next.take_ended(moved));
-  CHECK_FALSE(next.take_ended(desk.other));
+  CHECK_FALSE(next.take_ended(fixture.other));
 }
 
-TEST_CASE("A stop that was asked for is no end in the middle of a reading") {
-  Desk desk;
-  ReadingRecord record(desk.record());
-  const ReadingRecord::Reading under_way(record, desk.part);
+TEST_CASE("A requested stop during a reading leaves no record") {
+  ReadingRecordFixture fixture;
+  ReadingRecord record(fixture.record());
+  const ReadingRecord::Reading under_way(record, fixture.part);
   record.stop();
-  CHECK_FALSE(fs::exists(desk.record()));
-  const ReadingRecord::Reading after_it(record, desk.other);
-  CHECK_FALSE(fs::exists(desk.record()));
+  CHECK_FALSE(fs::exists(fixture.record()));
+  const ReadingRecord::Reading after_it(record, fixture.other);
+  CHECK_FALSE(fs::exists(fixture.record()));
 }
 
-TEST_CASE("What was read when the computer went down says nothing about a file") {
-  Desk desk;
-  desk.die_reading(desk.part);
-  std::string text = desk.text();
-  text[0] = text[0] == '0' ? '1' : '0';  // another boot's
-  std::ofstream(desk.record()) << text;
-  CHECK_FALSE(ReadingRecord(desk.record()).take_ended(desk.part));
+TEST_CASE("A record of an earlier boot is ignored") {
+  ReadingRecordFixture fixture;
+  fixture.die_reading(fixture.part);
+  std::string text = fixture.text();
+  text[0] = text[0] == '0' ? '1' : '0';  // the ID of another boot
+  std::ofstream(fixture.record()) << text;
+  CHECK_FALSE(ReadingRecord(fixture.record()).take_ended(fixture.part));
 }
 
-TEST_CASE("A record that was cut off, or is none, counts for what is whole in it") {
-  Desk desk;
-  desk.die_reading(desk.part);
-  const std::string text = desk.text();
+TEST_CASE("Only complete lines of a damaged record count") {
+  ReadingRecordFixture fixture;
+  fixture.die_reading(fixture.part);
+  const std::string text = fixture.text();
   for (std::size_t bytes = 0; bytes + 1 < text.size(); ++bytes) {
-    std::ofstream(desk.record()) << text.substr(0, bytes);
-    CHECK_FALSE(ReadingRecord(desk.record()).take_ended(desk.part));
+    std::ofstream(fixture.record()) << text.substr(0, bytes);
+    CHECK_FALSE(ReadingRecord(fixture.record()).take_ended(fixture.part));
   }
-  std::ofstream(desk.record()) << text;
-  CHECK(ReadingRecord(desk.record()).take_ended(desk.part));
-  fs::remove(desk.record());
-  fs::create_directory(desk.record());
-  ReadingRecord record(desk.record());
-  CHECK_FALSE(record.take_ended(desk.part));
-  const ReadingRecord::Reading under_way(record, desk.part);
+  std::ofstream(fixture.record()) << text;
+  CHECK(ReadingRecord(fixture.record()).take_ended(fixture.part));
+  fs::remove(fixture.record());
+  fs::create_directory(fixture.record());
+  ReadingRecord record(fixture.record());
+  CHECK_FALSE(record.take_ended(fixture.part));
+  const ReadingRecord::Reading under_way(record, fixture.part);
 }

@@ -1,4 +1,4 @@
-// The four folders of a spool, which nobody has taken. Not thread-safe.
+// The four folders of a spool that no process has locked. Not thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,7 @@ class SpoolFixture {
          {SpoolFolder::Incoming, SpoolFolder::Printing, SpoolFolder::Done, SpoolFolder::Failed})
       std::filesystem::create_directories(folders.path(each));
   }
-  // By its path in the spool: "incoming/part.stl".
+  // Writes a file by its path in the spool, such as "incoming/part.stl".
   void put(const std::string& path, std::string_view text = "a model") const {
     (void)folder.write(path, text);
   }

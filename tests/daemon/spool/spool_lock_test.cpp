@@ -10,7 +10,7 @@
 using namespace contourd;
 namespace fs = std::filesystem;
 
-TEST_CASE("A spool has one user, who may take it again, until that is gone") {
+TEST_CASE("One process at a time can lock a spool, and can lock it again") {
   const testing::TemporaryFolder folder;
   SpoolLock other;
   {
@@ -22,7 +22,7 @@ TEST_CASE("A spool has one user, who may take it again, until that is gone") {
   CHECK_NOTHROW(other.take(folder.path()));
 }
 
-TEST_CASE("A folder that was put in the spool's place is taken too") {
+TEST_CASE("A folder that was put in the spool's place is locked too") {
   const testing::TemporaryFolder folder;
   const fs::path spool = folder.path() / "spool";
   fs::create_directory(spool);
@@ -34,17 +34,17 @@ TEST_CASE("A folder that was put in the spool's place is taken too") {
   CHECK_THROWS_AS(other.take(spool), std::runtime_error);
 }
 
-TEST_CASE("Nobody but its user reads the lock, and a folder that is not there is told") {
+TEST_CASE("Other users cannot read the lock, and a missing folder is an error") {
   const testing::TemporaryFolder folder;
   SpoolLock lock;
   lock.take(folder.path());
   CHECK(fs::status(folder.path() / ".lock").permissions() ==
         (fs::perms::owner_read | fs::perms::owner_write));
-  std::string told;
+  std::string refusal;
   try {
     lock.take(folder.path() / "gone");
   } catch (const std::runtime_error& error) {
-    told = error.what();
+    refusal = error.what();
   }
-  CHECK(told.starts_with("cannot write in the spool "));
+  CHECK(refusal.starts_with("cannot write to the spool "));
 }

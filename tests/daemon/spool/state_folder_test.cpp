@@ -22,7 +22,7 @@ unsigned mode_of(const fs::path& path) {
 
 }  // namespace
 
-TEST_CASE("The state is kept in the service manager's folder, and without one beside the spool") {
+TEST_CASE("The state folder is the service manager's, or beside the spool without one") {
   ::unsetenv("STATE_DIRECTORY");
   CHECK(state_folder_path("/a/spool") == "/a/spool.state");
   CHECK(state_folder_path("/a/spool/") == "/a/spool.state");
@@ -31,7 +31,7 @@ TEST_CASE("The state is kept in the service manager's folder, and without one be
   ::unsetenv("STATE_DIRECTORY");
 }
 
-TEST_CASE("Nobody else may write in the state's folder, whoever made it") {
+TEST_CASE("Other users have no permissions for the state folder, even if it existed before") {
   const contourd::testing::TemporaryFolder folder;
   const fs::path state = folder.path() / "state";
   make_state_folder(state);
@@ -41,7 +41,7 @@ TEST_CASE("Nobody else may write in the state's folder, whoever made it") {
   CHECK(mode_of(state) == 0700);
 }
 
-TEST_CASE("A state's folder that is a link, a file or cannot be made is refused with its path") {
+TEST_CASE("A state folder that is a link, a file or cannot be made is refused with its path") {
   const contourd::testing::TemporaryFolder folder;
   fs::create_directory(folder.path() / "real");
   fs::create_directory_symlink("real", folder.path() / "link");
@@ -53,7 +53,7 @@ TEST_CASE("A state's folder that is a link, a file or cannot be made is refused 
       make_state_folder(path);
       FAIL("it should have thrown");
     } catch (const std::runtime_error& error) {
-      CHECK(std::string(error.what()).starts_with("cannot keep a state in " + path.string() + ": "));
+      CHECK(std::string(error.what()).starts_with("cannot use the state folder " + path.string() + ": "));
     }
   }
 }

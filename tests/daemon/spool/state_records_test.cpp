@@ -11,7 +11,7 @@
 using namespace contourd;
 namespace fs = std::filesystem;
 
-TEST_CASE("A record is what it was set to, for the next process too, until it is taken away") {
+TEST_CASE("A record keeps its value for the next process until it is removed") {
   const testing::TemporaryFolder folder;
   const StateRecords records(folder.path());
   CHECK_FALSE(records.plate_occupant());
@@ -30,7 +30,7 @@ TEST_CASE("A record is what it was set to, for the next process too, until it is
   CHECK(fs::is_empty(folder.path()));
 }
 
-TEST_CASE("What a record says already is not written again") {
+TEST_CASE("A record with an unchanged value is not written again") {
   const testing::TemporaryFolder folder;
   const StateRecords records(folder.path());
   records.set_hold("part failed");
@@ -43,7 +43,7 @@ TEST_CASE("What a record says already is not written again") {
   CHECK(fs::last_write_time(file) != long_ago);
 }
 
-TEST_CASE("A record that the disk does not take is an error, and one that is not there is none to forget") {
+TEST_CASE("A record that the disk does not accept is an error, and a missing one can be removed") {
   const testing::TemporaryFolder folder;
   const StateRecords records(folder.path() / "gone");
   CHECK_THROWS_AS(records.set_hold("part failed"), std::system_error);
@@ -51,7 +51,7 @@ TEST_CASE("A record that the disk does not take is an error, and one that is not
   CHECK_NOTHROW(records.forget_end_of_print());
 }
 
-TEST_CASE("The queue's order is there for the next process, whatever its files are called") {
+TEST_CASE("The queue's order is kept for the next process with any file names") {
   const testing::TemporaryFolder folder;
   const StateRecords records(folder.path());
   CHECK(records.queue_order().empty());
@@ -63,7 +63,7 @@ TEST_CASE("The queue's order is there for the next process, whatever its files a
   CHECK_NOTHROW(records.keep_queue_order({}));
 }
 
-TEST_CASE("What was accepted is there for the next process") {
+TEST_CASE("Accepted findings are kept for the next process") {
   const testing::TemporaryFolder folder;
   const StateRecords records(folder.path());
   CHECK(records.accepted().empty());

@@ -17,7 +17,7 @@ std::vector<std::uint8_t> bytes_of(const std::string& text) {
 }  // namespace
 
 // RFC 4648, section 10.
-TEST_CASE("Base64 is as its standard has it") {
+TEST_CASE("Base64 encodes and decodes the test vectors of RFC 4648") {
   const std::vector<std::pair<std::string, std::string>> vectors{{"", ""},
                                                                  {"f", "Zg=="},
                                                                  {"fo", "Zm8="},
@@ -32,7 +32,7 @@ TEST_CASE("Base64 is as its standard has it") {
   }
 }
 
-TEST_CASE("Every byte comes back from Base64, at every place") {
+TEST_CASE("Base64 decodes every byte to itself, at every offset") {
   for (std::size_t length = 1; length <= 4; ++length) {
     for (int value = 0; value < 256; ++value) {
       const std::vector<std::uint8_t> bytes(length, static_cast<std::uint8_t>(value));
@@ -41,7 +41,7 @@ TEST_CASE("Every byte comes back from Base64, at every place") {
   }
 }
 
-TEST_CASE("What is not Base64 is none, nor is another text for the same bytes") {
+TEST_CASE("Text that is not Base64, or not the canonical encoding of its bytes, is rejected") {
   for (const char* wrong : {"A", "AA", "AAA", "AAAAA", "====", "A===", "=AAA", "AA=A", "AA==AAAA", "AAA ",
                             "AA-_", "AB==", "AAB=", "AAA\xe4"}) {
     CAPTURE(wrong);

@@ -2,36 +2,28 @@
 
 #include <sys/stat.h>
 
+#include <filesystem>
+#include <string>
 #include <system_error>
 
 #include "tests/catch.hpp"
-#include "tests/daemon/config/config_fixture.hpp"
+#include "tests/daemon/system/file_contents.hpp"
+#include "tests/temporary_folder.hpp"
 
 using namespace contourd;
+using contourd::testing::contents_of;
+using contourd::testing::entry_count;
 using contourd::testing::TemporaryFolder;
 
-namespace {
-
-std::string content(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-std::size_t entries(const std::filesystem::path& folder) {
-  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
-}
-
-}  // namespace
-
-TEST_CASE("A durable file replaces the old one and leaves nothing else behind") {
+TEST_CASE("A durable file replaces the old one and leaves no other file") {
   const TemporaryFolder folder;
   write_durably(folder.path() / "a.txt", "one");
   write_durably(folder.path() / "a.txt", "two");
-  CHECK(content(folder.path() / "a.txt") == "two");
-  CHECK(entries(folder.path()) == 1);
+  CHECK(contents_of(folder.path() / "a.txt") == "two");
+  CHECK(entry_count(folder.path()) == 1);
 }
 
-TEST_CASE("A durable file that cannot be written leaves the old one, and says which it is") {
+TEST_CASE("A failure to write a durable file leaves the old one and names it") {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder.path() / "a.txt" /
                                       "full");  // a folder cannot be replaced by a file
@@ -41,15 +33,15 @@ TEST_CASE("A durable file that cannot be written leaves the old one, and says wh
   } catch (const std::system_error& error) {
     CHECK(std::string(error.what()).find("a.txt") != std::string::npos);
   }
-  CHECK(entries(folder.path()) == 1);
+  CHECK(entry_count(folder.path()) == 1);
 }
 
-TEST_CASE("A durable file is written whatever lies under names like its own") {
+TEST_CASE("A durable file is written even if FIFOs have its name and similar ones") {
   const TemporaryFolder folder;
   // Opened for writing, a FIFO waits for a reader.
   for (const char* name : {".a.txt.new", "a.txt.new", "a.txt"})
     REQUIRE(::mkfifo((folder.path() / name).c_str(), 0600) == 0);
   write_durably(folder.path() / "a.txt", "one");
-  CHECK(content(folder.path() / "a.txt") == "one");
-  CHECK(entries(folder.path()) == 3);
+  CHECK(contents_of(folder.path() / "a.txt") == "one");
+  CHECK(entry_count(folder.path()) == 3);
 }

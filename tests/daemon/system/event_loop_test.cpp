@@ -20,7 +20,7 @@ FileDescriptor readable_event() {
 
 }  // namespace
 
-TEST_CASE("A watcher calls for as long as the descriptor can be read, and no longer once its watch is gone") {
+TEST_CASE("A watcher calls while the descriptor is readable, and stops once its watch is destroyed") {
   EventLoop loop;
   EventLoopWatcher watcher(loop);
   const FileDescriptor event = readable_event();
@@ -57,7 +57,7 @@ TEST_CASE("A descriptor that cannot be watched is refused with the kernel's reas
   CHECK_THROWS_AS(watcher.when_readable(-1, [] {}), std::system_error);
 }
 
-TEST_CASE("What concerns the machine comes before clients that have waited for longer") {
+TEST_CASE("Callbacks of the machine come before clients that have waited longer") {
   EventLoop loop;
   EventLoopClock clock(loop);
   EventLoopWatcher watcher(loop);
@@ -80,11 +80,11 @@ TEST_CASE("What concerns the machine comes before clients that have waited for l
   });
   loop.run();
   REQUIRE(order.size() >= 3);
-  // Which of the two comes first is not said.
+  // The order of these two is not specified.
   CHECK(((order[0] == "lid" && order[1] == "exposure") || (order[0] == "exposure" && order[1] == "lid")));
 }
 
-TEST_CASE("What concerns the machine comes between two results of a worker, not behind all of them") {
+TEST_CASE("Callbacks of the machine come between two results of a worker, not after all of them") {
   EventLoop loop;
   EventLoopWatcher watcher(loop);
   Mailbox mailbox(loop);
@@ -108,7 +108,7 @@ TEST_CASE("What concerns the machine comes between two results of a worker, not 
   CHECK(order == std::vector<std::string>{"first", "lid", "second", "third"});
 }
 
-TEST_CASE("A turn is told with the name of its source and the time that its call took") {
+TEST_CASE("A turn is reported with the name of its source and the duration of the call") {
   EventLoop loop;
   std::vector<EventLoop::Turn> turns;
   loop.on_turn_over([&](const EventLoop::Turn& turn) { turns.push_back(turn); });
@@ -122,6 +122,7 @@ TEST_CASE("A turn is told with the name of its source and the time that its call
   REQUIRE(turns.size() == 2);
   CHECK(turns[0].source == "a slow timer");
   CHECK(turns[0].busy >= std::chrono::milliseconds(5));
-  CHECK(turns[0].computing <= turns[0].busy + std::chrono::milliseconds(1));  // two clocks
+  CHECK(turns[0].computing <=
+        turns[0].busy + std::chrono::milliseconds(1));  // they are measured with two clocks
   CHECK(turns[1].source == "the last timer");
 }

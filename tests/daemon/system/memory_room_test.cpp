@@ -9,7 +9,8 @@ using namespace contourd;
 
 namespace {
 
-// What a kernel would say: 1,000,000 kB available, 20,000 kB held by this process, no control group's limit.
+// Files of a simulated kernel: 1,000,000 kB available, 20,000 kB held by this process, no limit of a control
+// group.
 class Kernel {
  public:
   Kernel() {
@@ -31,14 +32,14 @@ constexpr std::uint64_t kReserve = 64'000'000;
 
 }  // namespace
 
-TEST_CASE("Without any limit there is room for what the machine has available, but for a reserve") {
+TEST_CASE("Without a limit, the room is the machine's available memory minus a reserve") {
   const MemoryRoom room = Kernel().room();
   CHECK(room.bytes == 1'024'000'000 - kReserve);
   CHECK(room.held == 20'480'000);
   CHECK(room.reason == "1024 MB are available on this computer, of which 64 MB stay free");
 }
 
-TEST_CASE("A limit is the whole process': what it holds counts") {
+TEST_CASE("A limit is for the whole process, so memory that it already holds counts") {
   const MemoryRoom room = Kernel().room(100'000'000);
   CHECK(room.bytes == 100'000'000 - 20'480'000);
   CHECK(room.reason == "memory_limit_mb is 100, and contourd holds 20 MB");
@@ -46,7 +47,7 @@ TEST_CASE("A limit is the whole process': what it holds counts") {
   CHECK(Kernel().room(10'000'000).held == 10'000'000);
 }
 
-TEST_CASE("A control group's limit counts where it leaves less than the machine, less what it has taken") {
+TEST_CASE("A control group's limit minus its use counts if this is less than the machine has available") {
   Kernel kernel;
   kernel.write("cgroup/system.slice/contourd.service/memory.max", "900000000\n");
   kernel.write("cgroup/system.slice/contourd.service/memory.high", "max\n");
@@ -55,7 +56,7 @@ TEST_CASE("A control group's limit counts where it leaves less than the machine,
   CHECK(kernel.room().reason == "600 MB are available in the control group, of which 64 MB stay free");
 }
 
-TEST_CASE("Pages of files that a control group holds are given back when they are needed") {
+TEST_CASE("File pages held by a control group count as available") {
   Kernel kernel;
   kernel.write("cgroup/system.slice/contourd.service/memory.max", "900000000\n");
   kernel.write("cgroup/system.slice/contourd.service/memory.current", "880000000\n");
@@ -65,7 +66,7 @@ TEST_CASE("Pages of files that a control group holds are given back when they ar
   CHECK(kernel.room().bytes == 620'000'000 - kReserve);
 }
 
-TEST_CASE("The limit beyond which a control group is slowed down is a limit") {
+TEST_CASE("The soft limit above which a control group is slowed down is a limit") {
   Kernel kernel;
   kernel.write("cgroup/system.slice/contourd.service/memory.max", "900000000\n");
   kernel.write("cgroup/system.slice/contourd.service/memory.high", "500000000\n");
@@ -73,20 +74,20 @@ TEST_CASE("The limit beyond which a control group is slowed down is a limit") {
   CHECK(kernel.room().bytes == 200'000'000 - kReserve);
 }
 
-TEST_CASE("The control group that leaves least counts, however far up it is") {
+TEST_CASE("The control group with the least room counts, at any level") {
   Kernel kernel;
   kernel.write("cgroup/system.slice/contourd.service/memory.max", "max\n");
   kernel.write("cgroup/system.slice/contourd.service/memory.current", "1\n");
   kernel.write("cgroup/system.slice/memory.max", "700000000\n");
   kernel.write("cgroup/system.slice/memory.current", "400000000\n");
   CHECK(kernel.room().bytes == 300'000'000 - kReserve);
-  // In a container, the root has a limit.
+  // In a container, the root group has a limit too.
   kernel.write("cgroup/memory.max", "250000000\n");
   kernel.write("cgroup/memory.current", "50000000\n");
   CHECK(kernel.room().bytes == 200'000'000 - kReserve);
 }
 
-TEST_CASE("Control groups of the first version are known, and one that cannot be seen from here is ignored") {
+TEST_CASE("Control groups of version 1 are read, and an invisible group is ignored") {
   Kernel kernel;
   kernel.write("proc/self/cgroup", "9:name=systemd:/x\n5:cpu,memory:/printers/one\n0::/\n");
   kernel.write("cgroup/memory/printers/memory.limit_in_bytes", "400000000\n");
@@ -98,7 +99,7 @@ TEST_CASE("Control groups of the first version are known, and one that cannot be
   CHECK(kernel.room().bytes == 200'000'000 - kReserve);
 }
 
-TEST_CASE("More taken than there is leaves no room, and what the kernel does not say limits nothing") {
+TEST_CASE("Use above the limit leaves no room, and unknown figures impose no limit") {
   Kernel kernel;
   kernel.write("cgroup/memory.max", "100\n");
   kernel.write("cgroup/memory.current", "200\n");
@@ -110,7 +111,7 @@ TEST_CASE("More taken than there is leaves no room, and what the kernel does not
   CHECK(kernel.room().bytes > 1'000'000'000'000);
 }
 
-TEST_CASE("This computer's own kernel is understood") {
+TEST_CASE("The files of this computer's kernel are understood") {
   const MemoryRoom room = memory_room(std::nullopt);
   CHECK(room.bytes < machine_memory().value());
   CHECK(room.held > 0);

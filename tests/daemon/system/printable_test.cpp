@@ -11,14 +11,14 @@ TEST_CASE("Text from a file name is one line of valid UTF-8") {
   CHECK(printable("bad\xFF") == "bad\xEF\xBF\xBD");
 }
 
-TEST_CASE("What is too long is cut at a character, and how much is left out is said") {
+TEST_CASE("Text that is too long is cut between characters, with the length of the rest") {
   CHECK(shortened("short", 5) == "short");
   CHECK(shortened("longer", 5) == "longe... (1 bytes more)");
   CHECK(shortened("Ger\xC3\xA4t", 4) == "Ger... (3 bytes more)");
   CHECK(shortened("", 0).empty());
 }
 
-TEST_CASE("What turns, hides or breaks a line is not printed") {
+TEST_CASE("Characters that reorder, hide or break a line are replaced") {
   CHECK(printable("a\xC2\x9B"
                   "b") == "a?b");  // U+009B, a C1 control that begins a sequence as ESC [ does
   CHECK(printable("a\xE2\x80\xAE"
@@ -40,6 +40,6 @@ TEST_CASE("What turns, hides or breaks a line is not printed") {
   CHECK(printable("").empty());
 }
 
-TEST_CASE("Lines stay lines where there may be some, and nothing else does") {
+TEST_CASE("Text of several lines keeps its line breaks but no other control characters") {
   CHECK(printable_lines("one\ntwo\x1B[2J\xE2\x80\xA8three\r") == "one\ntwo?[2J?three?");
 }

@@ -5,7 +5,7 @@
 using namespace contourd;
 using namespace std::chrono_literals;
 
-TEST_CASE("Durations read as a person says them") {
+TEST_CASE("Durations are formatted in the units that people use") {
   CHECK(readable(0s) == "0.0 s");
   CHECK(readable(4'200ms) == "4.2 s");
   CHECK(readable(12min + 30s) == "12 min 30 s");

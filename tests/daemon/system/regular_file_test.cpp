@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Empty when it could be opened.
+// Returns the error's text; empty if the file could be opened.
 std::string complaint(const fs::path& path, Links links) {
   try {
     return open_regular_file(path, links).valid() ? "" : "no descriptor";
@@ -26,7 +26,7 @@ std::string complaint(const fs::path& path, Links links) {
 
 }  // namespace
 
-TEST_CASE("A regular file is opened, also by a link where links are followed") {
+TEST_CASE("A regular file is opened, also through a link if links are followed") {
   const contourd::testing::TemporaryFolder folder;
   const fs::path file = folder.write("a", "text");
   fs::create_symlink("a", folder.path() / "link");
@@ -36,7 +36,7 @@ TEST_CASE("A regular file is opened, also by a link where links are followed") {
   CHECK(complaint(folder.path() / "link", Links::Refuse) == "it is a symbolic link, not a file");
 }
 
-TEST_CASE("A file in a folder that is a link is refused where links are") {
+TEST_CASE("A file in a linked folder is refused if links are refused") {
   const contourd::testing::TemporaryFolder folder;
   (void)folder.write("real/a", "text");
   fs::create_directory_symlink("real", folder.path() / "link");
@@ -44,7 +44,7 @@ TEST_CASE("A file in a folder that is a link is refused where links are") {
   CHECK(complaint(folder.path() / "link" / "a", Links::Refuse) == "it cannot be read: Not a directory");
 }
 
-TEST_CASE("What is no file is refused, and nobody is waited for") {
+TEST_CASE("Anything but a regular file is refused without blocking") {
   const contourd::testing::TemporaryFolder folder;
   REQUIRE(::mkfifo((folder.path() / "fifo").c_str(), 0600) == 0);
   const FileDescriptor socket(::socket(AF_UNIX, SOCK_STREAM, 0));

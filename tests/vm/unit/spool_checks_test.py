@@ -47,7 +47,7 @@ class SpoolChecksTest(unittest.TestCase):
         self.assertEqual(broken([TICKETED], "in:ticketed", lying(TICKETED, "incoming"), done(TICKETED)), [])
 
     def test_an_interrupted_job_that_is_reported_breaks_no_rule(self):
-        held = {"held": "see to the printer"}
+        held = {"held": "check the printer"}
         found = lying(TICKETED, "printing")
         self.assertEqual(broken([TICKETED], "in:ticketed begun:ticketed", found, failed(TICKETED), status=held), [])
 
@@ -115,7 +115,7 @@ class SpoolChecksTest(unittest.TestCase):
         self.assert_told("had begun", [TICKETED], "begun:ticketed", lying(TICKETED, "incoming"), done(TICKETED))
 
     def test_an_interruption_that_is_not_reported_or_does_not_hold_the_queue_is_found(self):
-        found, held = lying(TICKETED, "printing"), {"held": "see to the printer"}
+        found, held = lying(TICKETED, "printing"), {"held": "check the printer"}
         self.assert_told("went to", [TICKETED], "", found, done(TICKETED), status=held)
         self.assert_told("its reason is", [TICKETED], "", found, failed(TICKETED, b"wrong"), status=held)
         self.assert_told("not held", [TICKETED], "", found, failed(TICKETED))
@@ -123,7 +123,7 @@ class SpoolChecksTest(unittest.TestCase):
     def test_a_print_that_ended_is_judged_by_its_record(self):
         found = lying(TICKETED, "printing") | {"state/ended-print": report("ticketed")}
         self.assertEqual(broken([TICKETED], "", found, lying(TICKETED, "done")), [])
-        self.assert_told("went to", [TICKETED], "", found, failed(TICKETED), status={"held": "see to the printer"})
+        self.assert_told("went to", [TICKETED], "", found, failed(TICKETED), status={"held": "check the printer"})
 
     def test_files_that_belong_to_no_job_are_found(self):
         for path in ("spool/failed/broken.reason.txt", "spool/done/.contourd-0.new", "spool/printing/.copies/a", "state/x"):

@@ -36,22 +36,22 @@ TEST_CASE("A topic is found by its page's name, its heading, or both") {
   CHECK(topics.find("peel").front()->text == "## Peel\n\nHow layers come off.\n");
 }
 
-TEST_CASE("What is called so comes before what is called nearly so, and that before what speaks of it") {
+TEST_CASE("Topics with the exact name come first, then topics with similar names, then mentions") {
   const HelpTopics topics(kPages);
   CHECK(found(topics, "peel") == Names{"after-print peel", "glossary peel peeling", "glossary the part",
                                        "after-print cleaning the vat"});
   CHECK(found(topics, "clean") == Names{"after-print cleaning the vat"});
   CHECK(found(topics, "tilt") == Names{"after-print cleaning the vat"});
-  CHECK(found(topics, "eel").empty());  // words begin like it, or not at all
+  CHECK(found(topics, "eel").empty());  // no word begins with it
 }
 
 TEST_CASE("A word of the glossary is a topic") {
   const HelpTopics topics(kPages);
   CHECK(topics.find("island").front()->text == "## island\n\n hangs in the air\n");
-  CHECK(found(topics, "word") == Names{"glossary the part"});  // its head
+  CHECK(found(topics, "word") == Names{"glossary the part"});  // the table's heading is not a topic
 }
 
-TEST_CASE("What there is none of has names that are nearly so") {
+TEST_CASE("For an unknown topic, similar names are suggested") {
   const HelpTopics topics(kPages);
   CHECK(found(topics, "iland").empty());
   CHECK(topics.nearest("iland", {}) == Names{"island"});

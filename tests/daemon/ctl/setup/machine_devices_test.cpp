@@ -18,7 +18,7 @@ void link(const TemporaryFolder& folder, const fs::path& from, const fs::path& t
 
 }  // namespace
 
-TEST_CASE("Outputs are told by their plugs, with each size once and the preferred one first") {
+TEST_CASE("Outputs are found by their connectors, with each size once and the preferred size first") {
   const TemporaryFolder folder;
   folder.write("proc/device-tree/model", std::string("Raspberry Pi 4 Model B\0", 23));
   folder.write("sys/class/drm/card1-HDMI-A-1/status", "disconnected\n");
@@ -37,7 +37,7 @@ TEST_CASE("Outputs are told by their plugs, with each size once and the preferre
   CHECK(output->modes == std::vector<std::string>{"1920x1080", "1280x720"});
 }
 
-TEST_CASE("A serial port has the name that stays, and one that nobody has built in is none") {
+TEST_CASE("A serial port has its permanent name, and a port without hardware is ignored") {
   const TemporaryFolder folder;
   link(folder, "dev/serial/by-id/usb-FTDI_1-if00-port0", "../../ttyUSB0");
   for (const char* tty : {"ttyUSB0", "ttyAMA0", "ttyS0"})
@@ -45,7 +45,7 @@ TEST_CASE("A serial port has the name that stays, and one that nobody has built 
   folder.write("sys/class/tty/ttyS0/type", "0\n");
   folder.write("sys/class/tty/ttyAMA0/type", "32\n");
   folder.write("sys/class/tty/tty1/dev", "4:1\n");
-  // A link that leads nowhere is none.
+  // A dangling link does not count as a driver.
   fs::create_directories(folder.path() / "bus/driver");
   for (const char* tty : {"ttyUSB0", "ttyAMA0", "ttyS0"}) {
     const fs::path driver = folder.path() / "sys/class/tty" / tty / "device/driver";
@@ -59,7 +59,7 @@ TEST_CASE("A serial port has the name that stays, and one that nobody has built 
   CHECK(devices.ports[1].path == "/dev/ttyAMA0");
 }
 
-TEST_CASE("For each kind of device that is missing there is a line of what to do") {
+TEST_CASE("Each missing kind of device has a line with advice") {
   const TemporaryFolder folder;
   const auto lines = describe(find_devices(folder.path()));
   REQUIRE(lines.size() == 3);
@@ -68,9 +68,9 @@ TEST_CASE("For each kind of device that is missing there is a line of what to do
   CHECK(lines[2].starts_with("Serial port: none. "));
 }
 
-TEST_CASE("What a device is called never reaches the terminal as it is") {
+TEST_CASE("Names of devices are made printable") {
   MachineDevices devices;
-  devices.chips = {{"gpiochip0", "bad\x1b[2J", {{"", std::nullopt}, {"", "somebody"}}}};
+  devices.chips = {{"gpiochip0", "bad\x1b[2J", {{"", std::nullopt}, {"", "other"}}}};
   devices.outputs = {{"HDMI-A-1", true, {"1920x1080", "640x480"}}};
   devices.ports = {{"/dev/serial/by-id/\n", "ttyUSB0"}};
   const auto lines = describe(devices);

@@ -44,7 +44,7 @@ Json base() {
 
 }  // namespace
 
-TEST_CASE("Answers become the keys they are about, and all else stays") {
+TEST_CASE("Answers set their keys, and all other keys keep their values") {
   const Json profile = profile_of(real_answers(), base());
   CHECK(profile["name"] == "Mine");
   CHECK(profile["resin"] == "grey");
@@ -68,7 +68,7 @@ TEST_CASE("Answers become the keys they are about, and all else stays") {
              {"light", {{"chip", "pinctrl-rp1"}, {"line", 24}, {"active_low", false}}}});
 }
 
-TEST_CASE("The resistor at a switch pulls away from where its contact leads") {
+TEST_CASE("The resistor of a switch pulls in the opposite direction to its contact") {
   Answers answers = real_answers();
   for (const char* contact : {"normally_open", "normally_closed"}) {
     answers["switch_contact"] = contact;
@@ -84,7 +84,7 @@ TEST_CASE("The resistor at a switch pulls away from where its contact leads") {
   }
 }
 
-TEST_CASE("A switch that was moved from the top to the bottom keeps no height from there") {
+TEST_CASE("A switch that was moved from the top to the bottom loses its height") {
   Answers answers = real_answers();
   answers["switch_end"] = "top";
   answers["switch_height_mm"] = "151";
@@ -97,14 +97,14 @@ TEST_CASE("A switch that was moved from the top to the bottom keeps no height fr
   CHECK_FALSE(bottom["z_axis"].contains("switch_height_mm"));
 }
 
-TEST_CASE("A simulated printer keeps what its file has of a real one") {
+TEST_CASE("A simulated printer keeps a real printer's keys in its file") {
   const Json profile = profile_of({{"hardware", "simulated"}, {"name", "Dry"}}, base());
   Json wanted = base();
   wanted["name"] = "Dry";
   CHECK(profile == wanted);
 }
 
-TEST_CASE("The notes have every answer with its reason, and nothing that a terminal obeys") {
+TEST_CASE("The notes have every answer with its reason, and no control characters") {
   const SetupFacts facts;
   Answers answers = real_answers();
   answers["connector"] = "HDMI\x1b[2J";
@@ -114,7 +114,7 @@ TEST_CASE("The notes have every answer with its reason, and nothing that a termi
   CHECK(notes.find('\x1b') == std::string::npos);
 }
 
-TEST_CASE("What later answers have made pointless is not among the asked") {
+TEST_CASE("Answers that later answers have made pointless are left out") {
   Answers answers = real_answers();
   answers["serial_port"] = "/dev/ttyUSB0";
   answers["switch_height_mm"] = "151";

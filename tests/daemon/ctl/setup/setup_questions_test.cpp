@@ -6,7 +6,7 @@ using namespace contourd::ctl;
 
 namespace {
 
-// A Pi 4 with its projector plugged in, contourd not running.
+// Returns the facts of a Raspberry Pi 4 with a connected projector.
 SetupFacts pi_4() {
   SetupFacts facts;
   FoundChip chip{"gpiochip0", "pinctrl-bcm2711", {}};
@@ -32,7 +32,7 @@ Suggestion suggestion(std::string_view key, const Answers& answers, const SetupF
 
 }  // namespace
 
-TEST_CASE("Every question takes its own suggestion, whatever is there") {
+TEST_CASE("Every question accepts its own suggestion, with and without devices") {
   for (const SetupFacts& facts : {SetupFacts{}, pi_4()}) {
     for (const char* table : {"none", "optoma", "acer"}) {
       for (const char* end : {"bottom", "top"}) {
@@ -53,7 +53,7 @@ TEST_CASE("Every question takes its own suggestion, whatever is there") {
   }
 }
 
-TEST_CASE("A simulated printer is asked its name and nothing of its parts") {
+TEST_CASE("For a simulated printer, only its name is asked") {
   const SetupFacts facts;
   CHECK(suggestion("hardware", {}, facts).answer == "simulated");
   CHECK(suggestion("hardware", {}, pi_4()).answer == "real");
@@ -63,12 +63,13 @@ TEST_CASE("A simulated printer is asked its name and nothing of its parts") {
   CHECK(asked == 2);
 }
 
-TEST_CASE("A line is one that the chip has, that nobody else holds and that is used once") {
+TEST_CASE("A line must exist on the chip, be free and be used only once") {
   const SetupFacts facts = pi_4();
   Answers answers{{"hardware", "real"}, {"gpio_chip", "pinctrl-bcm2711"}, {"step_line", "17"}};
   CHECK(complaint("direction_line", "27", answers, facts).empty());
   CHECK(complaint("direction_line", "GPIO27", answers, facts).empty());
-  CHECK(complaint("direction_line", "GPIO17", answers, facts) == "Line GPIO17 is step_line already.");
+  CHECK(complaint("direction_line", "GPIO17", answers, facts) ==
+        "Line GPIO17 is already used for step_line.");
   CHECK(complaint("direction_line", "58", answers, facts) ==
         "pinctrl-bcm2711 has no line \"58\"; it has lines 0 to 57.");
   CHECK(complaint("direction_line", "2", answers, facts) == "Line 2 is in use: \"i2c\" holds it.");
@@ -76,13 +77,13 @@ TEST_CASE("A line is one that the chip has, that nobody else holds and that is u
   for (const char* word : {"-1", "1.5", "", "none", "017x", "1e99", "99999999999999999999"})
     CHECK_FALSE(complaint("direction_line", word, answers, facts).empty());
   CHECK(complaint("enable_line", "none", answers, facts).empty());
-  // What comes later is looked at in its turn.
+  // A conflict is reported at the later of two questions.
   answers["direction_line"] = "27";
   CHECK(complaint("step_line", "27", answers, facts).empty());
   CHECK_FALSE(complaint("direction_line", "17", answers, facts).empty());
 }
 
-TEST_CASE("The light needs a line where nothing else switches it") {
+TEST_CASE("The light needs a line if the projector's table cannot switch it") {
   const SetupFacts facts = pi_4();
   Answers answers{{"hardware", "real"}, {"projector_table", "optoma"}};
   CHECK(suggestion("light_line", answers, facts).answer == "none");
@@ -94,7 +95,7 @@ TEST_CASE("The light needs a line where nothing else switches it") {
   }
 }
 
-TEST_CASE("What is found is suggested, and what is not there is no answer") {
+TEST_CASE("Devices that were found are suggested, and others are refused") {
   const SetupFacts facts = pi_4();
   const Answers answers{{"hardware", "real"}, {"connector", "HDMI-A-2"}};
   CHECK(suggestion("gpio_chip", answers, facts).answer == "pinctrl-bcm2711");
@@ -110,7 +111,7 @@ TEST_CASE("What is found is suggested, and what is not there is no answer") {
   CHECK_FALSE(complaint("connector", "HDMI-A-3", answers, facts).empty());
 }
 
-TEST_CASE("Steps and pixels come from what an owner knows, or from what was measured") {
+TEST_CASE("Steps and pixels come from the user's answers, or from measurements") {
   Answers answers{{"screw_lead_mm", "2"},
                   {"steps_per_turn", "200"},
                   {"microsteps", "32"},
@@ -124,7 +125,7 @@ TEST_CASE("Steps and pixels come from what an owner knows, or from what was meas
   CHECK(pixel_pitch_um(answers) == 49.5);
 }
 
-TEST_CASE("The top speed that is suggested never makes more steps than an axis may") {
+TEST_CASE("The suggested top speed never exceeds the step rate of an axis") {
   for (const char* lead : {"1", "2", "4", "8"}) {
     for (const char* microsteps : {"8", "16", "32", "64"}) {
       const Answers answers{{"screw_lead_mm", lead}, {"steps_per_turn", "200"}, {"microsteps", microsteps}};
@@ -135,14 +136,14 @@ TEST_CASE("The top speed that is suggested never makes more steps than an axis m
   }
 }
 
-TEST_CASE("A word may be shortened where it stays the only one") {
+TEST_CASE("A word may be shortened as long as it is unambiguous") {
   const auto take = find_question("switch_contact")->take;
   CHECK(take("normally_o", {}, {}).answer == "normally_open");
   CHECK_FALSE(take("normally", {}, {}).complaint.empty());
   CHECK_FALSE(take("", {}, {}).complaint.empty());
 }
 
-TEST_CASE("A printer that has a name keeps it, unless told otherwise") {
+TEST_CASE("The suggested name is the printer's current name, if it has one") {
   SetupFacts facts;
   CHECK(suggestion("name", {}, facts).answer == "Resin printer");
   facts.name = "Left of the window";

@@ -4,7 +4,7 @@
 
 using namespace contourd::ctl;
 
-TEST_CASE("Marks of Markdown are no words") {
+TEST_CASE("Markdown's markup is removed from words") {
   CHECK(plain_words("see [the page](a.md#b), **now**") == "see the page, now");
   CHECK(plain_words("`a [b](c) **d**` and `e`") == "a [b](c) **d** and e");
   CHECK(plain_words("[OPTION] and [a](b)") == "[OPTION] and a");
@@ -21,14 +21,14 @@ TEST_CASE("Headings, paragraphs and lists keep to the width") {
       "12. last of all\n    things\n");
 }
 
-TEST_CASE("A command stays whole, and what is said about it goes above it where there is no room") {
+TEST_CASE("A command is not broken; if there is no room, its remark goes above it") {
   const auto page = "    run --now        # it runs at once\n\n    stop\n";
   CHECK(plain_text(page, 60) == "    run --now        # it runs at once\n\n    stop\n");
   CHECK(plain_text(page, 20) == "    # it runs at\n    # once\n    run --now\n\n    stop\n");
   CHECK(plain_text("```sh\n# no heading\n```\n", 40) == "    # no heading\n");
 }
 
-TEST_CASE("A table has columns where they fit, and entries where they do not") {
+TEST_CASE("A table has columns if they fit, otherwise entries") {
   const auto page = "| key | means |\n|---|---|\n| `a\\|b` | one of these two |\n| c | |\n";
   CHECK(plain_text(page, 40) == "key  means\n----------\na|b  one of these two\nc\n");
   CHECK(plain_text(page, 20) == "key  means\n----------\na|b  one of these\n     two\nc\n");

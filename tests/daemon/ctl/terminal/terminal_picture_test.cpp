@@ -28,7 +28,7 @@ Mask picture_of(const Rows& rows) {
   return mask;
 }
 
-// Lit from this column and row on, so far.
+// Returns a mask whose area `lit` is white.
 Mask picture_with(int width, int height, const MaskArea& lit) {
   Mask mask{Pixels{width}, Pixels{height}};
   for (std::int32_t y = lit.top; y < lit.top + lit.height; ++y)
@@ -59,7 +59,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-// What a terminal shows of it: without SGR.
+// Returns the visible text, without colour sequences (SGR).
 std::string without_colors(const std::string& text) {
   std::string plain;
   for (std::size_t at = 0; at < text.size(); ++at) {
@@ -73,7 +73,7 @@ std::string without_colors(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("Characters show greys by their density, and what is lit at all is seen") {
+TEST_CASE("Characters show greys by their density, and every grey above 0 is visible") {
   // A character is twice as high as a pixel is wide: two rows are one line.
   const std::vector<int> row{0, 1, 64, 128, 191, 255};
   CHECK(drawn({row, row}, PictureInk::Characters, 6, 1) == " \u2591\u2591\u2592\u2593\u2588\n");
@@ -82,19 +82,19 @@ TEST_CASE("Characters show greys by their density, and what is lit at all is see
   CHECK(drawn({{0, 0}, {0, 0}}, PictureInk::Characters, 2, 1) == "\n");
 }
 
-TEST_CASE("Half blocks show two rows a line, each pixel in its grey") {
+TEST_CASE("Half blocks show two rows per line, each pixel in its grey") {
   CHECK(drawn({{0, 255}, {128, 255}}, PictureInk::TrueColor, 2, 1) ==
         "\x1B[48;2;128;128;128m\x1B[38;2;0;0;0m\u2580\x1B[48;2;255;255;255m \x1B[0m\n");
   CHECK(drawn({{0, 255}, {128, 255}}, PictureInk::Greys, 2, 1) ==
         "\x1B[48;5;244m\x1B[38;5;16m\u2580\x1B[48;5;231m \x1B[0m\n");
 }
 
-TEST_CASE("The lower half of a last line that has only an upper row is left to the terminal") {
+TEST_CASE("If the last line has only an upper row, its lower half keeps the terminal's background") {
   CHECK(drawn({{255}, {255}, {255}}, PictureInk::TrueColor, 1, 2) ==
         "\x1B[48;2;255;255;255m \x1B[0m\n\x1B[38;2;255;255;255m\u2580\x1B[0m\n");
 }
 
-TEST_CASE("The greys of 256 colours are the nearest that there are") {
+TEST_CASE("With 256 colours, each grey is shown as the nearest available grey") {
   for (int grey = 0; grey < 256; ++grey) {
     CAPTURE(grey);
     const std::string text = drawn({{grey}, {grey}}, PictureInk::Greys, 1, 1);
@@ -106,21 +106,21 @@ TEST_CASE("The greys of 256 colours are the nearest that there are") {
   }
 }
 
-TEST_CASE("What is drawn smaller is averaged as light") {
-  // Half of the light of 255 is the grey 188 (sRGB).
+TEST_CASE("A reduced picture averages linear light") {
+  // Grey 188 has half of the light of 255 (sRGB).
   CHECK(drawn({{0, 255}, {255, 0}, {0, 255}, {255, 0}}, PictureInk::TrueColor, 1, 1) ==
         "\x1B[48;2;188;188;188m \x1B[0m\n");
-  // One of four: 137.
+  // Grey 137 has a quarter of the light.
   CHECK(drawn({{0, 255}, {0, 0}, {0, 0}, {255, 0}}, PictureInk::TrueColor, 1, 1) ==
         "\x1B[48;2;137;137;137m \x1B[0m\n");
-  // Three columns on two: the middle one belongs to both by half, a third of each. 156 is a third of the
-  // light.
+  // Three columns become two: half of the middle column falls into each, so a third of each is white. Grey
+  // 156 has a third of the light.
   const std::vector<int> row{0, 255, 0};
   CHECK(drawn({row, row, row, row}, PictureInk::TrueColor, 2, 1).find("48;2;156;156;156m") !=
         std::string::npos);
 }
 
-TEST_CASE("An even grey stays what it is at every size") {
+TEST_CASE("A uniform grey does not change at any size") {
   for (const int grey : {0, 1, 60, 128, 254, 255}) {
     const Mask mask = picture_of(Rows(7, std::vector<int>(11, grey)));
     for (const int columns : {1, 2, 3, 5, 11, 13, 47}) {
@@ -134,7 +134,7 @@ TEST_CASE("An even grey stays what it is at every size") {
   }
 }
 
-TEST_CASE("A picture keeps its shape, and fits into every terminal") {
+TEST_CASE("A picture keeps its aspect ratio and fits into every terminal") {
   const Mask mask = picture_with(1920, 1080, {0, 0, 1920, 1080});
   for (const PictureInk ink : {PictureInk::TrueColor, PictureInk::Characters}) {
     for (const auto& [columns, rows, wide, high] : {std::tuple{80, 40, 80, 22.5},
@@ -153,12 +153,12 @@ TEST_CASE("A picture keeps its shape, and fits into every terminal") {
       CHECK(lines.size() <= static_cast<std::size_t>(rows));
     }
   }
-  // Nothing is lost of what is a thousand times as long as it is high.
+  // A very long picture still has one line or one column.
   CHECK(lines_of(drawn({std::vector<int>(5000, 255)}, PictureInk::Characters, 80, 24)).size() == 1);
   CHECK(lines_of(drawn(Rows(5000, {255}), PictureInk::Characters, 80, 24)).size() == 24);
 }
 
-TEST_CASE("A small picture is made larger by whole factors") {
+TEST_CASE("A small picture is enlarged by whole factors") {
   const std::string text = drawn({{255, 0}, {0, 255}}, PictureInk::TrueColor, 9, 100);
   const auto lines = lines_of(without_colors(text));
   REQUIRE(lines.size() == 4);  // 4 times
@@ -168,7 +168,7 @@ TEST_CASE("A small picture is made larger by whole factors") {
                                  "    \u2588\u2588\u2588\u2588", "    \u2588\u2588\u2588\u2588"});
 }
 
-TEST_CASE("Sixels have the size of the room, and a palette of the greys that there are") {
+TEST_CASE("Sixels fill the room, with a palette of the greys that occur") {
   const std::string text = drawn({{0, 255}, {128, 255}}, PictureInk::Sixels, 1, 1);
   CHECK(text.starts_with(
       "\x1BPq\"1;1;10;10#0;2;0;0;0#1;2;50;50;50#2;2;100;100;100#"));  // five times, 10x20 a cell
@@ -180,7 +180,7 @@ TEST_CASE("Sixels have the size of the room, and a palette of the greys that the
   CHECK(draw_picture(mask, {0, 0, 1080, 1080}, terminal).starts_with("\x1BPq\"1;1;480;480#"));
 }
 
-TEST_CASE("What is lit is shown with a margin where it is seen larger then") {
+TEST_CASE("The lit area is shown with a margin if this makes it larger") {
   const PictureTerminal terminal = terminal_of(PictureInk::Characters, 80, 40);
   CHECK(area_to_show(picture_with(1920, 1080, {900, 500, 100, 50}), terminal) == MaskArea{893, 493, 114, 64});
   CHECK(area_to_show(picture_with(1920, 1080, {0, 0, 1, 1}), terminal) == MaskArea{0, 0, 3, 3});
@@ -190,7 +190,7 @@ TEST_CASE("What is lit is shown with a margin where it is seen larger then") {
         MaskArea{0, 0, 1920, 1080});
   CHECK(area_to_show(picture_with(1920, 1080, {}), terminal) == MaskArea{0, 0, 1920, 1080});
   CHECK(lit_area(picture_with(720, 720, {50, 100, 620, 500})) == MaskArea{17, 67, 686, 566});
-  // Nothing is won where the picture is as large as it will be.
+  // A factor of 2 is a gain; a smaller gain shows the whole mask.
   CHECK(area_to_show(picture_with(20, 20, {8, 8, 4, 4}), terminal_of(PictureInk::Characters, 20, 10)) ==
         MaskArea{6, 6, 8, 8});
   CHECK(area_to_show(picture_with(20, 20, {3, 3, 14, 14}), terminal_of(PictureInk::Characters, 20, 10)) ==
@@ -205,7 +205,7 @@ TEST_CASE("Only the area is drawn") {
   CHECK(draw_picture(mask, {50, 50, 10, 10}, terminal) == "\n\n\n\n\n");
 }
 
-TEST_CASE("Text above a picture takes its room as long as there is some") {
+TEST_CASE("Text above a picture reduces its rows down to a minimum") {
   PictureTerminal terminal = terminal_of(PictureInk::Greys, 80, 24);
   leave_lines(terminal, 4);
   CHECK(terminal.rows == 20);
@@ -213,7 +213,7 @@ TEST_CASE("Text above a picture takes its room as long as there is some") {
   CHECK(terminal.rows == 6);
 }
 
-TEST_CASE("A terminal's answer says whether it has sixels") {
+TEST_CASE("Support of sixels is read from a terminal's answer") {
   CHECK(sixels_in_answer("\x1B[?62;4;22c") == true);
   CHECK(sixels_in_answer("\x1B[?63;1;2;4c") == true);
   CHECK(sixels_in_answer("\x1B[?1;2c") == false);
@@ -229,11 +229,11 @@ TEST_CASE("A terminal's answer says whether it has sixels") {
     CHECK_FALSE(sixels_in_answer(none));
 }
 
-TEST_CASE("A picture has pixels, and an area within them") {
+TEST_CASE("A drawn area must be inside the mask and have pixels") {
   const Mask none, mask = picture_with(10, 10, {});
   CHECK(contract_broken_by([&] { (void)area_to_show(none, {}); }) == "the mask has pixels");
   CHECK(contract_broken_by([&] { (void)lit_area(none); }) == "the mask has pixels");
-  const std::string broken = "the area is one of the mask's, with pixels";
+  const std::string broken = "the area is inside the mask and has pixels";
   for (const MaskArea& area :
        {MaskArea{}, {0, 0, 11, 1}, {5, 5, 6, 1}, {0, 9, 1, 2}, {-1, 0, 5, 5}, {0, -1, 5, 5}, {0, 0, 5, 0}})
     CHECK(contract_broken_by([&] { (void)draw_picture(mask, area, {}); }) == broken);

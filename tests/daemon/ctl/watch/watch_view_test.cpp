@@ -67,7 +67,7 @@ WatchedPrinter printer(Json status) {
   return all;
 }
 
-// Whatever a name, a sentence or a number may be.
+// Returns a printer whose names, sentences and numbers have extreme values.
 WatchedPrinter hostile() {
   const std::string name = "\x1B[2J\n\u202E\u90E8\u54C1\xFF" + std::string(200, 'x');
   Json status = printing();
@@ -110,7 +110,7 @@ void check_fit(const WatchedPrinter& all, ScreenSize size) {
 
 }  // namespace
 
-TEST_CASE("No line of the view is wider than the screen, and there are no more than it has rows") {
+TEST_CASE("No line of the view is wider than the screen, and there are not more lines than rows") {
   const auto status = GENERATE(0, 1, 2, 3);
   const WatchedPrinter all = status == 0   ? printer(printing())
                              : status == 1 ? printer(idle())
@@ -125,7 +125,7 @@ TEST_CASE("No line of the view is wider than the screen, and there are no more t
       check_fit(all, {columns, rows});
 }
 
-TEST_CASE("The view of a print has all that is known of it") {
+TEST_CASE("The view of a print shows all known facts about it") {
   WatchedPrinter all = printer(printing());
   const std::string text = text_of(all);
   for (const char* const part :
@@ -139,7 +139,7 @@ TEST_CASE("The view of a print has all that is known of it") {
 }
 
 TEST_CASE(
-    "The view counts down between two statuses, the time left as long as the state was expected to last") {
+    "The view counts down between two statuses, the time left at most by the state's expected duration") {
   WatchedPrinter all = printer(printing());
   all.status_age_s = 2;
   CHECK(has(text_of(all), "exposing, 2 s left"));
@@ -149,13 +149,13 @@ TEST_CASE(
   CHECK(has(text_of(all), "time left 12 min 27 s"));
 }
 
-TEST_CASE("An end on another day has that day") {
+TEST_CASE("An end on another day is shown with its date") {
   Json status = printing();
   status["job"]["time_left_s"] = 36000;
   CHECK(has(text_of(printer(status)), "10 h 00 min, until Mon 16 Jun, 01:06"));
 }
 
-TEST_CASE("The view says of the light what is known") {
+TEST_CASE("The view shows the known state of the light") {
   Json status = printing();
   const auto light = [&](const char* state, bool dark) {
     status["state"] = state;
@@ -163,16 +163,16 @@ TEST_CASE("The view says of the light what is known") {
     return text_of(printer(status));
   };
   CHECK(has(light("exposing", false), "light     ON"));
-  CHECK(has(light("igniting", false), "light     goes on"));
+  CHECK(has(light("igniting", false), "light     turning on"));
   CHECK(has(light("extinguishing", false), "light     not confirmed off"));
   CHECK(has(light("lifting", true), "light     off"));
   WatchedPrinter gone = printer(status);
   gone.trouble = "contourd closed the connection";
-  CHECK(has(text_of(gone), "light     not known"));
+  CHECK(has(text_of(gone), "light     unknown"));
   CHECK(has(text_of(gone), "closed the connection"));
 }
 
-TEST_CASE("A print that waits has no end") {
+TEST_CASE("A paused print has no end time") {
   Json status = printing();
   status["state"] = "paused";
   status["job"]["state_left_s"] = nullptr;
@@ -183,13 +183,13 @@ TEST_CASE("A print that waits has no end") {
   CHECK(has(text, "contourctl resume"));
 }
 
-TEST_CASE("Behind a paused print there is the next job, and nothing before it") {
+TEST_CASE("During a pause, the view shows the next job as next") {
   Json status = printing();
   status["state"] = "paused";
   CHECK(has(text_of(printer(status)), "next      next.stl\n"));
 }
 
-TEST_CASE("The view of a printer that prints nothing says why, what waits and what is done by hand") {
+TEST_CASE("The view of an idle printer shows the reason, the queue and manual control") {
   Json status = idle();
   status["held"] = "the queue is held: a failure";
   status["plate"] = "occupied";
@@ -208,7 +208,7 @@ TEST_CASE("The view of a printer that prints nothing says why, what waits and wh
   }
 }
 
-TEST_CASE("On a screen of few rows the progress, the light and what stopped the print stay") {
+TEST_CASE("A screen with few rows still shows the progress, the light and the reason of an interruption") {
   Json status = printing();
   status["job"]["interruption"] = "the lid was opened";
   const std::string three = text_of(printer(status), {40, 3});

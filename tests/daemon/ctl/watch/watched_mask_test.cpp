@@ -35,7 +35,7 @@ Json idle(const Json& picture = nullptr) {
   return {{"state", "idle"}, {"job", nullptr}, {"manual", {{"picture", picture}}}};
 }
 
-// contourd, as it answers `mask`.
+// Returns contourd's answer to the method `mask`.
 Json answer(const Json& question, int layer, const Mask& mask = lit_square()) {
   const std::vector<std::uint8_t> png = encode_png(mask);
   const auto from = question.value("from", std::size_t{0});
@@ -52,7 +52,7 @@ Json answer(const Json& question, int layer, const Mask& mask = lit_square()) {
             {"data", base64(piece)}}}};
 }
 
-// Asks for all pieces. How many that were.
+// Fetches all pieces of a mask. Returns their number.
 int fetch(WatchedMask& mask, WatchedMask::Time now, int layer) {
   int questions = 0;
   while (const std::optional<Json> question = mask.question(now)) {
@@ -67,7 +67,7 @@ const WatchedMask::Time kStart{1h};
 
 }  // namespace
 
-TEST_CASE("The mask that is watched is asked for piece by piece, once a layer, and drawn with its layer") {
+TEST_CASE("A watched mask is requested piece by piece, once per layer, and drawn with its layer") {
   WatchedMask mask(PictureInk::Characters);
   CHECK(mask.lines(kRoom).empty());
   mask.note(printing(3));
@@ -80,15 +80,14 @@ TEST_CASE("The mask that is watched is asked for piece by piece, once a layer, a
       lines, [](const ScreenLine& line) { return line.text.find("\u2588") != std::string::npos; }));
   mask.note(printing(3));
   CHECK(fetch(mask, kStart + 10s, 3) == 0);
-  mask.note(printing(4, "lowering"));  // the one before is on the screen
+  mask.note(printing(4, "lowering"));  // the display still shows layer 3
   CHECK(fetch(mask, kStart + 10s, 4) == 0);
   mask.note(printing(4, "showing"));
   CHECK(fetch(mask, kStart + 10s, 4) > 0);
   CHECK(mask.lines(kRoom).front().text == "mask      layer 4, cut at 0.200 mm");
 }
 
-TEST_CASE(
-    "No mask is asked for where there is no room to show it, and none in no time behind the one before") {
+TEST_CASE("No mask is requested if there is no room for it, or too soon after the previous one") {
   WatchedMask mask(PictureInk::Characters);
   mask.note(printing(1));
   for (const ScreenSize small : {ScreenSize{80, 5}, ScreenSize{29, 20}, ScreenSize{0, 0}}) {
@@ -102,7 +101,7 @@ TEST_CASE(
   CHECK(fetch(mask, kStart + WatchedMask::kInterval, 2) > 0);
 }
 
-TEST_CASE("A picture that is shown by hand is watched, and gone with it") {
+TEST_CASE("A picture of manual control is watched until it ends") {
   WatchedMask mask(PictureInk::Characters);
   (void)mask.lines(kRoom);
   mask.note(idle("grid"));
@@ -115,7 +114,7 @@ TEST_CASE("A picture that is shown by hand is watched, and gone with it") {
   CHECK(mask.question(kStart + 1min));
 }
 
-TEST_CASE("What is wrong with an answer costs that layer's mask, and no other") {
+TEST_CASE("A damaged answer loses the mask of its layer only") {
   const Json good = answer(Json::object(), 1);
   std::vector<Json> wrong{{{"id", WatchedMask::kQuestion}, {"error", {{"message", "nothing is shown"}}}},
                           {{"id", WatchedMask::kQuestion}, {"result", nullptr}}};
@@ -142,7 +141,7 @@ TEST_CASE("What is wrong with an answer costs that layer's mask, and no other") 
   }
 }
 
-TEST_CASE("A mask in which nothing is lit says so, and one whose room changes little is not drawn anew") {
+TEST_CASE("A dark mask is reported as such, and a small change of the room does not redraw a mask") {
   WatchedMask mask(PictureInk::Characters);
   (void)mask.lines(kRoom);
   mask.note(printing(1));
