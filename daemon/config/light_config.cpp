@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // True if the two JSON pointers are equal or one contains the other.
-bool touch(std::string_view one, std::string_view other) {
+bool are_nested(std::string_view one, std::string_view other) {
   if (one.size() > other.size()) std::swap(one, other);
   return other.starts_with(one) && (one.size() == other.size() || other[one.size()] == '/');
 }
@@ -30,8 +30,9 @@ bool touch(std::string_view one, std::string_view other) {
 void add_violations(const JsonDocument& document, std::initializer_list<std::string_view> places,
                     FoundLight& found) {
   for (Violation& violation : document.violations()) {
-    const bool needed = std::any_of(places.begin(), places.end(),
-                                    [&](std::string_view place) { return touch(violation.pointer, place); });
+    const bool needed = std::any_of(places.begin(), places.end(), [&](std::string_view place) {
+      return are_nested(violation.pointer, place);
+    });
     (needed ? found.problems : found.elsewhere).push_back(std::move(violation));
   }
 }
@@ -41,7 +42,7 @@ template <typename Read>
 void attempt(const std::string& file, FoundLight& found, Read read) {
   const auto add = [&](Violation violation) {
     const auto same_place = [&](const Violation& known) {
-      return known.file == violation.file && touch(known.pointer, violation.pointer);
+      return known.file == violation.file && are_nested(known.pointer, violation.pointer);
     };
     if (std::none_of(found.problems.begin(), found.problems.end(), same_place))
       found.problems.push_back(std::move(violation));

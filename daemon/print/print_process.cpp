@@ -25,7 +25,7 @@ constexpr Duration kPresentDeadline = 5s;
 constexpr Duration kProjectorDeadline = 30s;
 // The wait for the light to be confirmed off at a print's end. The projector keeps trying after that.
 constexpr Duration kEndingDeadline = 5s;
-// Warming up includes that the lamp may have to cool down first, and again if it ignored the command.
+// A projector may have to cool down before it warms up, and again if it ignored the power-on command.
 constexpr Duration kWarmUpDeadline = 1h;
 
 }  // namespace

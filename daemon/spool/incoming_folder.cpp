@@ -62,10 +62,10 @@ void IncomingFolder::watch_anew() {
   if (watch_ >= 0) (void)::inotify_rm_watch(inotify_, std::exchange(watch_, -1));
   calls_.left();
   if (std::exchange(opening_, true)) return;
-  disk_.run([this] { return open(); }, [this](const Opened& opened) { opened_anew(opened); });
+  disk_.run([this] { return open(); }, [this](const Opened& opened) { watch_or_retry(opened); });
 }
 
-void IncomingFolder::opened_anew(const Opened& opened) {
+void IncomingFolder::watch_or_retry(const Opened& opened) {
   opening_ = false;
   try {
     if (!opened.trouble.empty()) throw std::runtime_error(opened.trouble);

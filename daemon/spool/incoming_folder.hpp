@@ -52,7 +52,7 @@ class IncomingFolder {
   [[nodiscard]] Opened open() const noexcept;
   [[nodiscard]] Identity identity_now() const;
   void watch(const Opened& opened);
-  void opened_anew(const Opened& opened);
+  void watch_or_retry(const Opened& opened);
   void look_later();
   void looked(const Identity& identity);
 

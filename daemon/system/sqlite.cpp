@@ -5,11 +5,11 @@ namespace {
 
 // The number of SQLite's instructions between two checks of the time limit; they take less than a
 // millisecond.
-constexpr int kInstructionsBetweenLooks = 10'000;
+constexpr int kInstructionsBetweenChecks = 10'000;
 
 }  // namespace
 
-SqliteDatabase::SqliteDatabase(const std::filesystem::path& file, std::chrono::milliseconds patience) {
+SqliteDatabase::SqliteDatabase(const std::filesystem::path& file, std::chrono::milliseconds lock_timeout) {
   const int code = sqlite3_open_v2(file.c_str(), &handle_,
                                    SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
   if (code != SQLITE_OK) {
@@ -18,15 +18,15 @@ SqliteDatabase::SqliteDatabase(const std::filesystem::path& file, std::chrono::m
     throw error;
   }
   sqlite3_extended_result_codes(handle_, 1);
-  sqlite3_busy_timeout(handle_, static_cast<int>(patience.count()));
-  sqlite3_progress_handler(handle_, kInstructionsBetweenLooks, is_too_late, this);
+  sqlite3_busy_timeout(handle_, static_cast<int>(lock_timeout.count()));
+  sqlite3_progress_handler(handle_, kInstructionsBetweenChecks, is_past_deadline, this);
 }
 
 SqliteDatabase::~SqliteDatabase() {
   sqlite3_close_v2(handle_);
 }
 
-int SqliteDatabase::is_too_late(void* self) {
+int SqliteDatabase::is_past_deadline(void* self) {
   return std::chrono::steady_clock::now() > static_cast<SqliteDatabase*>(self)->deadline_ ? 1 : 0;
 }
 

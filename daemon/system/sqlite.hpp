@@ -29,9 +29,9 @@ class SqliteError : public std::runtime_error {
 
 class SqliteDatabase {
  public:
-  // Opens the file for reading and writing, or creates it. Each access waits up to `patience` for another
+  // Opens the file for reading and writing, or creates it. Each access waits up to `lock_timeout` for another
   // program's lock. All functions throw SqliteError.
-  SqliteDatabase(const std::filesystem::path& file, std::chrono::milliseconds patience);
+  SqliteDatabase(const std::filesystem::path& file, std::chrono::milliseconds lock_timeout);
   ~SqliteDatabase();
   SqliteDatabase(const SqliteDatabase&) = delete;
   SqliteDatabase& operator=(const SqliteDatabase&) = delete;
@@ -49,7 +49,7 @@ class SqliteDatabase {
   friend class SqliteTransaction;
   friend class SqliteTimeLimit;
 
-  static int is_too_late(void* self);
+  static int is_past_deadline(void* self);
   [[noreturn]] void fail(int code) const;
 
   sqlite3* handle_ = nullptr;

@@ -1,10 +1,12 @@
 """The notices about ended jobs that contourd sends to contourd-job-ended.socket, which starts a command of the user for each
 notice. Nothing waits for the command."""
 
+import contextlib
 import json
 import os
 import re
 import shutil
+import signal
 import socket
 import subprocess
 import threading
@@ -51,13 +53,16 @@ class ServiceManager:
             with connection, open(os.path.join(self.heard, f"{number}.log"), "wb") as log:
                 self.started.append(subprocess.Popen(
                     [WITH_ENDED_JOB, self.command], stdin=connection, stdout=log, stderr=log,
-                    env={"PATH": os.environ["PATH"], "NUMBER": str(number), "HEARD": self.heard}))  # fmt: skip
+                    env={"PATH": os.environ["PATH"], "NUMBER": str(number), "HEARD": self.heard},
+                    start_new_session=True))  # fmt: skip
 
     def close(self):
         self.socket.shutdown(socket.SHUT_RDWR)
         self.socket.close()
         for process in self.started:
-            process.kill()
+            # The whole session, as systemd does: the command may have started others.
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
             process.wait()
 
     def notices(self, count):
