@@ -360,7 +360,7 @@ struct ComputerArgs {
 const CLI::Validator kNotEmpty([](const std::string& word) { return word.empty() ? "it is empty" : ""; }, "");
 
 // Help texts of options that several commands have.
-constexpr const char* kUpHelp = "Direction to print upwards: X,Y,Z or auto, fast, clean, safe";
+constexpr const char* kUpHelp = "Direction that points up: X,Y,Z, or auto, fast, clean, safe";
 constexpr const char* kPlateIsClearHelp = "Declare that nothing is in the plate's way";
 constexpr const char* kSpoolHelp = "Spool folder, if contourd is not running";
 constexpr const char* kAntiAliasingHelp = "Grey edges by area coverage (on), or 1-bit masks (off)";
@@ -493,7 +493,7 @@ class CommandLine {
         ->needs(printer);
     command
         ->add_option("--supports", analyze_words_.supports,
-                     "Generate supports: auto or off (default: as --printer, else off)")
+                     "Generate supports: auto or off (default: as configured, or off)")
         ->check(CLI::IsMember({"auto", "off"}));
     command->add_option("--scale", analyze_words_.scale, "Scale the model by this factor")->check(kNotEmpty);
     const auto add = [&](const char* name, auto& word, const char* help) {
@@ -609,16 +609,17 @@ class CommandLine {
 
   void add_offer() {
     CLI::App* command =
-        add_command("offer", "Add the models of an untrusted folder, such as a USB stick, to the queue",
+        add_command("offer", "Add the models of an untrusted folder (a USB stick) to the queue",
                     [this] { return offer(client_, spool_.offer); });
     command->add_option("FOLDER", spool_.offer.folder, "Folder with models; links in it are not followed")
         ->required()
         ->check(kNotEmpty);
     command->add_option("--spool", spool_.offer.spool, kSpoolHelp)->check(kNotEmpty);
-    CLI::Option* once =
-        command->add_option("--once", spool_.offer.once, "Take each file once, and record it in this file")
-            ->check(kNotEmpty);
-    command->add_option("--label", spool_.offer.label, "Name of this folder in the file of --once")
+    CLI::Option* once = command
+                            ->add_option("--once", spool_.offer.once,
+                                         "Take each file only once; keep the record in this file")
+                            ->check(kNotEmpty);
+    command->add_option("--label", spool_.offer.label, "Name that distinguishes this folder in that record")
         ->needs(once);
     add_client_options(command);
   }

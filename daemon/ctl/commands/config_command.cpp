@@ -91,7 +91,7 @@ void print_differences(const nlohmann::json& value, const Pointer& place) {
 }  // namespace
 
 int config_check(const ConfigOptions& options) {
-  return told([&] { check_config(options.file); });
+  return report_mistakes([&] { check_config(options.file); });
 }
 
 int config_show(const ConfigOptions& options) {

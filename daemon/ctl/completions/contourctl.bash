@@ -1,5 +1,5 @@
-# Completion of contourctl in bash. Commands and options are what the program says of itself; jobs and resins are those
-# that are there.
+# Completion of contourctl in bash. Commands and options come from the program's --help; jobs and resins are the
+# existing ones.
 
 _contourctl_words() {
   local name
@@ -61,7 +61,7 @@ _contourctl() {
       fi
       ;;
   esac
-  # Files where there are no words. Not by compgen -W, which would run what stands in a job's name.
+  # Without words, bash completes file names. compgen -W is not used: it would expand commands in a job's name.
   COMPREPLY=()
   while read -r each; do
     if [[ -n $each && $each == "$word"* ]]; then COMPREPLY+=("$each"); fi

@@ -1,5 +1,5 @@
-# Completion of contourctl in fish. Commands and options are what the program says of itself; jobs and resins are those
-# that are there.
+# Completion of contourctl in fish. Commands and options come from the program's --help; jobs and resins are the
+# existing ones.
 
 function __contourctl_commands
     contourctl $argv --help 2>/dev/null | sed -n '/^Subcommands:/,$ s/^  \([a-z-]*\)  *\(.*\)/\1\t\2/p'

@@ -95,8 +95,8 @@ auto one_of(std::vector<std::string> words) {
 TakenAnswer take_number(const std::string& typed, double least, double most, const char* unit) {
   const std::optional<double> number = number_of(typed);
   if (number && *number >= least && *number <= most) return {fmt::format("{}", *number), ""};
-  return refused(fmt::format("Expected a number from {} to {}{}{}; decimals follow a point.", least, most,
-                             *unit != 0 ? " " : "", unit));
+  return refused(fmt::format("Expected a number from {} to {}{}{}, with a decimal point if needed.", least,
+                             most, *unit != 0 ? " " : "", unit));
 }
 
 auto number(double least, double most, const char* unit) {

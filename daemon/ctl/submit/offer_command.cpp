@@ -97,9 +97,9 @@ class Offer {
       consider(path);
     }
     if (!found.all)
-      tell_left(fmt::format("the folder has more than {} names; the others were ignored",
-                            ForeignFolder::kMostNames));
-    if (found.unread > 0) tell_left(fmt::format("folders that cannot be read: {}", found.unread));
+      report_left(fmt::format("the folder has more than {} names; the others were ignored",
+                              ForeignFolder::kMostNames));
+    if (found.unread > 0) report_left(fmt::format("folders that cannot be read: {}", found.unread));
     if (unreported_ > 0) fmt::print(stderr, "contourctl: {} more are not taken\n", unreported_);
     if (jobs_ == 0 && !left_ && !client_.json)
       fmt::print("nothing to take{}\n",
@@ -182,12 +182,12 @@ class Offer {
 
   void report_not_taken(const std::string& path, const std::string& why) {
     if (++reported_ <= kMostReported)
-      tell_left(in_quotes(path) + " is not taken: " + why);
+      report_left(in_quotes(path) + " is not taken: " + why);
     else
       ++unreported_;
   }
 
-  void tell_left(const std::string& sentence) {
+  void report_left(const std::string& sentence) {
     left_ = true;
     fmt::print(stderr, "contourctl: {}\n", printable(sentence));
   }

@@ -21,7 +21,7 @@ TEST_CASE("Headings, paragraphs and lists keep to the width") {
       "12. last of all\n    things\n");
 }
 
-TEST_CASE("A command is not broken; if there is no room, its remark goes above it") {
+TEST_CASE("A command is not broken, and its remark goes above it if there is no room") {
   const auto page = "    run --now        # it runs at once\n\n    stop\n";
   CHECK(plain_text(page, 60) == "    run --now        # it runs at once\n\n    stop\n");
   CHECK(plain_text(page, 20) == "    # it runs at\n    # once\n    run --now\n\n    stop\n");

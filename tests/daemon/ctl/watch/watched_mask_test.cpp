@@ -27,11 +27,11 @@ Mask lit_square() {
   return mask;
 }
 
-Json printing(int layer, const std::string& state = "exposing") {
+Json status_of_layer(int layer, const std::string& state = "exposing") {
   return {
       {"state", state}, {"job", {{"name", "gear"}, {"layer", layer}}}, {"manual", {{"picture", nullptr}}}};
 }
-Json idle(const Json& picture = nullptr) {
+Json status_without_job(const Json& picture = nullptr) {
   return {{"state", "idle"}, {"job", nullptr}, {"manual", {{"picture", picture}}}};
 }
 
@@ -70,7 +70,7 @@ const WatchedMask::Time kStart{1h};
 TEST_CASE("A watched mask is requested piece by piece, once per layer, and drawn with its layer") {
   WatchedMask mask(PictureInk::Characters);
   CHECK(mask.lines(kRoom).empty());
-  mask.note(printing(3));
+  mask.note(status_of_layer(3));
   CHECK(fetch(mask, kStart, 3) > 1);
   const std::vector<ScreenLine> lines = mask.lines(kRoom);
   REQUIRE(lines.size() > 5);
@@ -78,25 +78,25 @@ TEST_CASE("A watched mask is requested piece by piece, once per layer, and drawn
   CHECK(lines.front().text == "mask      layer 3, cut at 0.150 mm");
   CHECK(std::ranges::any_of(
       lines, [](const ScreenLine& line) { return line.text.find("\u2588") != std::string::npos; }));
-  mask.note(printing(3));
+  mask.note(status_of_layer(3));
   CHECK(fetch(mask, kStart + 10s, 3) == 0);
-  mask.note(printing(4, "lowering"));  // the display still shows layer 3
+  mask.note(status_of_layer(4, "lowering"));  // the display still shows layer 3
   CHECK(fetch(mask, kStart + 10s, 4) == 0);
-  mask.note(printing(4, "showing"));
+  mask.note(status_of_layer(4, "showing"));
   CHECK(fetch(mask, kStart + 10s, 4) > 0);
   CHECK(mask.lines(kRoom).front().text == "mask      layer 4, cut at 0.200 mm");
 }
 
 TEST_CASE("No mask is requested if there is no room for it, or too soon after the previous one") {
   WatchedMask mask(PictureInk::Characters);
-  mask.note(printing(1));
+  mask.note(status_of_layer(1));
   for (const ScreenSize small : {ScreenSize{80, 5}, ScreenSize{29, 20}, ScreenSize{0, 0}}) {
     CHECK(mask.lines(small).empty());
     CHECK_FALSE(mask.question(kStart));
   }
   (void)mask.lines(kRoom);
   CHECK(fetch(mask, kStart, 1) > 0);
-  mask.note(printing(2));
+  mask.note(status_of_layer(2));
   CHECK(fetch(mask, kStart + WatchedMask::kInterval - 1ms, 2) == 0);
   CHECK(fetch(mask, kStart + WatchedMask::kInterval, 2) > 0);
 }
@@ -104,13 +104,13 @@ TEST_CASE("No mask is requested if there is no room for it, or too soon after th
 TEST_CASE("A picture of manual control is watched until it ends") {
   WatchedMask mask(PictureInk::Characters);
   (void)mask.lines(kRoom);
-  mask.note(idle("grid"));
+  mask.note(status_without_job("grid"));
   CHECK(fetch(mask, kStart, 0) > 0);
   CHECK(mask.lines(kRoom).front().text == "mask      gear");
-  mask.note(idle());
+  mask.note(status_without_job());
   CHECK(mask.lines(kRoom).empty());
   CHECK_FALSE(mask.question(kStart + 1min));
-  mask.note(idle("grid"));
+  mask.note(status_without_job("grid"));
   CHECK(mask.question(kStart + 1min));
 }
 
@@ -130,12 +130,12 @@ TEST_CASE("A damaged answer loses the mask of its layer only") {
     CAPTURE(message.dump());
     WatchedMask mask(PictureInk::Characters);
     (void)mask.lines(kRoom);
-    mask.note(printing(1));
+    mask.note(status_of_layer(1));
     REQUIRE(mask.question(kStart));
     mask.take(message);
     mask.connection_lost();
     CHECK(mask.lines(kRoom).empty());
-    mask.note(printing(2));
+    mask.note(status_of_layer(2));
     CHECK(fetch(mask, kStart + 1min, 2) > 0);
     CHECK_FALSE(mask.lines(kRoom).empty());
   }
@@ -144,7 +144,7 @@ TEST_CASE("A damaged answer loses the mask of its layer only") {
 TEST_CASE("A dark mask is reported as such, and a small change of the room does not redraw a mask") {
   WatchedMask mask(PictureInk::Characters);
   (void)mask.lines(kRoom);
-  mask.note(printing(1));
+  mask.note(status_of_layer(1));
   const std::optional<Json> question = mask.question(kStart);
   REQUIRE(question);
   const Mask dark(Pixels{16}, Pixels{9});
@@ -152,7 +152,7 @@ TEST_CASE("A dark mask is reported as such, and a small change of the room does 
     mask.take(answer(*next, 1, dark));
   REQUIRE(mask.lines(kRoom).size() == 1);
   CHECK(mask.lines(kRoom).front().text == "mask      layer 1, cut at 0.050 mm: nothing is lit");
-  mask.note(printing(2));
+  mask.note(status_of_layer(2));
   CHECK(fetch(mask, kStart + 1min, 2) > 0);
   const std::size_t rows = mask.lines(kRoom).size();
   CHECK(mask.lines({kRoom.columns, kRoom.rows + 3}).size() == rows);
