@@ -1,5 +1,5 @@
-// Preloaded into the daemon by the soak. While the file $GIVE_BACK exists, memory that the daemon has freed is returned
-// to the kernel, so that the remaining memory is what the daemon holds.
+// Preloaded into the daemon by the soak. While the file $GIVE_BACK exists, memory that the daemon has freed
+// is returned to the kernel, so that the remaining memory is what the daemon holds.
 #include <malloc.h>
 #include <pthread.h>
 #include <signal.h>
