@@ -208,7 +208,7 @@ class Reminders(HistoryTest):
             file.write(b"noise" * 100)
         self.daemon.start()
         self.assertEqual(self.parts()["film"]["prints"], 0)
-        self.assertIn("what the lamp, the film and the vat have been used", self.daemon.log())
+        self.assertIn("lamp, film and vat is counted from zero", self.daemon.log())
         self.daemon.stop()
         for ending in ("", "-wal", "-shm"):
             if os.path.exists(self.file + ending):
@@ -328,7 +328,7 @@ class InTrouble(HistoryTest):
         with open(self.file, "rb") as file:
             before = file.read()
         self.daemon.start()
-        self.assert_prints_with_one_warning("version 7")
+        self.assert_prints_with_one_warning("its version is 7")
         with open(self.file, "rb") as file:
             self.assertEqual(file.read(), before)
 

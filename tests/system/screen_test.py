@@ -87,7 +87,7 @@ class Mask(ScreenTest):
         daemon.wait_ended("part")
         self.assertEqual(self.refusal(daemon.rpc("mask")), BLACK)
         # A picture with another number is not available.
-        self.assertIn("not kept", self.refusal(daemon.rpc("mask", picture=999)))
+        self.assertIn("no longer kept", self.refusal(daemon.rpc("mask", picture=999)))
 
     def test_while_the_screen_is_dark_the_last_mask_is_marked_as_not_on_screen(self):
         daemon = self.start({**NIMBLE_RESIN, "rest_ms": 60000})
@@ -249,7 +249,7 @@ class Upload(ScreenTest):
         self.assertIn("which has 6000 bytes so far", self.refusal(client.call("upload", **{"from": 5999, "data": "AAAA"})))
         self.assertIn("start again at 0", self.refusal(other.call("upload", **{"from": 6000, "data": "AAAA"})))
         self.upload(other, bytes(10))
-        self.assertIn("another's took its place", self.refusal(client.call("show", uploaded=True)))
+        self.assertIn("another connection's upload replaced it", self.refusal(client.call("show", uploaded=True)))
         self.assertIn("not a PNG file", self.refusal(other.call("show", uploaded=True)))
         self.assertIn("no picture was uploaded", self.refusal(other.call("show", uploaded=True)))
         for wrong in ({"from": 0}, {"data": "AAAA"}, {"from": 0, "data": "A"}, {"from": 0, "data": "AA=A"}, {"from": 0, "data": ""},

@@ -291,7 +291,7 @@ class Watch(FolderTest):
         terminal.wait_for("light     ON")
         daemon.kill()
         terminal.wait_for("closed the connection")
-        self.assertIn("light     not known", terminal.text())
+        self.assertIn("light     unknown", terminal.text())
         daemon.start()
         terminal.wait_for("held      the queue is held")
         self.assertNotIn("closed the connection", terminal.text())

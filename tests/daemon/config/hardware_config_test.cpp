@@ -201,7 +201,7 @@ TEST_CASE("all missing required keys of a real machine are reported with their d
   CHECK(complaints[1] ==
         "/z_axis/direction: this key is missing, and \"hardware\" is \"real\": Line of the motor driver's "
         "direction "
-        "input, active while the plate rises. A real machine needs it");
+        "input, active while the plate rises. Required for a real machine");
   CHECK(complaints[2].starts_with("/z_axis/limit_switch: this key is missing"));
   CHECK(complaints[3].starts_with("/z_axis/step: this key is missing"));
   CHECK(complaints[4].starts_with("/z_axis/top_speed_mm_s: this key is missing"));

@@ -52,7 +52,7 @@ TEST_CASE("a table whose timing exceeds the resin's tolerance causes a warning w
   CHECK(
       warnings_of(late, {100ms, ExposureTolerance::Policy::Interrupt}) ==
       std::vector<std::string>{"its latency_ms is 150 ms, and light_off is hardly faster than light_on: the "
-                               "resin's exposure_tolerance_ms is 100 ms, so every layer will wait for its "
+                               "resin's exposure_tolerance_ms is 100 ms, so every layer will wait for the "
                                "operator"});
   CHECK(warnings_of(late, {200ms, ExposureTolerance::Policy::Warn}).empty());
 }

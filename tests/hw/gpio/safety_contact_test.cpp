@@ -87,7 +87,7 @@ TEST_CASE("An edge to the safe level of a safe contact shows a missed edge, and 
   CHECK(states(contact, 15ms) == States{kSafe});
 }
 
-TEST_CASE("A level that was read before its edge arrived gets the edge's time") {
+TEST_CASE("A safety level that was read before its edge arrived settles from the edge on") {
   SafetyContact contact(kContactDebounce, false);
   contact.read(true, TimePoint{12ms});
   contact.edge(true, TimePoint{10ms});
