@@ -78,7 +78,7 @@ TEST_CASE("The check of a waiting job returns its outlook") {
   CHECK(outlook.layers == 4);
   CHECK(outlook.thinnest_layer == Nanometers{50'000});
   CHECK(outlook.thickest_layer == Nanometers{50'000});
-  CHECK(outlook.height_mm == Approx(0.2));
+  CHECK(outlook.height_mm == testing::Approx(0.2));
   // More than four exposures, and less than four minutes.
   CHECK(outlook.print_time > std::chrono::seconds{4});
   CHECK(outlook.print_time < std::chrono::minutes{4});
@@ -227,7 +227,7 @@ TEST_CASE("The analysis of a job returns its resin volume, content and settings"
   const auto& job = std::get<AnalyzedJob>(found);
   CHECK(job.analysis.findings.empty());
   // 3 x 2 x 0.2 mm.
-  CHECK(job.analysis.resin_ml == Approx(0.0012).epsilon(0.01));
+  CHECK(job.analysis.resin_ml == testing::Approx(0.0012).epsilon(0.01));
   CHECK(job.content == content_mark(files));
   CHECK(job.settings == read_settings(files, fixture.config));
 }

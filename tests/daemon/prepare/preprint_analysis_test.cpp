@@ -44,7 +44,7 @@ TEST_CASE("A sound job has no finding") {
   const PreprintAnalysis analysis = Job().analysis();
   CHECK(analysis.findings.empty());
   CHECK(analysis.warnings.empty());
-  CHECK(analysis.resin_ml == Approx(1));
+  CHECK(analysis.resin_ml == testing::Approx(1));
 }
 
 TEST_CASE("Unheld places need confirmation whatever ask_before names") {

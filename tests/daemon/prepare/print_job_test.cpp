@@ -371,8 +371,8 @@ TEST_CASE("A supported ball is lifted by whole layers, and both engines expose i
   const Nanometers lift = job.plan.engine->models().front().elevation.above_plate();
   CHECK(lift >= Nanometers{5'000'000});
   CHECK(lift.count() % 70'000 == 0);
-  CHECK(job.summary.height_mm ==
-        Approx(to_millimeters(lift).count() + 10));  // the tolerance covers the mesh's coarseness, 5 um
+  CHECK(job.summary.height_mm == testing::Approx(to_millimeters(lift).count() +
+                                                 10));  // the tolerance covers the mesh's coarseness, 5 um
   // Beneath the ball there are only supports.
   const Nanometers beneath = lift / 2;
   CHECK(job.plan.engine->mask_at(beneath).lit_area() > 0);
@@ -400,7 +400,7 @@ TEST_CASE("A model with fit leaves room for supports beneath it") {
   PrintJobFixture fixture;
   const PreparedJob job =
       fixture.prepare(models::box({0, 0, 0}, {2, 2, 100}), R"({"supports": "auto", "fit": true})");
-  CHECK(job.summary.height_mm == Approx(154 - 5 - 0.1));  // the thickest layer is 0.1 mm
+  CHECK(job.summary.height_mm == testing::Approx(154 - 5 - 0.1));  // the thickest layer is 0.1 mm
 }
 
 TEST_CASE("Copies with supports are spaced so that a foot fits between them") {
@@ -410,9 +410,9 @@ TEST_CASE("Copies with supports are spaced so that a foot fits between them") {
         fixture.prepare(facets, R"({"supports": "auto", "copies": 2})").summary.models.front().centers;
     return std::abs(centers[1].x - centers[0].x) + std::abs(centers[1].y - centers[0].y);
   };
-  CHECK(distance(kCube) == Approx(20 + 2));
+  CHECK(distance(kCube) == testing::Approx(20 + 2));
   CHECK(distance(models::sphere(5, 32)) ==
-        Approx(10 + 4 + 2 * 0.5).margin(0.01));  // mm: a mesh of 32 corners
+        testing::Approx(10 + 4 + 2 * 0.5).margin(0.01));  // mm: a mesh of 32 corners
 }
 
 TEST_CASE("A stopped search for supports prepares no job") {
