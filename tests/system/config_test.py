@@ -144,7 +144,7 @@ class CheckConfig(ConfigTest):
         self.assertRegex(warning, r"^/exposure_ms: 3(\.0)? ms .*usual$")
         display = {"width_px": 1080, "height_px": 1920}
         exchanged, exposure = self.warnings(self.config({"display": display}))
-        self.assertIn("exchanged", exchanged)
+        self.assertIn("swapped", exchanged)
         self.assertTrue(exposure.startswith("/exposure_ms: "), exposure)
 
     def test_profiles_that_only_tickets_name_are_checked_too(self):
@@ -159,7 +159,7 @@ class CheckConfig(ConfigTest):
         os.mkdir(self.path("folder.sock"))
         os.symlink("control.sock", self.path("link.sock"))
         for name in ("file.sock", "folder.sock", "link.sock"):
-            self.refuses(self.config({"control_socket": name}), "/control_socket", name, "no socket")
+            self.refuses(self.config({"control_socket": name}), "/control_socket", name, "exists and is not a socket")
         with socket.socket(socket.AF_UNIX) as listener:
             listener.bind(self.path("control.sock"))
             self.assertEqual(self.check(self.config({})).returncode, OK)
