@@ -211,6 +211,14 @@ def run(program, *arguments, **options):
     return subprocess.run([program, *map(os.fspath, arguments)], **options)
 
 
+def check_config(path):
+    """Returns the exit code, the warnings and the last line of a check of this configuration. Warnings about the user of an
+    installed package are left out: the service cannot read the tests' folders."""
+    result = run(CONTOURD, "--check-config", path)
+    *warnings, last = (result.stdout + result.stderr).decode().splitlines()
+    return result.returncode, [line for line in warnings if "the unit hides home folders" not in line], last
+
+
 def contourctl(*arguments, **options):
     return run(CONTOURCTL, *arguments, **options)
 

@@ -7,7 +7,7 @@ import json
 import os
 import re
 
-from harness import BAD_CONFIG, CONTOURD, OK, SOURCE, Daemon, FolderTest, binary_stl, box, main, merge, run, source_json
+from harness import BAD_CONFIG, OK, SOURCE, Daemon, FolderTest, binary_stl, box, check_config, main, merge, source_json
 
 MODELS = ("3", "4", "5")
 # Source: the kernel's drivers drivers/pinctrl/bcm/pinctrl-bcm2835.c and drivers/pinctrl/pinctrl-rp1.c.
@@ -38,9 +38,7 @@ class Profiles(FolderTest):
             os.symlink(os.path.join(SOURCE, "config", name), self.path(name))
 
     def check(self, profile):
-        path = self.write("contourd.json", json.dumps(profile))
-        result = run(CONTOURD, "--check-config", path)
-        return result.returncode, (result.stdout + result.stderr).decode()
+        return check_config(self.write("contourd.json", json.dumps(profile)))
 
     def profile(self, model, **of_axis):
         return merge(source_json(f"raspberry-pi-{model}.json"), {"z_axis": of_axis})
@@ -69,28 +67,27 @@ class Profiles(FolderTest):
                     profile = self.with_speed(model, steps, max(SURE_RATE, fastest * steps))
                     profile["projector"]["table"] = table
                     if "light_on" not in source_json("projectors", table + ".json")["commands"]:
-                        code, output = self.check(profile)
+                        code, _, last = self.check(profile)
                         self.assertEqual(code, BAD_CONFIG)
-                        self.assertIn('give a "light" line too', output)
+                        self.assertIn('give a "light" line too', last)
                         profile["projector"]["light"] = {"chip": CHIPS[model], "line": 24}
-                    code, output = self.check(profile)
-                    *warnings, good = output.splitlines()
-                    self.assertEqual((code, good), (OK, f"{self.path('contourd.json')}: good"))
+                    code, warnings, last = self.check(profile)
+                    self.assertEqual((code, last), (OK, f"{self.path('contourd.json')}: good"))
                     # BenQ's replies may take longer than the resin's exposure, as the guide says.
                     self.assertEqual([table for warning in warnings if "the reply to light_on may take" in warning],
                                      ["benq"] if table == "benq" else [])  # fmt: skip
-                    self.assertEqual(len(warnings), int(table == "benq"), output)
+                    self.assertEqual(len(warnings), int(table == "benq"), warnings)
 
     def test_the_highest_speed_follows_from_the_step_rate(self):
         for model, pitch, microsteps in self.machines():
             with self.subTest(model=model, pitch=pitch, microsteps=microsteps):
                 steps = per_mm(pitch, microsteps)
                 self.assertEqual(self.check(self.with_speed(model, steps, MOST_RATE))[0], OK)
-                code, output = self.check(self.with_speed(model, steps, MOST_RATE * 1.01))
+                code, _, last = self.check(self.with_speed(model, steps, MOST_RATE * 1.01))
                 self.assertEqual(code, BAD_CONFIG)
                 most = f"{float(MOST_RATE / steps):g} mm/s"
                 self.assertIn(f"more than the limit, {most}" if steps == 400 else  # the schema's limit
-                              f"are 20200 steps a second; the limit is {MOST_RATE}, that is {most}", output)  # fmt: skip
+                              f"are 20200 steps a second; the limit is {MOST_RATE}, that is {most}", last)  # fmt: skip
 
     def test_the_guide_has_the_same_figures(self):
         rows = {}
@@ -127,7 +124,7 @@ class Profiles(FolderTest):
             contact = {"chip": CHIPS[model], "active_low": True, "bias": "pull_up", "contact": "normally_closed"}
             profile = self.profile(model, emergency_stop={**contact, "line": 5}, lid={**contact, "line": 6})
             profile["projector"]["light"] = {"chip": CHIPS[model], "line": 24}
-            self.assertEqual(self.check(profile), (OK, f"{self.path('contourd.json')}: good\n"))
+            self.assertEqual(self.check(profile), (OK, [], f"{self.path('contourd.json')}: good"))
 
 
 class Prints(FolderTest):
