@@ -13,9 +13,9 @@ struct LayerCracks {
   std::uint32_t gaps_closed = 0;
   // The widest distance bridged, a closed open chain's included.
   Millimeters widest_gap{};
-  // Chains that no join within the tolerance could close. They were closed all the same (each is part of a
-  // loop) or, if an internal wall of one side, left out, so that nothing can spill; the area that they
-  // enclose is a guess.
+  // Chains that no join within the tolerance could close. Each was closed all the same, so that nothing can
+  // spill, and the area that it encloses is a guess; a chain that is an internal wall with only one side was
+  // left out instead.
   std::uint32_t open_chains = 0;
 
   // Chains that were walked against their facets' winding, because nothing else closes them (turned facets).

@@ -1,5 +1,6 @@
 // Cuts sides (directed segments of contours) on an integer grid wherever they meet, and finds the winding
-// numbers on both sides of each piece. A union is read from the result.
+// numbers on both sides of each piece. From the result, ContourUnion reads the union of contours, and
+// Rasterizer the outline of the area that overlapping polygons cover together.
 //
 // A line sweeps over the sides from low y to high y (at equal y from low x) and keeps the sides that it
 // crosses in order. Two sides are tested when they become neighbours (Shamos and Hoey 1976, Bentley and

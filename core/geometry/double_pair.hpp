@@ -1,6 +1,6 @@
-// Two numbers that are calculated at once: by one vector instruction if the processor has them (SSE2, NEON),
-// otherwise one after the other. Each result has the same bits as the plain operation on the one number.
-// Values; thread-safe.
+// Two numbers, such as x and y of a point, that slicer.cpp calculates at once: by one vector instruction if
+// the processor has them (SSE2, NEON), otherwise one after the other. Each result has the same bits as the
+// plain operation on the one number. Values; thread-safe.
 #pragma once
 
 #include <bit>

@@ -1,4 +1,6 @@
-// The methods with which clients control the printer. Independent of the transport. Event loop's thread only.
+// The methods status, pause, resume, cancel and plate_cleared of the control socket. The methods for the
+// queue, manual control, the history and the screen have classes of their own; PrinterService merges all of
+// them. Independent of the transport. Event loop's thread only.
 #pragma once
 
 #include <string>
@@ -22,7 +24,7 @@ class PrinterControl {
                  const PrinterStatus& status)
       : context_(context), hold_(hold), job_(job), scheduler_(scheduler), status_(status) {}
 
-  // Returns all methods by name. The control must outlive them.
+  // Returns these methods by name. The control must outlive them.
   [[nodiscard]] ControlMethods methods();
 
   // The following methods return the status, and throw ControlRefusal.

@@ -1,5 +1,5 @@
-// The printer's metrics for a monitoring system, as text in the OpenMetrics 1.0 format. Value type;
-// thread-safe.
+// The printer's metrics for a monitoring system, as text in the OpenMetrics 1.0 format. PrinterStatus fills
+// them in, and PrinterService hands the text to MetricsFile. Value type; thread-safe.
 #pragma once
 
 #include <cstddef>

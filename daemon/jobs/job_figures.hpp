@@ -1,5 +1,5 @@
-// Figures for the history: the settings of a print and what it has used so far. Thread-safe (no shared
-// state).
+// Figures with which CurrentJob reports a print to the history: its settings, and the light, time and resin
+// used so far. Thread-safe (no shared state).
 #pragma once
 
 #include <vector>

@@ -1,6 +1,7 @@
 // Settings of a job: its ticket, and the profile of the resin named by the ticket or else by the printer's
-// file. The printer's file is read when contourd starts; ticket and profile are read when the job is claimed,
-// and then apply until its end. Thread-safe (no shared state).
+// file. contourd reads the printer's file when it starts. It reads ticket and profile when it checks the job
+// in the queue, and again when it claims the job; the settings read then apply until the job's end.
+// contourctl reads them to draw and to forecast a job. Thread-safe (no shared state).
 #pragma once
 
 #include <string>

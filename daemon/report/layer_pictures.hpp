@@ -1,5 +1,6 @@
-// Small pictures of some layers of a print for its report, made from the masks that were shown. Thread-safe
-// (no shared state).
+// Small pictures of some layers of a print for its report, from masks that are computed again when the print
+// has ended. Also the box around all layers, to which the picture of the part is cropped. Thread-safe (no
+// shared state).
 #pragma once
 
 #include <cstddef>

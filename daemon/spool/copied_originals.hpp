@@ -1,5 +1,6 @@
 // The record of the jobs in incoming/ that were printed from a copy, because the daemon may not move them.
-// The record is on the disk, so that no job is printed twice. Thread-safe.
+// Spool uses the record, which is on the disk, so that no job is printed twice. Also mark_of(), by which the
+// spool and the job reader recognise a job whose files have not changed. Thread-safe.
 #pragma once
 
 #include <filesystem>

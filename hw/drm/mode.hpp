@@ -1,4 +1,5 @@
-// Display modes: the choice of the mode that the config asks for, and the check that it can show masks. Pure
+// Display modes: the choice of the mode that the config asks for, and the check that it can show masks.
+// Output chooses when it opens or restores a display, and --check-hardware chooses to report the mode. Pure
 // functions on the kernel's list of modes; thread-safe.
 #pragma once
 
