@@ -6,7 +6,6 @@
 
 #include "hw/drm/drm_report.hpp"
 #include "hw/gpio/gpio_axis.hpp"
-#include "hw/open_projector.hpp"
 
 namespace contourd {
 
@@ -113,9 +112,8 @@ void HardwareCheck::check_display() {
 }
 
 void HardwareCheck::check_projector() {
-  const SerialProjectorConfig& projector = *config_.projector;
   try {
-    projector_ = open_projector(projector, clock_, watcher_);
+    projector_ = open_device(*config_.projector, clock_, watcher_);
   } catch (const std::exception& error) {
     report("projector", false, error.what());
     end_ = clock_.call_after(Duration{0}, [this] { done_(); });
@@ -126,7 +124,7 @@ void HardwareCheck::check_projector() {
     std::string answer;
     if (status.powered) answer += *status.powered ? ", on" : ", off";
     if (status.lamp_hours) answer += ", lamp " + std::to_string(*status.lamp_hours) + " h";
-    if (answer.empty()) answer = ": the port opens, but the projector's table has no query to send";
+    if (answer.empty()) answer = ": it opens, but it has no query to send";
     const bool good = status.reply == ProjectorReply::Ok;
     report("projector", good, good ? place + answer : status.problem);
     // Deferred, because done_ may destroy the projector, which must not happen inside its callback.

@@ -3,8 +3,6 @@
 #include <exception>
 #include <utility>
 
-#include "hw/open_projector.hpp"
-
 namespace contourd {
 namespace {
 
@@ -18,10 +16,9 @@ LightOff::LightOff(Clock& clock, DescriptorWatcher& watcher, LightConfig config)
 void LightOff::run(Done done) {
   done_ = std::move(done);
   if (config_.line) turn_line_off();
-  if (!config_.projector || !config_.projector->table.light_off) return end();
-  const SerialProjectorConfig& wanted = *config_.projector;
+  if (!config_.projector) return end();
   try {
-    projector_ = open_projector(wanted, clock_, watcher_);
+    projector_ = open_device(*config_.projector, clock_, watcher_);
   } catch (const std::exception& error) {
     problems_.emplace_back(error.what());
     return end();
@@ -40,7 +37,7 @@ void LightOff::tell_projector() {
 }
 
 void LightOff::give_up() {
-  const bool warming = !config_.left_dark && config_.projector->table.warm_up > kPatience;
+  const bool warming = !config_.left_dark && warm_up_of(*config_.projector) > kPatience;
   problems_.push_back(projector_->last_problem() + (warming ? "; it may be warming up" : ""));
   end();
 }

@@ -4,9 +4,6 @@
 #include <initializer_list>
 #include <utility>
 
-#include "hw/drm/drm_display.hpp"
-#include "hw/gpio/gpio_axis.hpp"
-#include "hw/open_projector.hpp"
 #include "hw/projector_with_light_line.hpp"
 
 namespace contourd {
@@ -59,14 +56,12 @@ RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog
 }
 
 void RealMachine::add_openers() {
-  if (!openers_.axis)
-    openers_.axis = [this] { return std::make_unique<GpioAxis>(clock_, watcher_, config_.axis); };
+  if (!openers_.axis) openers_.axis = [this] { return open_device(config_.axis, clock_, watcher_); };
   if (!openers_.light)
     openers_.light = [this] { return std::make_unique<GpioLightLine>(config_.light.value(), clock_); };
   if (!openers_.projector)
-    openers_.projector = [this] { return open_projector(config_.projector.value(), clock_, watcher_); };
-  if (!openers_.display)
-    openers_.display = [this] { return std::make_unique<DrmDisplay>(watcher_, config_.display); };
+    openers_.projector = [this] { return open_device(config_.projector.value(), clock_, watcher_); };
+  if (!openers_.display) openers_.display = [this] { return open_device(config_.display, clock_, watcher_); };
 }
 
 RealMachine::~RealMachine() {

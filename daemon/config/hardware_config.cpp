@@ -1,6 +1,5 @@
 #include "daemon/config/hardware_config.hpp"
 
-#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -97,20 +96,14 @@ GpioLineConfig read_gpio_line(const JsonSection& line) {
           .active_low = line.boolean("active_low")};
 }
 
-RealMachineConfig read_real_machine(const JsonSection& printer, std::optional<ProjectorTable> table) {
-  const JsonSection projector = printer.section("projector");
+RealMachineConfig read_real_machine(const JsonSection& printer, std::optional<ProjectorConfig> projector) {
+  const JsonSection section = printer.section("projector");
   RealMachineConfig config;
   config.axis = read_gpio_axis(printer.section("z_axis"));
   config.display = read_drm_display(printer.section("display"));
-  config.warm_up = projector.duration("warm_up_s");
-  config.light = read_if_there(projector, "light", read_gpio_line);
-  if (!table) return config;
-  // The longer warm-up counts.
-  table->warm_up = std::max(table->warm_up, config.warm_up);
-  config.projector =
-      SerialProjectorConfig{.port = projector.text("port"), .table = std::move(*table), .brightness = {}};
-  if (projector.has("brightness"))
-    config.projector->brightness = projector.integer<std::int32_t>("brightness");
+  config.warm_up = projector ? warm_up_of(*projector) : section.duration("warm_up_s");
+  config.light = read_if_there(section, "light", read_gpio_line);
+  config.projector = std::move(projector);
   return config;
 }
 

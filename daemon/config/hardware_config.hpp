@@ -11,9 +11,9 @@ namespace contourd {
 // Reads a GPIO line. Throws ConfigError, also if a key that has a default is missing.
 [[nodiscard]] GpioLineConfig read_gpio_line(const JsonSection& line);
 
-// Reads the hardware. `table` is the one that the projector's section names, if any. Does not repeat the
-// checks of printer_schema() and hardware_rules.hpp. Throws ConfigError if a key is missing.
+// Reads the hardware but for the projector. Does not repeat the checks of printer_schema() and
+// hardware_rules.hpp. Throws ConfigError if a key is missing.
 [[nodiscard]] RealMachineConfig read_real_machine(const JsonSection& printer,
-                                                  std::optional<ProjectorTable> table);
+                                                  std::optional<ProjectorConfig> projector);
 
 }  // namespace contourd

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/config/projector_config.hpp"
 #include "daemon/json/json_schema.hpp"
 #include "hw/gpio/gpio_axis_config.hpp"
 
@@ -54,8 +55,9 @@ void check_required_keys(JsonDocument& printer) {
   }
   for (const char* key : {"top_speed_mm_s", "step", "direction", "limit_switch"})
     require(printer, "/z_axis", key);
-  if (!has(printer, "/projector/table") && !has(printer, "/projector/light") &&
-      printer.value().at("projector").is_object()) {
+  const nlohmann::json& projector = printer.value().at("projector");
+  const auto is_there = [&](const char* key) { return projector.contains(key); };
+  if (projector.is_object() && std::ranges::none_of(light_keys(), is_there)) {
     printer.add_violation(
         "/projector",
         "nothing turns the light on and off: give a \"light\" line, or a \"port\" and the \"table\" "

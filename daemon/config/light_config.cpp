@@ -1,7 +1,6 @@
 #include "daemon/config/light_config.hpp"
 
 #include <algorithm>
-#include <initializer_list>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -9,6 +8,7 @@
 #include "core/contract/expects.hpp"
 #include "daemon/config/hardware_config.hpp"
 #include "daemon/config/hardware_rules.hpp"
+#include "daemon/config/projector_config.hpp"
 #include "daemon/config/projector_table.hpp"
 #include "daemon/json/json_schema.hpp"
 #include "daemon/json/json_section.hpp"
@@ -27,8 +27,7 @@ bool are_nested(std::string_view one, std::string_view other) {
 
 // Adds the document's violations to `found`: to the problems if they touch one of the places, else to
 // `elsewhere`.
-void add_violations(const JsonDocument& document, std::initializer_list<std::string_view> places,
-                    FoundLight& found) {
+void add_violations(const JsonDocument& document, const std::vector<std::string>& places, FoundLight& found) {
   for (Violation& violation : document.violations()) {
     const bool needed = std::any_of(places.begin(), places.end(), [&](std::string_view place) {
       return are_nested(violation.pointer, place);
@@ -57,36 +56,28 @@ void attempt(const std::string& file, FoundLight& found, Read read) {
   }
 }
 
-void find_projector(JsonDocument& printer, const fs::path& folder, FoundLight& found) {
-  const auto tables = printer.valid_text("/projectors_folder"), name = printer.valid_text("/projector/table"),
-             port = printer.valid_text("/projector/port");
-  if (!tables || !name || !port) return;
-  const fs::path tables_folder = resolved(folder, *tables);
-  const auto file = profile_file(tables_folder, *name);
-  if (!file) {
-    printer.add_violation("/projector/table", no_such_profile("projector table", tables_folder, *name));
-    return;
-  }
-  attempt(file->string(), found, [&] {
-    JsonDocument table = JsonDocument::from_file(*file);
-    check_table(table);
-    add_violations(table,
+// Reads the table that the printer's file names. Adds its violations and its exceptions to `found`.
+std::optional<JsonDocument> find_table(JsonDocument& printer, const fs::path& folder, FoundLight& found) {
+  std::optional<JsonDocument> table;
+  if (!printer.valid_text("/projector/port")) return table;
+  attempt(printer.file(), found, [&] {
+    table = named_table(printer, folder);
+    if (!table) return;
+    check_table(*table);
+    add_violations(*table,
                    {"/brand", "/baud", "/line_end", "/echo", "/checksum", "/timeout_ms", "/retries",
                     "/gap_ms", "/commands/light_off"},
                    found);
-    if (auto light = read_light_table(JsonSection(table)))
-      found.light.projector = {.port = *port, .table = std::move(*light), .brightness = {}};
   });
+  return table;
 }
 
 }  // namespace
 
-std::string light_record(const JsonDocument& printer, const std::optional<nlohmann::json>& table) {
+std::string light_record(const JsonDocument& printer, const std::optional<JsonDocument>& table) {
   expects(printer.value().contains("projector"), "the printer has a projector");
-  const nlohmann::json& projector = printer.value().at("projector");
-  nlohmann::json record = nlohmann::json::object();
-  if (projector.contains("light")) record["light"] = projector.at("light");
-  if (table) record["projector"] = {{"port", projector.at("port")}, {"table", *table}};
+  nlohmann::json record = printer.value().at("projector");
+  if (table) record["table"] = table->value();
   return record.dump(2) + "\n";
 }
 
@@ -104,13 +95,11 @@ LightConfig read_light_record(const fs::path& record) {
   LightConfig light;
   light.left_dark = root.has("left_dark") && root.boolean("left_dark");
   if (root.has("light")) light.line = read_gpio_line(root.section("light"));
-  if (!root.has("projector")) return light;
-  const JsonSection projector = root.section("projector");
   try {
-    if (auto table = read_light_table(projector.section("table")))
-      light.projector = {.port = projector.text("port"), .table = std::move(*table), .brightness = {}};
+    light.projector =
+        read_light_projector(root, root.has("port") ? std::optional(root.section("table")) : std::nullopt);
   } catch (const std::invalid_argument& error) {
-    throw ConfigError({{record.string(), "/projector/table", error.what()}});
+    throw ConfigError({{record.string(), "/table", error.what()}});
   }
   return light;
 }
@@ -126,15 +115,19 @@ FoundLight find_light(const fs::path& printer_file) {
     if (const auto socket = printer.valid_text("/control_socket"))
       found.control_socket = resolved(folder, *socket);
     const bool simulated = printer.valid_text("/hardware") == "simulated";
-    if (!simulated) find_projector(printer, folder, found);
-    add_violations(
-        printer,
-        {"/hardware", "/projectors_folder", "/projector/port", "/projector/table", "/projector/light"},
-        found);
+    const auto table = simulated ? std::nullopt : find_table(printer, folder, found);
+    std::vector<std::string> places{"/hardware", "/projectors_folder", "/projector/port"};
+    for (const char* key : light_keys())
+      places.push_back("/projector/" + std::string(key));
+    add_violations(printer, places, found);
     if (simulated) return;
     attempt(file, found, [&] {
       const JsonSection projector = JsonSection(printer).section("projector");
       if (projector.has("light")) found.light.line = read_gpio_line(projector.section("light"));
+    });
+    attempt(table ? table->file() : file, found, [&] {
+      found.light.projector = read_light_projector(JsonSection(printer).section("projector"),
+                                                   table ? std::optional(JsonSection(*table)) : std::nullopt);
     });
     if (found.problems.empty() && !found.light.line && !found.light.projector)
       found.problems.push_back({file, "/projector", "it contains nothing that turns the light off"});

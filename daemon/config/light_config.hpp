@@ -4,7 +4,6 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,11 +14,10 @@
 
 namespace contourd {
 
-// Returns the text (JSON) of the light record. `table` is the content of the table that the projector's
-// section names, if any. The printer's file must be valid, with the "hardware" "real". REQUIRES: it has a
-// section "projector".
-[[nodiscard]] std::string light_record(const JsonDocument& printer,
-                                       const std::optional<nlohmann::json>& table);
+// Returns the text (JSON) of the light record: the printer's section "projector", with `table`, the content
+// of the table that it names, if any. The printer's file must be valid, with the "hardware" "real". REQUIRES:
+// it has a section "projector".
+[[nodiscard]] std::string light_record(const JsonDocument& printer, const std::optional<JsonDocument>& table);
 
 // Returns the record with the mark of a normal exit with the light confirmed off. REQUIRES: `record` is JSON
 // text.

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <string>
+#include <variant>
 
 namespace contourd {
 namespace {
@@ -18,9 +19,11 @@ Duration wire_time(const std::string& bytes, int baud) {
 
 }  // namespace
 
-void warn_of_implausible_light(JsonDocument& printer, const ProjectorTable& table,
+void warn_of_implausible_light(JsonDocument& printer, const ProjectorConfig& projector,
                                const ExposureTolerance& tolerance, Duration exposure) {
-  if (!table.switches_light()) return;
+  const auto* const serial = std::get_if<SerialProjectorConfig>(&projector);
+  if (serial == nullptr || !serial->table.switches_light()) return;
+  const ProjectorTable& table = serial->table;
   const auto warn = [&printer](const std::string& what) { printer.add_warning("/projector/table", what); };
   const std::string tolerated = "the resin's exposure_tolerance_ms is " + ms_text(tolerance.bounds) +
                                 (tolerance.policy == ExposureTolerance::Policy::Interrupt

@@ -14,6 +14,7 @@
 #include "daemon/config/light_config.hpp"
 #include "daemon/config/light_plausibility.hpp"
 #include "daemon/config/printer_places.hpp"
+#include "daemon/config/projector_config.hpp"
 #include "daemon/config/projector_table.hpp"
 #include "daemon/config/resin_plausibility.hpp"
 #include "daemon/config/uniformity_mask.hpp"
@@ -103,28 +104,16 @@ std::optional<LoadedResin> load_default_resin(JsonDocument& printer, const fs::p
   }
 }
 
-struct LoadedTable {
-  fs::path file;
-  ProjectorTable table;
-  nlohmann::json json;  // the file's content, with defaults
-};
-
 // Loads the projector's table, with the same treatment of violations as load_default_resin().
-std::optional<LoadedTable> load_table(JsonDocument& printer, const fs::path& folder,
-                                      std::vector<Violation>& violations) {
-  const auto tables = printer.valid_text("/projectors_folder");
-  const auto name = printer.valid_text("/projector/table");
-  if (!tables || !name) return std::nullopt;
-  const fs::path tables_folder = resolved(folder, *tables);
-  const auto file = profile_file(tables_folder, *name);
-  if (!file) {
-    printer.add_violation("/projector/table", no_such_profile("projector table", tables_folder, *name));
-    return std::nullopt;
-  }
+std::optional<JsonDocument> load_table(JsonDocument& printer, const fs::path& folder,
+                                       std::vector<Violation>& violations) {
   try {
-    JsonDocument document = JsonDocument::from_file(*file);
-    ProjectorTable table = read_projector_table(document);
-    return LoadedTable{*file, std::move(table), document.value()};
+    std::optional<JsonDocument> table = named_table(printer, folder);
+    if (!table) return std::nullopt;
+    check_table(*table);
+    table->throw_if_violated();
+    check_projector_table(printer, read_projector_table(JsonSection(*table)));
+    return table;
   } catch (const ConfigError& error) {
     violations.insert(violations.end(), error.violations().begin(), error.violations().end());
     return std::nullopt;
@@ -206,31 +195,23 @@ ReminderConfig read_reminders(const JsonSection& reminders) {
 struct Companions {
   std::optional<LoadedResin> resin;
   std::optional<UniformityMask> uniformity;
-  std::optional<LoadedTable> table;
+  std::optional<JsonDocument> table;
+  std::optional<ProjectorConfig> projector;  // with the table
 };
 
 void warn_of_light(JsonDocument& document, const Companions& companions) {
   const ResinProfile& resin = companions.resin->profile;
   const auto irradiance = document.valid_number("/projector/irradiance_mw_cm2");
   const int first_normal_layer = resin.bottom_layers + resin.fade_layers;
-  warn_of_implausible_light(document, companions.table->table, resin.tolerance,
+  warn_of_implausible_light(document, *companions.projector, resin.tolerance,
                             exposure_time(resin, resin.layer_height, first_normal_layer, irradiance.value()));
-}
-
-// Reads the parts that only a real machine has.
-void read_real(const JsonDocument& document, std::optional<LoadedTable> table, PrinterConfig& config) {
-  std::optional<nlohmann::json> json;
-  if (table) json = std::move(table->json);
-  config.light_record = light_record(document, json);
-  config.real =
-      read_real_machine(JsonSection(document), table ? std::optional(std::move(table->table)) : std::nullopt);
 }
 
 // Returns the paths of all files that were read.
 std::vector<fs::path> files_of(const JsonDocument& document, const fs::path& folder,
                                const Companions& companions) {
   std::vector<fs::path> files{folder / fs::path(document.file()).filename(), companions.resin->file};
-  if (companions.table) files.push_back(companions.table->file);
+  if (companions.table) files.emplace_back(companions.table->file());
   if (companions.uniformity) files.push_back(companions.uniformity->file);
   return files;
 }
@@ -288,7 +269,10 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .tiny_first_layer_percent = root.number("tiny_first_layer_percent"),
       .supports = root.text("supports") == "auto" ? SupportPolicy::Auto : SupportPolicy::Off,
   };
-  if (real) read_real(document, std::move(companions.table), config);
+  if (real) {
+    config.light_record = light_record(document, companions.table);
+    config.real = read_real_machine(root, std::move(companions.projector));
+  }
   return config;
 }
 
@@ -308,12 +292,14 @@ PrinterConfig load_printer_config(const fs::path& path, Places places) {
   companions.resin = load_default_resin(document, folder, elsewhere);
   companions.uniformity = load_uniformity_mask(document, folder);
   companions.table = load_table(document, folder, elsewhere);
-  if (companions.table) check_projector_table(document, companions.table->table);
 
   std::vector<Violation> violations = document.violations();
   violations.insert(violations.end(), elsewhere.begin(), elsewhere.end());
   if (!violations.empty()) throw ConfigError(std::move(violations));
-  if (companions.table) warn_of_light(document, companions);
+  companions.projector =
+      read_projector(JsonSection(document).section("projector"),
+                     companions.table ? std::optional(JsonSection(*companions.table)) : std::nullopt);
+  if (companions.projector) warn_of_light(document, companions);
   return read_printer(document, folder, std::move(companions));
 }
 

@@ -406,15 +406,15 @@ void check_table(JsonDocument& document) {
   check_rules(document);
 }
 
-ProjectorTable read_projector_table(JsonDocument& document) {
-  check_table(document);
-  document.throw_if_violated();
-  return TableReader(JsonSection(document)).read();
+ProjectorTable read_projector_table(const JsonSection& table) {
+  return TableReader(table).read();
 }
 
 ProjectorTable load_projector_table(const std::filesystem::path& path) {
   JsonDocument document = JsonDocument::from_file(path);
-  return read_projector_table(document);
+  check_table(document);
+  document.throw_if_violated();
+  return read_projector_table(JsonSection(document));
 }
 
 std::optional<ProjectorTable> read_light_table(const JsonSection& table) {

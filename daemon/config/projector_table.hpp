@@ -13,9 +13,8 @@ namespace contourd {
 // Reads a table. Throws ConfigError with all violations: invalid patterns and bytes, wrong checksums,
 // commands that require another command.
 [[nodiscard]] ProjectorTable load_projector_table(const std::filesystem::path& path);
-// Reads a table from a document and sets missing keys to their defaults. Throws ConfigError with all
-// violations.
-[[nodiscard]] ProjectorTable read_projector_table(JsonDocument& document);
+// Reads a table that check_table() found valid. Throws ConfigError if a key is missing.
+[[nodiscard]] ProjectorTable read_projector_table(const JsonSection& table);
 
 // Adds the table's violations to its document and sets missing keys to their defaults.
 void check_table(JsonDocument& document);

@@ -326,12 +326,6 @@ void inspect(const PlateModel& model, const std::string& prefix, ModelSummary& f
   }
 }
 
-Duration warm_up_of(const PrinterConfig& printer) {
-  if (!printer.real) return printer.simulated.projector.warm_up;
-  // The projector table's time is at least the configured one.
-  return printer.real->projector ? printer.real->projector->table.warm_up : printer.real->warm_up;
-}
-
 void take_settings(const PrinterConfig& printer, const ResinProfile& resin, PrintPlan& plan) {
   plan.exposure = [resin, irradiance = printer.irradiance_mw_cm2](std::int32_t layer, Nanometers thickness) {
     return exposure_time(resin, thickness, layer, irradiance);
@@ -347,7 +341,7 @@ void take_settings(const PrinterConfig& printer, const ResinProfile& resin, Prin
   plan.settle = resin.settle;
   plan.rest = resin.rest;
   plan.tolerance = resin.tolerance;
-  plan.warm_up = warm_up_of(printer);
+  plan.warm_up = printer.real ? printer.real->warm_up : printer.simulated.projector.warm_up;
   if (printer.real) plan.home_height = printer.real->axis.switch_height;
 }
 

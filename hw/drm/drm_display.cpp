@@ -20,6 +20,7 @@
 #include "hw/drm/uevent_socket.hpp"
 #include "hw/event_descriptor.hpp"
 #include "hw/hardware_error.hpp"
+#include "hw/real_machine_config.hpp"
 
 namespace contourd {
 namespace {
@@ -329,6 +330,11 @@ class DrmDisplay::Implementation {
   std::unique_ptr<DescriptorWatcher::Watch> uevent_watch_, wake_watch_, check_watch_, card_watch_;
   BlockingCalls calls_;  // last member: delivers nothing once the destruction of the others begins
 };
+
+std::unique_ptr<MaskDisplay> open_device(const DrmDisplayConfig& config, Clock& /*clock*/,
+                                         DescriptorWatcher& watcher) {
+  return std::make_unique<DrmDisplay>(watcher, config);
+}
 
 DrmDisplay::DrmDisplay(DescriptorWatcher& watcher, const DrmDisplayConfig& config)
     : implementation_(std::make_unique<Implementation>(watcher, config)) {}

@@ -6,6 +6,7 @@
 #include "core/contract/expects.hpp"
 #include "hw/hardware_error.hpp"
 #include "hw/homing_distances.hpp"
+#include "hw/real_machine_config.hpp"
 
 namespace contourd {
 namespace {
@@ -37,6 +38,10 @@ GpioAxis::Parts real_parts(const GpioAxisConfig& config) {
 }
 
 }  // namespace
+
+std::unique_ptr<ZAxis> open_device(const GpioAxisConfig& config, Clock& clock, DescriptorWatcher& watcher) {
+  return std::make_unique<GpioAxis>(clock, watcher, config);
+}
 
 GpioAxis::GpioAxis(Clock& clock, DescriptorWatcher& watcher, const GpioAxisConfig& config)
     : GpioAxis(clock, watcher, config, real_parts(config)) {}

@@ -3,8 +3,17 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
+#include "hw/real_machine_config.hpp"
+#include "hw/serial/serial_port.hpp"
 
 namespace contourd {
+
+std::unique_ptr<Projector> open_device(const SerialProjectorConfig& config, Clock& clock,
+                                       DescriptorWatcher& watcher) {
+  return std::make_unique<SerialProjector>(
+      std::make_unique<SerialPort>(config.port, config.table.baud, watcher), clock, config.table,
+      config.brightness);
+}
 
 SerialProjector::SerialProjector(ByteChannel& channel, Clock& clock, ProjectorTable table,
                                  std::optional<std::int32_t> brightness)

@@ -30,7 +30,6 @@ RealMachineConfig nowhere() {
   config.display.card = "/dev/dri/card-missing";
   config.light = GpioLineConfig{.chip = "gpiochip-missing", .line = "24"};
   config.projector = SerialProjectorConfig{.port = "/dev/tty-missing", .table = {}, .brightness = {}};
-  config.projector->table.name = "Missing";
   return config;
 }
 
@@ -199,7 +198,8 @@ struct LightMachineFixture {
   }
   std::unique_ptr<Projector> open_projector() {
     return std::make_unique<SerialProjector>(std::make_unique<testing::ScriptedChannel>(plant.clock),
-                                             plant.clock, config.projector->table);
+                                             plant.clock,
+                                             std::get<SerialProjectorConfig>(*config.projector).table);
   }
   std::unique_ptr<GpioLightLine> open_light() {
     ++opened;
@@ -451,9 +451,9 @@ TEST_CASE("The light of a process that died is turned off as far as its devices 
     }
     return reported.value();
   };
-  LightConfig light{.line = nowhere().light, .projector = nowhere().projector};
-  CHECK(problems(light).size() == 1);  // this table switches no light
-  light.projector->table.light_off = ProjectorCommand{};
+  LightConfig light{.line = nowhere().light, .projector = {}};
+  CHECK(problems(light).size() == 1);
+  light.projector = nowhere().projector;
   CHECK(problems(light).size() == 2);
   CHECK(problems({}).empty());
 }

@@ -70,7 +70,7 @@ TEST_CASE("the shipped profiles of real machines load, with the pins that docs/p
   CHECK(config.warnings.empty());
   CHECK(config.real->display.connector == "HDMI-A-1");
   REQUIRE(config.real->projector);
-  CHECK(config.real->projector->table.name == "Optoma");
+  CHECK(std::get<SerialProjectorConfig>(*config.real->projector).table.name == "Optoma");
   CHECK(config.pace == Pace::Realtime);
 }
 
@@ -121,7 +121,7 @@ TEST_CASE("every key of a real machine arrives with its unit") {
   printer.printer["display"].update(
       json::parse(R"({"card": "vc4", "format": "rgb565", "buffers": 3, "refresh_hz": 59.5, "width_px": 1280,
                       "height_px": 800, "legacy_kms": true, "ignore_edid_size": true})"));
-  printer.printer["projector"].update(json::parse(R"({"light": {"line": 24}, "warm_up_s": 1.5})"));
+  printer.printer["projector"].update(json::parse(R"({"light": {"line": 24}, "warm_up_s": 31.5})"));
   const PrinterConfig config = printer.load();
   const GpioAxisConfig& axis = config.real->axis;
   CHECK(axis.travel == Nanometers{150'500'000});
@@ -168,9 +168,20 @@ TEST_CASE("every key of a real machine arrives with its unit") {
   CHECK(display.height == Pixels{800});
   CHECK(display.legacy);
   CHECK(display.ignore_edid_size);
-  CHECK(config.real->projector->port == "/dev/ttyUSB0");
+  const auto& projector = std::get<SerialProjectorConfig>(*config.real->projector);
+  CHECK(projector.port == "/dev/ttyUSB0");
+  CHECK(projector.table.warm_up == std::chrono::milliseconds{31'500});
   CHECK(config.real->light->line == "24");
-  CHECK(config.real->warm_up == std::chrono::milliseconds{1500});
+  CHECK(config.real->warm_up == std::chrono::milliseconds{31'500});
+}
+
+TEST_CASE("the warm-up is the longer one of the printer's and its projector table's") {
+  RealPrinterFixture printer;
+  printer.printer["projector"].update(json::parse(R"({"light": {"line": 24}, "warm_up_s": 1.5})"));
+  CHECK(printer.load().real->warm_up == std::chrono::seconds{30});
+  for (const char* key : {"port", "table"})
+    printer.remove("projector", key);
+  CHECK(printer.load().real->warm_up == std::chrono::milliseconds{1500});
 }
 
 TEST_CASE(

@@ -30,14 +30,18 @@ class RealLightFixture {
   json printer, table;
 };
 
+const ProjectorTable& table_of(const LightConfig& light) {
+  return std::get<SerialProjectorConfig>(light.projector.value()).table;
+}
+
 void check_whole(const LightConfig& light) {
   REQUIRE(light.line);
   CHECK(light.line->chip == "gpiochip0");
   CHECK(light.line->line == "24");
   CHECK(light.line->active_low);
   REQUIRE(light.projector);
-  CHECK(light.projector->port == "/dev/ttyUSB0");
-  const ProjectorTable& table = light.projector->table;
+  CHECK(std::get<SerialProjectorConfig>(*light.projector).port == "/dev/ttyUSB0");
+  const ProjectorTable& table = table_of(light);
   CHECK(table.name == "Optoma");
   CHECK(table.baud == 9600);
   CHECK(table.gap == std::chrono::milliseconds{100});
@@ -53,8 +57,9 @@ TEST_CASE("the record of a valid configuration contains what turns the light off
   const PrinterConfig config = load_printer_config(real.file());
   const LightConfig light = read_light_record(real.folder.write("light.json", config.light_record));
   check_whole(light);
-  REQUIRE(light.projector->table.power);
-  CHECK(light.projector->table.power->bytes == "~00124 1\r");
+  const ProjectorTable& table = table_of(light);
+  REQUIRE(table.power);
+  CHECK(table.power->bytes == "~00124 1\r");
 }
 
 TEST_CASE("a record is marked if contourd exited normally with the light confirmed off") {
@@ -65,7 +70,7 @@ TEST_CASE("a record is marked if contourd exited normally with the light confirm
       read_light_record(real.folder.write("light.json", left_dark(config.light_record)));
   CHECK(light.left_dark);
   check_whole(light);
-  CHECK(light.projector->table.warm_up == std::chrono::seconds{30});
+  CHECK(table_of(light).warm_up == std::chrono::seconds{30});
 }
 
 TEST_CASE("the record of a line without a table, or with a table that switches no light, contains the line") {
@@ -103,13 +108,13 @@ TEST_CASE("an invalid record is an error with its place") {
   using Places = std::vector<std::string>;
   CHECK(places(json::array()) == Places{""});
   CHECK(places({{"light", {{"chip", "gpiochip0"}, {"line", 24}}}}) == Places{"/light/active_low"});
-  CHECK(places({{"projector", {{"port", "/dev/ttyUSB0"}}}}) == Places{"/projector/table"});
+  CHECK(places({{"port", "/dev/ttyUSB0"}}) == Places{"/table"});
   json table = json::parse(
       R"({"brand": "A", "baud": 9600, "echo": false, "retries": 2, "gap_ms": 1, "checksum": "none",
     "timeout_ms": 9, "line_end": "", "commands": {"light_off": {"text": "x", "accepted": "(("}}})");
-  CHECK(places({{"projector", {{"port", "p"}, {"table", table}}}}) == Places{"/projector/table"});
+  CHECK(places({{"port", "p"}, {"table", table}}) == Places{"/table"});
   table["commands"]["light_off"]["accepted"] = "P";
-  CHECK(places({{"projector", {{"port", "p"}, {"table", table}}}}).empty());
+  CHECK(places({{"port", "p"}, {"table", table}}).empty());
 }
 
 TEST_CASE("mistakes elsewhere do not keep the light from being found") {
@@ -124,7 +129,7 @@ TEST_CASE("mistakes elsewhere do not keep the light from being found") {
   real.table["warm_up_s"] = -1;
   const FoundLight found = real.find();
   check_whole(found.light);
-  CHECK_FALSE(found.light.projector->table.power);
+  CHECK_FALSE(table_of(found.light).power);
   std::vector<std::string> places;
   for (const Violation& violation : found.elsewhere)
     places.push_back(violation.pointer);

@@ -23,7 +23,7 @@ std::vector<std::string> warnings_of(const ProjectorTable& table, const Exposure
                                      Duration exposure = 3s) {
   const testing::ConfigFolder folder;
   JsonDocument printer = JsonDocument::from_file(folder.write_json("printer.json", nlohmann::json::object()));
-  warn_of_implausible_light(printer, table, tolerance, exposure);
+  warn_of_implausible_light(printer, SerialProjectorConfig{"/dev/ttyUSB0", table, {}}, tolerance, exposure);
   std::vector<std::string> warnings;
   for (const Violation& warning : printer.warnings()) {
     CHECK(warning.pointer == "/projector/table");
