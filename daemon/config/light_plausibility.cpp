@@ -1,6 +1,5 @@
 #include "daemon/config/light_plausibility.hpp"
 
-#include <chrono>
 #include <cmath>
 #include <string>
 #include <variant>
@@ -10,11 +9,6 @@ namespace {
 
 std::string ms_text(Duration duration) {
   return std::to_string(std::llround(in_ms(duration))) + " ms";
-}
-
-// Returns the time on the wire; a byte has 10 bits: start bit, 8 data bits, stop bit.
-Duration wire_time(const std::string& bytes, int baud) {
-  return Duration{std::chrono::seconds{10}} * static_cast<std::int64_t>(bytes.size()) / baud;
 }
 
 }  // namespace
@@ -29,8 +23,7 @@ void warn_of_implausible_light(JsonDocument& printer, const ProjectorConfig& pro
                                 (tolerance.policy == ExposureTolerance::Policy::Interrupt
                                      ? ", so every layer will wait for the operator"
                                      : ", so every layer will cause a warning");
-  const Duration commands =
-      wire_time(table.light_on->bytes, table.baud) + wire_time(table.light_off->bytes, table.baud);
+  const Duration commands = table.wire_time(*table.light_on) + table.wire_time(*table.light_off);
   if (commands > tolerance.bounds) {
     warn("light_on and light_off alone take " + ms_text(commands) + " at " + std::to_string(table.baud) +
          " baud: " + tolerated);
@@ -39,7 +32,7 @@ void warn_of_implausible_light(JsonDocument& printer, const ProjectorConfig& pro
     warn("its latency_ms is " + ms_text(table.latency) +
          ", and light_off is hardly faster than light_on: " + tolerated);
   }
-  const Duration soonest = wire_time(table.light_on->bytes, table.baud) + table.gap;
+  const Duration soonest = table.wire_time(*table.light_on) + table.gap;
   if (soonest > exposure) {
     warn("its gap_ms is " + ms_text(table.gap) + ": light_off comes " + ms_text(soonest) +
          " after light_on at the soonest, but the resin's exposure is " + ms_text(exposure) +

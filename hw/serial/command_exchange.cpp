@@ -4,8 +4,6 @@
 #include <chrono>
 #include <utility>
 
-#include "hw/serial/readable_bytes.hpp"
-
 namespace contourd {
 namespace {
 

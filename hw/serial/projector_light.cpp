@@ -5,7 +5,6 @@
 #include "core/contract/expects.hpp"
 
 namespace contourd {
-namespace {}  // namespace
 
 ProjectorLight::ProjectorLight(CommandExchange& exchange, Clock& clock, const ProjectorTable& table,
                                Wiring wiring)

@@ -36,6 +36,13 @@ std::string hex_of(char c) {
   return {kDigits[byte >> 4U], kDigits[byte & 15U]};
 }
 
+std::string readable_byte(char c) {
+  if (c == '\r') return "\\r";
+  if (c == '\n') return "\\n";
+  if (c == '"' || c == '\\') return {'\\', c};
+  return c >= 0x20 && c < 0x7f ? std::string{c} : "\\x" + hex_of(c);
+}
+
 void require_checksum(Checksum checksum) {
   if (checksum == Checksum::None)
     throw std::invalid_argument("\"sum\" stands for a checksum, but the table's checksum is \"none\"");
@@ -180,6 +187,14 @@ std::string parse_hex_message(std::string_view hex, Checksum checksum,
   }
   message.back() = sum;
   return message;
+}
+
+std::string readable_bytes(std::string_view bytes) {
+  constexpr std::size_t kMaxBytes = 32;
+  std::string text = "\"";
+  for (const char c : bytes.substr(0, kMaxBytes))
+    text += readable_byte(c);
+  return text + (bytes.size() > kMaxBytes ? "...\"" : "\"");
 }
 
 }  // namespace contourd

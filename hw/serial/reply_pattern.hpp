@@ -66,4 +66,8 @@ class ReplyPattern {
 [[nodiscard]] std::string parse_hex_message(std::string_view hex, Checksum checksum,
                                             std::optional<std::size_t>& number_at);
 
+// Returns received bytes, cut at 32 bytes, in readable form for messages: printable ASCII as it is, all else
+// as \r, \n or \xHH, in quotes.
+[[nodiscard]] std::string readable_bytes(std::string_view bytes);
+
 }  // namespace contourd

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "hw/serial/readable_bytes.hpp"
+#include "hw/serial/reply_pattern.hpp"
 #include "tests/hw/serial/projector_tables.hpp"
 
 namespace contourd::rig {
@@ -31,13 +31,12 @@ void garble(std::string& bytes, Dice& dice) {
 
 ProjectorTable table_of(const ProjectorTraits& traits, bool switches_light) {
   using M = ReplyMeaning;
-  ProjectorTable table = contourd::testing::text_table();
+  ProjectorTable table = contourd::testing::text_table(switches_light);
   table.echo = traits.echoes;
   table.gap = traits.gap;
   table.latency = traits.latency;
   table.warm_up = 5s;
   table.cool_down = kCooling;
-  if (!switches_light) table.light_on = table.light_off = std::nullopt;
   if (switches_light && traits.answers_light)
     table.light = text_command("light", "~00355 1", {{M::On, "BL0"}, {M::Off, "BL1"}});
   return table;

@@ -12,13 +12,6 @@ using testing::contract_broken_by;
 
 namespace {
 
-ProjectorTable table_without_light() {
-  ProjectorTable table = testing::text_table();
-  table.light_on.reset();
-  table.light_off.reset();
-  return table;
-}
-
 struct ProjectorLightFixture {
   explicit ProjectorLightFixture(ProjectorTable projector_table) : table(std::move(projector_table)) {}
   VirtualClock clock;
@@ -36,7 +29,7 @@ struct ProjectorLightFixture {
 }  // namespace
 
 TEST_CASE("ProjectorLight requires a table with a light, and darkness before light on") {
-  ProjectorLightFixture dark(table_without_light()), lit(testing::text_table());
+  ProjectorLightFixture dark(testing::text_table(false)), lit(testing::text_table());
   CHECK(contract_broken_by([&] { dark.light.turn_on(Duration{1}, {}); }) ==
         "the table has a light on and off");
   CHECK(contract_broken_by([&] { dark.light.turn_off(); }) == "the table has a light off");
@@ -62,7 +55,7 @@ TEST_CASE("A brightness must be within the range of a table that has one") {
 TEST_CASE("A projector can only be confirmed dark if its table has a light off") {
   VirtualClock clock;
   testing::ScriptedChannel channel{clock};
-  SerialProjector projector(channel, clock, table_without_light());
+  SerialProjector projector(channel, clock, testing::text_table(false));
   CHECK(contract_broken_by([&] { projector.confirm_dark([](ProjectorReply) {}); }) ==
         "the table has a light off");
 }

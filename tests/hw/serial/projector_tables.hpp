@@ -26,8 +26,8 @@ inline ProjectorCommand hex_command(const std::string& name, const std::string& 
   return command;
 }
 
-// Returns a short form of Optoma's table.
-inline ProjectorTable text_table() {
+// Returns a short form of Optoma's table, if requested without its light commands.
+inline ProjectorTable text_table(bool switches_light = true) {
   using M = ReplyMeaning;
   ProjectorTable table;
   table.name = "Optoma";
@@ -36,8 +36,10 @@ inline ProjectorTable text_table() {
   table.cool_down = std::chrono::seconds{60};
   table.power_on = text_command("power on", "~0000 1", {{M::Accepted, "P"}, {M::Refused, "F"}});
   table.power_off = text_command("power off", "~0000 0", {{M::Accepted, "P"}, {M::Refused, "F"}});
-  table.light_on = text_command("light on", "~0002 0", {{M::Accepted, "P"}, {M::Refused, "F"}});
-  table.light_off = text_command("light off", "~0002 1", {{M::Accepted, "P"}, {M::Refused, "F"}});
+  if (switches_light) {
+    table.light_on = text_command("light on", "~0002 0", {{M::Accepted, "P"}, {M::Refused, "F"}});
+    table.light_off = text_command("light off", "~0002 1", {{M::Accepted, "P"}, {M::Refused, "F"}});
+  }
   table.power = text_command("power", "~00124 1", {{M::On, "OK1"}, {M::Off, "OK0"}});
   table.lamp_hours = text_command("lamp hours", "~00108 1", {{M::Value, "OK(\\d+)"}});
   table.unasked.push_back({ReplyPattern::of_line("INFO1"), "it is warming up", UnaskedLine::Kind::Nothing});

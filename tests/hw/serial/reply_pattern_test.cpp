@@ -4,7 +4,6 @@
 #include <string>
 
 #include "hw/serial/projector_table.hpp"
-#include "hw/serial/readable_bytes.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/refusal.hpp"
 

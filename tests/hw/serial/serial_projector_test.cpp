@@ -796,10 +796,7 @@ TEST_CASE("power on right after power off waits for the cool-down too where a pr
 }
 
 TEST_CASE("a power off that waits for a question to be answered is sent when light off drops the question") {
-  ProjectorTable table = text_table();
-  table.light_on.reset();
-  table.light_off.reset();
-  SerialProjectorFixture fixture(table);
+  SerialProjectorFixture fixture(text_table(false));
   fixture.power_on();
   fixture.fall_silent();
   fixture.projector.power_off();
@@ -980,10 +977,7 @@ TEST_CASE("a projector's brightness is set when it is warm and dark") {
 }
 
 TEST_CASE("a table without a light has its projector shine as long as it is on") {
-  ProjectorTable table = text_table();
-  table.light_on.reset();
-  table.light_off.reset();
-  SerialProjectorFixture fixture(table);
+  SerialProjectorFixture fixture(text_table(false));
   fixture.power_on();
   CHECK(fixture.answer_to_light_on() == ProjectorReply::Ok);
   fixture.projector.light_off();
@@ -1096,11 +1090,7 @@ TEST_CASE_METHOD(SerialProjectorFixture,
 TEST_CASE("a warm-up that was interrupted is waited for to its end") {
   for (const bool switches_light : {true, false}) {
     for (const bool asks : {true, false}) {
-      ProjectorTable table = text_table();
-      if (!switches_light) {
-        table.light_on.reset();
-        table.light_off.reset();
-      }
+      ProjectorTable table = text_table(switches_light);
       if (!asks) table.power.reset();
       SerialProjectorFixture fixture(table);
       fixture.start_power_on();
@@ -1163,12 +1153,7 @@ TEST_CASE_METHOD(SerialProjectorFixture,
 TEST_CASE("a projector that falls silent or turns itself off in a print is a fault, reported once") {
   for (const bool switches_light : {true, false}) {
     for (const bool silent : {true, false}) {
-      ProjectorTable table = text_table();
-      if (!switches_light) {
-        table.light_on.reset();
-        table.light_off.reset();
-      }
-      SerialProjectorFixture fixture(table);
+      SerialProjectorFixture fixture(text_table(switches_light));
       fixture.power_on();
       fixture.pass(60s);
       CHECK(fixture.events.empty());
