@@ -44,11 +44,8 @@ class AbsentAxis final : public ZAxis {
   [[nodiscard]] std::vector<AxisInputState> inputs() const override { return {}; }
   [[nodiscard]] LateSteps late_steps() const override { return {}; }
   void set_light_cutoff(LightCutoff*) noexcept override {}
-  void on_event(std::function<void(const MachineEvent&)>) override {}
-  [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {"there is no axis"}; }
   [[nodiscard]] std::string description() const override { return "none"; }
-  [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
 
  private:
   Clock& clock_;
@@ -69,13 +66,8 @@ class AbsentDisplay final : public MaskDisplay {
     answer_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(std::nullopt); });
   }
   void black_now() noexcept override { answer_.reset(); }
-  void probe_again() override {}
-  [[nodiscard]] LightDisplayPath black_path() const override { return {}; }
-  void on_event(std::function<void(const MachineEvent&)>) override {}
-  [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {"there is no display"}; }
   [[nodiscard]] std::string description() const override { return "none"; }
-  [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
 
  private:
   Clock& clock_;
@@ -107,17 +99,11 @@ class AbsentProjector final : public Projector {
   }
   [[nodiscard]] std::string last_problem() const override { return "there is no projector"; }
   [[nodiscard]] std::string light_off_unconfirmed() const override { return last_problem(); }
-  void may_warm_up() override {}
   void confirm_dark(Done done) override {
     answer_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(ProjectorReply::NoAnswer); });
   }
-  void power_off_if_on() override {}
-  [[nodiscard]] LightSerialPath light_off_path() const override { return {}; }
-  void on_event(std::function<void(const MachineEvent&)>) override {}
-  [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {last_problem()}; }
   [[nodiscard]] std::string description() const override { return "none"; }
-  [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
 
  private:
   Clock& clock_;

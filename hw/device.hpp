@@ -1,4 +1,5 @@
-// The interface that all devices of a machine share. Event loop's thread only.
+// The interface that all devices of a machine share. The defaults are those of a device that has no events of
+// its own and cannot be lost. Event loop's thread only.
 #pragma once
 
 #include <functional>
@@ -17,16 +18,16 @@ class Device {
   virtual ~Device() = default;
 
   // Runs `call` from the event loop for every machine event from now on.
-  virtual void on_event(std::function<void(const MachineEvent&)> call) = 0;
+  virtual void on_event(std::function<void(const MachineEvent&)> /*call*/) {}
   // True if this object has lost its device for good. Once this object is destroyed, the device may be opened
   // again.
-  [[nodiscard]] virtual bool lost() const = 0;
+  [[nodiscard]] virtual bool lost() const { return false; }
   // Returns what keeps the machine from printing at this moment, one sentence per reason.
   [[nodiscard]] virtual std::vector<std::string> why_not_ready() const = 0;
   // Returns the device as a user knows it: "Optoma at /dev/ttyUSB0".
   [[nodiscard]] virtual std::string description() const = 0;
   // Returns problems that do not keep the device from working, one sentence per problem.
-  [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
+  [[nodiscard]] virtual std::vector<std::string> warnings() const { return {}; }
 };
 
 }  // namespace contourd

@@ -8,6 +8,11 @@
 #include "hw/gpio/gpio_axis.hpp"
 
 namespace contourd {
+namespace {
+
+constexpr const char* kUnreadable = ": it cannot be read";
+
+}  // namespace
 
 HardwareCheck::HardwareCheck(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config)
     : HardwareCheck(clock, watcher, std::move(config), [](double rate, int priority) {
@@ -30,14 +35,17 @@ void HardwareCheck::run(Found found, std::function<void()> done) {
   end_ = clock_.call_after(Duration{0}, [this] { done_(); });
 }
 
-// Asks the kernel about the line without requesting it.
-void HardwareCheck::check_line(const std::string& device, const GpioLineConfig& line) {
+// Asks the kernel about the line without requesting it; then has `level`, if there is one, request and read
+// it.
+void HardwareCheck::check_line(const std::string& device, const GpioLineConfig& line,
+                               const std::function<std::string()>& level) {
   try {
-    const GpioLineReport report_of_line = report_line(line);
-    const std::string what = describe(report_of_line);
-    const auto [user, is_new] = users_.try_emplace({report_of_line.chip, report_of_line.offset}, device);
+    const GpioLineReport found = report_line(line);
+    const std::string what = describe(found);
+    const auto [user, is_new] = users_.try_emplace({found.chip, found.offset}, device);
     if (!is_new) return report(device, false, what + ": the " + user->second + " already uses this line");
-    report(device, !report_of_line.consumer, what);
+    const std::string state = found.consumer || !level ? "" : level();
+    report(device, !found.consumer && state != kUnreadable, what + state);
   } catch (const std::exception& error) {
     report(device, false, error.what());
   }
@@ -46,19 +54,10 @@ void HardwareCheck::check_line(const std::string& device, const GpioLineConfig& 
 // Requests the line for a moment, as the input that it is, and reads its level.
 void HardwareCheck::check_input(const std::string& device, const GpioInputConfig& input, const char* active,
                                 const char* inactive) {
-  try {
-    const GpioLineReport line = report_line(input.line);
-    if (line.consumer) return check_line(device, input.line);
-    const auto [user, is_new] = users_.try_emplace({line.chip, line.offset}, device);
-    if (!is_new)
-      return report(device, false, describe(line) + ": the " + user->second + " already uses this line");
-    GpioInput taken(input.logical_line(), input.bias, device);
-    const std::optional<bool> level = taken.level();
-    if (!level) return report(device, false, describe(line) + ": it cannot be read");
-    report(device, true, describe(line) + "; it is " + (*level ? active : inactive));
-  } catch (const std::exception& error) {
-    report(device, false, error.what());
-  }
+  check_line(device, input.line, [&]() -> std::string {
+    const std::optional<bool> level = GpioInput(input.logical_line(), input.bias, device).level();
+    return level ? std::string("; it is ") + (*level ? active : inactive) : kUnreadable;
+  });
 }
 
 void HardwareCheck::check_axis() {

@@ -39,7 +39,8 @@ class HardwareCheck {
   void run(Found found, std::function<void()> done);
 
  private:
-  void check_line(const std::string& device, const GpioLineConfig& line);
+  void check_line(const std::string& device, const GpioLineConfig& line,
+                  const std::function<std::string()>& level = {});
   void check_input(const std::string& device, const GpioInputConfig& input, const char* active,
                    const char* inactive);
   void check_axis();

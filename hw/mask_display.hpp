@@ -35,10 +35,10 @@ class MaskDisplay : public Device {
   virtual void black_now() noexcept = 0;
 
   // Probes for a display that is not ready, and reports a recovery if it is back. Does not block.
-  virtual void probe_again() = 0;
+  virtual void probe_again() {}
 
   // Returns the handles with which another process can make the screen black; empty while there are none.
-  [[nodiscard]] virtual LightDisplayPath black_path() const = 0;
+  [[nodiscard]] virtual LightDisplayPath black_path() const { return {}; }
 };
 
 }  // namespace contourd

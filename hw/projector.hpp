@@ -98,22 +98,23 @@ class Projector : public Device {
   // Meaningful only while no light is wanted.
   [[nodiscard]] virtual std::string light_off_unconfirmed() const = 0;
 
-  // The next three are for a projector that an earlier process may have left on.
+  // The next three are for a projector that an earlier process may have left on; the defaults, for one that
+  // starts switched off.
   //
   // Allows for a projector that was turned on a moment ago: until its warm-up would be over, its answer that
   // it is off does not count. Call this before asking the projector anything.
-  virtual void may_warm_up() = 0;
+  virtual void may_warm_up() {}
   // Sends light off until it is confirmed. `done` gets Ok when the light is confirmed off or the projector is
   // not even on; otherwise, after enough tries, the last reply (see last_problem()). Drops everything
   // pending, as light_off() does.
   virtual void confirm_dark(Done done) = 0;
   // Turns the projector off if it says that it is on; a projector that may be warming up, or does not answer,
   // is asked again. A power_on() before the answer cancels this.
-  virtual void power_off_if_on() = 0;
+  virtual void power_off_if_on() {}
 
   // Returns the handles with which another process can turn the light off; empty if only this process can, or
   // there is no light.
-  [[nodiscard]] virtual LightSerialPath light_off_path() const = 0;
+  [[nodiscard]] virtual LightSerialPath light_off_path() const { return {}; }
 };
 
 }  // namespace contourd

@@ -14,7 +14,8 @@
 
 namespace contourd {
 
-// A projector that is only a light line: a bare LED engine, whose power is not ours to switch.
+// A projector that is only a light line: a bare LED engine, whose power is not ours to switch. The line
+// reports its events itself.
 class LightLineProjector final : public Projector {
  public:
   // The line and the clock must outlive the projector.
@@ -31,17 +32,9 @@ class LightLineProjector final : public Projector {
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override { return problem_; }
   [[nodiscard]] std::string light_off_unconfirmed() const override { return line_.refusal(); }
-  // A light line has no warm-up to allow for.
-  void may_warm_up() override {}
   void confirm_dark(Done done) override;
-  void power_off_if_on() override {}
-  [[nodiscard]] LightSerialPath light_off_path() const override { return {}; }
-  // The line reports its events itself.
-  void on_event(std::function<void(const MachineEvent&)>) override {}
-  [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override;
   [[nodiscard]] std::string description() const override { return "a light line"; }
-  [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
 
  private:
   void answer_after(Duration delay, std::function<void()> answer);

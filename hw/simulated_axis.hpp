@@ -33,13 +33,9 @@ class SimulatedAxis final : public ZAxis {
   [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override;
   [[nodiscard]] std::vector<AxisInputState> inputs() const override;
   [[nodiscard]] LateSteps late_steps() const override { return {}; }
-  // The printer reports the axis's events.
   void set_light_cutoff(LightCutoff*) noexcept override {}
-  void on_event(std::function<void(const MachineEvent&)>) override {}
-  [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {}; }
   [[nodiscard]] std::string description() const override { return "simulated"; }
-  [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
 
  private:
   struct Move {

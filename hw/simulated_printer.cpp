@@ -46,17 +46,11 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
     refresh_.reset();
   }
 
-  // The printer reports the screen's events.
-  void on_event(std::function<void(const MachineEvent&)>) override {}
-  [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override {
     if (connected_) return {};
     return {"the display is unplugged"};
   }
   [[nodiscard]] std::string description() const override { return "simulated"; }
-  [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
-  void probe_again() override {}
-  [[nodiscard]] LightDisplayPath black_path() const override { return {}; }
 
   void keep_masks_in(std::optional<std::filesystem::path> folder) {
     folder_ = std::move(folder);
@@ -178,21 +172,13 @@ class SimulatedPrinter::Lamp final : public Projector {
     return is_silent() && span_ ? "the projector has not confirmed that its light is off" : "";
   }
 
-  // The lamp starts switched off.
-  void may_warm_up() override {}
   void confirm_dark(Done done) override {
     light_off();
     reply(
         config_.reply, [] {}, std::move(done));
   }
-  void power_off_if_on() override {}
-  [[nodiscard]] LightSerialPath light_off_path() const override { return {}; }
-  // The printer reports the lamp's events.
-  void on_event(std::function<void(const MachineEvent&)>) override {}
-  [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {}; }
   [[nodiscard]] std::string description() const override { return "simulated"; }
-  [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
 
   [[nodiscard]] bool is_on() const { return light_; }
 

@@ -126,8 +126,8 @@ FoundLight find_light(const fs::path& printer_file) {
       if (projector.has("light")) found.light.line = read_gpio_line(projector.section("light"));
     });
     attempt(table ? table->file() : file, found, [&] {
-      found.light.projector = read_light_projector(JsonSection(printer).section("projector"),
-                                                   table ? std::optional(JsonSection(*table)) : std::nullopt);
+      found.light.projector =
+          read_light_projector(JsonSection(printer).section("projector"), std::optional<JsonSection>(table));
     });
     if (found.problems.empty() && !found.light.line && !found.light.projector)
       found.problems.push_back({file, "/projector", "it contains nothing that turns the light off"});

@@ -296,9 +296,8 @@ PrinterConfig load_printer_config(const fs::path& path, Places places) {
   std::vector<Violation> violations = document.violations();
   violations.insert(violations.end(), elsewhere.begin(), elsewhere.end());
   if (!violations.empty()) throw ConfigError(std::move(violations));
-  companions.projector =
-      read_projector(JsonSection(document).section("projector"),
-                     companions.table ? std::optional(JsonSection(*companions.table)) : std::nullopt);
+  companions.projector = read_projector(JsonSection(document).section("projector"),
+                                        std::optional<JsonSection>(companions.table));
   if (companions.projector) warn_of_light(document, companions);
   return read_printer(document, folder, std::move(companions));
 }

@@ -61,8 +61,6 @@ class DrmDisplay final : public MaskDisplay {
   // Needed because the kernel does not notify us when another program drops DRM master.
   void probe_again() override;
 
-  // Always false: a lost display is restored without a restart.
-  [[nodiscard]] bool lost() const override { return false; }
   // Returns at most one sentence: why nothing can be shown.
   [[nodiscard]] std::vector<std::string> why_not_ready() const override;
   // Returns a sentence if the text console may come back, and one for each change that the driver makes to

@@ -63,7 +63,6 @@ class SerialProjector final : public Projector {
   // Not empty from the report that light off was not confirmed until it is confirmed.
   [[nodiscard]] std::vector<std::string> why_not_ready() const override;
   [[nodiscard]] std::string description() const override;
-  [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
   // Reports that the projector does not confirm that its light is off, although it is on or its answers make
   // no sense (and a Recovery once it has confirmed it), or that its lamp is off; that it is off or silent
   // although it was turned on; that it reports a problem by itself; or that its line is lost.

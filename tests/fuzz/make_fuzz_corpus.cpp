@@ -199,9 +199,9 @@ void write_record_inputs(const fs::path& folder) {
   write(folder / "copied", std::string("c@\n17 17:684:5\ncopying 17 @\n"));
   write(folder / "copying", std::string("ccopying 99 99 99:684:5\n"));
   write(folder / "reading", std::string("r@\n@\n17 17:684:5"));
-  write(folder / "light", R"(l{"light": {"chip": "gpiochip0", "line": 5, "active_low": false}, "projector":
- {"port": "/dev/ttyUSB0", "table": )" +
-                              text_of(fs::path(CONTOURD_CONFIG_DIR) / "projectors/optoma.json") + "}}");
+  write(folder / "light", R"(l{"light": {"chip": "gpiochip0", "line": 5, "active_low": false},
+ "port": "/dev/ttyUSB0", "table": )" +
+                              text_of(fs::path(CONTOURD_CONFIG_DIR) / "projectors/optoma.json") + "}");
   write(folder / "printing",
         std::string("ppart.stl\nppart.json\nPplate\niother.json\npother.stl\npnotes.txt\nplost.json\n"
                     "dlost.stl\nilost.stl\nfnotes.txt\nfother.stl\n"));

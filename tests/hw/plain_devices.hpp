@@ -16,27 +16,17 @@ namespace contourd::testing {
 template <typename Interface>
 class PlainDevice : public Interface {
  public:
-  void on_event(std::function<void(const MachineEvent&)>) override {}
-  [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {}; }
   [[nodiscard]] std::string description() const override { return "plain"; }
-  [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
 };
 
 // A projector that no earlier process has left on.
 class PlainProjector : public PlainDevice<Projector> {
  public:
-  void may_warm_up() override {}
   void confirm_dark(Done done) override { done(ProjectorReply::Ok); }
-  void power_off_if_on() override {}
-  [[nodiscard]] LightSerialPath light_off_path() const override { return {}; }
 };
 
-class PlainDisplay : public PlainDevice<MaskDisplay> {
- public:
-  void probe_again() override {}
-  [[nodiscard]] LightDisplayPath black_path() const override { return {}; }
-};
+using PlainDisplay = PlainDevice<MaskDisplay>;
 
 class PlainAxis : public PlainDevice<ZAxis> {
  public:

@@ -492,7 +492,6 @@ class OtherProjector final : public Projector {
   void may_warm_up() override { asked_after_find.emplace_back("may warm up"); }
   void confirm_dark(Done done) override { done(lit ? ProjectorReply::Refused : ProjectorReply::Ok); }
   void power_off_if_on() override { asked_after_find.emplace_back("power off if on"); }
-  [[nodiscard]] LightSerialPath light_off_path() const override { return {}; }
   void on_event(std::function<void(const MachineEvent&)> call) override { tell = std::move(call); }
   [[nodiscard]] bool lost() const override { return is_lost; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override {
