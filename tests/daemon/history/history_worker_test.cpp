@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "daemon/system/sqlite.hpp"
@@ -25,9 +26,13 @@ class HistoryWorkerFixture {
   [[nodiscard]] std::int64_t stored() const {
     return SqliteDatabase(file, 0ms).integer("SELECT count(*) FROM job");
   }
-  // Runs the loop once, until everything that happened to the history has been logged.
-  void run() {
-    worker.wear([this](const auto&, const std::string&) { loop.stop(); });
+  // Runs the loop once, until everything that happened to the history so far has been logged, calls `step`,
+  // and runs it until that is true again.
+  void run(const std::function<void()>& step = [] {}) {
+    worker.wear([this, step](const auto&, const std::string&) {
+      step();
+      worker.wear([this](const auto&, const std::string&) { loop.stop(); });
+    });
     loop.run();
   }
 
@@ -52,23 +57,25 @@ TEST_CASE("Changes of a history that another program has locked are made when th
     fixture.end("two");
     CHECK(fixture.stored() == 1);
   }
+  fixture.end("three");
+  CHECK(fixture.stored() == 3);
   fixture.run();
   CHECK(fixture.log.has("another program has locked it"));
   CHECK(fixture.log.has("the history can be used again"));
-  CHECK(fixture.stored() == 2);
 }
 
 TEST_CASE("The latest thousand changes that cannot be made wait, and a loss of others is logged once") {
   HistoryWorkerFixture fixture;
   fs::create_directory(fixture.file);
-  for (std::size_t i = 0; i < HistoryWorker::kMostWaiting + 2; ++i)
-    fixture.worker.begin(std::to_string(i));
+  for (std::size_t i = 0; i < HistoryWorker::kMostWaiting + 2; ++i) {
+    EndedJob job{.name = std::to_string(i), .outcome = "failed", .reason = ""};
+    fixture.worker.refuse(job);
+  }
+  fixture.worker.begin("current");
   JobFigures figures;
   figures.lit_s = 7;
   fixture.worker.note_now(figures);
-  fixture.end("last");
-  fs::remove(fixture.file);
-  fixture.run();
+  fixture.run([&] { fs::remove(fixture.file); });
   SqliteDatabase stored(fixture.file, 0ms);
   CHECK(stored.integer("SELECT count(*) FROM job") == 1'000);
   CHECK(stored.text("SELECT name FROM job ORDER BY id LIMIT 1") == "3");

@@ -1,4 +1,4 @@
-#include "core/support/primitive_cut.hpp"
+#include "core/support/support_primitive.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/orientation/orientation_weights.hpp"
+#include "core/orientation/orientation_figures.hpp"
 
 #include "tests/catch.hpp"
 
