@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "hw/machine_event.hpp"
+#include "hw/device.hpp"
 #include "hw/mask_display.hpp"
 #include "hw/projector.hpp"
 #include "hw/z_axis.hpp"

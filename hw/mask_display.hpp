@@ -8,7 +8,7 @@
 #include "core/mask/mask.hpp"
 #include "hw/clock.hpp"
 #include "hw/device.hpp"
-#include "hw/watchdog/device_paths.hpp"
+#include "hw/watchdog/watchdog_message.hpp"
 
 namespace contourd {
 

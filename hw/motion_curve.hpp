@@ -11,6 +11,10 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <optional>
+
+#include "core/geometry/units.hpp"
+#include "hw/clock.hpp"
 
 namespace contourd {
 
@@ -60,6 +64,28 @@ class MotionCurve {
   bool stopping_ = false;
   std::size_t count_ = 0;
   std::array<Piece, kMaxPieces + 1> pieces_{};  // the entry after the last piece is the end
+};
+
+// The displacement of a straight move along a MotionCurve, upwards or downwards.
+class MotionProfile {
+ public:
+  // Plans a move over `distance`, whose sign is the direction. The limits are those of a MotionCurve.
+  MotionProfile(Nanometers distance, MillimetersPerSecond speed, MillimetersPerSecondSquared acceleration,
+                std::optional<double> jerk_mm_s3 = std::nullopt);
+
+  [[nodiscard]] Duration duration() const;
+
+  // Returns the displacement `elapsed` after the start: 0 before the start, the whole distance after
+  // duration().
+  [[nodiscard]] Nanometers displacement(Duration elapsed) const;
+
+  // Decelerates to a standstill from `elapsed` after the start on, which changes duration() and
+  // displacement(). Does nothing if the move is already decelerating by then.
+  void stop_at(Duration elapsed);
+
+ private:
+  double sign_;
+  MotionCurve curve_;  // in millimetres
 };
 
 }  // namespace contourd

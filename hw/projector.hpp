@@ -10,7 +10,7 @@
 
 #include "hw/clock.hpp"
 #include "hw/device.hpp"
-#include "hw/watchdog/device_paths.hpp"
+#include "hw/watchdog/watchdog_message.hpp"
 
 namespace contourd {
 

@@ -1,7 +1,6 @@
 #include "hw/projector_with_light_line.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "hw/hardware_error.hpp"
 

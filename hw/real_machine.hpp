@@ -5,8 +5,6 @@
 //
 // Light off, screen black and motor still from the construction on, and after the destruction. A projector
 // that is found switched on is turned off. Event loop's thread only.
-//
-// It has more members than most classes: each device, and its stand-in.
 #pragma once
 
 #include <memory>

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "hw/motion_profile.hpp"
+#include "hw/motion_curve.hpp"
 #include "hw/simulated_printer_config.hpp"
 #include "hw/z_axis.hpp"
 

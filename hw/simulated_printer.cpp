@@ -1,7 +1,6 @@
 #include "hw/simulated_printer.hpp"
 
 #include <cstdio>
-#include <string>
 #include <utility>
 
 #include "core/contract/expects.hpp"

@@ -1,7 +1,6 @@
 #include "core/clearance/clearance_field.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <deque>
 

@@ -1,7 +1,6 @@
 #include "core/clearance/lit_layers.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/geometry/units.hpp"
 

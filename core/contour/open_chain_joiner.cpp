@@ -1,9 +1,9 @@
 #include "core/contour/open_chain_joiner.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <tuple>
+
+#include "core/contract/expects.hpp"
 
 namespace contourd {
 namespace {
@@ -44,6 +44,19 @@ bool is_start(std::uint32_t end) {
 }
 
 }  // namespace
+
+PointGrid::Cell PointGrid::cell_of(const Point& point, std::uint32_t number) const {
+  return {std::floor(point.y / cell_mm_), std::floor(point.x / cell_mm_), number};
+}
+
+void PointGrid::sort(std::span<const Point> points, std::span<const std::uint32_t> chosen, double reach) {
+  expects(reach > 0, "the reach is positive");
+  cell_mm_ = reach;
+  cells_.clear();
+  for (const std::uint32_t number : chosen)
+    cells_.push_back(cell_of(points[number], number));
+  std::sort(cells_.begin(), cells_.end());
+}
 
 void OpenChainJoiner::reset(Millimeters tolerance) {
   tolerance_mm_ = tolerance.count();

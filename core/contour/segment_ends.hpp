@@ -3,14 +3,19 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "core/contour/segment.hpp"
+#include "core/geometry/facet.hpp"
 
 namespace contourd {
+
+// A segment, directed so that the model's inside is on the left (seen from above).
+struct Segment {
+  Point from, to;
+  bool operator==(const Segment&) const = default;
+};
 
 // Keeps its working memory between calls: allocates only while sections grow. Not thread-safe.
 class SegmentEnds {

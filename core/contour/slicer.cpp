@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <span>
 
-#include "core/contract/expects.hpp"
 #include "core/geometry/double_pair.hpp"
 #include "core/geometry/point_hash.hpp"
 

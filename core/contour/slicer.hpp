@@ -19,7 +19,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/contour/segment.hpp"
+#include "core/contour/segment_ends.hpp"
 #include "core/contract/expects.hpp"
 #include "core/geometry/units.hpp"
 #include "core/model/height_index.hpp"

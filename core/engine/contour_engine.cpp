@@ -4,8 +4,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/contract/expects.hpp"
-
 namespace contourd {
 namespace {
 

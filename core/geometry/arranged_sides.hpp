@@ -10,7 +10,6 @@
 // sweep over the pieces follows.
 //
 // Working memory is kept between calls: an object allocates only while sections grow. Not thread-safe.
-// It has many functions, each of a few lines: the steps of one sweep, which all work on the same sides.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,7 @@
 #include "core/geometry/side_order.hpp"
 
+#include <utility>
+
 #include "core/contract/expects.hpp"
 
 namespace contourd {

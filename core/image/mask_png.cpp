@@ -1,7 +1,6 @@
 #include "core/image/mask_png.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstring>
 #include <stdexcept>

@@ -1,9 +1,7 @@
 #include "core/image/part_picture.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "core/contract/expects.hpp"

@@ -1,7 +1,6 @@
 #include "core/image/preview.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "core/contract/expects.hpp"
-#include "core/layers/layers.hpp"
 
 namespace contourd {
 namespace {

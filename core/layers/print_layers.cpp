@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/contract/expects.hpp"
-
 namespace contourd {
 
 PrintLayers::PrintLayers(std::vector<StandingModel> models, const AdaptiveLayers& adaptive)

@@ -1,6 +1,7 @@
 #include "core/mask/mask.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 

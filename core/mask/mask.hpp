@@ -2,7 +2,6 @@
 // value; thread-safe as any value is.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>

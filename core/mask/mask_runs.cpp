@@ -3,8 +3,6 @@
 #include <bit>
 #include <cstring>
 
-#include "core/contract/expects.hpp"
-
 namespace contourd {
 namespace {
 

@@ -11,7 +11,6 @@
 #include "core/contract/expects.hpp"
 #include "core/geometry/double_pair.hpp"
 #include "core/mask/exact_side.hpp"
-#include "core/mask/pixel_centers.hpp"
 
 namespace contourd {
 namespace {

@@ -1,12 +1,9 @@
 #include "core/model/height_index.hpp"
 
-#include <algorithm>
 #include <bit>
-#include <cstdint>
 #include <utility>
 
-#include "core/contract/expects.hpp"
-#include "core/model/enclosed_volume.hpp"
+#include "core/model/mesh_report.hpp"
 #include "core/repair/mesh_soundness.hpp"
 
 namespace contourd {

@@ -5,12 +5,15 @@
 // are then rated by all facets. Takes half a second, and a microsecond for each facet beyond a million.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <stop_token>
 #include <vector>
 
+#include "core/geometry/facet.hpp"
+#include "core/model/placement.hpp"
 #include "core/orientation/orientation_figures.hpp"
 
 namespace contourd {
@@ -36,5 +39,13 @@ inline constexpr std::size_t kSampledFacets = 50'000;
 [[nodiscard]] std::optional<OrientationChoice> choose_orientation(std::span<const Facet> facets,
                                                                   const OrientationRequest& request,
                                                                   const std::stop_token& stop = {});
+
+// Limits on the directions that put a face on the plate, on the evenly spread ones, and on all together.
+inline constexpr std::size_t kMostFaceDirections = 16, kSpreadDirections = 200;
+inline constexpr std::size_t kMostDirections = 6 + kMostFaceDirections + kSpreadDirections;
+// Returns the directions to try, each of length 1 and at least 3 degrees from the earlier ones: first (0, 0,
+// 1), as drawn; then the other axes both ways; then the directions that put one of the model's largest flat
+// faces on the plate, largest first; then directions that are spread evenly over the sphere.
+[[nodiscard]] std::vector<Direction> candidate_directions(std::span<const Facet> facets);
 
 }  // namespace contourd

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/contract/expects.hpp"
-#include "core/orientation/facet_area.hpp"
+#include "core/orientation/rated_mesh.hpp"
 
 namespace contourd {
 namespace {

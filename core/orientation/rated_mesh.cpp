@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <unordered_map>
 
 #include "core/contract/expects.hpp"
 #include "core/geometry/point_hash.hpp"
-#include "core/orientation/facet_area.hpp"
 
 namespace contourd {
 namespace {

@@ -1,7 +1,7 @@
 #include "core/overhangs/layer_parts.hpp"
 
 #include <algorithm>
-#include <span>
+#include <cstddef>
 #include <utility>
 
 #include "core/contract/expects.hpp"

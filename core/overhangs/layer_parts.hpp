@@ -3,7 +3,6 @@
 // meet, they become one. Keeps its memory between layers: allocates only while they grow. Not thread-safe.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>

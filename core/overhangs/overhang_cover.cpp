@@ -1,6 +1,5 @@
 #include "core/overhangs/overhang_cover.hpp"
 
-#include <algorithm>
 #include <cstdlib>
 #include <utility>
 

@@ -12,7 +12,7 @@
 #include "core/mask/mask_runs.hpp"
 #include "core/mask/pixel_map.hpp"
 #include "core/support/support_contact.hpp"
-#include "core/support/support_request.hpp"
+#include "core/support/supports.hpp"
 
 namespace contourd {
 

@@ -6,7 +6,6 @@
 // share that half evenly.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>

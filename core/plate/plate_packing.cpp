@@ -1,6 +1,5 @@
 #include "core/plate/plate_packing.hpp"
 
-#include <algorithm>
 #include <cstddef>
 #include <tuple>
 

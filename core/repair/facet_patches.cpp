@@ -1,12 +1,8 @@
 #include "core/repair/facet_patches.hpp"
 
-#include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
-#include <cstddef>
 #include <limits>
-#include <utility>
 
 #include "core/geometry/point_hash.hpp"
 

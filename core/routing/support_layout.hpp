@@ -1,5 +1,5 @@
-// Lays out the supports for the places that a sweep has found: tips, branches, feet, and the places that
-// cannot be held. Thread-safe (no shared state). Deterministic.
+// Generates supports: tips, branches, feet, and the places that cannot be held. Thread-safe (no shared
+// state). Deterministic.
 #pragma once
 
 #include <optional>
@@ -14,12 +14,19 @@
 
 namespace contourd {
 
-// Returns the supports; nullopt if `stop` is requested. `layers` holds all layers of everything that stands
+// Lays out the supports; nullopt if `stop` is requested. `layers` holds all layers of everything that stands
 // on the plate.
 [[nodiscard]] std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts,
                                                        const LitLayers& layers,
                                                        const DisplayGeometry& build_area,
                                                        const SupportSettings& settings,
                                                        const std::stop_token& stop = {});
+
+// Generates supports for the models on a plate: finds the places that have to be held in one sweep of masks
+// from the plate up, and leads supports from them around the models down to the plate. The same models and
+// settings give the same supports on every machine. Returns nullopt if `stop` is requested. Blocks: about a
+// second per million facets. find_overhangs() limits the height of the models.
+[[nodiscard]] std::optional<Supports> make_supports(const SupportRequest& request,
+                                                    const std::stop_token& stop = {});
 
 }  // namespace contourd

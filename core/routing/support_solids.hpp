@@ -14,4 +14,8 @@ namespace contourd {
 [[nodiscard]] std::vector<SupportPrimitive> solids_of(const SupportTree& tree, const ClearanceField& field,
                                                       const SupportSettings& settings);
 
+// Returns the foot of a branch with this radius that reaches the plate at `place`. REQUIRES: place.z == 0.
+[[nodiscard]] Frustum foot_at(const PlatePoint& place, double radius_mm, const ClearanceField& field,
+                              const SupportSettings& settings);
+
 }  // namespace contourd

@@ -4,7 +4,6 @@
 
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "core/clearance/clearance_field.hpp"
 #include "core/clearance/support_path_field.hpp"

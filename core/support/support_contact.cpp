@@ -1,7 +1,5 @@
 #include "core/support/support_contact.hpp"
 
-#include <utility>
-
 namespace contourd {
 
 std::string_view name_of(ContactCause cause) {

@@ -1,7 +1,6 @@
 #include "core/support/support_lift.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <vector>
 

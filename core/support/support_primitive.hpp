@@ -2,8 +2,10 @@
 // Values; thread-safe as any value is.
 #pragma once
 
+#include <optional>
 #include <variant>
 
+#include "core/contour/conic_cut.hpp"
 #include "core/support/support_contact.hpp"
 
 namespace contourd {
@@ -22,5 +24,18 @@ struct Ball {
 };
 
 using SupportPrimitive = std::variant<Frustum, Ball>;
+
+// The heights that a primitive spans, in millimetres above the plate. A plane at z cuts it if bottom <= z <
+// top.
+struct HeightReach {
+  double bottom, top;
+};
+[[nodiscard]] HeightReach reach_of(const SupportPrimitive& primitive);
+
+// Returns the exact section at a height in millimetres above the plate: a circle, or an ellipse, parabola or
+// hyperbola clipped by the frustum's two end planes; nullopt if the plane misses the primitive. Uses only +,
+// -,
+// *, / and square roots: the same bits on every machine.
+[[nodiscard]] std::optional<ConicCut> cut_at(const SupportPrimitive& primitive, double z_mm);
 
 }  // namespace contourd

@@ -1,16 +1,14 @@
-// Supports as a source of sections: primitives indexed by height, each cut exactly (see primitive_cut.hpp).
+// Supports as a source of sections: primitives indexed by height, each cut exactly (see cut_at()).
 // No mesh, no file; about 40 bytes of memory for each primitive besides the primitive itself.
 //
 // Immutable once built; thread-safe. Deterministic: the same primitives give the same bytes on every machine.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "core/engine/section_source.hpp"
-#include "core/support/primitive_cut.hpp"
 #include "core/support/support_primitive.hpp"
 
 namespace contourd {

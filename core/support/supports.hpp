@@ -6,7 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "core/engine/contour_engine.hpp"
+#include "core/mask/pixel_map.hpp"
 #include "core/support/support_contact.hpp"
+#include "core/support/support_settings.hpp"
 #include "core/support/support_structure.hpp"
 
 namespace contourd {
@@ -23,6 +26,12 @@ struct Supports {
   std::vector<UnheldPlace> unheld;                    // from the plate up
   std::uint32_t branches = 0, feet = 0, feet_on_models = 0;
   double volume_mm3 = 0;  // resin outside the models
+};
+
+struct SupportRequest {
+  std::vector<PlateModel> models;  // as they stand, already lifted by support_lift()
+  DisplayGeometry display;         // the build area; no part of a support lies outside it
+  SupportSettings settings;
 };
 
 }  // namespace contourd

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "daemon/control/printer_metrics.hpp"
-#include "daemon/spool/state_folder.hpp"
+#include "daemon/spool/state_records.hpp"
 #include "daemon/system/readable.hpp"
 #include "daemon/system/system_users.hpp"
 

@@ -7,7 +7,6 @@
 
 #include "core/contract/expects.hpp"
 #include "daemon/config/hardware_config.hpp"
-#include "daemon/config/hardware_rules.hpp"
 #include "daemon/config/projector_config.hpp"
 #include "daemon/config/projector_table.hpp"
 #include "daemon/json/json_schema.hpp"

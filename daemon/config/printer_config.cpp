@@ -1,22 +1,15 @@
 #include "daemon/config/printer_config.hpp"
 
 #include <cmath>
-#include <optional>
-#include <system_error>
 #include <utility>
-#include <vector>
 
 #include "daemon/config/display_memory.hpp"
-#include "daemon/config/display_plausibility.hpp"
 #include "daemon/config/hardware_config.hpp"
-#include "daemon/config/hardware_rules.hpp"
-#include "daemon/config/input_plausibility.hpp"
 #include "daemon/config/light_config.hpp"
-#include "daemon/config/light_plausibility.hpp"
+#include "daemon/config/plausibility.hpp"
 #include "daemon/config/printer_places.hpp"
 #include "daemon/config/projector_config.hpp"
 #include "daemon/config/projector_table.hpp"
-#include "daemon/config/resin_plausibility.hpp"
 #include "daemon/config/uniformity_mask.hpp"
 #include "daemon/json/json_document.hpp"
 #include "daemon/json/json_schema.hpp"

@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "daemon/json/json_document.hpp"
 #include "daemon/json/json_schema.hpp"
-#include "daemon/json/json_section.hpp"
 
 namespace contourd {
 namespace {

@@ -13,7 +13,7 @@
 #include "core/engine/compensation.hpp"
 #include "core/geometry/units.hpp"
 #include "core/model/placement.hpp"
-#include "core/orientation/orientation_weights.hpp"
+#include "core/orientation/orientation_figures.hpp"
 #include "core/support/support_settings.hpp"
 #include "daemon/config/ticket_limits.hpp"
 #include "hw/clock.hpp"

@@ -11,12 +11,9 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <optional>
 #include <string_view>
 #include <system_error>
-#include <utility>
 #include <variant>
-#include <vector>
 
 namespace contourd {
 namespace {

@@ -6,7 +6,6 @@
 #include <array>
 #include <ctime>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "daemon/system/readable.hpp"

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstddef>
-#include <string>
-#include <string_view>
 
 #include "core/contract/expects.hpp"
 #include "daemon/prepare/overrides_text.hpp"

@@ -1,13 +1,20 @@
 #include "daemon/history/history_database.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <stdexcept>
 #include <string_view>
+#include <system_error>
+
+#include "daemon/system/durable_file.hpp"
 
 namespace contourd {
 namespace {
 
+namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using std::chrono::milliseconds;
 using std::chrono::system_clock;
@@ -154,56 +161,170 @@ Usage usage_in(const SqliteStatement& row) {
   return {row.text(0), row.integer(1), row.integer(2), row.real(3), row.real(4)};
 }
 
+// Thrown if a later version of contourd made the file.
+class NewerHistory : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// Maximum number of damaged files that are kept; a further one replaces the last.
+constexpr int kMostAside = 9;
+
+struct FoundFile {
+  ino_t inode = 0;
+  std::string wrong;  // the clause that says what it is instead of a file, or empty
+};
+
+// Returns nullopt if the path does not exist. Throws std::system_error.
+std::optional<FoundFile> look_at(const fs::path& file) {
+  struct stat status {};
+  if (::lstat(file.c_str(), &status) != 0) {
+    if (errno == ENOENT) return std::nullopt;
+    throw std::system_error(errno, std::generic_category());
+  }
+  FoundFile found{.inode = status.st_ino, .wrong = {}};
+  if (S_ISDIR(status.st_mode)) found.wrong = "is a folder";
+  if (S_ISLNK(status.st_mode)) found.wrong = "is a link, which is not followed";
+  if (found.wrong.empty() && !S_ISREG(status.st_mode)) found.wrong = "is not a file";
+  return found;
+}
+
+fs::path with(const fs::path& file, const std::string& ending) {
+  return file.string() + ending;
+}
+
+std::string reason(const SqliteError& error) {
+  switch (error.code()) {
+    case SQLITE_BUSY:
+      return "another program has locked it";
+    case SQLITE_FULL:
+      return "the disk is full";
+    case SQLITE_READONLY:
+      return "it cannot be written";
+    case SQLITE_INTERRUPT:
+      return "the query takes too long";
+    default:
+      return error.what();
+  }
+}
+
 }  // namespace
 
-HistoryDatabase::HistoryDatabase(const std::filesystem::path& file) : database_(file, kPatience) {
-  const std::int64_t version = database_.integer("PRAGMA user_version");
+// --- the file
+
+void HistoryDatabase::open() {
+  const std::optional<FoundFile> found = look_at(file_);
+  // A user may have removed or replaced the file.
+  if (database_ && found && found->inode == inode_) return;
+  database_.reset();
+  for (const char* ending : {"", "-wal", "-shm"}) {
+    const std::optional<FoundFile> each = look_at(with(file_, ending));
+    if (each && !each->wrong.empty())
+      throw SqliteError(SQLITE_CANTOPEN,
+                        fmt::format("{} {}", with(file_, ending).filename().string(), each->wrong));
+  }
+  inode_ = 0;  // if check_file() throws, the next call opens the file again
+  database_.emplace(file_, kPatience);
+  check_file();
+  make_tables();
+  if (!found) sync_folder(file_.parent_path());
+  const std::optional<FoundFile> opened = look_at(file_);
+  inode_ = opened ? opened->inode : 0;
+}
+
+void HistoryDatabase::use(const std::function<void()>& call) {
+  const auto sentence = [this](const std::string& why) {
+    return std::runtime_error(fmt::format("the history in {} cannot be used: {}", file_.string(), why));
+  };
+  for (bool is_retry = false;; is_retry = true) {
+    try {
+      open();
+      return call();
+    } catch (const SqliteError& error) {
+      // After any error except a lock and a timeout, the file is opened and checked again.
+      if (error.code() != SQLITE_BUSY && error.code() != SQLITE_INTERRUPT) database_.reset();
+      if (is_retry || !error.is_corruption()) throw sentence(reason(error));
+      try {
+        put_aside(error.what());
+      } catch (const std::system_error& not_renamed) {
+        throw sentence(fmt::format("it is damaged ({}), and cannot be renamed: {}", error.what(),
+                                   not_renamed.code().message()));
+      }
+    } catch (const NewerHistory& newer) {
+      database_.reset();
+      throw sentence(newer.what());
+    } catch (const std::system_error& error) {
+      database_.reset();
+      throw sentence(error.code().message());
+    }
+  }
+}
+
+void HistoryDatabase::put_aside(const std::string& why) {
+  int number = 1;
+  while (number < kMostAside && look_at(with(file_, fmt::format(".damaged-{}", number))))
+    ++number;
+  const fs::path aside = with(file_, fmt::format(".damaged-{}", number));
+  fs::rename(file_, aside);
+  // The write-ahead log belongs to the damaged file and must not be applied to the new one.
+  if (look_at(with(file_, "-wal"))) fs::rename(with(file_, "-wal"), with(aside, "-wal"));
+  fs::remove(with(file_, "-shm"));
+  sync_folder(file_.parent_path());
+  notes_.push_back(
+      fmt::format("the history was damaged ({}); it is kept as {}, and a new, empty one begins: the use of "
+                  "lamp, film and vat is counted from zero",
+                  why, aside.string()));
+}
+
+void HistoryDatabase::check_file() {
+  const std::int64_t version = database_->integer("PRAGMA user_version");
   if (version > kVersion)
     throw NewerHistory(
         fmt::format("its version is {}, and this contourd reads version {}", version, kVersion));
-  if (const std::string found = database_.text("PRAGMA quick_check(1)"); found != "ok")
+  if (const std::string found = database_->text("PRAGMA quick_check(1)"); found != "ok")
     throw SqliteError(SQLITE_CORRUPT, found);
   // These settings make commits survive a power cut, let other programs read without waiting, write only in
   // the file's folder, and use little memory.
-  database_.execute(
+  database_->execute(
       "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA wal_autocheckpoint=200; "
       "PRAGMA journal_size_limit=1048576; PRAGMA temp_store=MEMORY; PRAGMA cache_size=-256; "
       "PRAGMA trusted_schema=OFF");
-  make_tables();
 }
 
 void HistoryDatabase::make_tables() {
-  SqliteTransaction transaction(database_);
-  const std::int64_t version = database_.integer("PRAGMA user_version");
+  SqliteTransaction transaction(*database_);
+  const std::int64_t version = database_->integer("PRAGMA user_version");
   if (version < 0) throw SqliteError(SQLITE_CORRUPT, "its version is below 0");
   if (version == kVersion) return;
-  database_.execute(kTables);
-  database_.execute(fmt::format("PRAGMA user_version={}", kVersion));
+  database_->execute(kTables);
+  database_->execute(fmt::format("PRAGMA user_version={}", kVersion));
   transaction.commit();
 }
 
+// --- changes
+
 void HistoryDatabase::begin(std::int64_t key, const std::string& name, system_clock::time_point when) {
-  SqliteStatement(database_, "INSERT OR IGNORE INTO job(key,name,began_ms) VALUES(?,?,?)")
+  SqliteStatement(*database_, "INSERT OR IGNORE INTO job(key,name,began_ms) VALUES(?,?,?)")
       .bind(key, name, ms(when))
       .step();
 }
 
 void HistoryDatabase::note(std::int64_t key, const JobFigures& figures) {
-  SqliteStatement statement(database_,
+  SqliteStatement statement(*database_,
                             fmt::format("UPDATE job SET {} WHERE key=? AND outcome IS NULL", kSetFigures));
   bind_figures(statement, figures, key);
   statement.step();
 }
 
 void HistoryDatabase::forget(std::int64_t key) {
-  SqliteStatement(database_, "DELETE FROM job WHERE key=? AND outcome IS NULL").bind(key).step();
+  SqliteStatement(*database_, "DELETE FROM job WHERE key=? AND outcome IS NULL").bind(key).step();
 }
 
 void HistoryDatabase::end(std::int64_t key, const EndedJob& job) {
-  SqliteTransaction transaction(database_);
+  SqliteTransaction transaction(*database_);
   begin(key, job.name, job.began);
   SqliteStatement statement(
-      database_,
+      *database_,
       fmt::format(
           "UPDATE job SET {},outcome=?,reason=?,ended_ms=?,analysis=? WHERE key=? AND outcome IS NULL",
           kSetFigures));
@@ -217,19 +338,19 @@ void HistoryDatabase::end(std::int64_t key, const EndedJob& job) {
 // --- jobs that the previous process left without an outcome
 
 void HistoryDatabase::adopt(const std::vector<EndedJob>& left, const std::optional<EndedJob>& last_end) {
-  SqliteTransaction transaction(database_);
+  SqliteTransaction transaction(*database_);
   for (const EndedJob& job : left)
     end_left(job);
   // The job may have been filed before its end was stored here.
   if (last_end) end_left(*last_end);
-  SqliteStatement(database_, "UPDATE job SET outcome='failed',reason=?,ended_ms=? WHERE outcome IS NULL")
+  SqliteStatement(*database_, "UPDATE job SET outcome='failed',reason=?,ended_ms=? WHERE outcome IS NULL")
       .bind(kEndNotNoted, ms(system_clock::now()))
       .step();
   transaction.commit();
 }
 
 std::int64_t HistoryDatabase::key_under_way(const std::string& name) {
-  SqliteStatement row(database_,
+  SqliteStatement row(*database_,
                       "SELECT key FROM job WHERE outcome IS NULL AND name=? ORDER BY id DESC LIMIT 1");
   return row.bind(name).step() ? row.integer(0) : 0;
 }
@@ -239,28 +360,29 @@ void HistoryDatabase::end_left(const EndedJob& job) {
   const std::int64_t key = job.key != 0 ? job.key : key_under_way(job.name);
   if (key != 0) {
     begin(key, job.name, job.began);
-    SqliteStatement(database_, "UPDATE job SET outcome=?,reason=?,ended_ms=? WHERE key=? AND outcome IS NULL")
+    SqliteStatement(*database_,
+                    "UPDATE job SET outcome=?,reason=?,ended_ms=? WHERE key=? AND outcome IS NULL")
         .bind(job.outcome, reason, ms(job.ended), key)
         .step();
     return;
   }
   // If the disk did not let the job be moved out of printing/, an earlier start has stored it already.
-  SqliteStatement latest(database_, "SELECT name,outcome,reason FROM job ORDER BY id DESC LIMIT 1");
+  SqliteStatement latest(*database_, "SELECT name,outcome,reason FROM job ORDER BY id DESC LIMIT 1");
   if (latest.step() && latest.text(0) == job.name && latest.text(1) == job.outcome &&
       latest.text(2) == reason)
     return;
-  SqliteStatement(database_,
+  SqliteStatement(*database_,
                   "INSERT INTO job(key,name,outcome,reason,began_ms,ended_ms) VALUES(random(),?,?,?,?,?)")
       .bind(job.name, job.outcome, reason, ms(job.began), ms(job.ended))
       .step();
 }
 
 void HistoryDatabase::forget_oldest() {
-  const std::int64_t jobs = database_.integer("SELECT count(*) FROM job");
+  const std::int64_t jobs = database_->integer("SELECT count(*) FROM job");
   if (jobs <= kMostJobs) return;
   const std::string oldest = fmt::format(
       "id IN (SELECT id FROM job WHERE outcome IS NOT NULL ORDER BY id LIMIT {})", jobs - kMostJobs);
-  database_.execute(fmt::format(
+  database_->execute(fmt::format(
       "INSERT INTO forgotten(resin,jobs,prints,layers,lit_s,resin_ml) SELECT resin,count(*),"
       "sum(layers_exposed>0),sum(layers_exposed),sum(lit_s),sum(resin_ml) FROM job "
       "WHERE {0} GROUP BY resin ON CONFLICT(resin) DO UPDATE SET jobs=jobs+excluded.jobs,"
@@ -273,13 +395,13 @@ void HistoryDatabase::forget_oldest() {
 // --- queries
 
 HistoryPage HistoryDatabase::list(const HistoryQuery& query) {
-  const SqliteTimeLimit limit(database_, kLongestQuery);
+  const SqliteTimeLimit limit(*database_, kLongestQuery);
   // Conditions that are not set hold for every row.
   SqliteStatement rows(
-      database_, fmt::format("SELECT {} FROM job WHERE outcome IS NOT NULL AND id<?1 AND ended_ms>=?2 AND "
-                             "(?3='' OR outcome=?3) AND (?4='' OR resin=?4) AND (?5='' OR instr(name,?5)>0) "
-                             "ORDER BY id DESC LIMIT ?6",
-                             kColumns));
+      *database_, fmt::format("SELECT {} FROM job WHERE outcome IS NOT NULL AND id<?1 AND ended_ms>=?2 AND "
+                              "(?3='' OR outcome=?3) AND (?4='' OR resin=?4) AND (?5='' OR instr(name,?5)>0) "
+                              "ORDER BY id DESC LIMIT ?6",
+                              kColumns));
   rows.bind(query.before.value_or(INT64_MAX), query.since ? ms(*query.since) : INT64_MIN,
             query.outcome.value_or(""), query.resin.value_or(""), query.name.value_or(""),
             static_cast<std::int64_t>(query.last + 1));
@@ -301,8 +423,8 @@ HistoryPage HistoryDatabase::list(const HistoryQuery& query) {
 }
 
 std::vector<Usage> HistoryDatabase::usage_by_resin() {
-  const SqliteTimeLimit limit(database_, kLongestQuery);
-  SqliteStatement rows(database_,
+  const SqliteTimeLimit limit(*database_, kLongestQuery);
+  SqliteStatement rows(*database_,
                        fmt::format("SELECT resin,sum(jobs),sum(layers),sum(lit_s),sum(resin_ml) "
                                    "FROM {} WHERE resin<>'' GROUP BY resin ORDER BY 4 DESC LIMIT {}",
                                    kUsed, kMostResins));
@@ -313,8 +435,8 @@ std::vector<Usage> HistoryDatabase::usage_by_resin() {
 }
 
 Usage HistoryDatabase::usage() {
-  const SqliteTimeLimit limit(database_, kLongestQuery);
-  SqliteStatement row(database_,
+  const SqliteTimeLimit limit(*database_, kLongestQuery);
+  SqliteStatement row(*database_,
                       fmt::format("SELECT '',sum(jobs),sum(layers),sum(lit_s),sum(resin_ml) FROM {}", kUsed));
   row.step();
   return usage_in(row);
@@ -323,9 +445,9 @@ Usage HistoryDatabase::usage() {
 // --- wear parts
 
 void HistoryDatabase::replace(WearPart part, system_clock::time_point when) {
-  const SqliteTimeLimit limit(database_, kLongestQuery);
+  const SqliteTimeLimit limit(*database_, kLongestQuery);
   SqliteStatement(
-      database_,
+      *database_,
       fmt::format("INSERT OR REPLACE INTO replaced(part,at_ms,layers,prints,lit_s) SELECT "
                   "?1,?2,coalesce(sum(layers),0),coalesce(sum(prints),0),coalesce(sum(lit_s),0) FROM {}",
                   kUsed))
@@ -335,13 +457,13 @@ void HistoryDatabase::replace(WearPart part, system_clock::time_point when) {
 
 std::vector<WearPartUse> HistoryDatabase::wear() {
   constexpr double kSecondsPerHour = 3600;
-  const SqliteTimeLimit limit(database_, kLongestQuery);
-  SqliteStatement all(database_, fmt::format("SELECT sum(layers),sum(prints),sum(lit_s) FROM {}", kUsed));
+  const SqliteTimeLimit limit(*database_, kLongestQuery);
+  SqliteStatement all(*database_, fmt::format("SELECT sum(layers),sum(prints),sum(lit_s) FROM {}", kUsed));
   all.step();
   std::vector<WearPartUse> uses;
   for (const WearPart part : kWearParts) {
     WearPartUse use{.part = part};
-    SqliteStatement row(database_, "SELECT layers,prints,lit_s,at_ms FROM replaced WHERE part=?");
+    SqliteStatement row(*database_, "SELECT layers,prints,lit_s,at_ms FROM replaced WHERE part=?");
     use.layers = all.integer(0);
     use.prints = all.integer(1);
     double lit_s = all.real(2);

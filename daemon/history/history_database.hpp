@@ -1,18 +1,22 @@
-// The history's tables: every job that was begun, and how it ended. Blocks, so a worker's thread calls it.
+// The history's file and tables: every job that was begun, and how it ended. Blocks, so a worker's thread
+// calls it.
 //
 // A job has a row from its beginning on, without an outcome until it has ended. If the process ends in
 // between, the next one completes the row, and no job appears twice. Jobs beyond kMostJobs are removed,
 // oldest first; only their usage totals are kept.
 #pragma once
 
+#include <sys/types.h>
+
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/config/wear_part.hpp"
@@ -20,12 +24,6 @@
 #include "daemon/system/sqlite.hpp"
 
 namespace contourd {
-
-// Thrown if a later version of contourd made the file, so that this one cannot read it.
-class NewerHistory : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 // A selection of ended jobs; all conditions must hold.
 struct HistoryQuery {
@@ -58,9 +56,19 @@ class HistoryDatabase {
   // The reason of a job whose end was not recorded.
   static constexpr const char* kEndNotNoted = "contourd ended before it noted how this job ended";
 
-  // Opens the file or makes it, and checks that it is not damaged. Throws SqliteError, as all functions of
-  // this class do, and NewerHistory.
-  explicit HistoryDatabase(const std::filesystem::path& file);
+  // Does not open the file yet.
+  explicit HistoryDatabase(std::filesystem::path file) : file_(std::move(file)) {}
+
+  // Opens the file or makes it, and checks that it is not damaged; does nothing if the file is open and was
+  // not replaced. Throws std::runtime_error, also as SqliteError and std::system_error.
+  void open();
+  // Opens the file and calls `call`. If the file is damaged, use() renames it, and calls `call` again with a
+  // new file. Throws std::runtime_error with a sentence.
+  void use(const std::function<void()>& call);
+  // Returns a sentence for each damaged file that was renamed since the last call.
+  [[nodiscard]] std::vector<std::string> take_notes() { return std::exchange(notes_, {}); }
+
+  // The functions below REQUIRE an open file, and throw SqliteError.
 
   // Adds a job, without an outcome. No two jobs ever have the same `key`.
   void begin(std::int64_t key, const std::string& name, std::chrono::system_clock::time_point when);
@@ -86,13 +94,18 @@ class HistoryDatabase {
   [[nodiscard]] std::vector<WearPartUse> wear();
 
  private:
+  void put_aside(const std::string& why);
+  void check_file();
   void make_tables();
   void end_left(const EndedJob& job);
   // Returns the key of the job of this name without an outcome; 0 if there is none.
   [[nodiscard]] std::int64_t key_under_way(const std::string& name);
   void forget_oldest();
 
-  SqliteDatabase database_;
+  std::filesystem::path file_;
+  std::optional<SqliteDatabase> database_;
+  ino_t inode_ = 0;  // the inode of the open file
+  std::vector<std::string> notes_;
 };
 
 }  // namespace contourd

@@ -1,7 +1,12 @@
 #include "daemon/history/history_worker.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <iterator>
+#include <memory>
 #include <random>
+#include <stdexcept>
 #include <utility>
 
 #include "daemon/system/readable.hpp"
@@ -28,10 +33,7 @@ HistoryWorker::AllUsage usage_of(HistoryDatabase& database) {
 }  // namespace
 
 HistoryWorker::HistoryWorker(EventLoop& loop, const Log& log, const std::filesystem::path& file)
-    : loop_(loop),
-      log_(log),
-      store_(std::make_shared<HistoryStore>(file)),
-      worker_(loop, "contourd-past", kHistoryNiceness) {}
+    : loop_(loop), log_(log), database_(file), worker_(loop, "contourd-past", kHistoryNiceness) {}
 
 // --- changes
 
@@ -57,9 +59,8 @@ void HistoryWorker::note_now(const JobFigures& figures) {
   if (!under_way_) return;
   under_way_->noted = std::chrono::steady_clock::now();
   worker_.run(
-      [store = store_, key = under_way_->key, figures] {
-        store->change_now_or_never([&](HistoryDatabase& database) { database.note(key, figures); });
-        return health_of(*store);
+      [this, key = under_way_->key, figures] {
+        return change_now_or_never([&](HistoryDatabase& database) { database.note(key, figures); });
       },
       [this](const Health& health) { handle(health); });
 }
@@ -86,20 +87,23 @@ std::shared_future<void> HistoryWorker::change_for(std::int64_t key, EndedJob& j
   return change([key, job](HistoryDatabase& database) { database.end(key, job); });
 }
 
-std::shared_future<void> HistoryWorker::change(HistoryStore::Call call) {
+std::shared_future<void> HistoryWorker::change(Change change) {
   const auto made = std::make_shared<std::promise<void>>();
   worker_.run(
-      [store = store_, call = std::move(call), made] {
-        store->change(call);
+      [this, change = std::move(change), made] {
+        waiting_.push_back(change);
+        if (waiting_.size() > kMostWaiting) {
+          waiting_.pop_front();
+          if (!std::exchange(loss_noted_, true))
+            notes_.push_back(fmt::format(
+                "more than {} changes of the history wait to be written; the oldest are lost", kMostWaiting));
+        }
+        Health after = change_now_or_never({});
         made->set_value();
-        return health_of(*store);
+        return after;
       },
       [this](const Health& health) { handle(health); });
   return made->get_future().share();
-}
-
-HistoryWorker::Health HistoryWorker::health_of(HistoryStore& store) {
-  return {store.trouble(), store.take_notes(), store.waits()};
 }
 
 void HistoryWorker::handle(const Health& health) {
@@ -114,13 +118,36 @@ void HistoryWorker::handle(const Health& health) {
   if (!health.waits) return;
   retry_timer_ =
       loop_.at(std::chrono::steady_clock::now() + kWriteRetryInterval, "the history's timer", [this] {
-        worker_.run(
-            [store = store_] {
-              store->retry();
-              return health_of(*store);
-            },
-            [this](const Health& later) { handle(later); });
+        worker_.run([this] { return change_now_or_never({}); },
+                    [this](const Health& later) { handle(later); });
       });
+}
+
+// --- on the worker's thread
+
+void HistoryWorker::make_changes(const Change& change) {
+  database_.use([&] {
+    for (; !waiting_.empty(); waiting_.pop_front())
+      waiting_.front()(database_);
+    loss_noted_ = false;
+    if (change) change(database_);
+  });
+}
+
+HistoryWorker::Health HistoryWorker::change_now_or_never(const Change& change) {
+  try {
+    make_changes(change);
+    trouble_.clear();
+  } catch (const std::runtime_error& error) {
+    trouble_ = error.what();
+  }
+  return health();
+}
+
+HistoryWorker::Health HistoryWorker::health() {
+  std::vector<std::string> notes = database_.take_notes();
+  std::ranges::move(std::exchange(notes_, {}), std::back_inserter(notes));
+  return {trouble_, std::move(notes), !waiting_.empty()};
 }
 
 // --- queries
@@ -133,16 +160,16 @@ void HistoryWorker::ask(const ControlCaller& asker, Question question, Done<Answ
     Health health;
   };
   auto ask = [this, question = std::move(question), done = std::move(done)](bool gone) {
-    const auto look_up = [store = store_, question, gone] {
+    const auto look_up = [this, question, gone] {
       Result result;
       if (gone) return result;
       try {
-        store->ask([&](HistoryDatabase& database) { result.answer = question(database); });
+        make_changes([&](HistoryDatabase& database) { result.answer = question(database); });
       } catch (const std::runtime_error& error) {
         result.answer.reset();
         result.trouble = error.what();
       }
-      result.health = health_of(*store);
+      result.health = health();
       return result;
     };
     worker_.run(look_up, [this, done, gone](Result result) {

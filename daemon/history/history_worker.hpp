@@ -4,17 +4,17 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <functional>
 #include <future>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "daemon/history/history_store.hpp"
+#include "daemon/history/history_database.hpp"
 #include "daemon/history/job_history.hpp"
 #include "daemon/system/control_caller.hpp"
 #include "daemon/system/log.hpp"
@@ -26,6 +26,9 @@ class HistoryWorker {
  public:
   // Interval at which a print's usage is stored; a power cut loses at most this much.
   static constexpr Duration kNoteInterval = std::chrono::seconds(30);
+  // Maximum number of changes that wait until they can be made. Beyond it the oldest are lost, which is
+  // logged once.
+  static constexpr std::size_t kMostWaiting = 1'000;
 
   // Loop and log must outlive the object. The worker's thread opens the file.
   HistoryWorker(EventLoop& loop, const Log& log, const std::filesystem::path& file);
@@ -76,32 +79,43 @@ class HistoryWorker {
     std::function<void(bool gone)> ask;
     bool gone = false;
   };
-  // The state of the store after a task.
+  // The state of the database after a task.
   struct Health {
     std::string trouble;
     std::vector<std::string> notes;
     bool waits = false;
   };
+  using Change = std::function<void(HistoryDatabase&)>;
 
-  std::shared_future<void> change(HistoryStore::Call call);
+  std::shared_future<void> change(Change change);
   std::shared_future<void> change_for(std::int64_t key, EndedJob& job);
   template <typename Answer, typename Question>
   void ask(const ControlCaller& asker, Question question, Done<Answer> done);
   void ask_next();
   [[nodiscard]] std::deque<Waiting>::iterator next_question();
-  [[nodiscard]] static Health health_of(HistoryStore& store);
-  // Logs a change of the store's state, and starts the retry of waiting changes.
+  // Logs a change of the database's state, and starts the retry of waiting changes.
   void handle(const Health& health);
+
+  // The worker's thread calls these three functions. The first makes the waiting changes and then `change`,
+  // and throws std::runtime_error with a sentence; the second drops `change` if it cannot be made now.
+  void make_changes(const Change& change);
+  [[nodiscard]] Health change_now_or_never(const Change& change);
+  [[nodiscard]] Health health();
 
   EventLoop& loop_;
   const Log& log_;
-  std::shared_ptr<HistoryStore> store_;  // used by the worker's thread only
   std::optional<UnderWay> under_way_;
   std::deque<Waiting> questions_;
   bool asking_ = false;
   uid_t last_asker_ = 0;  // the user of the last query
   bool logged_well_ = true;
   EventLoop::SourcePtr retry_timer_;
+  // Used by the worker's thread only:
+  HistoryDatabase database_;
+  std::deque<Change> waiting_;
+  std::vector<std::string> notes_;
+  std::string trouble_;  // why changes cannot be written, a sentence; empty if the last one was
+  bool loss_noted_ = false;
   Worker worker_;  // the last member: its thread does all tasks before the other members are destroyed
 };
 

@@ -1,5 +1,5 @@
 // The latest jobs that have ended since contourd started. Event loop's thread only. The jobs of earlier runs
-// are in a database (history_store.hpp).
+// are in a database (history_database.hpp).
 #pragma once
 
 #include <chrono>

@@ -6,7 +6,7 @@
 #include "daemon/jobs/acceptances.hpp"
 #include "daemon/prepare/job_memory.hpp"
 #include "daemon/spool/copied_originals.hpp"
-#include "daemon/spool/state_folder.hpp"
+#include "daemon/spool/state_records.hpp"
 #include "daemon/system/durable_file.hpp"
 #include "daemon/system/readable.hpp"
 

@@ -1,12 +1,11 @@
 #include "daemon/json/config_error.hpp"
 
 #include <algorithm>
-#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "core/contract/expects.hpp"
-#include "daemon/system/printable.hpp"
+#include "daemon/system/readable.hpp"
 #include "daemon/system/utf_8.hpp"
 
 namespace contourd {

@@ -22,7 +22,7 @@ struct Violation {
 inline constexpr std::size_t kMaxViolations = 1000;
 
 // The violations of one or more files. what() has one line per violation, `FILE: /pointer: message`, safe to
-// show (printable.hpp): the first 20 violations, then the number of further ones.
+// show (printable()): the first 20 violations, then the number of further ones.
 class ConfigError : public std::runtime_error {
  public:
   // REQUIRES: at least one violation.
@@ -39,7 +39,7 @@ class ConfigError : public std::runtime_error {
 // Returns `FILE: warning: /pointer: message`, safe to show.
 [[nodiscard]] std::string warning_line(const Violation& warning);
 
-// Returns the text in double quotes, cut at 60 bytes, safe to show (printable.hpp).
+// Returns the text in double quotes, cut at 60 bytes, safe to show (printable()).
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
 // Returns the shortest decimal form of a number.

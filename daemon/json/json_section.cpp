@@ -1,9 +1,7 @@
 #include "daemon/json/json_section.hpp"
 
 #include <cmath>
-#include <limits>
 #include <optional>
-#include <stdexcept>
 
 #include "core/contract/expects.hpp"
 

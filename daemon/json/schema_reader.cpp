@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "daemon/json/config_error.hpp"
-#include "daemon/json/schema_pattern.hpp"
 
 namespace contourd {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/repair/mesh_soundness.hpp"
-#include "daemon/system/printable.hpp"
+#include "daemon/system/readable.hpp"
 
 namespace contourd {
 namespace {

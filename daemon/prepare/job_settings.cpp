@@ -8,7 +8,7 @@
 #include "daemon/config/ticket_overrides.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/json/profile_file.hpp"
-#include "daemon/system/printable.hpp"
+#include "daemon/system/readable.hpp"
 
 namespace contourd {
 namespace {

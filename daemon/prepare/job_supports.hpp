@@ -6,7 +6,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/routing/support_generation.hpp"
+#include "core/routing/support_layout.hpp"
 #include "daemon/config/resin_profile.hpp"
 #include "daemon/prepare/job_content.hpp"
 #include "daemon/prepare/plate_arrangement.hpp"

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "daemon/prepare/plate_arrangement.hpp"
-#include "daemon/system/printable.hpp"
+#include "daemon/system/readable.hpp"
 
 namespace contourd {
 

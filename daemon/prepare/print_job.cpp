@@ -22,7 +22,6 @@
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/print/mask_cost.hpp"
 #include "daemon/system/memory_room.hpp"
-#include "daemon/system/printable.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd {

@@ -1,7 +1,7 @@
 #include "daemon/print/layer_durations.hpp"
 
 #include "hw/gpio/axis_motion.hpp"
-#include "hw/motion_profile.hpp"
+#include "hw/motion_curve.hpp"
 
 namespace contourd {
 

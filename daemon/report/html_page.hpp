@@ -2,7 +2,6 @@
 // Thread-safe (no shared state).
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>

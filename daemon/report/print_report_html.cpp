@@ -6,19 +6,54 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/report/html_page.hpp"
 #include "daemon/report/light_histogram.hpp"
-#include "daemon/report/report_page_style.hpp"
 #include "daemon/report/state_time_line.hpp"
 #include "daemon/system/base64.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd {
 namespace {
+
+// Style sheet of the report page, in addition to kPageStyle.
+constexpr std::string_view kReportPageStyle = R"(
+:root { --exposing: #6a3fb5; --moving: #2673ad; --waiting: #87909b; --preparing: #1f8a63; --stopped: #cf5a17; }
+@media (prefers-color-scheme: dark) { :root { --exposing: #b08af5; --moving: #56a8e0; --waiting: #6d7886; --preparing: #3fbd8d; --stopped: #f0863f; } }
+@media print { :root { --exposing: #6a3fb5; --moving: #2673ad; --waiting: #87909b; --preparing: #1f8a63; --stopped: #cf5a17; } }
+.top table { flex: 1 1 22rem; } .top th { white-space: nowrap; } td { overflow-wrap: anywhere; }
+.notes { margin: .3rem 0; padding-left: 1.2rem; } .notes li { margin: .3rem 0; overflow-wrap: anywhere; }
+.notes a { white-space: nowrap; } .warnings li::marker { color: var(--bad); content: "! "; }
+.layers { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 12.5rem), 1fr)); gap: 1rem; }
+figure { margin: 0; padding: .3rem; border-radius: 6px; scroll-margin-top: 1rem; break-inside: avoid; }
+figure:target { outline: 3px solid var(--accent); }
+.shot { position: relative; background: #000; border-radius: 4px; overflow: hidden; box-shadow: 0 0 0 1px var(--line); }
+.shot img { display: block; width: 100%; height: auto; image-rendering: pixelated; }
+.shot svg { position: absolute; inset: 0; width: 100%; height: 100%; }
+.shot .voids circle { stroke: #4db8ff; }
+.shot circle { fill: none; stroke: #ff5a4d; stroke-width: 2; vector-effect: non-scaling-stroke; }
+.part { padding: 0; width: 22rem; max-width: 100%; } .part img { image-rendering: auto; }
+.part .contacts circle { stroke: #000; stroke-width: 1; } .cause { white-space: nowrap; } .contacts .island, .swatch.island { fill: #ff4d8d; background: #ff4d8d; }
+.contacts .overhang, .swatch.overhang { fill: #ffd166; background: #ffd166; } .contacts .peel, .swatch.peel { fill: #5ad1ff; background: #5ad1ff; }
+figcaption { font-size: .87rem; line-height: 1.35; margin-top: .3rem; }
+.exposing { fill: var(--exposing); background: var(--exposing); } .moving { fill: var(--moving); background: var(--moving); }
+.waiting { fill: var(--waiting); background: var(--waiting); } .preparing { fill: var(--preparing); background: var(--preparing); }
+.stopped, .pause { fill: var(--stopped); background: var(--stopped); } .interruption { fill: var(--bad); background: var(--bad); }
+.swatch { display: inline-block; width: .8em; height: .8em; border-radius: 2px; margin-right: .5em; }
+svg .tick { stroke: var(--ink); stroke-width: 1; } svg .most { fill: var(--accent); } svg .least { fill: var(--waiting); }
+.swatch.most { background: var(--accent); } .swatch.least { background: var(--waiting); }
+.figures td, .figures th { font-variant-numeric: tabular-nums; }
+.figures td:nth-child(n+2), .figures th:nth-child(n+2) { text-align: right; }
+@media (max-width: 40rem) { .layers { grid-template-columns: repeat(2, minmax(0, 1fr)); gap: .5rem; } body { margin: 1rem auto; } }
+@media print {
+  body { max-width: none; margin: 0; font-size: 10pt; } svg, .swatch, .shot { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
+  h2 { break-after: avoid; } svg, tr { break-inside: avoid; } .layers { grid-template-columns: repeat(4, 1fr); } .part { width: 14rem; }
+}
+)";
 
 // Limits on the page of any print: warnings, interruptions and pauses each; models; bytes of a sentence. The
 // JSON report has all of them.

@@ -4,9 +4,9 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "core/image/part_picture.hpp"
 #include "core/image/thumbnail.hpp"

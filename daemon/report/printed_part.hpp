@@ -3,9 +3,7 @@
 // state).
 #pragma once
 
-#include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "core/engine/contour_engine.hpp"
 #include "core/geometry/mask_budget.hpp"

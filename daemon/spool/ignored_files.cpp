@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <string_view>
-#include <utility>
 
 namespace contourd {
 namespace {

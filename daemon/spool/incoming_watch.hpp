@@ -1,8 +1,6 @@
 // Watches incoming/ and reports models and plates when they are complete (by inotify(7), and by a timer for
 // changes that inotify does not report). Event loop's thread only. Files are examined on the disk's thread,
 // since a disk may take seconds while the light is on.
-//
-// It has more members than most classes: one container for each state that a file can be in.
 #pragma once
 
 #include <sys/inotify.h>

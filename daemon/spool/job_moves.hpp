@@ -2,8 +2,11 @@
 // one folder, or their times show which of them belong together. Thread-safe (no shared state); blocks.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <stdexcept>
+#include <vector>
 
 #include "daemon/spool/job_files.hpp"
 #include "daemon/spool/spool_folders.hpp"
@@ -19,5 +22,27 @@ void remove_files(const SpoolFolders& folders, const JobFiles& job);
 
 // Returns the inode's change time (ctime) in ns, which a move updates too; 0 if the path does not exist.
 [[nodiscard]] std::int64_t change_time(const std::filesystem::path& path);
+
+// Returns the models and plates in printing/. Moves a ticket there if its model was moved and the ticket was
+// not yet. Moves all other files to failed/, or to incoming/ or done/ if they are tickets of models there, as
+// far as possible. Throws std::filesystem::filesystem_error if the folder cannot be read.
+[[nodiscard]] std::vector<JobFiles> jobs_left_in_printing(const SpoolFolders& folders);
+
+// Thrown if one of the job's files cannot be read or is not a file. what() is a sentence.
+class JobUnreadable : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// Copies the job and syncs the copy to the disk; blocks. The folder of `to` exists, its files do not. Throws
+// JobUnreadable, ConfigError if a plate's ticket cannot be used, and std::system_error: with
+// no_space_on_device if the job is larger than `most_bytes`, with operation_canceled if `stop` is set
+// meanwhile. A partial copy remains after an exception.
+void copy_job(const JobFiles& from, const JobFiles& to, std::uintmax_t most_bytes,
+              const std::atomic<bool>& stop);
+
+// Copies a ticket and syncs it to the disk; blocks. Throws JobUnreadable, also if the ticket is too large,
+// and std::system_error.
+void copy_ticket(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace contourd

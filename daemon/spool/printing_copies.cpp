@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <exception>
+#include <system_error>
 
 #include "daemon/json/config_error.hpp"
-#include "daemon/spool/job_copy.hpp"
 #include "daemon/spool/job_moves.hpp"
 #include "daemon/system/durable_file.hpp"
 

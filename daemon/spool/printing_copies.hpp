@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <system_error>
 
 #include "daemon/spool/copied_originals.hpp"
 #include "daemon/spool/job_files.hpp"

@@ -16,6 +16,7 @@
 // jobs in incoming/ that were copied, copied_originals.hpp.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <system_error>
@@ -26,12 +27,24 @@
 #include "daemon/spool/job_files.hpp"
 #include "daemon/spool/printing_copies.hpp"
 #include "daemon/spool/spool_folders.hpp"
-#include "daemon/spool/spool_lock.hpp"
 #include "daemon/spool/state_records.hpp"
 #include "daemon/system/event_loop.hpp"
 #include "daemon/system/worker.hpp"
+#include "hw/file_descriptor.hpp"
 
 namespace contourd {
+
+// A lock file (flock(2)) in the spool's folder, so that only one process uses the spool. The kernel releases
+// the lock when the process ends.
+class SpoolLock {
+ public:
+  // Takes the lock, or takes it again if another folder has been put in the spool's place. Throws
+  // std::runtime_error if the folder cannot be written or another contourd has the lock.
+  void take(const std::filesystem::path& spool);
+
+ private:
+  FileDescriptor lock_;
+};
 
 class Spool {
  public:

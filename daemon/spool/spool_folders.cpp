@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
-#include <system_error>
 #include <utility>
 
 #include "core/formats/model_reader.hpp"

@@ -1,4 +1,5 @@
-// Records that survive a restart of the daemon, one file each in its state folder (state_folder.hpp):
+// Records that survive a restart of the daemon, one file each in its state folder. The folder is private to
+// the daemon: users who may put models into the spool can neither read nor write it.
 //
 //   plate-occupied   one line: the name of the job whose part is on the plate
 //   queue-held       one line: why no job begins until a user confirms it
@@ -18,6 +19,13 @@
 #include <vector>
 
 namespace contourd {
+
+// Returns the service manager's folder (STATE_DIRECTORY, systemd.exec(5)), or SPOOL.state beside the spool.
+[[nodiscard]] std::filesystem::path state_folder_path(const std::filesystem::path& spool);
+
+// Makes the folder if it does not exist, and removes all permissions of other users. Throws
+// std::runtime_error if the folder cannot be made or belongs to another user.
+void make_state_folder(const std::filesystem::path& folder);
 
 class StateRecords {
  public:

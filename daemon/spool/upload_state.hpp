@@ -2,7 +2,6 @@
 // takes. Thread-safe (no shared state).
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 

@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "daemon/system/printable.hpp"
+#include "daemon/system/readable.hpp"
 #include "daemon/system/standard_output.hpp"
 
 namespace contourd {

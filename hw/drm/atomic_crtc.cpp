@@ -3,9 +3,7 @@
 #include <xf86drm.h>
 #include <xf86drmMode.h>
 
-#include <cerrno>
 #include <cstring>
-#include <span>
 
 #include "hw/drm/color.hpp"
 #include "hw/drm/libdrm_pointer.hpp"

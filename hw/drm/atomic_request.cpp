@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstddef>
 #include <span>
 
 #include "hw/drm/libdrm_pointer.hpp"

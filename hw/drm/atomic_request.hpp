@@ -3,7 +3,6 @@
 // not do. Not thread-safe.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>

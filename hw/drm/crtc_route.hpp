@@ -7,7 +7,7 @@
 
 #include "hw/drm/card.hpp"
 #include "hw/drm/connector.hpp"
-#include "hw/drm/pixel_format.hpp"
+#include "hw/drm/drm_display_config.hpp"
 
 namespace contourd {
 

@@ -10,11 +10,11 @@
 #include <chrono>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <system_error>
 #include <utility>
 
 #include "hw/drm/blocking_calls.hpp"
-#include "hw/drm/display_probe.hpp"
 #include "hw/drm/master_holder.hpp"
 #include "hw/drm/output.hpp"
 #include "hw/drm/uevent_socket.hpp"
@@ -36,8 +36,8 @@ constexpr timespec kCheckInterval{0, 20'000'000};
 
 }  // namespace
 
-// It is larger than other classes: the picture on the screen, the pending `done` and the checks of the card
-// change together with every event of the kernel's.
+// The picture on the screen, the pending `done` and the checks of the card, which all change with every event
+// of the kernel's.
 class DrmDisplay::Implementation {
  public:
   Implementation(DescriptorWatcher& watcher, const DrmDisplayConfig& config)

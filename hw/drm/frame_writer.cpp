@@ -1,6 +1,7 @@
 #include "hw/drm/frame_writer.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <type_traits>
 

@@ -5,11 +5,10 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
 
 #include "core/mask/mask.hpp"
-#include "hw/drm/pixel_format.hpp"
+#include "hw/drm/drm_display_config.hpp"
 
 namespace contourd {
 

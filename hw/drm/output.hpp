@@ -14,6 +14,7 @@
 #include "hw/clock.hpp"
 #include "hw/drm/card.hpp"
 #include "hw/drm/crtc.hpp"
+#include "hw/drm/drm_display_config.hpp"
 #include "hw/drm/dumb_buffer.hpp"
 #include "hw/drm/page_flips.hpp"
 
@@ -89,5 +90,24 @@ class Output {
   std::vector<std::string> color_warnings_;
   PageFlips flips_{0, {}};
 };
+
+// The result of a probe for a display. A probe blocks for up to 300 ms or more, and for 10 s or more if the
+// driver hangs. Any thread.
+struct DisplayProbe {
+  std::shared_ptr<Output> output;  // black if is_back, else off; null if there is no output
+  bool is_back = false;
+  std::string refusal{};  // a sentence if the display is connected but cannot be used
+  std::optional<std::string> console_warning{};
+};
+
+// Restores an output that was lost. The caller must not share it with another thread.
+[[nodiscard]] DisplayProbe restored(std::shared_ptr<Output> output, const DrmDisplayConfig& config);
+
+// Opens the display that the config selects. Returns no output if none is connected or its card is not ready
+// yet.
+[[nodiscard]] DisplayProbe probe_all(const DrmDisplayConfig& config);
+
+// Blackens the text console and opens the output. Throws HardwareError.
+[[nodiscard]] DisplayProbe open_display(FoundOutput found, const DrmDisplayConfig& config);
 
 }  // namespace contourd

@@ -1,11 +1,10 @@
 #include "hw/gpio/axis_drive.hpp"
 
 #include <cstdio>
-#include <utility>
 
 #include "core/contract/expects.hpp"
+#include "hw/gpio/axis_fault.hpp"
 #include "hw/gpio/axis_motion.hpp"
-#include "hw/gpio/axis_text.hpp"
 
 namespace contourd {
 namespace {

@@ -1,8 +1,10 @@
-// A fault that ends a motion of the axis or prevents one. A value type.
+// A fault that ends a motion of the axis or prevents one, and texts for such messages. Values.
 #pragma once
 
+#include <cstdio>
 #include <string>
 
+#include "hw/gpio/gpio_axis_config.hpp"
 #include "hw/z_axis.hpp"
 
 namespace contourd {
@@ -12,5 +14,15 @@ struct AxisFault {
   std::string what;                           // one sentence, with the line
   bool owner_decides = false;                 // the emergency stop: nothing moves until the operator decides
 };
+
+[[nodiscard]] inline std::string describe(const GpioLineConfig& line) {
+  return "line " + line.line + " of " + line.chip;
+}
+
+[[nodiscard]] inline std::string millimeters(double mm) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3f mm", mm);
+  return text;
+}
 
 }  // namespace contourd

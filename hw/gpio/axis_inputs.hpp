@@ -19,9 +19,6 @@
 //     rule AtContact is queued when the contact has settled, with the time of its first edge.
 //  5. Each rule halts once: afterwards the limit rule is Never, and the second switch is no longer watched.
 //  6. The input thread uses cutoff_ only while cutting_ is set.
-//
-// It is larger than other classes: the input thread may neither lock nor wait, so all its knowledge of
-// contacts and encoder, and all that it shares with the event loop, is in one place.
 #pragma once
 
 #include <poll.h>
@@ -32,12 +29,11 @@
 #include <optional>
 
 #include "hw/event_descriptor.hpp"
-#include "hw/gpio/debounce.hpp"
+#include "hw/gpio/contact.hpp"
 #include "hw/gpio/digital_line.hpp"
 #include "hw/gpio/encoder_edges.hpp"
-#include "hw/gpio/light_cutoff.hpp"
-#include "hw/gpio/safety_contact.hpp"
 #include "hw/gpio/step_engine.hpp"
+#include "hw/light_line.hpp"
 
 namespace contourd {
 

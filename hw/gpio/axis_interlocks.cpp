@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "hw/gpio/axis_text.hpp"
+#include "hw/gpio/axis_fault.hpp"
 
 namespace contourd {
 namespace {

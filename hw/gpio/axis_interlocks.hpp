@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "hw/device.hpp"
 #include "hw/gpio/axis_fault.hpp"
 #include "hw/gpio/axis_inputs.hpp"
 #include "hw/gpio/gpio_axis_config.hpp"
 #include "hw/gpio/step_engine.hpp"
-#include "hw/machine_event.hpp"
 
 namespace contourd {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "hw/gpio/axis_text.hpp"
+#include "hw/gpio/axis_fault.hpp"
 #include "hw/gpio/gpio_lines.hpp"
 
 namespace contourd {

@@ -1,10 +1,9 @@
 #include "hw/gpio/axis_motion.hpp"
 
 #include <algorithm>
-#include <cstdint>
 #include <cstdlib>
 
-#include "hw/gpio/screw.hpp"
+#include "hw/gpio/plate_position.hpp"
 #include "hw/gpio/step_planner.hpp"
 
 namespace contourd {

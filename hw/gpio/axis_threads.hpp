@@ -1,15 +1,78 @@
 // The threads that run an axis' steps and inputs: two real-time threads, or a test with its own clock.
 #pragma once
 
+#include <pthread.h>
+
 #include <atomic>
 #include <string>
 #include <vector>
 
 #include "hw/gpio/axis_inputs.hpp"
 #include "hw/gpio/step_engine.hpp"
-#include "hw/gpio/step_thread.hpp"
 
 namespace contourd {
+
+// A thread with SCHED_FIFO, on a stack that is in memory. The program's memory at its start is locked; later
+// allocations (mainly models) are not, as the thread does not touch them. If the system refuses the priority
+// or the lock, the thread runs all the same and reports that.
+class RealtimeThread {
+ public:
+  // Starts a thread named `name` (at most 15 letters) that runs `body(argument)`, with SCHED_FIFO `priority`
+  // if that is allowed. Throws std::system_error if no thread can be created.
+  RealtimeThread(const char* name, int priority, void* (*body)(void*), void* argument);
+  RealtimeThread(const RealtimeThread&) = delete;
+  RealtimeThread& operator=(const RealtimeThread&) = delete;
+  ~RealtimeThread();  // waits for the body to return
+
+  // Returns a sentence for each request that the system refused.
+  [[nodiscard]] const std::vector<std::string>& refusals() const { return refusals_; }
+
+ private:
+  static void* start(void* self);
+  void make_thread();
+
+  void* (*body_)(void*);
+  void* argument_;
+  std::atomic<bool> started_{false};
+  pthread_t thread_{};
+  std::vector<std::string> refusals_;
+};
+
+// Waits for deadlines. A thread wakes a little after the requested time. So the sleep is shortened by the
+// smallest recent wake-up delay, and the last microseconds are spent polling the clock.
+class DeadlineWait {
+ public:
+  // Returns at `due`, or earlier if `interrupted()`, which is checked at least every 10 ms.
+  template <typename Interrupted>
+  void until(TimePoint due, Interrupted interrupted) noexcept {
+    for (TimePoint now = monotonic_now(); now < due && !interrupted(); now = monotonic_now())
+      sleep(now, due);
+  }
+
+ private:
+  void sleep(TimePoint now, TimePoint due) noexcept;
+
+  Duration lead_{0};
+};
+
+// Waits until each step is due, with absolute deadlines on CLOCK_MONOTONIC, and calls the engine.
+class StepThread {
+ public:
+  // The engine must outlive the thread.
+  StepThread(StepEngine& engine, int priority);
+  // Halts the engine and ends the thread.
+  ~StepThread();
+
+  [[nodiscard]] const std::vector<std::string>& refusals() const { return thread_.refusals(); }
+
+ private:
+  void run() noexcept;
+
+  StepEngine& engine_;
+  std::atomic<bool> quit_{false};
+  DeadlineWait wait_;
+  RealtimeThread thread_;  // last member: ends before the others are destroyed
+};
 
 class AxisThreads {
  public:

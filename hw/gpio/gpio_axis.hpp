@@ -2,9 +2,8 @@
 // switch, encoder, emergency stop and lid. Event loop's thread only; two threads of its own make the steps
 // and read the inputs.
 //
-// It has many functions, those of a ZAxis, and more members than other classes. It connects its parts: the
-// step engine and the inputs, which the two threads run; the plate's position; the motor; the approach to a
-// height; homing; and the reactions to the inputs' changes.
+// Connects the axis' parts: the step engine and the inputs, which the two threads run; the plate's position;
+// the motor; the approach to a height; homing; and the reactions to the inputs' changes.
 #pragma once
 
 #include <functional>

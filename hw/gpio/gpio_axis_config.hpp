@@ -2,12 +2,20 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "core/geometry/units.hpp"
 #include "hw/clock.hpp"
-#include "hw/gpio/gpio_line_config.hpp"
 
 namespace contourd {
+
+struct GpioLineConfig {
+  std::string chip = "gpiochip0";  // device name below /dev, a path, or the chip's label ("pinctrl-bcm2711")
+  std::string line;                // its number on that chip ("17"), or its name ("GPIO17")
+  bool active_low = false;         // "on", "closed", "enabled" is the low level
+};
+
+enum class LineBias { AsIs, PullUp, PullDown, Off };
 
 // The state of a contact at rest: switch not reached, stop not pressed, lid closed. At rest the line of a
 // normally closed contact has its active level, so a broken wire looks like a contact that is not at rest.

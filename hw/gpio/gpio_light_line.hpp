@@ -11,7 +11,6 @@
 
 #include "hw/clock.hpp"
 #include "hw/gpio/gpio_lines.hpp"
-#include "hw/gpio/light_cutoff.hpp"
 #include "hw/light_line.hpp"
 #include "hw/machine.hpp"
 

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "hw/gpio/digital_line.hpp"
-#include "hw/gpio/gpio_line_config.hpp"
+#include "hw/gpio/gpio_axis_config.hpp"
 #include "hw/gpio/gpiod.hpp"
 #include "hw/gpio/line_descriptor.hpp"
 #include "hw/hardware_error.hpp"

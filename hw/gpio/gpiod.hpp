@@ -3,7 +3,6 @@
 // with the kernel's errno and no text; gpio_lines.hpp makes the sentences. One thread at a time.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,7 +10,7 @@
 #include <string>
 
 #include "hw/gpio/digital_line.hpp"
-#include "hw/gpio/gpio_line_config.hpp"
+#include "hw/gpio/gpio_axis_config.hpp"
 
 struct gpiod_chip;
 

@@ -4,7 +4,6 @@
 // only.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <string>
 

@@ -1,10 +1,7 @@
 #include "hw/gpio/plate_position.hpp"
 
-#include <cmath>
-#include <utility>
-
 #include "core/contract/expects.hpp"
-#include "hw/gpio/axis_text.hpp"
+#include "hw/gpio/axis_fault.hpp"
 
 namespace contourd {
 

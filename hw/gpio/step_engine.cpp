@@ -5,8 +5,6 @@
 
 #include <algorithm>
 
-#include "core/contract/expects.hpp"
-
 namespace contourd {
 namespace {}  // namespace
 

@@ -28,9 +28,6 @@
 //     stepping_ is set. set_position() changes position_ and from_ while phase_ is Idle.
 //  7. While phase_ is Idle, the position is from_ plus the steps that the history has gained since start().
 //
-// It is larger than other classes: all state of a move that the two threads share is in one place, under
-// these rules.
-//
 // Cost measured with callgrind (g++ 12 -O3, amd64, as in step_planner.hpp; without kernel calls): 229
 // instructions per step on a trapezoid, 270 on an S-curve, planning included.
 #pragma once

@@ -1,7 +1,6 @@
 #include "hw/gpio/step_planner.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace contourd {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "hw/gpio/axis_threads.hpp"
 #include "hw/gpio/step_engine.hpp"
-#include "hw/gpio/step_thread.hpp"
 
 namespace contourd {
 namespace {

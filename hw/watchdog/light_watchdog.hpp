@@ -3,9 +3,6 @@
 // does not answer, is replaced; until then no exposure can be watched, and none may begin.
 //
 // Event loop's thread only.
-//
-// It has more members than most classes: the process and the connection to it, the descriptors handed to it,
-// and the exposure that it watches.
 #pragma once
 
 #include <sys/types.h>
@@ -18,7 +15,6 @@
 
 #include "hw/clock.hpp"
 #include "hw/descriptor_watcher.hpp"
-#include "hw/watchdog/device_paths.hpp"
 #include "hw/watchdog/last_light_off.hpp"
 #include "hw/watchdog/watchdog_message.hpp"
 

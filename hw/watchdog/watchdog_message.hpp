@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 #include <optional>
+#include <string>
 #include <type_traits>
 
 #include "hw/clock.hpp"
@@ -91,5 +92,18 @@ template <typename Message>
   static_assert(std::is_trivially_copyable_v<Message>);
   return send_packet(socket, &message, sizeof message, descriptor);
 }
+
+// Handles with which another process can turn the light off. The descriptors are borrowed; -1 if there is no
+// such device, or no longer.
+struct LightSerialPath {
+  int descriptor = -1;
+  std::string light_off;
+  Duration gap{};  // from one light off to the next: the projector's gap plus the command's time on the wire
+};
+struct LightDisplayPath {
+  int descriptor = -1;
+  std::uint32_t crtc = 0, connector = 0, black = 0;  // `black` is a framebuffer
+  DisplayModeBytes mode{};
+};
 
 }  // namespace contourd

@@ -1,7 +1,6 @@
 #include "hw/watchdog/watched_projector.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace contourd {
 

@@ -14,7 +14,7 @@
 #include "daemon/config/light_config.hpp"
 #include "daemon/jobs/print_archivist.hpp"
 #include "daemon/spool/copied_originals.hpp"
-#include "daemon/spool/left_in_printing.hpp"
+#include "daemon/spool/job_moves.hpp"
 #include "daemon/spool/reading_record.hpp"
 #include "daemon/spool/state_records.hpp"
 #include "tests/daemon/spool/spool_fixture.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "daemon/json/config_error.hpp"
-#include "daemon/system/printable.hpp"
+#include "daemon/system/readable.hpp"
 #include "tests/fuzz/demand.hpp"
 
 namespace contourd::fuzz {

@@ -1,6 +1,5 @@
 // Tests that each header of hw checks its preconditions.
 #include "hw/motion_curve.hpp"
-#include "hw/motion_profile.hpp"
 #include "hw/simulated_axis.hpp"
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"

@@ -83,7 +83,7 @@ MUTATIONS = [
     ("a stall leaves the position known", ENGINE, "  if (speed > move_.pull_in) {", "  if (speed > 1e9) {"),
     ("the encoder is corrected without limit", "hw/gpio/axis_encoder.cpp", "plausibility_.refusal(off)",
      "plausibility_.refusal(0)"),
-    ("every edge restarts a safety input's debounce", "hw/gpio/safety_contact.cpp",
+    ("every edge restarts a safety input's debounce", "hw/gpio/contact.cpp",
      "  if (state_ == SafetyState::Safe) return first_;", "  if (state_ == SafetyState::Safe) return last_ + debounce_;",
      "  if (state_ == SafetyState::Safe) return step_to(",
      "  if (state_ == SafetyState::Safe && now - last_ < debounce_) return std::nullopt;\n"

@@ -19,7 +19,7 @@
 #include "daemon/ctl/terminal/program.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/json/profile_file.hpp"
-#include "daemon/system/new_file.hpp"
+#include "daemon/system/durable_file.hpp"
 #include "daemon/system/readable.hpp"
 #include "daemon/system/regular_file.hpp"
 

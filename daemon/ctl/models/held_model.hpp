@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/engine/contour_engine.hpp"
-#include "core/routing/support_generation.hpp"
+#include "core/routing/support_layout.hpp"
 
 namespace contourd::ctl {
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "core/orientation/orientation_weights.hpp"
+#include "core/orientation/orientation_figures.hpp"
 
 namespace contourd::ctl {
 

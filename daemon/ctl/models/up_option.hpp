@@ -6,7 +6,7 @@
 #include <variant>
 
 #include "core/model/placement.hpp"
-#include "core/orientation/orientation_weights.hpp"
+#include "core/orientation/orientation_figures.hpp"
 
 namespace contourd::ctl {
 

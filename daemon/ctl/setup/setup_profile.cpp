@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "core/contract/expects.hpp"
-#include "daemon/system/printable.hpp"
+#include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {
 namespace {

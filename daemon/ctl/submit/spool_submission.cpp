@@ -12,7 +12,6 @@
 
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/system/durable_file.hpp"
-#include "daemon/system/new_file.hpp"
 #include "daemon/system/regular_file.hpp"
 
 namespace contourd::ctl {

@@ -14,7 +14,7 @@
 #include "daemon/ctl/terminal/terminal_picture.hpp"
 #include "daemon/ctl/terminal/text_columns.hpp"
 #include "daemon/json/profile_file.hpp"
-#include "daemon/system/new_file.hpp"
+#include "daemon/system/durable_file.hpp"
 #include "hw/png_file.hpp"
 
 namespace contourd::ctl {

@@ -1,7 +1,7 @@
 // Checks that each header of core/contour checks what it requires.
 #include "core/contour/contour_offset.hpp"
 #include "core/contour/contour_union.hpp"
-#include "core/contour/point_grid.hpp"
+#include "core/contour/open_chain_joiner.hpp"
 #include "core/contour/slicer.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"

@@ -1,5 +1,5 @@
 // Checks that each header of core/mask checks what it requires.
-#include "core/mask/convex_rows.hpp"
+#include "core/mask/conic_rows.hpp"
 #include "core/mask/coverage_band.hpp"
 #include "core/mask/exact_side.hpp"
 #include "core/mask/exposure_correction.hpp"

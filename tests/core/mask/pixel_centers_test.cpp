@@ -1,4 +1,4 @@
-#include "core/mask/pixel_centers.hpp"
+#include "core/mask/conic_rows.hpp"
 
 #include <cmath>
 

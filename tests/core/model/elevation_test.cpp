@@ -1,4 +1,3 @@
-#include "core/model/elevation.hpp"
 #include "core/model/standing_model.hpp"
 
 #include "tests/catch.hpp"

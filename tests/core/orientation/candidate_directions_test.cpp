@@ -1,9 +1,9 @@
-#include "core/orientation/candidate_directions.hpp"
+#include "core/orientation/orientation_choice.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/orientation/facet_area.hpp"
+#include "core/orientation/rated_mesh.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 

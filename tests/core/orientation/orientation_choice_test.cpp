@@ -4,8 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/orientation/candidate_directions.hpp"
-#include "core/orientation/facet_area.hpp"
+#include "core/orientation/rated_mesh.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 

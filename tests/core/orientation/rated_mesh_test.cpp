@@ -4,7 +4,6 @@
 #include <cmath>
 #include <set>
 
-#include "core/orientation/facet_area.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 

@@ -1,6 +1,6 @@
 // Checks that each header of core/routing enforces its requirements.
-#include "core/routing/support_feet.hpp"
 #include "core/routing/support_loads.hpp"
+#include "core/routing/support_solids.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 

@@ -1,7 +1,7 @@
 // The functions of daemon/check check their preconditions.
 #include <unistd.h>
 
-#include "daemon/check/service_user.hpp"
+#include "daemon/check/config_check.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 

@@ -1,4 +1,4 @@
-#include "daemon/check/service_user.hpp"
+#include "daemon/check/config_check.hpp"
 
 #include <unistd.h>
 

@@ -1,6 +1,6 @@
 // Tests that the functions of daemon/config, daemon/json and daemon/system check their requirements.
 #include "daemon/config/light_config.hpp"
-#include "daemon/config/resin_plausibility.hpp"
+#include "daemon/config/plausibility.hpp"
 #include "daemon/config/resin_profile.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/json/json_syntax.hpp"

@@ -1,6 +1,14 @@
 #include "daemon/history/history_database.hpp"
 
+#include <sys/stat.h>
+
 #include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <optional>
+#include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -10,6 +18,7 @@
 using namespace contourd;
 using namespace std::chrono_literals;
 using std::chrono::system_clock;
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -33,6 +42,7 @@ JobFigures used(const std::string& resin, double lit_s) {
 
 class HistoryDatabaseFixture {
  public:
+  HistoryDatabaseFixture() { database.open(); }
   std::vector<std::string> names(const HistoryQuery& query = {}) {
     std::vector<std::string> found;
     for (const auto& job : database.list(query).jobs)
@@ -47,6 +57,52 @@ class HistoryDatabaseFixture {
   const std::filesystem::path file = folder_.path() / "history.sqlite";
   HistoryDatabase database{file};
 };
+
+// A history's file, which a test damages.
+class HistoryFileFixture {
+ public:
+  void end(const std::string& name) {
+    use([&] { database->end(++key_, {.name = name, .outcome = "done", .reason = ""}); });
+  }
+  // Returns the names of all jobs, or the error.
+  std::string names() {
+    std::string found;
+    use([&] {
+      found.clear();
+      for (const auto& job : database->list({}).jobs)
+        found += job["job"].get<std::string>() + " ";
+    });
+    return trouble.empty() ? found : trouble;
+  }
+  void write(const std::string& text) const { std::ofstream(file, std::ios::binary) << text; }
+  // Closes the file, as when contourd ends.
+  void close() { database.emplace(file); }
+  [[nodiscard]] fs::path aside(int number) const {
+    return file.string() + ".damaged-" + std::to_string(number);
+  }
+
+ private:
+  void use(const std::function<void()>& call) {
+    trouble.clear();
+    try {
+      database->use(call);
+    } catch (const std::runtime_error& error) {
+      trouble = error.what();
+    }
+  }
+
+  testing::TemporaryFolder folder_;
+  std::int64_t key_ = 0;
+
+ public:
+  const fs::path file = folder_.path() / "history.sqlite";
+  std::optional<HistoryDatabase> database{file};
+  std::string trouble;  // of the last use
+};
+
+bool says(const std::string& text, const std::string& words) {
+  return text.find(words) != std::string::npos;
+}
 
 using Names = std::vector<std::string>;
 
@@ -73,7 +129,9 @@ TEST_CASE("A job in the history keeps all its data when the file is opened again
   fixture.database.begin(1, job.name, kThen);
   CHECK(fixture.names().empty());
   fixture.database.end(1, job);
-  const auto found = HistoryDatabase(fixture.file).list({}).jobs;
+  HistoryDatabase opened_again(fixture.file);
+  opened_again.open();
+  const auto found = opened_again.list({}).jobs;
   REQUIRE(found.size() == 1);
   CHECK(found[0] == history_json(job));
 }
@@ -179,7 +237,7 @@ TEST_CASE("A page of the history has limits in jobs and bytes, and names the sta
 TEST_CASE("Only the usage of the oldest jobs is kept") {
   testing::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "history.sqlite";
-  (void)HistoryDatabase(file);
+  HistoryDatabase(file).open();
   {
     SqliteDatabase raw(file, 0ms);
     raw.execute(
@@ -188,6 +246,7 @@ TEST_CASE("Only the usage of the oldest jobs is kept") {
         "SELECT i,'job '||i,'done',i,'grey',2,1,0.5 FROM n");
   }
   HistoryDatabase database(file);
+  database.open();
   EndedJob last = ended("last");
   last.figures = used("clear", 100);
   database.end(20'000, last);
@@ -208,9 +267,129 @@ TEST_CASE("Only the usage of the oldest jobs is kept") {
   CHECK(wear[1].layers == 2 * 10'003);
 }
 
-TEST_CASE("The history of a later contourd is not changed") {
-  HistoryDatabaseFixture fixture;
+// --- the file
+
+TEST_CASE("A history of random bytes is renamed and reported, and a new one begins") {
+  HistoryFileFixture fixture;
+  std::string noise(10'000, ' ');
+  std::mt19937 chance(1);
+  for (char& byte : noise)
+    byte = static_cast<char>(chance());
+  fixture.write(noise);
+  fixture.end("one");
+  CHECK(fixture.trouble.empty());
+  CHECK(fixture.names() == "one ");
+  CHECK(fs::file_size(fixture.aside(1)) == noise.size());
+  const auto notes = fixture.database->take_notes();
+  REQUIRE(notes.size() == 1);
+  CHECK(says(notes[0], "damaged"));
+  CHECK(says(notes[0], fixture.aside(1).string()));
+  CHECK(fixture.database->take_notes().empty());
+}
+
+TEST_CASE("A history that is truncated or damaged in the middle is renamed, and a new one begins") {
+  for (const bool cut : {true, false}) {
+    CAPTURE(cut);
+    HistoryFileFixture fixture;
+    for (int i = 0; i < 200; ++i)
+      fixture.end("a job with quite a long name " + std::to_string(i));
+    fixture.close();
+    const auto size = fs::file_size(fixture.file);
+    REQUIRE(size > 16'384);
+    if (cut) {
+      fs::resize_file(fixture.file, size / 2 + 100);
+    } else {
+      std::fstream file(fixture.file, std::ios::binary | std::ios::in | std::ios::out);
+      file.seekp(8'192);
+      file << std::string(4'096, 'x');
+    }
+    fixture.end("after");
+    CHECK(fixture.trouble.empty());
+    CHECK(fixture.names() == "after ");
+    CHECK(fs::exists(fixture.aside(1)));
+  }
+}
+
+TEST_CASE("An empty file becomes a history") {
+  HistoryFileFixture fixture;
+  fixture.write("");
+  fixture.end("one");
+  CHECK(fixture.names() == "one ");
+  CHECK_FALSE(fs::exists(fixture.aside(1)));
+}
+
+TEST_CASE("The write-ahead log of a killed contourd is in the history after the next start") {
+  HistoryFileFixture killed;
+  killed.end("one");
+  const fs::path wal = killed.file.string() + "-wal";
+  REQUIRE(fs::file_size(wal) > 0);
+  HistoryFileFixture next;
+  fs::copy_file(killed.file, next.file);
+  fs::copy_file(wal, next.file.string() + "-wal");
+  CHECK(next.names() == "one ");
+}
+
+TEST_CASE("The write-ahead log of a damaged history is not applied to the new one") {
+  HistoryFileFixture fixture;
+  fixture.write(std::string(8'192, 'x'));
+  const fs::path wal = fixture.file.string() + "-wal";
+  std::ofstream(wal) << "what was not in it yet";
+  CHECK(fixture.names().empty());
+  CHECK(fs::exists(fixture.aside(1)));
+}
+
+TEST_CASE("At most nine damaged histories are kept") {
+  HistoryFileFixture fixture;
+  for (int i = 1; i <= 11; ++i) {
+    fixture.close();
+    fixture.write("no history " + std::to_string(i) + std::string(1'000, ' '));
+    fixture.end("one");
+    CHECK(fixture.names() == "one ");
+  }
+  CHECK(fs::exists(fixture.aside(9)));
+  CHECK_FALSE(fs::exists(fixture.aside(10)));
+}
+
+TEST_CASE("A history that is a folder, a link or a pipe is reported and left alone, and its changes wait") {
+  for (const std::string what : {"is a folder", "is a link, which is not followed", "is not a file"}) {
+    CAPTURE(what);
+    HistoryFileFixture fixture;
+    const fs::path target = fixture.file.string() + ".target";
+    if (what == "is a folder") {
+      fs::create_directory(fixture.file);
+    } else if (what == "is not a file") {
+      REQUIRE(::mkfifo(fixture.file.c_str(), 0600) == 0);
+    } else {
+      fs::create_symlink(target, fixture.file);
+    }
+    fixture.end("one");
+    CHECK(says(fixture.trouble, "history.sqlite " + what));
+    CHECK(says(fixture.names(), what));
+    CHECK_FALSE(fs::exists(target));
+    CHECK_FALSE(fs::exists(fs::symlink_status(fixture.aside(1))));
+    fs::remove(fixture.file);
+    fixture.end("two");
+    CHECK(fixture.trouble.empty());
+    CHECK(fixture.names() == "one two ");
+  }
+}
+
+TEST_CASE("The history of a later version is reported and left alone, and does not count as damaged") {
+  HistoryFileFixture fixture;
+  fixture.end("one");
+  fixture.close();
   SqliteDatabase(fixture.file, 0ms).execute("PRAGMA user_version=99");
-  CHECK_THROWS_AS(HistoryDatabase(fixture.file), NewerHistory);
+  fixture.end("two");
+  CHECK(says(fixture.trouble, "its version is 99, and this contourd reads version 1"));
+  CHECK_FALSE(fs::exists(fixture.aside(1)));
   CHECK(SqliteDatabase(fixture.file, 0ms).integer("PRAGMA user_version") == 99);
+}
+
+TEST_CASE("A new history begins if a user removes the file") {
+  HistoryFileFixture fixture;
+  fixture.end("one");
+  fs::rename(fixture.file, fixture.file.string() + ".backup");
+  fs::rename(fixture.file.string() + "-wal", fixture.file.string() + ".backup-wal");
+  fixture.end("two");
+  CHECK(fixture.names() == "two ");
 }

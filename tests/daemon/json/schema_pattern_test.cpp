@@ -1,4 +1,4 @@
-#include "daemon/json/schema_pattern.hpp"
+#include "daemon/json/schema_node.hpp"
 
 #include <stdexcept>
 

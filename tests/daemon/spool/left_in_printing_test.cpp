@@ -1,4 +1,4 @@
-#include "daemon/spool/left_in_printing.hpp"
+#include "daemon/spool/job_moves.hpp"
 
 #include <algorithm>
 #include <string>

@@ -1,4 +1,4 @@
-#include "daemon/spool/spool_lock.hpp"
+#include "daemon/spool/spool.hpp"
 
 #include <filesystem>
 #include <stdexcept>

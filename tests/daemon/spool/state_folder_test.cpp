@@ -1,4 +1,4 @@
-#include "daemon/spool/state_folder.hpp"
+#include "daemon/spool/state_records.hpp"
 
 #include <sys/stat.h>
 

@@ -1,4 +1,4 @@
-#include "daemon/system/printable.hpp"
+#include "daemon/system/readable.hpp"
 
 #include "tests/catch.hpp"
 
