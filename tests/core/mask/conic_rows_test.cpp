@@ -1,14 +1,7 @@
 #include "core/mask/conic_rows.hpp"
 
-#include <cmath>
-#include <cstdlib>
-#include <optional>
-
 #include "tests/catch.hpp"
 #include "tests/core/mask/conic_fixture.hpp"
-
-using namespace contourd;
-using namespace contourd::testing;
 
 namespace {
 

@@ -1,13 +1,8 @@
 #include "core/mask/convex_rows.hpp"
 
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/core/mask/conic_fixture.hpp"
 #include "tests/core/random_contours.hpp"
-
-using namespace contourd;
-using namespace contourd::testing;
 
 TEST_CASE("A convex polygon lights the pixels whose centres it contains, like filling by centres") {
   CHECK(rc::check([] {

@@ -1,14 +1,7 @@
 #include "core/mask/pixel_ellipse.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/core/mask/conic_fixture.hpp"
-
-using namespace contourd;
-using namespace contourd::testing;
 
 namespace {
 

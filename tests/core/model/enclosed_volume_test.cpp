@@ -1,11 +1,7 @@
 #include "core/model/enclosed_volume.hpp"
 
-#include <cmath>
-
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
 
 namespace {
 

@@ -1,14 +1,9 @@
 #include "core/model/mesh_report.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "tests/catch.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/random_shapes.hpp"
 
-using namespace contourd;
 using models::together;
 
 namespace {

@@ -1,13 +1,8 @@
 #include "core/orientation/candidate_directions.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "core/orientation/facet_area.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
 
 namespace {
 

@@ -1,15 +1,10 @@
 #include "core/orientation/orientation_choice.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "core/orientation/candidate_directions.hpp"
 #include "core/orientation/facet_area.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
-using namespace contourd;
 using models::together;
 
 namespace {

@@ -1,14 +1,8 @@
 #include "core/orientation/rated_mesh.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <set>
-
 #include "core/orientation/facet_area.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
 
 namespace {
 
