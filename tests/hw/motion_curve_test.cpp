@@ -1,16 +1,7 @@
 #include "hw/motion_curve.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using testing::Approx;
-using testing::draw;
-using testing::draw_real;
 
 namespace {
 

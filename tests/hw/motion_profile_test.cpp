@@ -1,19 +1,8 @@
 #include "hw/motion_profile.hpp"
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <cstdlib>
-
 #include "tests/catch.hpp"
 #include "tests/hw/millimeters.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::draw;
-using testing::draw_real;
-using testing::mm;
 
 namespace {
 

@@ -4,18 +4,11 @@
 
 #include <poll.h>
 
-#include <algorithm>
 #include <atomic>
-#include <map>
-#include <random>
 
 #include "hw/gpio/gpio_axis.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/pipe_input.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::PipeInput;
 
 namespace {
 

@@ -2,9 +2,6 @@
 
 #include "tests/catch.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
-
 TEST_CASE("A bouncing contact settles once, with the time of its first edge") {
   Debounce contact(5ms, false);
   CHECK_FALSE(contact.due());

@@ -3,9 +3,6 @@
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/encoder_config.hpp"
 
-using namespace contourd;
-using testing::says;
-
 namespace {
 
 // The tolerance of 0.05 mm is 40 counts, the error that 20 illegal edges may cause.

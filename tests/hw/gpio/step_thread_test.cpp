@@ -11,11 +11,6 @@
 #include "tests/hw/gpio/counting_line.hpp"
 #include "tests/hw/gpio/pipe_input.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::CountingLine;
-using testing::PipeInput;
-
 namespace {
 
 // A step line whose steps keep the processor busy for too long; with the 100th step the switch closes.
