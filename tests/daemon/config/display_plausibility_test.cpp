@@ -1,11 +1,6 @@
 #include "daemon/config/display_plausibility.hpp"
 
-#include <string>
-#include <vector>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
 
 namespace {
 

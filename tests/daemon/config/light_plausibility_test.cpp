@@ -1,13 +1,7 @@
 #include "daemon/config/light_plausibility.hpp"
 
-#include <string>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

@@ -1,12 +1,7 @@
 #include "daemon/config/resin_plausibility.hpp"
 
-#include <string>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
-
-using namespace contourd;
 
 namespace {
 

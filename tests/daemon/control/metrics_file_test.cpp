@@ -2,20 +2,13 @@
 
 #include <sys/stat.h>
 
-#include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <functional>
-#include <iterator>
-#include <optional>
-#include <string>
 
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
 namespace {

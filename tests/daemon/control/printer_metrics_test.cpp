@@ -1,12 +1,6 @@
 #include "daemon/control/printer_metrics.hpp"
 
-#include <chrono>
-#include <string>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

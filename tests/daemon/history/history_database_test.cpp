@@ -1,14 +1,8 @@
 #include "daemon/history/history_database.hpp"
 
-#include <chrono>
-#include <string>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
 using std::chrono::system_clock;
 
 namespace {

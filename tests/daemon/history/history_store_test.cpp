@@ -4,13 +4,10 @@
 
 #include <fstream>
 #include <random>
-#include <string>
 
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
 namespace {

@@ -3,17 +3,10 @@
 #include <sys/stat.h>
 
 #include <filesystem>
-#include <string>
-#include <system_error>
 
 #include "tests/catch.hpp"
 #include "tests/daemon/system/file_contents.hpp"
 #include "tests/temporary_folder.hpp"
-
-using namespace contourd;
-using contourd::testing::contents_of;
-using contourd::testing::entry_count;
-using contourd::testing::TemporaryFolder;
 
 TEST_CASE("A durable file replaces the old one and leaves no other file") {
   const TemporaryFolder folder;

@@ -4,18 +4,12 @@
 #include <sys/stat.h>
 
 #include <filesystem>
-#include <string>
-#include <system_error>
 
 #include "hw/file_descriptor.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/system/file_contents.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
-using contourd::testing::contents_of;
-using contourd::testing::entry_count;
-using contourd::testing::TemporaryFolder;
 namespace fs = std::filesystem;
 
 TEST_CASE("A new file does not take an existing file's name and can try another name") {
