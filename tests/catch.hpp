@@ -1,5 +1,39 @@
-// Catch2 of either major version: Debian 12 has 2, Debian 13 has 3.
+// The beginning of every test: Catch2 of either major version (Debian 12 has 2, Debian 13 has 3), the
+// standard library's most frequent headers, and the names of contourd. Only sources of tests include it.
 #pragma once
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <initializer_list>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace contourd::testing {}
+using namespace contourd;
+using namespace contourd::testing;
+using namespace std::chrono_literals;
 
 #if __has_include(<catch2/catch_all.hpp>)
 #include <catch2/catch_all.hpp>

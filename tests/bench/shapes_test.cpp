@@ -1,14 +1,9 @@
 #include "tests/bench/shapes.hpp"
 
-#include <cmath>
-#include <numbers>
-
 #include "core/contour/contour_loops.hpp"
 #include "core/contour/filled_area.hpp"
 #include "core/contour/slicer.hpp"
 #include "tests/catch.hpp"
-
-using namespace contourd;
 
 namespace {
 

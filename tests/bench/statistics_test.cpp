@@ -1,8 +1,5 @@
 #include "tests/bench/statistics.hpp"
 
-#include <cstddef>
-#include <vector>
-
 #include "tests/catch.hpp"
 
 using namespace contourd::bench;

@@ -1,14 +1,9 @@
 #include "tests/bench/thesis_baseline.hpp"
 
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "core/engine/contour_engine.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
-using namespace contourd;
 using bench::ThesisLine;
 using bench::ThesisSlicer;
 

@@ -2,7 +2,6 @@
 // thread-safe.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

@@ -3,7 +3,6 @@
 // the plate's folder.
 #include <cmath>
 #include <cstdint>
-#include <string_view>
 
 #include "daemon/config/job_ticket.hpp"
 #include "tests/fuzz/told.hpp"

@@ -6,10 +6,6 @@
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::contract_broken_by;
-
 TEST_CASE("MotionCurve requires a distance that is not negative, and positive limits") {
   const auto curve = [](double distance, const MotionLimits& limits) {
     return contract_broken_by([&] { MotionCurve(distance, limits); });

@@ -1,10 +1,7 @@
-#include <set>
 
 #include "hw/projector.hpp"
 #include "hw/z_axis.hpp"
 #include "tests/catch.hpp"
-
-using namespace contourd;
 
 TEST_CASE("Every outcome of the axis and the projector has a description of its own") {
   std::set<std::string_view> words;

@@ -2,21 +2,11 @@
 
 #include <zlib.h>
 
-#include <algorithm>
-#include <cstdint>
-#include <cstring>
-#include <span>
-#include <stdexcept>
-#include <string>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/hw/masks.hpp"
 #include "tests/random_shapes.hpp"
 
 // Tested here and not beside core's tests, which link no library that could read the pictures.
-
-using namespace contourd;
 
 namespace {
 

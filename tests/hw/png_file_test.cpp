@@ -4,24 +4,15 @@
 #include <sys/resource.h>
 
 #include <csignal>
-#include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
-#include <stdexcept>
-#include <string>
-#include <system_error>
-#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/hw/masks.hpp"
 #include "tests/hw/refusal.hpp"
 #include "tests/random_shapes.hpp"
 #include "tests/temporary_folder.hpp"
-
-using namespace contourd;
 
 namespace {
 

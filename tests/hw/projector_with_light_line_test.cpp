@@ -1,17 +1,10 @@
 #include "hw/projector_with_light_line.hpp"
 
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "hw/hardware_error.hpp"
 #include "hw/simulated_printer.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/noted_projector.hpp"
 #include "tests/hw/virtual_time_fixture.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

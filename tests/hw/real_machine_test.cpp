@@ -1,9 +1,5 @@
 #include "hw/real_machine.hpp"
 
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "hw/hardware_check.hpp"
 #include "hw/hardware_error.hpp"
 #include "hw/light_off.hpp"
@@ -14,8 +10,6 @@
 #include "tests/hw/no_descriptors.hpp"
 #include "tests/hw/serial/scripted_channel.hpp"
 #include "tests/hw/watchdog/ready_watchdog.hpp"
-
-using namespace contourd;
 
 namespace {
 

@@ -5,8 +5,6 @@
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/counting_line.hpp"
 
-using namespace contourd;
-
 namespace {
 
 // A clock that is far past the next due step at every call.

@@ -1,19 +1,9 @@
 #include "hw/simulated_axis.hpp"
 
-#include <algorithm>
-#include <chrono>
-#include <cstdlib>
-#include <optional>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/hw/millimeters.hpp"
 #include "tests/hw/virtual_time_fixture.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::mm;
 
 namespace {
 

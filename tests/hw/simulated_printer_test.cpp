@@ -1,13 +1,7 @@
 #include "hw/simulated_printer.hpp"
 
-#include <chrono>
-#include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "hw/png_file.hpp"
 #include "hw/virtual_clock.hpp"
@@ -15,9 +9,6 @@
 #include "tests/hw/masks.hpp"
 #include "tests/hw/virtual_time_fixture.hpp"
 #include "tests/temporary_folder.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

@@ -1,15 +1,7 @@
 #include "hw/virtual_clock.hpp"
 
-#include <chrono>
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 TEST_CASE("A new clock stands at its beginning and is idle") {
   VirtualClock clock;

@@ -1,7 +1,6 @@
 // A virtual clock for a fixture, and the ways to let its time pass. Not thread-safe.
 #pragma once
 
-#include <algorithm>
 #include <functional>
 
 #include "hw/virtual_clock.hpp"

@@ -1,6 +1,5 @@
 // Writes a model of models.hpp as a binary STL file: make-model gyroid-sphere|sphere OUT.stl CELLS
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <string_view>
 

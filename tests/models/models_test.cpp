@@ -3,8 +3,6 @@
 #include "core/model/mesh_report.hpp"
 #include "tests/catch.hpp"
 
-using namespace contourd;
-
 TEST_CASE("The tests' own models are watertight and face outwards") {
   for (const models::Facets& facets :
        {models::box({0, 0, 0}, {1, 2, 3}), models::sphere(10, 12), models::gyroid_sphere(20, 10, 24)}) {

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
-#include <string>
-#include <vector>
 
 #include "core/formats/model_reader.hpp"
 #include "core/model/mesh_report.hpp"

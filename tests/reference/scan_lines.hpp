@@ -2,7 +2,6 @@
 // a pixel, exact along each line. Shares no code with the core. Thread-safe (no shared state).
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>

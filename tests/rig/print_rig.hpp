@@ -2,10 +2,7 @@
 // removed.
 #pragma once
 
-#include <cstdint>
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "tests/rig/scenario.hpp"
 #include "tests/rig/verdict.hpp"

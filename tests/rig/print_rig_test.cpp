@@ -3,7 +3,6 @@
 #include "tests/catch.hpp"
 
 using namespace contourd::rig;
-using namespace std::chrono_literals;
 
 TEST_CASE("Whatever goes wrong in a print, its records of light and plate are true") {
   Figures figures;

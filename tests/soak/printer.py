@@ -4,7 +4,6 @@ and its folders have the permissions of a real printer; hostile programs run as 
 import contextlib
 import json
 import os
-import re
 import shutil
 import signal
 import subprocess
@@ -168,12 +167,6 @@ class Printer:
                 if len(line) > 20000:
                     return f"the log has a line of {len(line)} bytes: {line[:200]!r}"
         return None
-
-    def busiest_turns(self):
-        """Returns the turns that the log reports as too long: {job: (ms, ms of computing)}."""
-        found = re.compile(r"(\S+): .* kept the event loop busy for ([\d.]+) ms, of which ([\d.]+) ms were computing")
-        with open(self.daemon.log_path, encoding="utf-8", errors="replace") as file:
-            return {m[1]: (float(m[2]), float(m[3])) for m in map(found.search, file) if m}
 
     def forget_old_logs(self):
         old = self.path(f"contourd-{self.lives - 5}.log")

@@ -1,11 +1,10 @@
-#!/usr/bin/env python3
 """Jobs that may fail wait until the user accepts them: the key ask_before, and contourctl accept."""
 
 import json
 import os
 import subprocess
 
-from harness import BAD_USAGE, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, OK, REALTIME, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, main, wait_until
+from harness import BAD_USAGE, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, OK, REALTIME, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, wait_until
 
 SOUND = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
 # One part begins in the third layer, with nothing under it.
@@ -20,13 +19,9 @@ class Accept(FolderTest):
     def daemon(self, **config):
         return Daemon(self, {**ASKS, **config}).start()
 
-    def job(self, daemon, name):
-        jobs = daemon.rpc("queue")["result"]["jobs"]
-        return next((job for job in jobs if job["job"] == name), None)
-
     def wait_unaccepted(self, daemon, *names):
         for name in names:
-            wait_until(lambda name=name: (self.job(daemon, name) or {}).get("state") == "unaccepted", f"{name} to wait to be accepted")
+            daemon.wait_job(name, "unaccepted")
 
     def refused(self, daemon, *words, code=FAILED):
         result = daemon.ctl("accept", *words)
@@ -43,10 +38,9 @@ class Accept(FolderTest):
         daemon = self.daemon()
         daemon.drop("odd.stl", ISLAND)
         self.wait_unaccepted(daemon, "odd")
-        daemon.drop("sound.stl", SOUND)
-        daemon.wait_done("sound")
+        daemon.printed("sound.stl", SOUND)
         self.assertEqual(daemon.status()["state"], "idle")
-        job = self.job(daemon, "odd")
+        job = daemon.job("odd")
         self.assertEqual((job["number"], job["asks"]), (1, ["islands"]))
         for command in (["queue"], ["queue", "show", "odd"], ["status"]):
             result = daemon.ctl(*command).stdout.decode()
@@ -58,25 +52,21 @@ class Accept(FolderTest):
         self.assertIn("odd: accepted", self.accept(daemon, "odd"))
         daemon.wait_done("odd")
         self.assertRegex(daemon.log(), r"odd\.stl: accepted by user \S+ \(\d+\) with islands")
-        daemon.stop()
 
     def test_a_waiting_job_lists_its_findings_by_name(self):
         daemon = self.daemon()
         for name, model in (("foot", ON_A_FOOT), ("open", OPEN)):
             daemon.drop(f"{name}.stl", model)
         self.wait_unaccepted(daemon, "foot", "open")
-        self.assertEqual(self.job(daemon, "foot")["asks"], ["tiny_first_layer"])
-        self.assertIn("not_watertight", self.job(daemon, "open")["asks"])
-        self.assertTrue(any("layer 1 is tiny" in each for each in self.job(daemon, "foot")["warnings"]))
-        daemon.stop()
+        self.assertEqual(daemon.job("foot")["asks"], ["tiny_first_layer"])
+        self.assertIn("not_watertight", daemon.job("open")["asks"])
+        self.assertTrue(any("layer 1 is tiny" in each for each in daemon.job("foot")["warnings"]))
 
     def test_without_ask_before_no_job_waits(self):
         daemon = Daemon(self).start()
-        daemon.drop("odd.stl", ISLAND)
-        daemon.wait_done("odd")
+        daemon.printed("odd.stl", ISLAND)
         daemon.drop("later.stl", ISLAND)
         self.refused(daemon, "later")
-        daemon.stop()
 
     def test_submit_wait_reports_that_the_job_waits_to_be_accepted(self):
         daemon = self.daemon()
@@ -90,19 +80,15 @@ class Accept(FolderTest):
             self.accept(daemon, "odd")
             self.assertEqual(waiting.stdout.read().splitlines()[-1], "odd: done")
         self.assertEqual(waiting.returncode, OK)
-        daemon.stop()
 
     def test_a_job_does_not_wait_for_a_finding_that_ask_before_does_not_name(self):
         daemon = self.daemon(ask_before=["empty_layers"])
-        daemon.drop("odd.stl", ISLAND)
-        daemon.wait_done("odd")
-        daemon.stop()
+        daemon.printed("odd.stl", ISLAND)
 
     def test_waiting_and_acceptance_survive_a_kill(self):
         config = {**ASKS, **REALTIME, "wait_for_plate_cleared": True}
         daemon = Daemon(self, config, {**NIMBLE_RESIN, **ENDLESS}).start()
-        daemon.drop("part.stl", SOUND)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SOUND)
         daemon.drop("yes.stl", ISLAND)
         daemon.drop("no.stl", ISLAND)
         self.wait_unaccepted(daemon, "yes", "no")
@@ -111,29 +97,26 @@ class Accept(FolderTest):
         wait_until(lambda: os.path.exists(record), "the record of accepted jobs")
         daemon.kill()
         daemon = Daemon(self, config, NIMBLE_RESIN).start()
-        wait_until(lambda: (self.job(daemon, "yes") or {}).get("state") == "ready", "the accepted job")
+        daemon.wait_job("yes", "ready")
         self.wait_unaccepted(daemon, "no")
         daemon.rpc("plate_cleared")
         daemon.wait_done("yes")
         daemon.rpc("plate_cleared")
         wait_until(lambda: not os.path.exists(record), "the record to be deleted")
         self.assertIn("contourctl accept no", daemon.status()["waiting_for"])
-        daemon.stop()
 
     def test_an_accepted_job_waits_again_when_its_files_are_replaced(self):
         daemon = Daemon(self, {**ASKS, **REALTIME}, {**NIMBLE_RESIN, **ENDLESS}).start()
-        daemon.drop("part.stl", SOUND)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SOUND)
         daemon.drop("odd.stl", ISLAND)
         self.wait_unaccepted(daemon, "odd")
         self.accept(daemon, "odd")
-        self.assertEqual(self.job(daemon, "odd")["state"], "ready")
+        self.assertEqual(daemon.job("odd")["state"], "ready")
         daemon.drop("odd.stl", ISLAND, {"copies": 2})
         self.wait_unaccepted(daemon, "odd")
         # The new model has no finding.
         daemon.drop("odd.stl", SOUND)
-        wait_until(lambda: self.job(daemon, "odd")["state"] == "ready", "the sound model")
-        daemon.stop()
+        daemon.wait_job("odd", "ready")
 
     def test_a_job_that_waits_to_be_accepted_can_be_moved_and_removed(self):
         daemon = self.daemon()
@@ -145,15 +128,13 @@ class Accept(FolderTest):
         self.assertEqual(daemon.ctl("queue", "remove", "two").returncode, OK)
         self.assertEqual(daemon.wait_ended("two")["outcome"], "cancelled")
         self.assertEqual(daemon.status()["unaccepted"].keys(), {"one.stl"})
-        daemon.stop()
 
     def test_accepting_a_wrong_job_reports_why_and_changes_nothing(self):
         daemon = Daemon(self, {**ASKS, **REALTIME}, {**NIMBLE_RESIN, **ENDLESS}).start()
-        daemon.drop("part.stl", SOUND)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SOUND)
         self.assertIn("its turn has come", self.refused(daemon, "part"))
         daemon.drop("sound.stl", SOUND)
-        wait_until(lambda: (self.job(daemon, "sound") or {}).get("state") == "ready", "the job to be checked")
+        daemon.wait_job("sound", "ready")
         self.assertIn("does not wait to be accepted", self.refused(daemon, "sound"))
         daemon.drop("odd.stl", ISLAND)
         self.wait_unaccepted(daemon, "odd")
@@ -161,11 +142,7 @@ class Accept(FolderTest):
         for words in ([], [""], ["odd", "sound"]):
             self.assertNotEqual(self.refused(daemon, *words, code=BAD_USAGE), "")
         self.assertEqual(daemon.rpc("accept")["error"]["code"], -32602)
-        self.assertEqual(self.job(daemon, "odd")["state"], "unaccepted")
+        self.assertEqual(daemon.job("odd")["state"], "unaccepted")
         self.assertIn("result", json.loads(daemon.ctl("accept", "odd", "--json").stdout))
         daemon.kill()
         self.refused(daemon, "odd", code=UNAVAILABLE)
-
-
-if __name__ == "__main__":
-    main()

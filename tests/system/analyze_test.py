@@ -7,8 +7,8 @@ import os
 import struct
 
 from harness import (
-    BAD_DATA, BAD_USAGE, CANNOT_CREATE, NO_INPUT, OK, SOURCE, Daemon, FolderTest, binary_stl, box, contourctl, cube,
-    inside_out, main, source_json, wedge,
+    BAD_DATA, BAD_USAGE, CANNOT_CREATE, NO_INPUT, OK, SOURCE, Daemon, FolderTest, binary_stl, box, contourctl, cube, inside_out, source_json, text_of,
+    wedge,
 )  # fmt: skip
 
 BAD_CONFIG = 78
@@ -18,8 +18,7 @@ FLOATING = binary_stl(box((0, 0, 0), (10, 10, 1)) + box((2, 3, 2), (4, 5, 3)))
 
 class AnalyzeTest(FolderTest):
     def analyze(self, data, *arguments):
-        result = contourctl("analyze", "--json", *arguments, self.write("model.stl", data))
-        self.assertEqual(result.returncode, OK, result.stderr)
+        result = contourctl("analyze", "--json", *arguments, self.write("model.stl", data), expect=OK)
         self.assertEqual(result.stderr, b"")
         return json.loads(result.stdout)
 
@@ -101,8 +100,7 @@ class WithPrinter(AnalyzeTest):
     def test_the_figures_are_the_same_as_the_daemon_s(self):
         daemon = Daemon(self).start()
         ticket = {"layer_height_um": 100, "copies": 2, "position_mm": {"x": 3, "y": -2}}
-        daemon.drop("part.stl", FLOATING, ticket)
-        expected = daemon.wait_done("part")["analysis"]
+        expected = daemon.printed("part.stl", FLOATING, ticket)["analysis"]
         daemon.stop()
         ticket_path = self.write("ticket.json", json.dumps(ticket).encode())
         found = self.analyze(FLOATING, "--printer", daemon.config_path, "--ticket", ticket_path)
@@ -137,19 +135,16 @@ class WithPrinter(AnalyzeTest):
     def test_a_model_that_the_printer_cannot_print_is_bad_data(self):
         path = self.write("large.stl", binary_stl(cube(100)))
         result = contourctl("analyze", path, "--printer", self.CONFIG)
-        self.assertEqual((result.returncode, result.stdout), (BAD_DATA, b""))
-        self.assert_one_line(result.stderr, path, "over the left edge", "of the build area")
+        self.assert_refusal(result, BAD_DATA, path, "over the left edge", "of the build area")
 
     def test_a_wrong_configuration_or_ticket_is_an_error(self):
         model = self.write("cube.stl", binary_stl(cube(10)))
         config = self.write("printer.json", b'{"name": 3}')
         result = contourctl("analyze", model, "--printer", config)
-        self.assertEqual((result.returncode, result.stdout), (BAD_CONFIG, b""))
-        self.assert_one_line(result.stderr, config)
+        self.assert_refusal(result, BAD_CONFIG, config)
         ticket = self.write("ticket.json", b'{"copies": "many"}')
         result = contourctl("analyze", model, "--printer", self.CONFIG, "--ticket", ticket)
-        self.assertEqual((result.returncode, result.stdout), (BAD_DATA, b""))
-        self.assert_one_line(result.stderr, ticket, "copies")
+        self.assert_refusal(result, BAD_DATA, ticket, "copies")
 
 
 class Parser(html.parser.HTMLParser):
@@ -187,8 +182,7 @@ class Page(AnalyzeTest):
     def page(self, data, name="page.html", *arguments):
         path = self.path(name)
         self.analyze(data, "--html", path, *arguments)
-        with open(path, encoding="utf-8") as file:
-            text = file.read()
+        text = text_of(path)
         page = Parser()
         page.feed(text)
         page.close()
@@ -252,10 +246,8 @@ class Page(AnalyzeTest):
     def test_a_file_name_cannot_become_part_of_the_page(self):
         name = "<script>alert(1)</script>{{data}}&.stl".replace("/", "\u2215")
         path = self.write(name, binary_stl(cube(2)))
-        result = contourctl("analyze", path, "--html", self.path("page.html"))
-        self.assertEqual(result.returncode, OK, result.stderr)
-        with open(self.path("page.html"), encoding="utf-8") as file:
-            text = file.read()
+        contourctl("analyze", path, "--html", self.path("page.html"), expect=OK)
+        text = text_of(self.path("page.html"))
         page = Parser()
         page.feed(text)
         self.assertEqual(page.tags.count("script"), 2)
@@ -264,8 +256,7 @@ class Page(AnalyzeTest):
     def test_a_page_that_cannot_be_written_gives_73(self):
         page = self.path("nowhere", "page.html")
         result = contourctl("analyze", self.write("cube.stl", binary_stl(cube(2))), "--html", page)
-        self.assertEqual((result.returncode, result.stdout), (CANNOT_CREATE, b""))
-        self.assert_one_line(result.stderr, page)
+        self.assert_refusal(result, CANNOT_CREATE, page)
 
 
 class BadInput(AnalyzeTest):
@@ -274,16 +265,14 @@ class BadInput(AnalyzeTest):
             path = self.write("bad.stl", data)
             for more in ([], ["--json"], ["--html", self.path("page.html")], ["--printer", WithPrinter.CONFIG]):
                 result = contourctl("analyze", path, *more)
-                self.assertEqual((result.returncode, result.stdout), (BAD_DATA, b""), result)
-                self.assert_one_line(result.stderr, path)
+                self.assert_refusal(result, BAD_DATA, path)
         self.assertFalse(os.path.exists(self.path("page.html")))
 
     def test_a_file_that_cannot_be_read_gives_66_and_one_line(self):
         for path in (self.path("missing.stl"), self.folder, ""):
             for more in ([], ["--printer", WithPrinter.CONFIG]):
                 result = contourctl("analyze", *more, "--", path)
-                self.assertEqual((result.returncode, result.stdout), (NO_INPUT, b""), result)
-                self.assert_one_line(result.stderr, path)
+                self.assert_refusal(result, NO_INPUT, path)
 
     def test_wrong_options_are_bad_usage(self):
         path = self.write("cube.stl", binary_stl(cube(2)))
@@ -300,7 +289,3 @@ class BadInput(AnalyzeTest):
             found = self.analyze(binary_stl(inside_out(cube(20))), *more)
             self.assertAlmostEqual(found["resin_ml"], 8, delta=1e-9)
             self.assertEqual(found["model_warnings"], ["the model is inside out: its facets were turned outwards"])
-
-
-if __name__ == "__main__":
-    main()

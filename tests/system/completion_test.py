@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Completion of contourctl's arguments in bash, fish and zsh."""
 
 import os
@@ -6,7 +5,7 @@ import shutil
 import subprocess
 import unittest
 
-from harness import BIN, ENDLESS, NIMBLE_RESIN, REALTIME, SOURCE, Daemon, FolderTest, binary_stl, box, main, wait_until
+from harness import BIN, ENDLESS, NIMBLE_RESIN, REALTIME, SOURCE, Daemon, FolderTest, binary_stl, box, wait_until
 
 FOLDER = os.path.join(SOURCE, "daemon/ctl/completions")
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
@@ -52,23 +51,20 @@ class Completion(FolderTest):
     def test_bash_offers_the_names_of_jobs_and_never_runs_them(self):
         daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS}).start()
         harm = self.path("harm")
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         names = ["two words", f"$(touch {os.path.basename(harm)})", "`touch harm`", "a.b"]
         for name in names:
             daemon.drop(name + ".stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == len(names), "the jobs in the queue")
+        daemon.wait_status("queued", len(names))
         offered = self.bash("watch", "--job", "", CONTOURD_SOCKET=daemon.socket_path)
         self.assertEqual(offered, ["part", *names])
         self.assertEqual(self.bash("watch", "--job", "tw", CONTOURD_SOCKET=daemon.socket_path), ["two words"])
         self.assertEqual(self.bash("queue", "show", "", CONTOURD_SOCKET=daemon.socket_path), names)
         self.assertFalse(os.path.exists("harm"))
-        daemon.stop()
 
     def test_accept_completes_the_jobs_that_wait_to_be_accepted(self):
         daemon = Daemon(self, {**REALTIME, "ask_before": ["islands"]}, {**NIMBLE_RESIN, **ENDLESS}).start()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         island = binary_stl([*box((0, 0, 0), (10, 5, 0.2)), *box((15, 0, 0.1), (20, 5, 0.2))])
         for name, model in (("two words", island), ("sound", SMALL), ("$(touch harm)", island)):
             daemon.drop(name + ".stl", model)
@@ -76,14 +72,12 @@ class Completion(FolderTest):
         self.assertEqual(self.bash("accept", "", CONTOURD_SOCKET=daemon.socket_path), ["two words", "$(touch harm)"])
         self.assertEqual(self.bash("accept", "--j"), ["--json"])
         self.assertFalse(os.path.exists("harm"))
-        daemon.stop()
 
     def test_preview_completes_queued_and_printed_jobs_and_model_files(self):
         daemon = Daemon(self, {"wait_for_plate_cleared": True}).start()
-        daemon.drop("done: it.stl", SMALL)
-        daemon.wait_done("done: it")
+        daemon.printed("done: it.stl", SMALL)
         daemon.drop("waits.stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == 1, "the job in the queue")
+        daemon.wait_status("queued", 1)
         os.mkdir(self.path("here"))
         os.mkdir(self.path("here", "models"))
         for name in ("my part.stl", "B.STL", "notes.txt"):
@@ -96,7 +90,6 @@ class Completion(FolderTest):
         self.assertEqual(self.bash("preview", "wai", CONTOURD_SOCKET=daemon.socket_path), ["waits"])
         self.assertEqual(self.bash("preview", "--la"), ["--layer"])
         self.assertEqual(self.bash("preview", "waits", "--pri"), ["--printer"])
-        daemon.stop()
 
     def test_without_a_daemon_no_job_is_offered_and_nothing_is_printed(self):
         self.assertEqual(self.bash("watch", "--job", "", CONTOURD_SOCKET=self.path("none")), [])
@@ -122,7 +115,3 @@ class Completion(FolderTest):
     @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed")
     def test_zsh_parses_its_completion_file(self):
         subprocess.run(["zsh", "-n", os.path.join(FOLDER, "_contourctl")], check=True)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Compares docs/control-api.md with the program, in both directions: methods, fields, types, states, notifications, error
 codes and examples."""
 
@@ -9,10 +8,7 @@ import re
 import subprocess
 import sys
 
-from harness import (
-    CONTOURD, DEADLINE_S, ENDLESS, NIMBLE_RESIN, REALTIME, SOURCE, Daemon, FolderTest, binary_stl, box, main, merge, run,
-    wait_until,
-)  # fmt: skip
+from harness import CONTOURD, DEADLINE_S, ENDLESS, NIMBLE_RESIN, SOURCE, Daemon, FolderTest, binary_stl, box, run, wait_until
 
 PAGE = (pathlib.Path(SOURCE) / "docs/control-api.md").read_text(encoding="utf-8")
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))  # 4 layers
@@ -74,11 +70,8 @@ class ControlApiTest(FolderTest):
 
     def printing(self, simulation=None, **more):
         """Starts a daemon whose print stays in its first exposure."""
-        config = merge(json.loads(json.dumps(REALTIME)), {"simulation": simulation or {}, **more})
-        daemon = Daemon(self, config, {**NIMBLE_RESIN, **ENDLESS, "ticket_limits": {"settle_ms": [0, 100]}}).start()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
-        return daemon
+        resin = {**ENDLESS, "ticket_limits": {"settle_ms": [0, 100]}}
+        return FolderTest.printing(self, "part.stl", SMALL, resin, simulation=simulation or {}, **more)
 
     def assert_fields(self, value, table, without=()):
         expected = [name for name, *_ in table if name not in without]
@@ -172,8 +165,7 @@ class ControlApiTest(FolderTest):
 
     def test_a_job_has_the_documented_fields_in_each_of_its_states(self):
         daemon = self.fast()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_done("part")
+        daemon.printed("part.stl", SMALL)
         statuses = [message["params"] for message in daemon.watcher.seen if message.get("method") in NOTIFICATIONS]
         self.assertIn("finishing", [status["state"] for status in statuses])
         self.assertIn("resting", [status["state"] for status in statuses])
@@ -189,8 +181,7 @@ class ControlApiTest(FolderTest):
         daemon = self.printing({"lid_opened_after_light_s": 0.05, "lid_open_s": 0.05}, ask_before=["islands"])
         daemon.watcher.wait_for(lambda m: m.get("method") == "machine", "the lid")
         daemon.wait_state("paused")
-        daemon.rpc("cancel")
-        daemon.wait_ended("part")
+        daemon.cancel("part")
         daemon.write_resin("standard", NIMBLE_RESIN)
         daemon.rpc("plate_cleared")
         daemon.drop("thin.stl", binary_stl(box((0, 0, 0), (10, 5, 0.05))))
@@ -269,7 +260,3 @@ class ControlApiTest(FolderTest):
         ended = subprocess.run([sys.executable, "-c", program], capture_output=True, timeout=DEADLINE_S, check=False,
                                env={**os.environ, "CONTOURD_SOCKET": daemon.socket_path})  # fmt: skip
         self.assertEqual((ended.returncode, ended.stdout), (0, b"idle\n"), ended.stderr)
-
-
-if __name__ == "__main__":
-    main()

@@ -9,8 +9,8 @@ import threading
 import time
 
 from harness import (
-    BAD_USAGE, CONTOURCTL, CONTOURD, DEADLINE_S, ENDLESS, FAILED, NIMBLE_RESIN, OK, REALTIME, SANITIZED, UNAVAILABLE, Daemon,
-    FolderTest, binary_stl, box, contourctl, main, merge, run, wait_until,
+    BAD_USAGE, CONTOURCTL, CONTOURD, DEADLINE_S, ENDLESS, FAILED, NIMBLE_RESIN, OK, REALTIME, SANITIZED, UNAVAILABLE, Daemon, FolderTest, binary_stl, box,
+    contents, contourctl, realtime, run, wait_until,
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
@@ -26,14 +26,12 @@ class ControlTest(FolderTest):
 
     def realtime(self, resin=None, config=None):
         """Starts a daemon in real time. Without a resin, its print stays in its first exposure; otherwise layers take milliseconds."""
-        config = merge(json.loads(json.dumps(REALTIME)), config or {})
-        self.daemon = Daemon(self, config, {**NIMBLE_RESIN, **(ENDLESS if resin is None else resin)}).start()
+        self.daemon = Daemon(self, realtime(**(config or {})), {**NIMBLE_RESIN, **(ENDLESS if resin is None else resin)}).start()
         return self.daemon
 
     def printing(self):
         daemon = self.realtime()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         return daemon
 
     def assert_error(self, answer, code, number=None):
@@ -53,8 +51,7 @@ class Protocol(ControlTest):
     def tearDown(self):
         # Whatever a test has sent, the connection and the daemon must still work.
         self.assertIn("result", self.client.call("status"))
-        self.daemon.drop("good.stl", SMALL)
-        self.daemon.wait_done("good")
+        self.daemon.printed("good.stl", SMALL)
         self.daemon.stop()
 
     def answer(self, line):
@@ -80,8 +77,7 @@ class Protocol(ControlTest):
     def test_the_error_about_an_unknown_method_lists_the_known_methods(self):
         answer = self.answer('{"jsonrpc":"2.0","method":"fly","id":7}')
         self.assert_error(answer, METHOD_NOT_FOUND, 7)
-        for name in ("status", "queue", "watch", "pause", "resume", "cancel", "plate_cleared", "fly"):
-            self.assertIn(name, answer["error"]["message"])
+        self.assert_words(answer["error"]["message"], "status", "queue", "watch", "pause", "resume", "cancel", "plate_cleared", "fly")
 
     def test_invalid_json_gets_a_parse_error(self):
         for line in ("{", "hello", "}", '{"jsonrpc":"2.0","method":"status"', "'status'", "[1,", "\x00", "NaN",
@@ -253,29 +249,24 @@ class Protocol(ControlTest):
 class Watching(ControlTest):
     def test_notifications_carry_state_progress_and_the_end(self):
         daemon = self.fast()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_done("part")
+        daemon.printed("part.stl", SMALL)
         seen = [m for m in daemon.watcher.seen if "method" in m]
         layers = [m["params"]["job"]["layers_done"] for m in seen if m["method"] == "layer"]
         self.assertEqual(layers, list(range(1, 21)))
         states = [m["params"]["state"] for m in seen if m["method"] == "state"]
-        for state in ("warming up", "homing", "exposing", "lifting", "parking"):
-            self.assertIn(state, states)
+        self.assert_words(states, "warming up", "homing", "exposing", "lifting", "parking")
         left = [m["params"]["job"]["time_left_s"] for m in seen if m["method"] == "layer"]
         self.assertEqual(left, sorted(left, reverse=True))
         last = seen[-1]["params"]
         self.assertEqual(last["last"], {"job": "part", "outcome": "done", "reason": ""})
         self.assertEqual((last["state"], last["job"]), ("idle", None))
-        daemon.stop()
 
     def test_a_client_that_does_not_watch_gets_no_notifications(self):
         daemon = self.fast()
         client = daemon.client()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_done("part")
+        daemon.printed("part.stl", SMALL)
         client.send(b'{"jsonrpc":"2.0","method":"queue","id":1}\n')
         self.assertEqual(client.next()["id"], 1)
-        daemon.stop()
 
     def memory_kb(self):
         if SANITIZED:
@@ -285,8 +276,7 @@ class Watching(ControlTest):
 
     def test_a_client_that_never_reads_neither_stops_the_print_nor_fills_the_memory(self):
         daemon = self.fast()
-        daemon.drop("warm.stl", SMALL)
-        daemon.wait_done("warm")
+        daemon.printed("warm.stl", SMALL)
         before = self.memory_kb()
         deaf = []
         for _ in range(5):
@@ -295,22 +285,19 @@ class Watching(ControlTest):
             client.sendall(b'{"jsonrpc":"2.0","method":"watch","id":1}\n')
             deaf.append(client)
         # Each of the five clients is sent about 18,000 notifications of about 400 bytes.
-        daemon.drop("tall.stl", TALL)
-        daemon.wait_done("tall")
+        daemon.printed("tall.stl", TALL)
         self.assertIn("result", daemon.rpc("status"))
         # For each client the server holds at most 4 MiB; the rest is for the print.
         self.assertLess(self.memory_kb() - before, 5 * 4096 + 20000)
         for client in deaf:
             client.close()
-        daemon.stop()
 
     def test_a_client_that_reads_late_still_receives_the_end(self):
         daemon = self.fast()
         late = socket.socket(socket.AF_UNIX)
         late.connect(daemon.socket_path)
         late.sendall(b'{"jsonrpc":"2.0","method":"watch","id":1}\n')
-        daemon.drop("tall.stl", TALL)
-        daemon.wait_done("tall")
+        daemon.printed("tall.stl", TALL)
         late.settimeout(DEADLINE_S)
         received = b""
         while b'"method":"ended"' not in received:
@@ -321,7 +308,6 @@ class Watching(ControlTest):
         for line in lines:
             json.loads(line)  # a notification is either whole or left out
         late.close()
-        daemon.stop()
 
     def test_a_client_that_keeps_asking_and_never_reads_is_disconnected(self):
         daemon = self.fast()
@@ -334,7 +320,6 @@ class Watching(ControlTest):
                 for _ in range(20000):
                     client.sendall(request)
         self.assertLess(self.memory_kb() - before, 20000)
-        daemon.stop()
 
 
 class Commands(ControlTest):
@@ -343,18 +328,9 @@ class Commands(ControlTest):
         self.assertEqual(answer.get("error", {}).get("code"), REFUSED, answer)
         return answer["error"]["message"]
 
-    def test_without_a_print_there_is_nothing_to_pause_resume_or_cancel(self):
-        daemon = self.fast()
-        for method in ("pause", "resume", "cancel"):
-            self.assertIn("no print", self.error(method))
-        # The plate is clear already, so this is no error.
-        self.assertIn("result", daemon.rpc("plate_cleared"))
-        daemon.stop()
-
     def test_a_pause_begins_after_the_layer_and_resume_continues_the_print(self):
         daemon = self.realtime({"exposure_ms": 1})
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         self.assertIn("result", daemon.rpc("pause"))
         paused = daemon.wait_state("paused")
         done = paused["job"]["layers_done"]
@@ -368,7 +344,6 @@ class Commands(ControlTest):
         # The plate returned to the height of its layer.
         for layer in report["layer_records"]:
             self.assertAlmostEqual(layer["plate_height_mm"], layer["layer"] * 0.05, delta=1e-6)
-        daemon.stop()
 
     def test_a_pause_can_be_taken_back_before_it_begins(self):
         daemon = self.printing()
@@ -377,7 +352,6 @@ class Commands(ControlTest):
         self.assertFalse(daemon.rpc("resume")["result"]["job"]["pause_pending"])
         self.assertIn("not paused", self.error("resume"))
         self.assertEqual(daemon.status()["state"], "exposing")
-        daemon.stop()
 
     def slow_to_move(self):
         return self.realtime({"exposure_ms": 1}, {"z_axis": {"travel_speed_mm_s": 4, "homing_speed_mm_s": 4},
@@ -395,21 +369,10 @@ class Commands(ControlTest):
         daemon.rpc("resume")
         daemon.wait_state("exposing")
         self.assertEqual(daemon.rpc("pause")["result"]["job"]["pause"], "after this layer")
-        daemon.stop()
-
-    def test_a_print_that_is_parking_can_be_neither_paused_nor_cancelled(self):
-        daemon = self.slow_to_move()
-        daemon.drop("part.stl", binary_stl(box((0, 0, 0), (10, 5, 0.1))))  # 2 layers
-        daemon.wait_state("parking")
-        for method in ("pause", "cancel"):
-            self.assertIn("the plate goes up", self.error(method))
-        daemon.wait_done("part")
-        daemon.stop()
 
     def test_a_print_that_is_being_cancelled_cannot_be_paused(self):
         daemon = self.slow_to_move()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         daemon.rpc("cancel")
         daemon.wait_state("parking")
         self.assertIn("being cancelled", self.error("pause"))
@@ -417,7 +380,6 @@ class Commands(ControlTest):
         result = daemon.ctl("pause")
         self.assertEqual((result.returncode, result.stdout), (FAILED, b""))
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
-        daemon.stop()
 
     def test_a_cancel_during_an_exposure_ends_the_print(self):
         daemon = self.printing()
@@ -428,22 +390,17 @@ class Commands(ControlTest):
         self.assertEqual(daemon.report("part", "failed")["outcome"], "cancelled")
         for method in ("pause", "resume", "cancel"):
             self.assertIn("no print", self.error(method))
-        daemon.stop()
 
     def test_a_paused_print_can_be_cancelled(self):
         daemon = self.realtime({"exposure_ms": 1})
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         daemon.rpc("pause")
         daemon.wait_state("paused")
         self.assertIn("is being printed", self.error("plate_cleared"))
         daemon.rpc("pause")
         self.assertEqual(daemon.status()["state"], "paused")
-        daemon.rpc("cancel")
-        self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
-        daemon.drop("next.stl", SMALL)
-        self.assertEqual(daemon.wait_done("next")["layers_exposed"], 20)
-        daemon.stop()
+        self.assertEqual(daemon.cancel("part")["outcome"], "cancelled")
+        self.assertEqual(daemon.printed("next.stl", SMALL)["layers_exposed"], 20)
 
     def test_commands_in_any_order_do_no_harm(self):
         daemon = self.realtime({"exposure_ms": 1})
@@ -468,35 +425,29 @@ class Commands(ControlTest):
             daemon.rpc("resume")
         outcomes = [daemon.wait_ended(f"part{number}")["outcome"] for number in range(6)]
         self.assertLessEqual(set(outcomes), {"done", "cancelled"})
-        daemon.stop()
 
     def test_the_plate_cannot_be_cleared_during_a_print(self):
         daemon = self.printing()
         self.assertIn("part is being printed", self.error("plate_cleared"))
         self.assertEqual(daemon.status()["plate"], "occupied")
-        daemon.stop()
 
     def test_a_job_can_be_cancelled_while_the_lamp_warms_up(self):
         self.daemon = Daemon(self, {**REALTIME, "projector": {"warm_up_s": 60}}, {**NIMBLE_RESIN, **ENDLESS}).start()
         self.daemon.drop("part.stl", SMALL)
         self.daemon.wait_state("warming up")
-        self.daemon.rpc("cancel")
-        self.assertEqual(self.daemon.wait_ended("part")["outcome"], "cancelled")
+        self.assertEqual(self.daemon.cancel("part")["outcome"], "cancelled")
         self.assertEqual(self.daemon.status()["plate"], "clear")
-        self.daemon.stop()
 
 
 class Contourctl(ControlTest):
     def ctl(self, *arguments):
-        result = self.daemon.ctl(*arguments)
-        self.assertEqual(result.returncode, OK, result.stderr)
+        result = self.daemon.ctl(*arguments, expect=OK)
         self.assertEqual(result.stderr, b"")
         return result.stdout.decode()
 
     def refused(self, command, word):
         for arguments in ([command], [command, "--json"]):
-            result = self.daemon.ctl(*arguments)
-            self.assertEqual(result.returncode, FAILED, result)
+            result = self.daemon.ctl(*arguments, expect=FAILED)
             if "--json" in arguments:
                 self.assertEqual(json.loads(result.stdout)["error"]["code"], REFUSED)
             else:
@@ -504,26 +455,23 @@ class Contourctl(ControlTest):
                 self.assert_one_line(result.stderr, word)
 
     def test_status_and_queue_while_idle(self):
-        daemon = self.fast()
+        self.fast()
         text = self.ctl("status")
-        for word in ("Simulated printer", "idle", "clear"):
-            self.assertIn(word, text)
+        self.assert_words(text, "Simulated printer", "idle", "clear")
         self.assertEqual(json.loads(self.ctl("status", "--json"))["result"]["state"], "idle")
         self.assertIn("empty", self.ctl("queue"))
         self.assertEqual(json.loads(self.ctl("queue", "--json"))["result"], {"queue": [], "more": 0, "jobs": [], "arriving": []})
         for command in ("pause", "resume", "cancel"):
             self.refused(command, "no print")
         self.ctl("plate-cleared")
-        daemon.stop()
 
     def test_status_and_queue_during_a_print(self):
         daemon = self.printing()
         daemon.drop("second.stl", SMALL)
         daemon.drop("third.stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == 2, "two jobs in the queue")
+        daemon.wait_status("queued", 2)
         text = self.ctl("status")
-        for word in ("part", "exposing", "1 of 20", "occupied"):
-            self.assertIn(word, text)
+        self.assert_words(text, "part", "exposing", "1 of 20", "occupied")
         lines = self.ctl("queue").splitlines()
         self.assertEqual([line for line in lines if line[:5].strip()], ["  1  second.stl", "  2  third.stl"])
         self.refused("plate-cleared", "is being printed")
@@ -532,13 +480,11 @@ class Contourctl(ControlTest):
         self.refused("resume", "not paused")
         self.ctl("cancel")
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
-        daemon.stop()
 
     def test_history_has_the_jobs_that_ended(self):
         daemon = self.fast()
         self.assertIn("no job has ended", self.ctl("history"))
-        daemon.drop("first.stl", SMALL)
-        daemon.wait_done("first")
+        daemon.printed("first.stl", SMALL)
         daemon.drop("sec\x1bond.stl", b"no model")
         daemon.wait_ended("sec\x1bond")
         lines = self.ctl("history").splitlines()
@@ -551,35 +497,29 @@ class Contourctl(ControlTest):
         for wrong in (0, 101, "1", None, 1.5):
             self.assertEqual(daemon.rpc("history", last=wrong)["error"]["code"], INVALID_PARAMS, wrong)
         for wrong in ("0", "10001", "x", ""):
-            result = daemon.ctl("history", "--last", wrong)
-            self.assertEqual(result.returncode, BAD_USAGE, wrong)
+            result = daemon.ctl("history", "--last", wrong, expect=BAD_USAGE)
             self.assertIn(b"--last", result.stderr)
-        daemon.stop()
 
     def test_names_with_control_characters_do_not_reach_the_terminal(self):
         daemon = self.printing()
         daemon.drop("two\nlines \x1b[31mred.stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
+        daemon.wait_status("queued", 1)
         self.assertEqual(self.ctl("queue").splitlines()[0], "  1  two?lines ?[31mred.stl")
         self.assertNotIn("\x1b", self.ctl("queue"))
-        daemon.rpc("cancel")
-        daemon.wait_ended("part")
+        daemon.cancel("part")
         daemon.wait_state("exposing")
         self.assertNotIn("\x1b", self.ctl("status"))
-        daemon.stop()
 
     def test_plate_cleared_lets_the_next_job_start(self):
         daemon = self.fast(wait_for_plate_cleared=True)
-        daemon.drop("one.stl", SMALL)
-        daemon.wait_done("one")
+        daemon.printed("one.stl", SMALL)
         daemon.drop("two.stl", SMALL)
-        wait_until(lambda: daemon.status()["waiting_for"], "the second job to wait")
+        daemon.wait_status("waiting_for")
         text = self.ctl("status")
         self.assertIn("occupied by one", text)
         self.assertIn("plate-cleared", text)
         self.ctl("plate-cleared")
         daemon.wait_done("two")
-        daemon.stop()
 
     def watch(self, *arguments):
         process = subprocess.Popen([CONTOURCTL, "watch", "--socket", self.daemon.socket_path, *arguments],
@@ -600,7 +540,6 @@ class Contourctl(ControlTest):
         self.assertIn(b"%", out)
         self.assertIn(b"part: done", out.splitlines()[-1])
         self.assertNotIn(b"\x1b", out)  # no terminal
-        daemon.stop()
 
     def test_watch_without_a_terminal_prints_a_line_for_each_warning_and_change(self):
         daemon = self.realtime({})
@@ -615,7 +554,6 @@ class Contourctl(ControlTest):
         progress = [line for line in lines if "layer" in line and "warning" not in line]
         self.assertEqual(len(progress), len(set(progress)))
         self.assertLess(len(progress), 20)
-        daemon.stop()
 
     def test_watch_of_a_failed_print_fails(self):
         daemon = self.fast()
@@ -624,7 +562,6 @@ class Contourctl(ControlTest):
         out, _ = watcher.communicate(timeout=DEADLINE_S)
         self.assertEqual(watcher.returncode, FAILED)
         self.assertIn(b"bad: failed", out)
-        daemon.stop()
 
     def test_watch_of_an_unknown_job_fails(self):
         daemon = self.printing()
@@ -637,14 +574,12 @@ class Contourctl(ControlTest):
             self.assertNotIn(b"waits", out)
             self.assert_one_line(err, "there is no job")
             self.assertNotIn(b"\x1b", err)
-        daemon.stop()
 
     def test_watch_of_a_waiting_job_shows_no_other_job_and_ends_when_its_file_is_deleted(self):
         daemon = self.printing()
         daemon.drop("next.stl", SMALL)
         os.mkdir(daemon.file("incoming", "plate"))
-        with open(daemon.file("incoming", "plate", "plate.json"), "w", encoding="utf-8") as file:
-            json.dump({"models": [{"file": "later.stl"}]}, file)
+        self.write(daemon.file("incoming", "plate", "plate.json"), json.dumps({"models": [{"file": "later.stl"}]}))
         slow = open(daemon.file("incoming", "slow.stl"), "wb")
         watchers = {name: self.watch("--job", name) for name in ("next", "plate", "slow.stl")}
         for name, watcher in watchers.items():
@@ -659,7 +594,6 @@ class Contourctl(ControlTest):
             self.assertEqual(watcher.returncode, FAILED)
             self.assertNotIn(b"%", out)
             self.assert_one_line(err, "there is no job")
-        daemon.stop()
 
     def test_watch_with_json_prints_one_message_a_line(self):
         daemon = self.fast()
@@ -670,31 +604,25 @@ class Contourctl(ControlTest):
         self.assertEqual(watcher.returncode, OK)
         messages = [json.loads(line) for line in out.splitlines()]
         self.assertEqual(messages[-1]["method"], "ended")
-        daemon.stop()
 
     def test_watch_does_not_end_with_another_job_that_is_refused(self):
         daemon = self.printing()
         watcher = self.watch()
         self.assertIn(b"part", watcher.stdout.readline())
-        daemon.drop("bad.stl", b"no model")
-        daemon.wait_refused("bad")
+        daemon.refused("bad.stl", b"no model")
         # Once this is answered, all earlier notifications have been sent to the watcher.
         self.assertIn("result", daemon.rpc("status"))
-        daemon.rpc("cancel")
-        daemon.wait_ended("part")
+        daemon.cancel("part")
         out, _ = watcher.communicate(timeout=DEADLINE_S)
         self.assertIn(b"part: cancelled", out)
-        daemon.stop()
 
     def test_watch_of_a_job_that_has_ended_prints_its_outcome(self):
         daemon = self.fast()
         for name in ("one", "two"):
-            daemon.drop(name + ".stl", SMALL)
-            daemon.wait_done(name)
+            daemon.printed(name + ".stl", SMALL)
         for name in ("two", "one"):
             out, _ = self.watch("--job", name).communicate(timeout=10)
             self.assertIn(f"{name}: done".encode(), out)
-        daemon.stop()
 
     def test_watch_ends_when_the_daemon_stops(self):
         daemon = self.fast()
@@ -715,15 +643,12 @@ class Contourctl(ControlTest):
             for command in ("status", "queue", "queue show part", "queue remove part", "queue move part --first", "watch", "pause",
                             "resume", "cancel", "plate-cleared"):
                 result = contourctl(*command.split(), "--socket", socket_path)
-                self.assertEqual(result.returncode, UNAVAILABLE, result)
-                self.assert_one_line(result.stderr, socket_path)
+                self.assert_refusal(result, UNAVAILABLE, socket_path)
 
     def test_the_socket_can_come_from_the_environment(self):
         daemon = self.fast()
-        result = contourctl("status", env={**os.environ, "CONTOURD_SOCKET": daemon.socket_path})
-        self.assertEqual(result.returncode, OK)
+        contourctl("status", env={**os.environ, "CONTOURD_SOCKET": daemon.socket_path}, expect=OK)
         self.assertEqual(contourctl("status", "extra").returncode, BAD_USAGE)
-        daemon.stop()
 
 
 class Socket(ControlTest):
@@ -739,7 +664,6 @@ class Socket(ControlTest):
         self.assertTrue(os.path.exists(daemon.socket_path))
         daemon.start()
         self.assertEqual(daemon.status()["state"], "idle")
-        daemon.stop()
 
     def test_a_second_daemon_on_the_same_socket_ends_with_an_error(self):
         daemon = self.fast()
@@ -747,7 +671,6 @@ class Socket(ControlTest):
         self.assertNotEqual(second.returncode, 0)
         self.assertIn(b"another contourd", second.stderr)
         self.assertEqual(daemon.status()["state"], "idle")
-        daemon.stop()
 
     def test_a_file_in_the_sockets_place_is_not_overwritten(self):
         daemon = Daemon(self)
@@ -755,8 +678,7 @@ class Socket(ControlTest):
         result = run(CONTOURD, "--config", daemon.config_path)
         self.assertNotEqual(result.returncode, 0)
         self.assertIn(b"control.sock", result.stderr)
-        with open(self.path("control.sock"), "rb") as file:
-            self.assertEqual(file.read(), b"precious")
+        self.assertEqual(contents(self.path("control.sock")), b"precious")
 
     def test_a_missing_folder_of_the_socket_is_an_error(self):
         daemon = Daemon(self, {"control_socket": "missing/control.sock"})
@@ -773,7 +695,6 @@ class Socket(ControlTest):
         out, _ = process.communicate(timeout=DEADLINE_S)
         self.assertEqual(process.returncode, OK)
         self.assertIn(b"idle", out)
-        daemon.stop()
 
 
 class Robustness(ControlTest):
@@ -781,17 +702,14 @@ class Robustness(ControlTest):
         # As if its disk were unmounted: the light must go off, and the user must be able to find out why nothing prints.
         daemon = self.printing()
         os.rename(daemon.spool, self.path("gone"))
-        daemon.rpc("cancel")
-        daemon.wait_ended("part")
+        daemon.cancel("part")
         self.assertTrue(daemon.alive(), daemon.log())
         self.assertIn("result", daemon.rpc("plate_cleared") | daemon.rpc("status"))
         self.assertTrue(daemon.alive(), daemon.log())
-        daemon.stop()
 
     def test_an_idle_daemon_uses_almost_no_processor_time(self):
         daemon = self.fast()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_done("part")
+        daemon.printed("part.stl", SMALL)
 
         def ticks():
             with open(f"/proc/{daemon.process.pid}/stat", encoding="ascii") as file:
@@ -800,8 +718,3 @@ class Robustness(ControlTest):
         before, start = ticks(), time.monotonic()
         wait_until(lambda: time.monotonic() > start + 1, "a second to pass")
         self.assertLess(ticks() - before, 5)  # of 100
-        daemon.stop()
-
-
-if __name__ == "__main__":
-    main()

@@ -1,6 +1,6 @@
 """Cracked models under both policies: repaired with warnings, or refused before anything is exposed."""
 
-from harness import NIMBLE_RESIN, Daemon, FolderTest, binary_stl, box, main
+from harness import NIMBLE_RESIN, Daemon, FolderTest, binary_stl, box
 
 
 def without_front(facets, y):
@@ -27,8 +27,7 @@ class Policies(FolderTest):
         for job, policy in (("plain", {}), ("marked", {"cracks": "repair"})):
             with self.subTest(policy=policy):
                 daemon = self.daemon()
-                daemon.drop(job + ".stl", CRACKED, {"layer_height_um": 100, **policy})
-                report = daemon.wait_done(job)
+                report = daemon.printed(job + ".stl", CRACKED, {"layer_height_um": 100, **policy})
                 self.assertIn("not watertight", " ".join(report["model"]["warnings"]))
                 layers = report["layer_records"]
                 self.assertEqual([layer["open_chains"] for layer in layers], [0] * 10 + [1] * 10)
@@ -40,19 +39,15 @@ class Policies(FolderTest):
 
     def test_a_ticket_that_refuses_cracks_refuses_the_model_before_its_first_layer(self):
         daemon = self.daemon()
-        daemon.drop("part.stl", CRACKED, {"layer_height_um": 100, "cracks": "refuse"})
-        reason = daemon.wait_refused("part")
+        reason = daemon.refused("part.stl", CRACKED, {"layer_height_um": 100, "cracks": "refuse"})
         self.assert_one_line(reason.encode(), "10 of 20 layers", "layer 11 at 1.050 mm", "widest gap is 4.000 mm")
         self.assertNotIn("layer 1 of", daemon.log())
         # The plate is still clear: the next job begins by itself.
-        daemon.drop("sound.stl", SOUND, {"layer_height_um": 100, "cracks": "refuse"})
-        self.assertEqual(daemon.wait_done("sound")["layers"], 20)
-        daemon.stop()
+        self.assertEqual(daemon.printed("sound.stl", SOUND, {"layer_height_um": 100, "cracks": "refuse"})["layers"], 20)
 
     def test_turned_facets_are_turned_back_with_a_warning_unless_the_ticket_refuses_cracks(self):
         daemon = self.daemon()
-        daemon.drop("turned.stl", TURNED, {"layer_height_um": 100})
-        report = daemon.wait_done("turned")
+        report = daemon.printed("turned.stl", TURNED, {"layer_height_um": 100})
         layers = report["layer_records"]
         self.assertEqual([(layer["turned_chains"], layer["open_chains"]) for layer in layers], [(0, 0)] * 10)
         self.assertEqual(report["model"]["repairs"]["turned_facets"], 1)
@@ -60,11 +55,5 @@ class Policies(FolderTest):
         self.assertEqual({round(layer["area_mm2"], 6) for layer in layers}, {100.0})
         daemon.stop()
         daemon = self.daemon()
-        daemon.drop("part.stl", TURNED, {"layer_height_um": 100, "cracks": "refuse"})
-        reason = daemon.wait_refused("part")
+        reason = daemon.refused("part.stl", TURNED, {"layer_height_um": 100, "cracks": "refuse"})
         self.assert_one_line(reason.encode(), "its facets disagree with each other (repair: 1 facet turned round)")
-        daemon.stop()
-
-
-if __name__ == "__main__":
-    main()

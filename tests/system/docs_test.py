@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """README.md, CONTRIBUTING.md and docs/: their links have targets, the files, symbols and options they name exist, and the
 pages are installed."""
 
@@ -169,7 +168,3 @@ class DocsTest(unittest.TestCase):
             for page in pages:
                 self.assertTrue(page.is_file(), page)
             self.assertEqual(list(broken_relative_links(pages, root)), [])
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """docs/failure-table.md: every row names tests that exist, or gives a reason why there is none."""
 
 import os
@@ -46,7 +45,3 @@ class FailureTableTest(unittest.TestCase):
                 self.assertTrue(named or len(reason) > 20, "neither a test nor a reason")
                 for name in named:
                     self.assertIn(name, existing)
-
-
-if __name__ == "__main__":
-    unittest.main()

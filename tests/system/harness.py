@@ -33,11 +33,19 @@ OK, FAILED, BAD_USAGE, BAD_DATA, NO_INPUT, UNAVAILABLE, CANNOT_CREATE = 0, 1, 64
 BAD_CONFIG = 78
 
 
+def contents(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def text_of(path):
+    return contents(path).decode()
+
+
 def _is_sanitized():
     if not os.path.exists(CONTOURD):
         return False  # the virtual machine's tests read this before they build it
-    with open(CONTOURD, "rb") as file:
-        return b"__asan_init" in file.read()
+    return b"__asan_init" in contents(CONTOURD)
 
 
 # AddressSanitizer reserves terabytes of address space and keeps freed memory, so memory limits are not tested with it.
@@ -72,10 +80,6 @@ def skip_file(reason):
     """Ends the whole test file as skipped."""
     print(f"SKIPPED: {reason}")
     sys.exit(0)
-
-
-def main():
-    unittest.main(verbosity=2)
 
 
 # --- models
@@ -172,8 +176,7 @@ def _unfilter(kind, line, above):
 
 def read_png(path):
     """Reads an 8-bit grey PNG; raises AssertionError for anything else."""
-    with open(path, "rb") as file:
-        data = file.read()
+    data = contents(path)
     assert data[:8] == b"\x89PNG\r\n\x1a\n", f"{path} is not a PNG file"
     at, packed, size, ended = 8, b"", None, False
     while at < len(data):
@@ -205,10 +208,12 @@ def read_png(path):
 # --- programs
 
 
-def run(program, *arguments, **options):
-    """Runs a program until it ends. Its output is kept as bytes, since file names are bytes."""
+def run(program, *arguments, expect=None, **options):
+    """Runs a program until it ends, with this exit code if one is given. Its output is kept as bytes, since file names are bytes."""
     options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "timeout": DEADLINE_S, **options}
-    return subprocess.run([program, *map(os.fspath, arguments)], **options)
+    result = subprocess.run([program, *map(os.fspath, arguments)], **options)
+    assert expect in (None, result.returncode), f"expected exit code {expect}: {result}"
+    return result
 
 
 def check_config(path):
@@ -260,6 +265,12 @@ class FolderTest(unittest.TestCase):
     def path(self, *parts):
         return os.path.join(self.folder, *parts)
 
+    def printing(self, name="part.stl", model=None, resin=None, **config):
+        """Starts a daemon in real time, and returns it when it exposes the first layer of a print, by default until the test ends it."""
+        daemon = Daemon(self, realtime(**config), {**NIMBLE_RESIN, **(ENDLESS if resin is None else resin)}).start()
+        daemon.begin(name, model or binary_stl(box((0, 0, 0), (10, 5, 1))))
+        return daemon
+
     def reachable(self, program):
         """Returns a path of the program that other users can read, since the build may lie in root's home. The program is
         copied only if it cannot be linked: with sanitizers it has 100 MB, which delay the daemon's next write to the disk."""
@@ -281,8 +292,17 @@ class FolderTest(unittest.TestCase):
         self.assertTrue(text.endswith(b"\n"), text)
         self.assertEqual(text.count(b"\n"), 1, text)
         self.assertGreater(len(text.strip()), 10, text)
+        self.assert_words(text, *words)
+
+    def assert_words(self, text, *words):
+        """Asserts that a text, or a list, contains each of these words."""
         for word in words:
-            self.assertIn(os.fsencode(word), text)
+            self.assertIn(os.fsencode(word) if isinstance(text, bytes) else word, text)
+
+    def assert_refusal(self, result, code, *words):
+        """Asserts that a program ended with this code, without output but for one line on stderr that contains these words."""
+        self.assertEqual((result.returncode, result.stdout or b""), (code, b""), result)
+        self.assert_one_line(result.stderr, *words)
 
 
 # --- the daemon
@@ -362,8 +382,7 @@ def merge(base, changes):
 
 
 def source_json(*parts):
-    with open(os.path.join(SOURCE, "config", *parts), encoding="utf-8") as file:
-        return json.load(file)
+    return json.loads(contents(os.path.join(SOURCE, "config", *parts)))
 
 
 # A fast machine and a resin without delays, for tests in real time: a layer takes a few milliseconds.
@@ -380,8 +399,13 @@ REALTIME = {
 }  # fmt: skip
 
 
+def realtime(**changes):
+    return merge(json.loads(json.dumps(REALTIME)), changes)
+
+
 class Daemon:
-    """A contourd that runs in the test's folder, with the simulated printer's configuration and the test's changes to it."""
+    """A contourd that runs in the test's folder, with the simulated printer's configuration and the test's changes to it.
+    A daemon that still runs at the end of its test is stopped, and must exit with 0."""
 
     def __init__(self, test, config=None, resin=None, masks=False):
         self.test = test
@@ -451,8 +475,7 @@ class Daemon:
                 stderr=log, env={**os.environ, **self.environment, **environment}, **self.rights)  # fmt: skip
 
     def log(self):
-        with open(self.log_path, encoding="utf-8", errors="replace") as file:
-            return file.read()
+        return contents(self.log_path).decode(errors="replace")
 
     def client(self):
         client = Client(self.socket_path)
@@ -490,6 +513,10 @@ class Daemon:
         self.process.send_signal(signal.SIGTERM)
         self.wait_stopped()
 
+    def restart(self):
+        self.stop()
+        return self.start()
+
     def wait_stopped(self):
         code = self.process.wait(DEADLINE_S)
         self._close_clients()
@@ -525,13 +552,17 @@ class Daemon:
             self.clients.pop().close()
 
     def _clean_up(self):
-        self._close_clients()
         if self.process is None:
             return
-        if self.process.poll() is None:
-            self.process.kill()
-            self.process.wait()
-        elif self.process.returncode < 0 and self.process.returncode != -signal.SIGKILL:
+        if self.alive():
+            self.process.send_signal(signal.SIGCONT)  # a failed test may leave it stopped
+            try:
+                self.stop()
+            finally:
+                self.process.kill()
+                self.process.wait()
+        self._close_clients()
+        if self.process.returncode < 0 and self.process.returncode != -signal.SIGKILL:
             raise AssertionError(f"contourd died of signal {-self.process.returncode}:\n{self.log()}")
 
     @contextlib.contextmanager
@@ -565,13 +596,11 @@ class Daemon:
         return sorted(os.listdir(self.file(folder)))
 
     def read(self, *parts):
-        with open(self.file(*parts), encoding="utf-8") as file:
-            return file.read()
+        return text_of(self.file(*parts))
 
     def state(self, name):
         """Returns the text of a file in the daemon's state folder."""
-        with open(os.path.join(self.spool + ".state", name), encoding="utf-8") as file:
-            return file.read()
+        return text_of(os.path.join(self.spool + ".state", name))
 
     def drop(self, name, data, ticket=None):
         """Puts a complete file into the spool, its ticket first."""
@@ -597,6 +626,14 @@ class Daemon:
         except AssertionError as error:
             raise AssertionError(f"{error}\n{self.log()}") from None
 
+    def cancel(self, job):
+        self.rpc("cancel")
+        return self.wait_ended(job)
+
+    def wait_next_end(self):
+        """Waits until any job has ended, and returns {"job", "outcome", "reason"}."""
+        return self.watcher.wait_for(lambda m: m.get("method") == "ended", "the end of a job")["params"]["last"]
+
     def wait_done(self, job):
         """Waits until the job is printed, and returns its report."""
         end = self.wait_ended(job)
@@ -614,6 +651,37 @@ class Daemon:
         self.test.assertEqual(reason.strip(), end["reason"].strip())
         self.test.assertGreater(len(reason), 10)
         return reason
+
+    def printed(self, name, data, ticket=None):
+        """Puts a file into the spool, waits until it is printed, and returns its report."""
+        self.drop(name, data, ticket)
+        return self.wait_done(os.path.splitext(name)[0])
+
+    def refused(self, name, data, ticket=None):
+        """Puts a file into the spool, waits until it has failed, and returns the reason."""
+        self.drop(name, data, ticket)
+        return self.wait_refused(os.path.splitext(name)[0])
+
+    def wait_status(self, key, value=True):
+        """Waits until the status has this value, or with True any value that is true, and returns the status."""
+        def reached():
+            status = self.status()
+            return status if (status[key] if value is True else status[key] == value) else None
+        return wait_until(reached, f"{key} to be {value} in the status")
+
+    def job(self, name):
+        """Returns a job of the queue, {} if there is none of this name."""
+        return next((job for job in self.rpc("queue")["result"]["jobs"] if job["job"] == name), {})
+
+    def wait_job(self, name, state="unaccepted"):
+        """Waits until a job of the queue has this state, and returns the job."""
+        wait_until(lambda: self.job(name).get("state") == state, f"{name} to be {state}")
+        return self.job(name)
+
+    def begin(self, name, data, ticket=None):
+        """Puts a file into the spool, and waits until its first layer is exposed."""
+        self.drop(name, data, ticket)
+        return self.wait_state("exposing")
 
     def wait_state(self, state):
         """Waits until the print enters the state. Looks only at notifications after the last one that was waited for."""

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """contourctl help: the project's pages and the commands, in a terminal or through a pipe."""
 
 import fcntl
@@ -8,9 +7,8 @@ import re
 import struct
 import subprocess
 import termios
-import unittest
 
-from harness import BAD_USAGE, CONTOURCTL, OK, SOURCE, FolderTest, contourctl, main
+from harness import BAD_USAGE, CONTOURCTL, OK, SOURCE, FolderTest, contourctl, text_of
 
 
 def shown(*words):
@@ -48,8 +46,7 @@ class Help(FolderTest):
     def test_each_page_of_the_list_is_a_file_and_is_shown(self):
         self.assertIn("printing", pages())
         for page in pages():
-            with open(os.path.join(SOURCE, "docs", f"{page}.md"), encoding="utf-8") as file:
-                title, *_ = file.read().splitlines()
+            title, *_ = text_of(os.path.join(SOURCE, "docs", f"{page}.md")).splitlines()
             self.assertTrue(shown(page).startswith(title.removeprefix("# ") + "\n==="), page)
 
     def test_each_section_of_the_list_is_shown(self):
@@ -87,12 +84,10 @@ class Help(FolderTest):
     def test_an_unknown_word_is_an_error_that_suggests_a_similar_one(self):
         for words, like in (["printng"], b"printing"), (["submti"], b"submit"), (["xyzzyxyzzy"], b"contourctl help lists"):
             result = contourctl("help", *words)
-            self.assertEqual((result.returncode, result.stdout), (BAD_USAGE, b""), result)
-            self.assert_one_line(result.stderr, like)
+            self.assert_refusal(result, BAD_USAGE, like)
         for words in ([""], ["\x1b[2J\n"], ["x" * 100_000], [b"\xff"]):
             result = contourctl("help", *words)
-            self.assertEqual(result.returncode, BAD_USAGE, words)
-            self.assert_one_line(result.stderr)
+            self.assert_refusal(result, BAD_USAGE)
             self.assertNotIn(b"\x1b", result.stderr)
             self.assertLess(len(result.stderr), 5000)
 
@@ -121,7 +116,3 @@ class Help(FolderTest):
     def test_help_needs_no_file_besides_the_program(self):
         result = subprocess.run([self.reachable(CONTOURCTL), "help", "trouble"], capture_output=True, text=True, check=True, cwd="/")
         self.assertIn("A job waits\n-----------\n", result.stdout)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """The history in its database: its contents, and what happens when its file is damaged or the daemon is killed."""
 
 import csv
@@ -11,8 +10,8 @@ import time
 import unittest
 
 from harness import (
-    BAD_USAGE, FAILED, NIMBLE_RESIN, OK, REALTIME, SANITIZED, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contourctl,
-    main, on_terminal, wait_until,
+    BAD_USAGE, FAILED, NIMBLE_RESIN, OK, REALTIME, SANITIZED, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contents, contourctl, on_terminal,
+    wait_until,
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))  # 4 layers
@@ -29,8 +28,7 @@ class HistoryTest(FolderTest):
         return os.path.join(self.daemon.state_folder, "history.sqlite")
 
     def print_one(self, name):
-        self.daemon.drop(name + ".stl", SMALL)
-        self.daemon.wait_done(name)
+        self.daemon.printed(name + ".stl", SMALL)
 
     def ended(self, **parameters):
         result = self.daemon.rpc("history", **parameters)["result"]
@@ -59,7 +57,6 @@ class Lines(HistoryTest):
                 self.assertLessEqual(max(len(line) for line in lines), columns, lines)
                 self.assertEqual(" ".join(lines).split(), whole.split())
         self.assertIn("1 job, 4 layers", self.daemon.ctl("usage").stdout.decode())
-        self.daemon.stop()
 
 
 class Kept(HistoryTest):
@@ -68,8 +65,7 @@ class Kept(HistoryTest):
         self.print_one("first")
         self.daemon.drop("bad.stl", b"no model")
         self.daemon.wait_ended("bad")
-        self.daemon.stop()
-        self.daemon.start()
+        self.daemon.restart()
         self.print_one("second")
         self.assertEqual(self.ended(), [("first", "done"), ("bad", "failed"), ("second", "done")])
         self.assertEqual(self.ended(this_run=True), [("second", "done")])
@@ -113,8 +109,7 @@ class Kept(HistoryTest):
         self.daemon.stop()
         for command in ("history", "usage"):
             result = contourctl(command, "--socket", self.daemon.socket_path)
-            self.assertEqual(result.returncode, UNAVAILABLE)
-            self.assert_one_line(result.stderr)
+            self.assert_refusal(result, UNAVAILABLE)
 
     def test_all_jobs_are_listed_in_order_even_if_one_answer_cannot_hold_them(self):
         self.daemon.start()
@@ -131,10 +126,8 @@ class Kept(HistoryTest):
     def test_watch_does_not_find_a_job_that_ended_in_an_earlier_run(self):
         self.daemon.start()
         self.print_one("part")
-        self.daemon.stop()
-        self.daemon.start()
-        result = self.daemon.ctl("watch", "--job", "part")
-        self.assertEqual(result.returncode, FAILED)
+        self.daemon.restart()
+        result = self.daemon.ctl("watch", "--job", "part", expect=FAILED)
         self.assertIn(b"there is no job part", result.stderr)
 
 
@@ -169,8 +162,7 @@ class Reminders(HistoryTest):
         for command in ("status", "usage"):
             self.assertIn(f"reminder  {sentence}\n", self.daemon.ctl(command).stdout.decode())
         self.assertEqual(len(self.reminders_after(1)), 1)
-        self.daemon.stop()
-        self.daemon.start()
+        self.daemon.restart()
         self.reminders_after(2)
         self.print_one("third")
         self.assertIn("3 prints (limit 2)", self.reminders_after(3)[2])
@@ -181,8 +173,7 @@ class Reminders(HistoryTest):
         film, vat = self.parts()["film"], self.parts()["vat"]
         self.assertEqual((film["prints"], film["layers"], film["lamp_h"]), (0, 0, 0))
         self.assertEqual((vat["prints"], vat["layers"], vat["replaced"]), (3, 12, None))
-        self.daemon.stop()
-        self.daemon.start()
+        self.daemon.restart()
         self.print_one("fourth")
         self.assertEqual((self.parts()["film"]["prints"], self.parts()["film"]["layers"]), (1, 4))
         self.assertIsNotNone(self.parts()["film"]["replaced"])
@@ -216,8 +207,7 @@ class Reminders(HistoryTest):
         os.mkdir(self.file)
         self.daemon.start()
         refused = self.daemon.ctl("replaced", "film")
-        self.assertEqual((refused.returncode, refused.stdout), (FAILED, b""))
-        self.assert_one_line(refused.stderr, "is a folder", "nothing is recorded")
+        self.assert_refusal(refused, FAILED, "is a folder", "nothing is recorded")
         self.assertEqual(self.daemon.status()["reminders"], [])
         self.print_one("another")
 
@@ -297,8 +287,7 @@ class InTrouble(HistoryTest):
 
     def test_a_damaged_history_is_put_aside_and_the_printer_prints(self):
         self.make_state_folder()
-        with open(self.file, "wb") as file:
-            file.write(random.Random(1).randbytes(20000))
+        self.write(self.file, random.Random(1).randbytes(20000))
         self.daemon.start()
         self.print_one("part")
         self.assertEqual(self.ended(), [("part", "done")])
@@ -325,12 +314,10 @@ class InTrouble(HistoryTest):
         with sqlite3.connect(self.file) as database:
             database.execute("PRAGMA user_version=7")
         database.close()
-        with open(self.file, "rb") as file:
-            before = file.read()
+        before = contents(self.file)
         self.daemon.start()
         self.assert_prints_with_one_warning("its version is 7")
-        with open(self.file, "rb") as file:
-            self.assertEqual(file.read(), before)
+        self.assertEqual(contents(self.file), before)
 
     def test_a_history_that_is_locked_is_completed_when_the_lock_is_gone(self):
         self.daemon.start()
@@ -384,7 +371,3 @@ class InTrouble(HistoryTest):
         os.unlink(gate)
         answer = client.wait_for(lambda m: m.get("id") == "later", "the answer")
         self.assertEqual([job["job"] for job in answer["result"]["ended"]], ["one"])
-
-
-if __name__ == "__main__":
-    main()

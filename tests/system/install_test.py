@@ -2,7 +2,6 @@
 import os
 import pathlib
 import subprocess
-import unittest
 
 from harness import BIN, FolderTest
 
@@ -74,7 +73,3 @@ class Install(FolderTest):
         left = [path for path in self.root.rglob("*") if "contour" in path.name and self.etc not in (path, *path.parents)]
         self.assertEqual(left, [self.shipped])
         self.assertTrue(kept.is_file())
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -12,7 +12,7 @@ import subprocess
 import threading
 import unittest
 
-from harness import ENDLESS, REALTIME, SOURCE, Daemon, FolderTest, binary_stl, cube, main, source_json, wait_until
+from harness import ENDLESS, REALTIME, SOURCE, Daemon, FolderTest, binary_stl, contents, cube, source_json, wait_until
 
 WITH_ENDED_JOB = os.path.join(SOURCE, "systemd", "with-ended-job")
 HOSTILE = 'x"; touch $(pwd)/pwned; `touch pwned` \n--version\x1b[2J'
@@ -79,8 +79,7 @@ class ServiceManager:
 
     def log(self, number):
         self.started[number].wait()
-        with open(os.path.join(self.heard, f"{number}.log"), "rb") as file:
-            return file.read().decode()
+        return contents(os.path.join(self.heard, f"{number}.log")).decode()
 
 
 class JobEndedTest(FolderTest):
@@ -102,14 +101,12 @@ class JobEndedTest(FolderTest):
     def test_the_notice_of_a_done_job_names_its_report(self):
         manager = self.listen()
         daemon = self.daemon().start()
-        daemon.drop("gear.stl", binary_stl(cube(1)))
-        daemon.wait_done("gear")
+        daemon.printed("gear.stl", binary_stl(cube(1)))
         (notice,) = manager.notices(1)
         self.assertEqual((notice["JOB"], notice["OUTCOME"], notice["REASON"]), ("gear", "done", ""))
         self.assertEqual(notice["PRINTER"], daemon.config["name"])
         self.assertEqual(notice["REPORT_HTML"], daemon.file("done", "gear.report.html"))
-        with open(notice["REPORT_JSON"], encoding="utf-8") as file:
-            self.assertEqual(json.load(file)["outcome"], "done")
+        self.assertEqual(json.loads(contents(notice["REPORT_JSON"]))["outcome"], "done")
         sent = json.loads(notice["NOTICE"])
         self.assertEqual(sent, {"printer": notice["PRINTER"], "job": "gear", "outcome": "done", "reason": "",
                                 "report_json": notice["REPORT_JSON"], "report_html": notice["REPORT_HTML"]})  # fmt: skip
@@ -118,10 +115,8 @@ class JobEndedTest(FolderTest):
     def test_a_job_that_is_refused_or_removed_in_the_queue_gives_a_notice(self):
         manager = self.listen()
         daemon = self.daemon(config=REALTIME, resin=ENDLESS).start()
-        daemon.drop("first.stl", binary_stl(cube(1)))
-        daemon.wait_state("exposing")
-        daemon.drop("bad.stl", b"no model")
-        reason = daemon.wait_refused("bad").strip()
+        daemon.begin("first.stl", binary_stl(cube(1)))
+        reason = daemon.refused("bad.stl", b"no model").strip()
         daemon.drop("tired.stl", binary_stl(cube(1)))
         wait_until(lambda: daemon.rpc("queue")["result"]["queue"] == ["tired.stl"], "the job in the queue")
         self.assertEqual(daemon.ctl("queue", "remove", "tired").returncode, 0)
@@ -160,11 +155,9 @@ class JobEndedTest(FolderTest):
         daemon = self.daemon().start()
         for number in range(80):
             daemon.drop(f"bad{number}.stl", b"no model")
-        daemon.drop("good.stl", binary_stl(cube(1)))
-        daemon.wait_done("good")
+        daemon.printed("good.stl", binary_stl(cube(1)))
         wait_until(lambda: len(manager.started) == 4, "four commands to start")
         self.assertEqual(daemon.log().count("no notice is sent"), 1, daemon.log())
-        daemon.stop()
 
     def print_two(self, command):
         manager = self.listen(command)
@@ -191,16 +184,14 @@ class JobEndedTest(FolderTest):
     def test_a_print_that_ends_by_a_stop_or_a_kill_gives_a_notice(self):
         manager = self.listen()
         daemon = self.daemon(config=REALTIME, resin=ENDLESS).start()
-        daemon.drop("stopped.stl", binary_stl(cube(1)))
-        daemon.wait_state("exposing")
+        daemon.begin("stopped.stl", binary_stl(cube(1)))
         daemon.stop()
         (stopped,) = manager.notices(1)
         self.assertEqual((stopped["JOB"], stopped["OUTCOME"]), ("stopped", "failed"))
         self.assertIn("contourd was stopped", stopped["REASON"])
         daemon.start()
         daemon.ctl("resume")
-        daemon.drop("killed.stl", binary_stl(cube(1)))
-        daemon.wait_state("exposing")
+        daemon.begin("killed.stl", binary_stl(cube(1)))
         daemon.kill()
         daemon.start()
         _, killed = manager.notices(2)
@@ -209,8 +200,7 @@ class JobEndedTest(FolderTest):
 
     def test_without_a_listener_nothing_is_logged_or_left(self):
         daemon = self.daemon().start()
-        daemon.drop("gear.stl", binary_stl(cube(1)))
-        daemon.wait_done("gear")
+        daemon.printed("gear.stl", binary_stl(cube(1)))
         daemon.stop()
         self.assertNotIn("job-ended.socket", daemon.log())
         self.assertFalse(os.path.exists(self.path("job-ended.socket")))
@@ -267,7 +257,3 @@ class UnitsTest(unittest.TestCase):
         # The command that the unit starts is not installed here.
         complaints = [line for line in checked.stderr.splitlines() if "contourd" in line and "not executable" not in line]
         self.assertEqual(complaints, [])
-
-
-if __name__ == "__main__":
-    main()

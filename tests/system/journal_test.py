@@ -2,7 +2,6 @@
 
 import os
 import socket
-import unittest
 
 import harness
 
@@ -49,7 +48,7 @@ class Journal(harness.FolderTest):
 
     def start(self):
         """Starts the daemon so that its stderr seems to be connected to the journal."""
-        open(self.daemon.log_path, "wb").close()
+        self.write(self.daemon.log_path, b"")
         status = os.stat(self.daemon.log_path)
         self.daemon.launch(JOURNAL_STREAM=f"{status.st_dev}:{status.st_ino}")
 
@@ -90,7 +89,3 @@ class Journal(harness.FolderTest):
     def test_without_a_matching_journal_stream_the_log_goes_to_stderr(self):
         self.daemon.start()  # JOURNAL_STREAM is not set, or names another stream
         self.assertIn("is ready", self.daemon.log())
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

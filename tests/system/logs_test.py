@@ -1,9 +1,8 @@
-#!/usr/bin/env python3
 """contourctl logs: the arguments that it passes to journalctl. A script in journalctl's place prints them."""
 
 import os
 
-from harness import BAD_USAGE, FAILED, OK, UNAVAILABLE, FolderTest, contourctl, main
+from harness import BAD_USAGE, FAILED, OK, UNAVAILABLE, FolderTest, contourctl
 
 ASKED = """#!/bin/sh
 for word; do printf '%s\\n' "$word"; done
@@ -17,8 +16,7 @@ HOW = ["--output=short", "--no-hostname"]
 class Logs(FolderTest):
     def asked(self, *words, journalctl=ASKED, code=7):
         path = self.path("journalctl")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(journalctl)
+        self.write(path, journalctl)
         os.chmod(path, 0o755)
         result = contourctl("logs", *words, env={**os.environ, "PATH": f"{self.folder}:{os.environ['PATH']}"})
         self.assertEqual(result.returncode, code, result)
@@ -49,14 +47,9 @@ class Logs(FolderTest):
 
     def test_without_a_journal_there_is_one_line_of_error(self):
         result = contourctl("logs", env={**os.environ, "PATH": self.folder})
-        self.assertEqual(result.returncode, UNAVAILABLE)
-        self.assert_one_line(result.stderr, "cannot read the journal")
+        self.assert_refusal(result, UNAVAILABLE, "cannot read the journal")
 
     def test_a_wrong_number_of_lines_is_bad_usage(self):
         for wrong in ("0", "-1", "x", "", "1000001"):
             self.assertEqual(contourctl("logs", "-n", wrong).returncode, BAD_USAGE, wrong)
         self.assertEqual(contourctl("logs", "").returncode, BAD_USAGE)
-
-
-if __name__ == "__main__":
-    main()

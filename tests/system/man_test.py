@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Compares the manual pages with the programs and the schemas, and checks their markup."""
 
 import glob
@@ -9,7 +8,7 @@ import shutil
 import subprocess
 import unittest
 
-from harness import BIN, CONTOURCTL, CONTOURD, SOURCE, main
+from harness import BIN, CONTOURCTL, CONTOURD, SOURCE, contents, text_of
 
 PAGES = [*glob.glob(os.path.join(SOURCE, "docs/man/*.[18]")), *glob.glob(os.path.join(os.path.dirname(BIN), "config/*.5"))]
 FORMATS = {"contourd.json": "contourd", "contourd-resin": "resin", "contourd-projector": "projector",
@@ -18,8 +17,7 @@ FORMATS = {"contourd.json": "contourd", "contourd-resin": "resin", "contourd-pro
 
 def source_of(page):
     [path] = [path for path in PAGES if os.path.basename(path) == page]
-    with open(path, encoding="utf-8") as file:
-        return file.read()
+    return text_of(path)
 
 
 def plain(page):
@@ -84,8 +82,7 @@ class Man(unittest.TestCase):
         folder = os.path.join(SOURCE, "config")
         for page, name in FORMATS.items():
             with self.subTest(page):
-                with open(os.path.join(folder, f"{name}.schema.json"), encoding="utf-8") as file:
-                    schema = json.load(file)
+                schema = json.loads(contents(os.path.join(folder, f"{name}.schema.json")))
                 named = re.findall(r"(?m)^\.B (\S+)$", plain(f"{page}.5"))
                 self.assertEqual(sorted(named), sorted(keys_of(schema, schema, folder)))
                 self.assertGreater(len(named), 6)
@@ -104,7 +101,3 @@ class Man(unittest.TestCase):
             seen = subprocess.run(["groff", "-man", "-ww", "-Tutf8", "-rLL=80n", path], capture_output=True, text=True, check=True)
             self.assertEqual(seen.stderr, "", path)
             self.assertGreater(len(seen.stdout.splitlines()), 30, path)
-
-
-if __name__ == "__main__":
-    main()

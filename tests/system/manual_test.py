@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Manual control: contourctl home, move, light and so on; who may use it, what ends it, and its exclusion of prints."""
 
 import json
@@ -14,14 +13,13 @@ import time
 import unittest
 
 from harness import (
-    BAD_CONFIG, BAD_USAGE, CONTOURCTL, CONTOURD, DEADLINE_S, ENDLESS, FAILED, NIMBLE_AXIS, NIMBLE_RESIN, OK, REALTIME, SLOWNESS,
-    UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contourctl, main, merge, wait_until,
+    BAD_CONFIG, BAD_USAGE, CONTOURCTL, CONTOURD, DEADLINE_S, ENDLESS, FAILED, NIMBLE_RESIN, OK, REALTIME, SLOWNESS, UNAVAILABLE, Daemon, FolderTest,
+    binary_stl, box, contourctl, realtime, text_of, wait_until,
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
 # Every motion takes seconds, so that a test can end it.
-SLOW = merge(json.loads(json.dumps(REALTIME)), {"z_axis": {**NIMBLE_AXIS, "homing_speed_mm_s": 2, "travel_speed_mm_s": 2, "travel_mm": 100},
-                                   "simulation": {"pace": "realtime", "start_height_mm": 60}})  # fmt: skip
+SLOW = realtime(z_axis={"homing_speed_mm_s": 2, "travel_speed_mm_s": 2, "travel_mm": 100}, simulation={"start_height_mm": 60})
 
 
 class ManualTest(FolderTest):
@@ -33,13 +31,7 @@ class ManualTest(FolderTest):
 
     def well(self, result, *words):
         self.assertEqual((result.returncode, result.stderr), (OK, b""), result)
-        for word in words:
-            self.assertIn(word, result.stdout.decode())
-
-    def refused(self, result, code, *words):
-        self.assertEqual(result.returncode, code, result)
-        self.assertEqual(result.stdout, b"")
-        self.assert_one_line(result.stderr, *words)
+        self.assert_words(result.stdout.decode(), *words)
 
     def manual(self, daemon):
         return daemon.status()["manual"]
@@ -55,23 +47,21 @@ class ManualTest(FolderTest):
 class Commands(ManualTest):
     def test_home_move_and_motor_off_print_the_height_of_the_plate(self):
         daemon = self.daemon()
-        self.refused(self.run_ctl(daemon, "move", "--to", "3"), FAILED, "home first")
+        self.assert_refusal(self.run_ctl(daemon, "move", "--to", "3"), FAILED, "home first")
         self.well(self.run_ctl(daemon, "home"), "homing\n", "height    0.000 mm")
         self.well(self.run_ctl(daemon, "move", "--to", "3"), "moving\n", "height    3.000 mm")
         self.well(self.run_ctl(daemon, "move", "--by", "-1.5", "--speed", "20"), "height    1.500 mm")
-        self.refused(self.run_ctl(daemon, "move", "--to", "13"), FAILED, "to_mm must be a number from 0 to 12 mm")
+        self.assert_refusal(self.run_ctl(daemon, "move", "--to", "13"), FAILED, "to_mm must be a number from 0 to 12 mm")
         self.well(self.run_ctl(daemon, "motor", "off"), "height    unknown")
-        daemon.stop()
 
     def test_light_needs_confirmation_has_a_limit_and_goes_off_at_the_end(self):
         daemon = self.daemon()
-        self.refused(self.run_ctl(daemon, "light", "on", "--seconds", "1", stdin=subprocess.DEVNULL), BAD_USAGE, "--confirm")
-        self.refused(self.run_ctl(daemon, "light", "on", "--seconds", "1", "--confirm"), FAILED, "in the resin")
-        self.refused(self.run_ctl(daemon, "light", "on", "--seconds", "31", "--confirm", "--in-resin"), FAILED, "30 s")
+        self.assert_refusal(self.run_ctl(daemon, "light", "on", "--seconds", "1", stdin=subprocess.DEVNULL), BAD_USAGE, "--confirm")
+        self.assert_refusal(self.run_ctl(daemon, "light", "on", "--seconds", "1", "--confirm"), FAILED, "in the resin")
+        self.assert_refusal(self.run_ctl(daemon, "light", "on", "--seconds", "31", "--confirm", "--in-resin"), FAILED, "30 s")
         self.well(self.run_ctl(daemon, "light", "on", "--seconds", "0.1", "--confirm", "--in-resin"), "lit\n")
         self.assertEqual(self.manual(daemon)["state"], "idle")
         self.well(self.run_ctl(daemon, "light", "off"))
-        daemon.stop()
 
     def test_on_a_terminal_light_asks_for_confirmation(self):
         daemon = self.daemon()
@@ -91,7 +81,6 @@ class Commands(ManualTest):
             if word == "no":
                 self.assertIn(b'the light stays off: only "yes" turns it on', os.read(mine, 4096))
         self.assertEqual(self.manual(daemon)["operations"], 1)
-        daemon.stop()
 
     def test_the_projector_can_be_queried_and_switched(self):
         daemon = self.daemon()
@@ -100,15 +89,13 @@ class Commands(ManualTest):
         self.well(self.run_ctl(daemon, "projector", "status"), "projector on")
         self.well(self.run_ctl(daemon, "projector", "off"), "projector is powering off")
         self.well(self.run_ctl(daemon, "projector", "status"), "projector off")
-        daemon.stop()
 
     def test_a_pattern_is_shown_for_its_time_and_an_unknown_one_is_an_error(self):
         daemon = self.daemon()
         began = time.monotonic()
         self.well(self.run_ctl(daemon, "show", "grid", "--seconds", "0.3"), "grid is shown")
         self.assertGreaterEqual(time.monotonic() - began, 0.3)
-        self.refused(self.run_ctl(daemon, "show", "gird"), FAILED, "white, black, grid")
-        daemon.stop()
+        self.assert_refusal(self.run_ctl(daemon, "show", "gird"), FAILED, "white, black, grid")
 
     def test_switches_are_printed_once_or_at_each_change(self):
         daemon = self.daemon()
@@ -129,13 +116,12 @@ class Commands(ManualTest):
         self.assertEqual(process.communicate(timeout=DEADLINE_S)[1],
                          "contourctl: part is being printed: the inputs are read while nothing prints\n")  # fmt: skip
         self.assertEqual(process.returncode, FAILED)
-        daemon.stop()
 
     def test_without_a_daemon_each_command_says_so(self):
         for words in (["home"], ["move", "--to", "1"], ["stop"], ["motor", "off"], ["light", "off"], ["show", "grid"],
                       ["light", "on", "--seconds", "1", "--confirm"], ["projector", "status"], ["projector", "on"], ["switches"]):  # fmt: skip
             with self.subTest(words):
-                self.refused(contourctl(*words, "--socket", self.path("none")), UNAVAILABLE, "cannot reach contourd")
+                self.assert_refusal(contourctl(*words, "--socket", self.path("none")), UNAVAILABLE, "cannot reach contourd")
 
 
 class Jog(ManualTest):
@@ -179,18 +165,15 @@ class Jog(ManualTest):
         press("q", "\n")
         self.assertEqual(process.wait(DEADLINE_S), OK)
         wait_until(lambda: self.manual(daemon)["picture"] is None, "the picture to be removed")
-        daemon.stop()
 
     def test_jog_shows_that_a_job_is_being_printed(self):
         daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS}).start()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         process, press, _ = self.jog(daemon, until="step 1 mm   printing")
         press("k", "part is being printed")
         press("q", "\n")
         self.assertEqual(process.wait(DEADLINE_S), OK)
         daemon.rpc("cancel")
-        daemon.stop()
 
     def test_nothing_is_wider_than_a_narrow_terminal(self):
         daemon = self.daemon()
@@ -200,7 +183,6 @@ class Jog(ManualTest):
             self.assertLessEqual(len(line), 40, line)
         press("q", "\n")
         self.assertEqual(process.wait(DEADLINE_S), OK)
-        daemon.stop()
 
     def test_a_dumb_terminal_gets_no_control_sequences(self):
         daemon = self.daemon()
@@ -211,7 +193,6 @@ class Jog(ManualTest):
         self.assertTrue(all(line != before for line, before in zip(lines[1:], lines)), lines)
         press("q", "\n")
         self.assertEqual(process.wait(DEADLINE_S), OK)
-        daemon.stop()
 
     def test_light_asks_for_confirmation_and_only_y_confirms(self):
         daemon = self.daemon()
@@ -224,7 +205,6 @@ class Jog(ManualTest):
         press("", "idle")
         press("\x03", "\n")
         self.assertEqual(process.wait(DEADLINE_S), OK)
-        daemon.stop()
 
     def test_space_quitting_a_lost_terminal_and_a_signal_end_a_motion_and_restore_the_terminal(self):
         for how in ("space", "quit", "hang up", "terminate"):
@@ -252,8 +232,7 @@ class Jog(ManualTest):
 
     def test_jog_without_a_terminal_is_bad_usage(self):
         daemon = self.daemon()
-        self.refused(self.run_ctl(daemon, "jog", stdin=subprocess.DEVNULL), BAD_USAGE, "jog: this needs a terminal")
-        daemon.stop()
+        self.assert_refusal(self.run_ctl(daemon, "jog", stdin=subprocess.DEVNULL), BAD_USAGE, "jog: this needs a terminal")
 
 
 class Level(ManualTest):
@@ -264,8 +243,7 @@ class Level(ManualTest):
         return self.run_ctl(daemon, "level", "--config", daemon.config_path, input=lines.encode(), stdin=None)
 
     def config(self, daemon):
-        with open(daemon.config_path, encoding="utf-8") as file:
-            return file.read()
+        return text_of(daemon.config_path)
 
     def test_the_height_found_with_the_paper_is_stored_and_nothing_else_is_changed(self):
         # Cases: the plate must go below 0, or the paper already drags above 0.
@@ -291,7 +269,6 @@ class Level(ManualTest):
                 self.assertEqual((result.returncode, result.stderr), (FAILED, b""), result)
                 self.assertIn(b"Nothing was changed.", result.stdout)
         self.assertEqual(self.config(daemon), before)
-        daemon.stop()
 
     def test_a_wrong_number_or_an_impossible_move_is_reported_and_asked_again(self):
         daemon = self.daemon()
@@ -300,17 +277,14 @@ class Level(ManualTest):
         self.assertIn(b"Expected a number from -12 to 12 mm.", result.stdout)
         self.assertIn(b"Expected a number from 0 to 5 mm.", result.stdout)
         self.assert_one_line(result.stderr, "the plate cannot go to -0.500 mm")
-        daemon.stop()
 
     def test_a_wrong_or_missing_configuration_is_not_touched(self):
         daemon = self.daemon()
-        with open(daemon.config_path, encoding="utf-8") as file:
-            wrong = file.read().replace('"travel_mm": 12', '"travel_mm": -12')
+        wrong = text_of(daemon.config_path).replace('"travel_mm": 12', '"travel_mm": -12')
         path = self.write("wrong.json", wrong.encode())
         result = self.run_ctl(daemon, "level", "--config", path, input=b"\n" * 9, stdin=None)
-        self.refused(result, BAD_CONFIG, "wrong.json: /z_axis/travel_mm")
-        self.refused(self.run_ctl(daemon, "level", "--config", self.path("none")), BAD_CONFIG, "none")
-        daemon.stop()
+        self.assert_refusal(result, BAD_CONFIG, "wrong.json: /z_axis/travel_mm")
+        self.assert_refusal(self.run_ctl(daemon, "level", "--config", self.path("none")), BAD_CONFIG, "none")
 
 
 class Ends(ManualTest):
@@ -340,7 +314,6 @@ class Ends(ManualTest):
         wait_until(lambda: self.manual(daemon)["state"] == "homing", "the plate to home")
         process.kill()
         self.ended_within(daemon, lambda: self.manual(daemon)["state"] == "idle", time.monotonic())
-        daemon.stop()
 
     def test_a_picture_is_removed_only_when_its_own_client_ends(self):
         daemon = self.daemon(SLOW)
@@ -350,7 +323,6 @@ class Ends(ManualTest):
         self.ended_within(daemon, lambda: self.manual(daemon)["picture"] is None, time.monotonic())
         self.assertEqual(self.manual(daemon)["state"], "homing")
         moves.kill()
-        daemon.stop()
 
     def test_the_light_of_a_client_that_keeps_asking_goes_off_when_it_ends(self):
         daemon = self.daemon()
@@ -366,7 +338,6 @@ class Ends(ManualTest):
             pass
         client.close()
         self.ended_within(daemon, lambda: self.manual(daemon)["state"] == "idle", time.monotonic())
-        daemon.stop()
 
     def test_sigterm_and_reload_end_the_operation_before_the_daemon_ends(self):
         for end in ("stop", "reload"):
@@ -389,42 +360,36 @@ class Ends(ManualTest):
         self.well(self.run_ctl(daemon, "stop"))
         self.assertEqual(process.wait(DEADLINE_S), FAILED)
         self.assertEqual(self.manual(daemon)["problem"], "stopped")
-        daemon.stop()
 
 
 class WithJobs(ManualTest):
     def test_manual_commands_are_refused_during_a_print(self):
         daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, **ENDLESS})
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         for words in (["home"], ["move", "--to", "1"], ["stop"], ["motor", "off"], ["light", "off"], ["show", "grid"],
                       ["light", "on", "--seconds", "1", "--confirm"], ["projector", "status"], ["projector", "off"]):  # fmt: skip
             with self.subTest(words):
-                self.refused(self.run_ctl(daemon, *words), FAILED, "part is being printed")
+                self.assert_refusal(self.run_ctl(daemon, *words), FAILED, "part is being printed")
         self.assertEqual(daemon.status()["state"], "exposing")
-        daemon.stop()
 
     def test_a_job_that_arrives_waits_until_the_operation_ends(self):
         daemon = self.daemon(SLOW)
         process = self.start(daemon, "home")
         wait_until(lambda: self.manual(daemon)["state"] == "homing", "the plate to home")
         daemon.drop("part.stl", SMALL)
-        wait_until(lambda: daemon.status()["waiting_for"], "the reason to be shown")
+        daemon.wait_status("waiting_for")
         self.assertEqual(daemon.status()["waiting_for"], 'the printer is controlled by hand; "contourctl stop" ends that')
         process.kill()
         daemon.wait_state("homing")
-        daemon.stop()
 
     def test_the_plate_is_not_lowered_on_a_part(self):
         daemon = self.daemon({**REALTIME, "wait_for_plate_cleared": True})
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_done("part")
-        self.refused(self.run_ctl(daemon, "home"), FAILED, "part is on the plate")
-        self.refused(self.run_ctl(daemon, "move", "--by", "-1"), FAILED, "part is on the plate")
+        daemon.printed("part.stl", SMALL)
+        self.assert_refusal(self.run_ctl(daemon, "home"), FAILED, "part is on the plate")
+        self.assert_refusal(self.run_ctl(daemon, "move", "--by", "-1"), FAILED, "part is on the plate")
         self.well(self.run_ctl(daemon, "home", "--plate-is-clear"))
         daemon.rpc("plate_cleared")
         self.well(self.run_ctl(daemon, "home"))
-        daemon.stop()
 
 
 @unittest.skipUnless(os.geteuid() == 0, "another user is needed")
@@ -452,11 +417,6 @@ class Rights(ManualTest):
         for words in (["home"], ["move", "--to", "1"], ["motor", "off"], ["light", "on", "--seconds", "1", "--confirm"],
                       ["show", "grid"], ["projector", "on"]):  # fmt: skip
             with self.subTest(words):
-                self.refused(member(*words), FAILED, "contourd-service")
+                self.assert_refusal(member(*words), FAILED, "contourd-service")
         self.assertEqual(self.manual(daemon)["operations"], 0)
         self.assertEqual(member("stop").returncode, OK)
-        daemon.stop()
-
-
-if __name__ == "__main__":
-    main()

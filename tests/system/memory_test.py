@@ -7,10 +7,7 @@ import signal
 import struct
 import unittest
 
-from harness import (
-    BAD_DATA, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, REALTIME, SANITIZED, Daemon, FolderTest, binary_stl, box, contourctl, main,
-    merge, run, wait_until,
-)  # fmt: skip
+from harness import BAD_DATA, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, SANITIZED, Daemon, FolderTest, binary_stl, box, contourctl, realtime, run, wait_until
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
 HUGE = 85_899_344  # facets of 4 GB
@@ -49,7 +46,7 @@ def control_group(limit):
 
 class MemoryTest(FolderTest):
     def daemon(self, config=None, resin=None):
-        return Daemon(self, merge(json.loads(json.dumps(REALTIME)), config or {}), resin or {**NIMBLE_RESIN, **ENDLESS})
+        return Daemon(self, realtime(**(config or {})), resin or {**NIMBLE_RESIN, **ENDLESS})
 
     def sphere(self, name, cells):
         path = self.path(name)
@@ -78,15 +75,13 @@ class MemoryTest(FolderTest):
 class Room(MemoryTest):
     def test_a_model_that_exceeds_the_limit_is_refused_during_a_print_without_being_read(self):
         daemon = self.daemon({"memory_limit_mb": 400}).start()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         self.put_sparse(daemon, "huge.stl", HUGE)
         reason = daemon.wait_refused("huge")
         self.assertIn(f"the model holds {HUGE} facets, for which ", reason)
         self.assertRegex(reason, r"there is room for 3\d\d MB: memory_limit_mb is 400, and contourd holds \d+ MB")
         self.assertLess(self.peak_bytes(daemon), 100e6)
         self.assertEqual(daemon.status()["state"], "exposing")
-        daemon.stop()
 
     def test_the_limit_of_a_control_group_applies_without_memory_limit_mb(self):
         with control_group(900_000_000) as group:
@@ -95,13 +90,11 @@ class Room(MemoryTest):
             daemon = self.daemon()
 
             def join():
-                with open(os.path.join(group, "cgroup.procs"), "w", encoding="ascii") as file:
-                    file.write(str(os.getpid()))
+                self.write(os.path.join(group, "cgroup.procs"), str(os.getpid()))
 
             daemon.rights = {"preexec_fn": join}
             daemon.start()
-            daemon.drop("part.stl", SMALL)
-            daemon.wait_state("exposing")
+            daemon.begin("part.stl", SMALL)
             self.put_sparse(daemon, "huge.stl", HUGE)
             self.assertRegex(daemon.wait_refused("huge"), r"\d+ MB are available in the control group, of which 64 MB stay free")
             self.assertEqual(daemon.status()["state"], "exposing")
@@ -118,14 +111,12 @@ class Room(MemoryTest):
         self.assertIn(b"postponed second.stl: the model holds", daemon.ctl("status").stdout)
         self.assertIn("second.stl: will be read later, because there is not enough memory now: the model holds", daemon.log())
         # Small models are read meanwhile.
-        daemon.drop("bad.stl", b"no model")
-        daemon.wait_refused("bad")
+        daemon.refused("bad.stl", b"no model")
         daemon.rpc("cancel")
         wait_until(lambda: (daemon.status()["job"] or {}).get("name") == "second", "the second job to start")
         daemon.wait_state("exposing")
         self.assertEqual(daemon.status()["postponed"], {})
         self.assertLess(self.peak_bytes(daemon), LIMIT_FOR_ONE * 1e6)
-        daemon.stop()
 
     def test_a_postponed_model_is_read_after_the_print_even_before_its_turn(self):
         daemon = self.daemon({"memory_limit_mb": LIMIT_FOR_ONE, "wait_for_plate_cleared": True}).start()
@@ -136,24 +127,20 @@ class Room(MemoryTest):
         daemon.rpc("cancel")
         wait_until(lambda: not daemon.status()["postponed"], "the second job to be read", 60)
         self.assertEqual(daemon.status()["queued"], 1)
-        daemon.stop()
 
     def test_only_the_next_job_is_prepared_during_a_print(self):
         daemon = self.daemon({"memory_limit_mb": 400}).start()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         for job in ("next", "last"):
             daemon.drop(job + ".stl", SMALL)
         # Jobs are checked in their order, so these two have been checked when bad has.
-        daemon.drop("bad.stl", b"no model")
-        daemon.wait_refused("bad")
+        daemon.refused("bad.stl", b"no model")
         for job in ("next", "last"):
             daemon.rpc("cancel")
             wait_until(lambda job=job: (daemon.status()["job"] or {}).get("name") == job, "the job to start")
             daemon.wait_state("exposing")
         ready = [line for line in daemon.log().splitlines() if "first mask after" in line]
         self.assertEqual(["prepared while it waited" in line for line in ready], [False, True, False])
-        daemon.stop()
 
     def test_a_plate_that_names_a_file_sixty_times_reads_the_file_once(self):
         daemon = self.daemon({"memory_limit_mb": 155}).start()
@@ -166,7 +153,6 @@ class Room(MemoryTest):
         daemon.wait_state("exposing")
         self.assertIn("60 models, 60 parts", daemon.log())
         self.assertLess(self.peak_bytes(daemon), 155e6)
-        daemon.stop()
 
     def test_too_many_files_and_a_wrong_facet_count_are_refused(self):
         daemon = self.daemon({"memory_limit_mb": 400}).start()
@@ -179,8 +165,7 @@ class Room(MemoryTest):
             json.dump({"models": [{"file": name} for name in names]}, file)
         self.put(daemon, plate)
         self.assertIn("100", daemon.wait_refused("many"))
-        daemon.drop("claims.stl", SMALL[:80] + b"\xff\xff\xff\xff" + SMALL[84:-1])
-        self.assertIn("cut short: the header says 4294967295 facets", daemon.wait_refused("claims"))
+        self.assertIn("cut short: the header says 4294967295 facets", daemon.refused("claims.stl", SMALL[:80] + b"\xff\xff\xff\xff" + SMALL[84:-1]))
         # A text of 4 GB in a single line.
         with open(self.path("line.stl"), "wb") as file:
             file.write(b"solid".ljust(2000))
@@ -188,7 +173,6 @@ class Room(MemoryTest):
         self.put(daemon, self.path("line.stl"))
         self.assertIn(" MB of memory are needed", daemon.wait_refused("line"))
         self.assertLess(self.peak_bytes(daemon), 100e6)
-        daemon.stop()
 
 
 class Contourctl(FolderTest):
@@ -197,8 +181,7 @@ class Contourctl(FolderTest):
         sparse_stl(path, 0xFFFFFFFF)
         for arguments in (["inspect"], ["slice", "--z", "1"], ["analyze"]):
             done = contourctl(arguments[0], path, *arguments[1:])
-            self.assertEqual(done.returncode, BAD_DATA, done)
-            self.assert_one_line(done.stderr, path, "the model holds 4294967295 facets, for which ", "MB stay free")
+            self.assert_refusal(done, BAD_DATA, path, "the model holds 4294967295 facets, for which ", "MB stay free")
 
 
 @unittest.skipIf(SANITIZED, "AddressSanitizer must be loaded first")
@@ -209,9 +192,8 @@ class EndedInReading(MemoryTest):
         self.gate = os.path.join(daemon.put_on_slow_disk(), "models")
         daemon.start()
         if beside_a_print:
-            daemon.drop("first.stl", SMALL)
-            daemon.wait_state("exposing")
-        open(self.gate, "wb").close()
+            daemon.begin("first.stl", SMALL)
+        self.write(self.gate, b"")
         daemon.drop("second.stl", SMALL)
         wait_until(lambda: os.path.exists(os.path.join(os.path.dirname(self.gate), "waiting")), "the daemon to read the model")
         return daemon
@@ -229,7 +211,7 @@ class EndedInReading(MemoryTest):
     def test_a_model_during_whose_reading_the_daemon_was_killed_is_refused_and_others_are_printed(self):
         daemon = self.reading_daemon(beside_a_print=True)
         daemon.drop("third.stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == 2, "both in the queue")
+        daemon.wait_status("queued", 2)
         daemon.kill(while_reading=True)
         self.start_again(daemon)
         daemon.wait_refused("second")
@@ -240,11 +222,10 @@ class EndedInReading(MemoryTest):
         self.assertEqual(daemon.status()["job"]["name"], "third")
         # The user has the model read again.
         os.rename(daemon.file("failed", "second.stl"), daemon.file("incoming", "second.stl"))
-        wait_until(lambda: daemon.status()["queued"] == 1, "the second job to arrive")
+        daemon.wait_status("queued", 1)
         daemon.rpc("cancel")
         wait_until(lambda: (daemon.status()["job"] or {}).get("name", "").startswith("second"), "the second job to start")
         daemon.wait_state("exposing")
-        daemon.stop()
 
     def test_a_model_that_ends_the_daemon_at_its_turn_does_not_hold_the_queue(self):
         daemon = self.reading_daemon(beside_a_print=False)
@@ -258,9 +239,7 @@ class EndedInReading(MemoryTest):
                 daemon.start()
         status = daemon.status()
         self.assertEqual((status["held"], status["plate"]), (None, "clear"))
-        daemon.drop("next.stl", SMALL)
-        daemon.wait_state("exposing")
-        daemon.stop()
+        daemon.begin("next.stl", SMALL)
 
     def test_a_model_that_is_being_read_at_a_stop_is_read_again_at_the_next_start(self):
         for beside_a_print in (True, False):
@@ -282,7 +261,3 @@ class EndedInReading(MemoryTest):
         daemon.rpc("resume")
         daemon.wait_state("exposing")
         self.assertEqual(daemon.status()["job"]["name"], "second")
-
-
-if __name__ == "__main__":
-    main()

@@ -4,7 +4,7 @@ import os
 import re
 import stat
 
-from harness import CONTOURD, ENDLESS, REALTIME, SOURCE, Daemon, FolderTest, binary_stl, cube, main, run, wait_until
+from harness import CONTOURD, ENDLESS, REALTIME, SOURCE, Daemon, FolderTest, binary_stl, cube, run, text_of, wait_until
 
 NAME = r"[a-zA-Z_:][a-zA-Z0-9_:]*"
 LABEL = r'[a-zA-Z_][a-zA-Z0-9_]*="(?:[^"\\\n]|\\["\\n])*"'
@@ -52,8 +52,7 @@ class MetricsTest(FolderTest):
         return Daemon(self, config={"metrics_file": "metrics/contourd.prom", "name": PRINTER, **(config or {})}, **options)
 
     def values(self):
-        with open(self.metrics, encoding="utf-8") as file:
-            return parse(file.read())
+        return parse(text_of(self.metrics))
 
     def wait_for(self, name, value, *labels):
         """Waits until this sample has this value, and returns all samples."""
@@ -74,10 +73,8 @@ class MetricsTest(FolderTest):
         self.assertEqual(values["contourd_jobs_total", ('outcome="done"',)], 0)
         self.assertNotIn(("contourd_layer", ()), values)
         self.assertEqual(stat.S_IMODE(os.stat(self.metrics).st_mode) & 0o444, 0o444)
-        daemon.drop("gear.stl", binary_stl(cube(1)))
-        report = daemon.wait_done("gear")
-        daemon.drop("bad.stl", b"no model")
-        daemon.wait_refused("bad")
+        report = daemon.printed("gear.stl", binary_stl(cube(1)))
+        daemon.refused("bad.stl", b"no model")
         values = self.wait_for("contourd_jobs_total", 1, 'outcome="failed"')
         self.assertEqual(values["contourd_jobs_total", ('outcome="done"',)], 1)
         lit = sum(layer["exposure_most_ms"] for layer in report["layer_records"]) / 1000
@@ -89,8 +86,7 @@ class MetricsTest(FolderTest):
     def test_the_metrics_show_a_running_print(self):
         os.mkdir(self.path("metrics"))
         daemon = self.daemon(config=REALTIME, resin=ENDLESS).start()
-        daemon.drop("gear.stl", binary_stl(cube(1)))
-        daemon.wait_state("exposing")
+        daemon.begin("gear.stl", binary_stl(cube(1)))
         daemon.drop("next.stl", binary_stl(cube(1)))
         values = self.wait_for("contourd_queued_jobs", 1)
         self.assertEqual(values["contourd_state", ('state="exposing"',)], 1)
@@ -105,31 +101,22 @@ class MetricsTest(FolderTest):
     def test_a_missing_metrics_folder_gives_one_warning_and_prints_go_on(self):
         daemon = self.daemon().start()
         wait_until(lambda: "contourd.prom cannot be written" in daemon.log(), "the warning")
-        daemon.drop("gear.stl", binary_stl(cube(1)))
-        daemon.wait_done("gear")
+        daemon.printed("gear.stl", binary_stl(cube(1)))
         os.mkdir(self.path("metrics"))
         self.wait_for("contourd_jobs_total", 1, 'outcome="done"')
         wait_until(lambda: "contourd.prom is written again" in daemon.log(), "the message that the file is written again")
         self.assertEqual(daemon.log().count("cannot be written"), 1)
 
     def test_the_documented_folder_is_in_the_unit_and_readable_for_all(self):
-        with open(os.path.join(SOURCE, "config", "contourd.schema.json"), encoding="utf-8") as file:
-            [place] = re.findall(r"/run/contourd-[\w/]+\.prom", file.read())
+        [place] = re.findall(r"/run/contourd-[\w/]+\.prom", text_of(os.path.join(SOURCE, "config", "contourd.schema.json")))
         folder = os.path.dirname(place)
         for name, line in (("contourd.service", f"ReadWritePaths=-{folder}"), ("contourd.tmpfiles", f"d {folder} 0755 contourd contourd")):
-            with open(os.path.join(SOURCE, "systemd", name), encoding="utf-8") as file:
-                self.assertIn(line, file.read().splitlines())
+            self.assertIn(line, text_of(os.path.join(SOURCE, "systemd", name)).splitlines())
 
     def test_the_guide_lists_exactly_the_metrics_of_the_file(self):
         os.mkdir(self.path("metrics"))
         daemon = self.daemon(config=REALTIME, resin=ENDLESS).start()
-        daemon.drop("gear.stl", binary_stl(cube(1)))
-        daemon.wait_state("exposing")
+        daemon.begin("gear.stl", binary_stl(cube(1)))
         values = self.wait_for("contourd_layer", 1)
-        with open(os.path.join(SOURCE, "docs", "connections.md"), encoding="utf-8") as file:
-            documented = set(re.findall(r"contourd_[a-z_]+", file.read()))
+        documented = set(re.findall(r"contourd_[a-z_]+", text_of(os.path.join(SOURCE, "docs", "connections.md"))))
         self.assertEqual({name for name, _ in values}, documented)
-
-
-if __name__ == "__main__":
-    main()

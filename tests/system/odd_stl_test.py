@@ -8,9 +8,7 @@ import os
 import re
 import unittest
 
-from harness import (
-    BAD_DATA, OK, SHARED, Daemon, FolderTest, binary_stl, box, contourctl, cube, limit_memory, main, skip_file,
-)  # fmt: skip
+from harness import BAD_DATA, OK, SHARED, Daemon, FolderTest, binary_stl, box, contents, contourctl, cube, limit_memory, skip_file
 
 FOLDER = os.path.join(SHARED, "odd-stl")
 TIME_LIMIT_S = 10
@@ -170,8 +168,7 @@ class Inspect(unittest.TestCase):
 
 class Slice(unittest.TestCase):
     def slice(self, name, z):
-        result = contourctl("slice", path_of(name), "--z", str(z), "--json", timeout=TIME_LIMIT_S)
-        self.assertEqual(result.returncode, OK, result.stderr)
+        result = contourctl("slice", path_of(name), "--z", str(z), "--json", timeout=TIME_LIMIT_S, expect=OK)
         return json.loads(result.stdout)
 
     def test_areas_are_as_in_the_table(self):
@@ -246,13 +243,12 @@ class Spool(FolderTest):
             result = inspect(name)
             figures = json.loads(result.stdout) if result.returncode == OK else None
             printable[name] = bool(figures and figures["facets"] and figures["size_mm"][2] > 0 and name not in DARK)
-            with open(path_of(name), "rb") as file:
-                data = file.read()
+            data = contents(path_of(name))
             content[name] = hashlib.sha256(data).digest()
             daemon.drop(name, data, self.ticket_for(figures))
         ends = {}
         while len(ends) < len(rows):
-            end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "the next end")["params"]["last"]
+            end = daemon.wait_next_end()
             ends[end["job"] + ".stl"] = end
         self.assertEqual(set(ends), set(printable))
         for name, end in ends.items():
@@ -260,8 +256,7 @@ class Spool(FolderTest):
                 stem = name.removesuffix(".stl")
                 folder = end["outcome"]
                 self.assertEqual(folder, "done" if printable[name] else "failed", end)
-                with open(daemon.file(folder, name), "rb") as file:
-                    self.assertEqual(hashlib.sha256(file.read()).digest(), content[name])
+                self.assertEqual(hashlib.sha256(contents(daemon.file(folder, name))).digest(), content[name])
                 if folder == "done":
                     report = daemon.report(stem)
                     self.assertEqual(report["layers_exposed"], report["layers"])
@@ -273,10 +268,8 @@ class Spool(FolderTest):
                     self.assertGreater(len(reason.split()), 4, reason)
                     self.assertTrue(reason[:-1].isprintable(), reason)
         self.assertEqual(daemon.names_in("incoming") + daemon.names_in("printing"), [])
-        daemon.drop("good.stl", binary_stl(cube(20)))
-        report = daemon.wait_done("good")
+        report = daemon.printed("good.stl", binary_stl(cube(20)))
         self.assertAlmostEqual(report["layer_records"][20]["area_mm2"], 400, delta=1e-9)
-        daemon.stop()
 
     def test_the_reason_names_what_is_wrong_with_the_file(self):
         rows = {row["file"] for row in table()}
@@ -285,15 +278,10 @@ class Spool(FolderTest):
                            ("synth-geo-plane-only.stl", "flat"), ("synth-bin-nan-vertex.stl", "finite"),
                            ("synth-asc-trunc-midvertex.stl", "cut short"), ("photonic3d-lager_houder.stl", "machine")):  # fmt: skip
             self.assertIn(name, rows)
-            with open(path_of(name), "rb") as file:
-                daemon.drop(name, file.read())
+            daemon.drop(name, contents(path_of(name)))
             with self.subTest(name):
                 self.assertIn(word, daemon.wait_refused(name.removesuffix(".stl")))
-        daemon.drop("good.stl", binary_stl(box((0, 0, 0), (5, 5, 5))))
-        daemon.wait_done("good")
-        daemon.stop()
+        daemon.printed("good.stl", binary_stl(box((0, 0, 0), (5, 5, 5))))
 
 
-if __name__ == "__main__":
-    table()
-    main()
+table()

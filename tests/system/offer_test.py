@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """contourctl offer: takes models from an untrusted folder, such as a USB stick."""
 
 import json
@@ -10,8 +9,8 @@ import subprocess
 import unittest
 
 from harness import (
-    BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, NO_INPUT, OK, SOURCE, UNAVAILABLE, Daemon, FolderTest, binary_stl, box,
-    contourctl, limit_memory, main,
+    BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, NO_INPUT, OK, SOURCE, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contents, contourctl,
+    limit_memory,
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
@@ -29,8 +28,7 @@ class OfferTest(FolderTest):
     def put(self, name, data=SMALL):
         path = os.path.join(os.fsencode(self.path("stick")), os.fsencode(name))
         os.makedirs(os.path.dirname(path), exist_ok=True)
-        with open(path, "wb") as file:
-            file.write(data)
+        self.write(path, data)
         return path
 
     def offer(self, *arguments, **options):
@@ -58,8 +56,7 @@ class Offer(OfferTest):
         self.assertEqual(self.taken(result), ["Deep", "part"])
         self.assertEqual(result.stderr, b"")
         self.assertEqual(self.incoming(), ["Deep.stl", "part.json", "part.stl"])
-        with open(self.path("spool", "incoming", "part.json"), "rb") as file:
-            self.assertEqual(file.read(), b'{"copies":  2}')
+        self.assertEqual(contents(self.path("spool", "incoming", "part.json")), b'{"copies":  2}')
         self.assertTrue(os.stat(self.path("spool", "incoming", "Deep.stl")).st_mode & stat.S_IRGRP)
 
     def test_contourd_prints_an_offered_model(self):
@@ -68,7 +65,6 @@ class Offer(OfferTest):
         result = daemon.ctl("offer", self.path("stick"), "--json")
         self.assertEqual(json.loads(result.stdout), {"file": "part.stl", "job": "part"})
         daemon.wait_done("part")
-        daemon.stop()
 
     def test_a_taken_file_is_not_taken_again_unless_it_has_changed(self):
         first, second = self.put("first.stl"), self.put("second.stl")
@@ -183,8 +179,7 @@ class Offer(OfferTest):
         ):
             with self.subTest(arguments):
                 result = contourctl(*arguments)
-                self.assertEqual(result.returncode, code, result)
-                self.assert_one_line(result.stderr, word)
+                self.assert_refusal(result, code, word)
         self.assertEqual(contourctl("offer", self.path("stick"), "--label", "x").returncode, BAD_USAGE)
 
     def test_a_damaged_record_is_started_again(self):
@@ -218,7 +213,3 @@ class UnitTest(unittest.TestCase):
         checked = subprocess.run(["systemd-analyze", "verify", "--man=no", UNIT], capture_output=True, text=True, check=False)
         complaints = [line for line in checked.stderr.splitlines() if "contourd" in line and "not executable" not in line]
         self.assertEqual(complaints, [])
-
-
-if __name__ == "__main__":
-    main()

@@ -7,7 +7,7 @@ import os
 import subprocess
 import unittest
 
-from harness import OK, SHARED, contourctl, main, skip_file
+from harness import OK, SHARED, contourctl, skip_file
 
 ORACLE_PYTHON = "/usr/bin/python3"  # Debian's python, for which python3-numpy is installed
 HEIGHTS = 50
@@ -80,6 +80,4 @@ class Sections(unittest.TestCase):
                 self.assertGreaterEqual(self.compare(name, truth, sections), HEIGHTS // 2, name)
 
 
-if __name__ == "__main__":
-    find_models()
-    main()
+find_models()

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """contourctl orient, and jobs whose tickets let contourd choose the direction that points up."""
 
 import json
@@ -6,8 +5,8 @@ import os
 import re
 
 from harness import (
-    BAD_CONFIG, BAD_DATA, BAD_USAGE, CANNOT_CREATE, NO_INPUT, OK, SHARED, SOURCE, Daemon, FolderTest, binary_stl, box, contourctl,
-    main, read_png,
+    BAD_CONFIG, BAD_DATA, BAD_USAGE, CANNOT_CREATE, NO_INPUT, OK, SHARED, SOURCE, Daemon, FolderTest, binary_stl, box, contents, contourctl, read_png,
+    text_of,
 )  # fmt: skip
 
 # A table: when it stands on its legs, its top overhangs; upside down nothing overhangs.
@@ -48,8 +47,7 @@ class Orient(FolderTest):
         model = self.write("rod.stl", binary_stl(box((0, 0, 0), (5, 5, 90))))
         alone = json.loads(contourctl("orient", model, "--json").stdout)
         self.assertTrue(alone["as_drawn"])
-        with open(SIMULATED, encoding="utf-8") as file:
-            printer = json.load(file)
+        printer = json.loads(contents(SIMULATED))
         printer["z_axis"]["travel_mm"] = 60
         printer["resins_folder"] = os.path.join(SOURCE, "config", "resins")
         low = json.loads(contourctl("orient", model, "--json", "--printer", self.write("low.json", json.dumps(printer).encode())).stdout)
@@ -59,8 +57,7 @@ class Orient(FolderTest):
     def test_the_page_and_the_pictures_show_each_orientation(self):
         page, folder = self.path("ways.html"), self.path("ways")
         self.assertEqual(self.orient("--html", page, "--pictures", folder).returncode, OK)
-        with open(page, encoding="utf-8") as file:
-            html = file.read()
+        html = text_of(page)
         self.assertEqual(len(re.findall(r'<img alt="[^"]*" width="360" height="360" src="data:image/png;base64,', html)), 8)
         self.assertEqual(html.count('class="chosen"'), 1)
         self.assertNotRegex(html, r'(?:src|href)="(?!data:)')
@@ -115,8 +112,7 @@ class Jobs(FolderTest):
     def test_a_job_is_turned_and_its_report_lists_the_alternatives(self):
         daemon = Daemon(self).start()
         model = self.write("table.stl", TABLE)
-        result = daemon.ctl("submit", model, "--up", "clean", "--wait")
-        self.assertEqual(result.returncode, OK, result)
+        daemon.ctl("submit", model, "--up", "clean", "--wait", expect=OK)
         report = daemon.report("table")
         self.assertEqual(report["model"]["up"], [0, 0, -1])
         orientation = report["model"]["orientation"]
@@ -124,8 +120,3 @@ class Jobs(FolderTest):
         self.assertEqual(orientation["alternatives"][0]["contacts"], 0)
         self.assertIn("0, 0, -1 points up (clean): no overhangs", daemon.read("done", "table.report.html"))
         self.assertIn("table: 0, 0, -1 points up (clean)", daemon.log())
-        daemon.stop()
-
-
-if __name__ == "__main__":
-    main()

@@ -5,7 +5,7 @@ import shutil
 import subprocess
 import unittest
 
-from harness import SOURCE, FolderTest, main
+from harness import SOURCE, FolderTest, text_of
 
 PACKAGING = os.path.join(SOURCE, "packaging")
 
@@ -61,8 +61,7 @@ class UpgradeTest(FolderTest):
                       "contourd": "" if configuration_is_good else "echo 'contourd.json: line 1: it is no JSON' >&2; exit 78"}.get(name, "")  # fmt: skip
             program = self.write(name, f'#!/bin/sh\necho "{name} $*" >>{calls}\n{answer}\n'.encode())
             os.chmod(program, 0o755)
-        with open(os.path.join(PACKAGING, "debian/contourd.postinst"), encoding="utf-8") as file:
-            function = file.read().split("start_or_reload() {")[1].split("\n}\n")[0]
+        function = text_of(os.path.join(PACKAGING, "debian/contourd.postinst")).split("start_or_reload() {")[1].split("\n}\n")[0]
         script = f'set -e\nstart_or_reload() {{{function}\n}}\nstart_or_reload "$1"\n'
         result = subprocess.run(["sh", "-c", script, "postinst", from_version], capture_output=True, text=True, check=True,
                               env={"PATH": f"{self.folder}:/usr/bin:/bin"})  # fmt: skip
@@ -117,7 +116,3 @@ class UnitsTest(unittest.TestCase):
                               capture_output=True, text=True, check=True)  # fmt: skip
         self.assertEqual(read.stdout.splitlines(), ["contourd.service=0", "contourd-job-ended@1-2.service=0",
                                                     "contourd-other.service=", "a-contourd.service="])  # fmt: skip
-
-
-if __name__ == "__main__":
-    main()

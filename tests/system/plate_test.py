@@ -3,11 +3,8 @@
 import json
 import os
 import signal
-import unittest
 
-from harness import (
-    ENDLESS, NIMBLE_RESIN, REALTIME, Daemon, FolderTest, binary_stl, box, contourctl, main, merge, read_png, wait_until,
-)  # fmt: skip
+from harness import Daemon, FolderTest, binary_stl, box, contourctl, read_png, wait_until
 
 WAITS = {"wait_for_plate_cleared": True}
 CUBE = binary_stl(box((0, 0, 0), (10, 10, 1)))  # 20 layers
@@ -25,13 +22,6 @@ def text(ticket):
 class PlateTest(FolderTest):
     def daemon(self, config=None, resin=None, **options):
         return Daemon(self, config, resin, **options)
-
-    def printing_daemon(self, config=None):
-        """Starts a daemon in real time whose first job stays in its first exposure."""
-        daemon = self.daemon(merge(json.loads(json.dumps(REALTIME)), config or {}), {**NIMBLE_RESIN, **ENDLESS}).start()
-        daemon.drop("first.stl", CUBE)
-        daemon.wait_state("exposing")
-        return daemon
 
     def put(self, daemon, name, data):
         """Puts a complete file into incoming/ by a rename."""
@@ -54,8 +44,7 @@ class PlateTest(FolderTest):
     def refused(self, daemon, name, ticket, *words, files=None):
         self.drop_plate(daemon, name, ticket, files)
         reason = daemon.wait_refused(name)
-        for word in words:
-            self.assertIn(word, reason)
+        self.assert_words(reason, *words)
         self.assertTrue(daemon.has("failed", name, "plate.json"))
         self.assertEqual(daemon.names_in("incoming") + daemon.names_in("printing"), [])
 
@@ -83,7 +72,6 @@ class Printing(PlateTest):
                     for x in range(460, 660):
                         row[x] |= other[x]
             self.assertEqual([bytes(row) for row in rows], list(picture.rows), f"layer {number + 1}")
-        daemon.stop()
 
     def alone(self, name, data, right, up):
         """Returns the rows of each mask of `contourctl slice`, moved by whole pixels."""
@@ -107,7 +95,6 @@ class Printing(PlateTest):
         self.assertEqual([model["copies"] for model in report["models"]], [3, 5, 1])
         self.assertAlmostEqual(report["layer_records"][0]["area_mm2"], 3 * 100 + 5 * 8 + 200, delta=1e-6)
         self.assertAlmostEqual(report["layer_records"][-1]["area_mm2"], 5 * 8 + 200, delta=1e-6)
-        daemon.stop()
 
     def test_adaptive_layers_are_exposed_according_to_their_thickness(self):
         daemon = self.daemon(resin=CURVE).start()
@@ -127,7 +114,6 @@ class Printing(PlateTest):
         self.assertEqual(report["adaptive_layers"], {"cusp_um": 28, "min_um": 25, "max_um": 100})
         # After the fade, Jacobs' working curve applies: exp((thickness + overcure) / Dp) Ec / irradiance.
         self.assertAlmostEqual(records[-20]["exposure_asked_ms"], 9 / 5 * 2.718281828459045 ** ((30 + 60) / 150) * 1000, delta=0.01)
-        daemon.stop()
 
 
 class Arrival(PlateTest):
@@ -143,13 +129,11 @@ class Arrival(PlateTest):
             file.write(POST[:100])
             # All files exist, but one is still being written.
             wait_until(lambda: not daemon.status()["incomplete"], "the file to be seen")
-            daemon.drop("empty.stl", b"")
-            daemon.wait_refused("empty")
+            daemon.refused("empty.stl", b"")
             self.assertEqual(daemon.names_in("incoming"), ["slow"])
             file.write(POST[100:])
         self.assertEqual(daemon.wait_done("slow")["layers"], 40)
         self.assertIn("waits for cube.stl, post.stl", daemon.log())
-        daemon.stop()
 
     def test_a_status_stays_small_however_many_plates_wait(self):
         daemon = self.daemon().start()
@@ -168,44 +152,38 @@ class Arrival(PlateTest):
         os.makedirs(daemon.file("incoming", ".hidden"))
         daemon.start()
         self.put(daemon, "later/cube.stl", CUBE)
-        daemon.drop("real.stl", CUBE)
-        daemon.wait_done("real")
+        daemon.printed("real.stl", CUBE)
         self.assertEqual(daemon.names_in("incoming"), [".hidden", "later"])
         self.put(daemon, "later/plate.json", '{"models": [{"file": "cube.stl"}]}')
         daemon.wait_done("later")
-        daemon.stop()
 
     def test_plates_that_were_there_before_the_start_are_printed(self):
         daemon = self.daemon()
         self.drop_plate(daemon, "early", BOTH)
         daemon.start()
         daemon.wait_done("early")
-        daemon.stop()
 
     def test_a_plate_and_a_model_of_the_same_name_do_not_overwrite_each_other(self):
         daemon = self.daemon().start()
-        daemon.drop("part.stl", CUBE)
-        daemon.wait_done("part")
+        daemon.printed("part.stl", CUBE)
         self.drop_plate(daemon, "part", BOTH)
         daemon.wait_done("part-2")
         daemon.drop("part.stl", CUBE)
         daemon.wait_done("part-3")
         self.assertTrue(daemon.has("done", "part.stl") and daemon.has("done", "part-2", "cube.stl"))
-        daemon.stop()
 
     def test_a_waiting_plate_that_loses_a_file_waits_for_it_again(self):
-        daemon = self.printing_daemon()
+        daemon = self.printing("first.stl", CUBE)
         self.drop_plate(daemon, "second", BOTH)
-        wait_until(lambda: daemon.status()["queued"] == 1, "the plate in the queue")
+        daemon.wait_status("queued", 1)
         os.rename(daemon.file("incoming", "second", "post.stl"), self.path("taken.stl"))
-        wait_until(lambda: daemon.status()["queued"] == 0, "the queue to be empty")
+        daemon.wait_status("queued", 0)
         self.assertEqual(daemon.status()["incomplete"], {"second": ["post.stl"]})
         os.rename(self.path("taken.stl"), daemon.file("incoming", "second", "post.stl"))
-        wait_until(lambda: daemon.status()["queued"] == 1, "the plate in the queue again")
+        daemon.wait_status("queued", 1)
         os.rename(daemon.file("incoming", "second"), self.path("withdrawn"))
-        wait_until(lambda: daemon.status()["queued"] == 0, "the queue to be empty")
+        daemon.wait_status("queued", 0)
         self.assertEqual(daemon.status()["incomplete"], {})
-        daemon.stop()
 
 
 class Refusal(PlateTest):
@@ -224,14 +202,12 @@ class Refusal(PlateTest):
         self.refused(daemon, "times", {"adaptive_layers": {"cusp_um": 10}, "models": [{"file": "cube.stl"}]}, "working curve")
         self.drop_plate(daemon, "good", BOTH)
         daemon.wait_done("good")
-        daemon.stop()
 
 
 class Interruption(PlateTest):
     def test_a_killed_plate_is_found_in_failed_at_the_next_start(self):
-        daemon = self.printing_daemon(WAITS)
-        daemon.rpc("cancel")
-        daemon.wait_ended("first")
+        daemon = self.printing("first.stl", CUBE, **WAITS)
+        daemon.cancel("first")
         daemon.rpc("plate_cleared")
         self.drop_plate(daemon, "plate.of.two", BOTH)
         daemon.wait_state("exposing")
@@ -250,7 +226,3 @@ class Interruption(PlateTest):
         self.assertEqual(daemon.process.wait(30), 0)
         self.assertTrue(daemon.has("failed", "again", "plate.json"))
         self.assertIn("stopped", daemon.read("failed", "again.reason.txt"))
-
-
-if __name__ == "__main__":
-    main()

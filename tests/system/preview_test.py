@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """contourctl preview: pictures of models, jobs and layers, as PNG files and on terminals."""
 
 import contextlib
@@ -16,8 +15,8 @@ import time
 import unittest
 
 from harness import (
-    BAD_CONFIG, BAD_DATA, BAD_USAGE, BIN, CANNOT_CREATE, CONTOURCTL, DEADLINE_S, NO_INPUT, OK, SANITIZED, UNAVAILABLE, Daemon,
-    FolderTest, Picture, ascii_stl, binary_stl, box, contourctl, main, read_png, wait_until, wedge,
+    BAD_CONFIG, BAD_DATA, BAD_USAGE, BIN, CANNOT_CREATE, CONTOURCTL, DEADLINE_S, NO_INPUT, OK, SANITIZED, UNAVAILABLE, Daemon, FolderTest, Picture,
+    ascii_stl, binary_stl, box, contents, contourctl, read_png, text_of, wait_until, wedge,
 )  # fmt: skip
 
 INSTALLED = "/etc/contourd/contourd.json"
@@ -109,10 +108,6 @@ class PreviewTest(FolderTest):
         self.assertEqual((result.returncode, result.stdout, result.stderr), (OK, b"", b""), result)
         return read_png(output)
 
-    def refused(self, result, code, *words):
-        self.assertEqual((result.returncode, result.stdout), (code, b""), result)
-        self.assert_one_line(result.stderr, *words)
-
     def drawn(self, *arguments):
         """Returns the lines that contourctl preview writes into a pipe."""
         result = contourctl("preview", *arguments)
@@ -129,8 +124,7 @@ class Pictures(PreviewTest):
         shaded = {}
         for name, ticket in (("plain", None), ("turned", b'{"rotation_deg": {"x": 30}, "scale": 2}')):
             with self.subTest(name):
-                daemon.drop(name + ".stl", WEDGE, ticket)
-                daemon.wait_done(name)
+                daemon.printed(name + ".stl", WEDGE, ticket)
                 as_printed = ["--socket", daemon.socket_path, "--printer", daemon.config_path]
                 shaded[name] = self.png(name, *as_printed)
                 self.assertGreaterEqual(len(shaded[name].values()), 3)  # black, and two faces in different light
@@ -151,7 +145,7 @@ class Pictures(PreviewTest):
             size = "4 x 2 x 1" if name[0] in "ac" else "8 x 4 x 2"
             self.assertEqual(lines[0].split(" facets")[0].rsplit(" ", 1)[0], f"{name[0]}, in {folder}: {size} mm,")
             self.assertTrue(any("\u2592" in line for line in lines))
-        self.refused(contourctl("preview", "e", "--spool", spool), NO_INPUT, 'neither a file nor a job', '"e"')
+        self.assert_refusal(contourctl("preview", "e", "--spool", spool), NO_INPUT, 'neither a file nor a job', '"e"')
         for hostile in ("..", ".", "", "x" * 300, "a\n"):
             self.assertNotEqual(contourctl("preview", hostile, "--spool", spool).returncode, OK)
 
@@ -164,7 +158,7 @@ class Pictures(PreviewTest):
     def test_two_files_of_one_job_name_are_distinguished_by_their_file_names(self):
         spool = self.spool(incoming={"a": (SMALL, None)})
         self.write("spool/incoming/a.STL", WEDGE)
-        self.refused(contourctl("preview", "a", "--spool", spool), BAD_USAGE, 'more than one job in incoming is called "a"', '"a.STL", "a.stl"')
+        self.assert_refusal(contourctl("preview", "a", "--spool", spool), BAD_USAGE, 'more than one job in incoming is called "a"', '"a.STL", "a.stl"')
         self.assertIn("8 x 4 x 2 mm", self.drawn("a.STL", "--spool", spool)[0])
 
     def test_a_file_is_preferred_to_a_job_and_a_folder_is_not(self):
@@ -197,8 +191,8 @@ class Pictures(PreviewTest):
         # A file with the same ticket has the same mask.
         file, given = self.write("a.stl", SMALL), self.write("t", ticket)
         self.assertEqual(self.png(file, "--layer", "80", "--ticket", given, *as_printed[2:]), mask)
-        self.refused(contourctl("preview", "a", "--ticket", given, *as_printed), BAD_USAGE, "--ticket needs a model")
-        self.refused(contourctl("preview", file, "--ticket", self.write("bad", b"{"), *as_printed[2:]), BAD_DATA, "ticket")
+        self.assert_refusal(contourctl("preview", "a", "--ticket", given, *as_printed), BAD_USAGE, "--ticket needs a model")
+        self.assert_refusal(contourctl("preview", file, "--ticket", self.write("bad", b"{"), *as_printed[2:]), BAD_DATA, "ticket")
 
     def test_a_plate_is_shown_with_all_its_models(self):
         spool = self.spool()
@@ -213,7 +207,7 @@ class Pictures(PreviewTest):
     def test_the_error_about_a_missing_layer_names_the_number_of_layers(self):
         model = self.write("a.stl", SMALL)
         for number in ("21", "10000000"):
-            self.refused(contourctl("preview", model, "--layer", number, "--printer", self.printer()), BAD_USAGE,
+            self.assert_refusal(contourctl("preview", model, "--layer", number, "--printer", self.printer()), BAD_USAGE,
                          f"there is no layer {number} of a.stl: it has 20")  # fmt: skip
         for number in ("0", "-1", "1.5", "x", "", "99999999999999999999"):
             self.assertEqual(contourctl("preview", model, "--layer", number, "--printer", self.printer()).returncode, BAD_USAGE)
@@ -221,9 +215,9 @@ class Pictures(PreviewTest):
     @unittest.skipIf(os.path.exists(INSTALLED), "contourd is installed")
     def test_without_a_configuration_the_error_names_the_option_that_needs_one(self):
         model, ticket = self.write("a.stl", SMALL), self.write("a.json", "{}")
-        self.refused(contourctl("preview", model, "--layer", "1"), BAD_USAGE, "--layer needs a printer's configuration", INSTALLED)
-        self.refused(contourctl("preview", model, "--ticket", ticket), BAD_USAGE, "a ticket needs a printer's configuration")
-        self.refused(contourctl("preview", model, "--layer", "1", "--printer", self.path("none")), BAD_CONFIG, "none")
+        self.assert_refusal(contourctl("preview", model, "--layer", "1"), BAD_USAGE, "--layer needs a printer's configuration", INSTALLED)
+        self.assert_refusal(contourctl("preview", model, "--ticket", ticket), BAD_USAGE, "a ticket needs a printer's configuration")
+        self.assert_refusal(contourctl("preview", model, "--layer", "1", "--printer", self.path("none")), BAD_CONFIG, "none")
         self.drawn(model)
         self.drawn("a", "--spool", self.spool(incoming={"a": (SMALL, None)}))
 
@@ -232,16 +226,15 @@ class Pictures(PreviewTest):
         spool = self.spool(failed={"high": (high, b"{}"), "odd": (SMALL, b'{"copis": 2}')})
         for name, why in (("high", "500.00 mm high"), ("odd", "copis")):
             result = contourctl("preview", name, "--spool", spool, "--printer", self.printer())
-            self.assertEqual(result.returncode, OK, result)
-            self.assert_one_line(result.stderr, "contourctl: warning: drawn as in its file: ", why)
+            self.assert_refusal(result, OK, "contourctl: warning: drawn as in its file: ", why)
             self.assertIn("facets", result.stdout.decode().splitlines()[0])
-            self.refused(contourctl("preview", name, "--layer", "1", "--spool", spool, "--printer", self.printer()), BAD_DATA, why)
+            self.assert_refusal(contourctl("preview", name, "--layer", "1", "--spool", spool, "--printer", self.printer()), BAD_DATA, why)
 
     def test_without_a_daemon_the_error_says_how_to_find_a_job(self):
-        self.refused(contourctl("preview", "part", "--socket", self.path("none")), UNAVAILABLE,
+        self.assert_refusal(contourctl("preview", "part", "--socket", self.path("none")), UNAVAILABLE,
                      'there is no file "part"', "cannot reach contourd", "--spool")  # fmt: skip
-        self.refused(contourctl("preview", "./part.stl", "--socket", self.path("none")), NO_INPUT, "./part.stl")
-        self.refused(contourctl("preview", "part", "--spool", self.path("none")), NO_INPUT, "none/incoming")
+        self.assert_refusal(contourctl("preview", "./part.stl", "--socket", self.path("none")), NO_INPUT, "./part.stl")
+        self.assert_refusal(contourctl("preview", "part", "--spool", self.path("none")), NO_INPUT, "none/incoming")
 
     def test_a_daemon_that_does_not_name_its_spool_is_an_error(self):
         path = self.path("s")
@@ -266,13 +259,13 @@ class Pictures(PreviewTest):
         self.write("empty.stl", b"")
         self.write("text.stl", b"hello\n" * 100)
         self.write("nothing.stl", ascii_stl([]))
-        self.refused(contourctl("preview", "nothing.stl"), BAD_DATA, "nothing.stl: the file holds no facets")
+        self.assert_refusal(contourctl("preview", "nothing.stl"), BAD_DATA, "nothing.stl: the file holds no facets")
         self.write("nan.stl", ascii_stl(box((0, 0, 0), (1, 1, 1))).replace(b"vertex 1", b"vertex nan"))
         for name in ("fifo.stl", "folder.stl", "/dev/zero", "/dev/null", "none.stl", "empty.stl", "text.stl", "nan.stl"):
             with self.subTest(name):
                 name = name if name.startswith("/") else "./" + name
                 mine, other = contourctl("preview", name), contourctl("inspect", name)
-                self.refused(mine, other.returncode, name)
+                self.assert_refusal(mine, other.returncode, name)
                 self.assertIn(mine.returncode, (BAD_DATA, NO_INPUT))
 
     def test_it_says_so_if_there_is_nothing_to_see(self):
@@ -303,15 +296,15 @@ class Pictures(PreviewTest):
         with open("large.stl", "wb") as file:
             file.write(b"\0" * 80 + struct.pack("<I", 2_000_000_000))
             file.truncate(84 + 50 * 2_000_000_000)
-        self.refused(contourctl("preview", "large.stl"), BAD_DATA, "large.stl", "memory")
+        self.assert_refusal(contourctl("preview", "large.stl"), BAD_DATA, "large.stl", "memory")
         self.spool()
         os.rename("large.stl", "spool/incoming/large.stl")
-        self.refused(contourctl("preview", "large", "--spool", "spool"), BAD_DATA, "large.stl", "memory")
+        self.assert_refusal(contourctl("preview", "large", "--spool", "spool"), BAD_DATA, "large.stl", "memory")
 
     def test_a_link_in_the_spool_is_refused(self):
         self.spool()
         os.symlink(self.write("secret.stl", SMALL), self.path("spool", "incoming", "a.stl"))
-        self.refused(contourctl("preview", "a", "--spool", "spool"), BAD_DATA, "symbolic link")
+        self.assert_refusal(contourctl("preview", "a", "--spool", "spool"), BAD_DATA, "symbolic link")
 
 
 class Output(PreviewTest):
@@ -320,8 +313,7 @@ class Output(PreviewTest):
         result = contourctl("preview", model, "-o", "-")
         self.assertEqual((result.returncode, result.stderr), (OK, b""))
         self.png(model)
-        with open("out.png", "rb") as file:
-            self.assertEqual(result.stdout, file.read())
+        self.assertEqual(result.stdout, contents("out.png"))
         with open("/dev/full", "wb") as full:
             self.assertEqual(contourctl("preview", model, "-o", "-", stdout=full).returncode, CANNOT_CREATE)
             self.assertEqual(contourctl("preview", model, stdout=full).returncode, CANNOT_CREATE)
@@ -334,17 +326,16 @@ class Output(PreviewTest):
         contourctl("preview", model, "-o", "link.png")
         self.assertTrue(os.path.islink("link.png"))
         self.assertEqual(read_png("old.png").width, 720)
-        with open("kept", "rb") as file:
-            self.assertEqual(file.read(), b"old")  # the old file has been replaced, not written into
+        self.assertEqual(contents("kept"), b"old")  # the old file has been replaced, not written into
         before = sorted(os.listdir())
         os.mkfifo("fifo")
         os.mkdir("folder")
         os.symlink("nothing", "dangling")
         for output in ("fifo", "folder", "folder/", "dangling", "/dev/null", "/dev/stdout", "no/where.png", "old.png/x"):
-            self.refused(contourctl("preview", model, "-o", output), CANNOT_CREATE, output)
+            self.assert_refusal(contourctl("preview", model, "-o", output), CANNOT_CREATE, output)
         self.assertTrue(os.path.exists("/dev/null") and not os.path.isfile("/dev/null"))
         self.assertEqual(sorted(set(os.listdir()) - {"fifo", "folder", "dangling"}), before)
-        self.refused(contourctl("preview", self.write("bad.stl", b"x"), "-o", "old.png"), BAD_DATA)
+        self.assert_refusal(contourctl("preview", self.write("bad.stl", b"x"), "-o", "old.png"), BAD_DATA)
         self.assertEqual(read_png("old.png").width, 720)
 
     def test_the_model_is_not_overwritten(self):
@@ -353,9 +344,8 @@ class Output(PreviewTest):
         spool = self.spool(incoming={"j": (SMALL, None)})
         for arguments in (["a.stl", "-o", "a.stl"], ["a.stl", "-o", "./same.png"], ["a.stl", "--ticket", ticket, "-o", "t.json"],
                           ["j", "--spool", spool, "-o", "spool/incoming/j.stl"]):  # fmt: skip
-            self.refused(contourctl("preview", *arguments), BAD_USAGE, "this file is to be drawn")
-        with open(model, "rb") as file:
-            self.assertEqual(file.read(), SMALL)
+            self.assert_refusal(contourctl("preview", *arguments), BAD_USAGE, "this file is to be drawn")
+        self.assertEqual(contents(model), SMALL)
 
     def test_an_interrupted_preview_leaves_no_file(self):
         # Interrupts a little later each time, from the start of the program to its end.
@@ -596,8 +586,7 @@ class OnTerminal(PreviewTest):
     def wait_full(self):
         """Waits until the program sleeps, because the terminal is full."""
         def waits():
-            with open(f"/proc/{self.process.pid}/stat", encoding="utf-8") as file:
-                return file.read().rsplit(") ", 1)[1].startswith("S")
+            return text_of(f"/proc/{self.process.pid}/stat").rsplit(") ", 1)[1].startswith("S")
         wait_until(waits, "the program to wait")
 
     def test_a_program_that_is_stopped_in_the_middle_draws_the_picture_again(self):
@@ -623,7 +612,3 @@ class OnTerminal(PreviewTest):
     def test_for_a_bad_model_the_terminal_is_not_asked(self):
         data = self.shown(self.write("a.stl", b"x"), answer=SIXELS, code=BAD_DATA)
         self.assertNotIn(b"\x1b", data)
-
-
-if __name__ == "__main__":
-    main()

@@ -9,8 +9,8 @@ import signal
 import time
 
 from harness import (
-    ENDLESS, NIMBLE_RESIN, OK, REALTIME, SOURCE, Daemon, FolderTest, ascii_stl, binary_stl, box, contourctl, cube, inside_out,
-    main, read_png, source_json, wait_until, wedge,
+    ENDLESS, NIMBLE_RESIN, OK, REALTIME, SOURCE, Daemon, FolderTest, ascii_stl, binary_stl, box, contents, contourctl, cube, inside_out, read_png,
+    source_json, text_of, wait_until, wedge,
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers of 50 um
@@ -30,8 +30,7 @@ class PrintTest(FolderTest):
 
     def printed(self, data, ticket=None, config=None, resin=None):
         daemon = self.daemon(config, resin)
-        daemon.drop("part.stl", data, ticket)
-        report = daemon.wait_done("part")
+        report = daemon.printed("part.stl", data, ticket)
         daemon.stop()
         return report
 
@@ -41,12 +40,9 @@ class MaskBudget(PrintTest):
         dice = random.Random(4)
         soup = [[[dice.uniform(0, 20) for _ in range(3)] for _ in range(3)] for _ in range(6000)]
         daemon = self.daemon({"mask_budget_ms": 100}, NIMBLE_RESIN, masks=False)
-        daemon.drop("soup.stl", binary_stl(soup))
-        reason = daemon.wait_refused("soup")
+        reason = daemon.refused("soup.stl", binary_stl(soup))
         self.assert_one_line(reason.encode(), "takes longer than mask_budget_ms, 100 ms", "steps", "facets cut")
-        daemon.drop("sound.stl", SMALL)
-        daemon.wait_done("sound")
-        daemon.stop()
+        daemon.printed("sound.stl", SMALL)
 
 
 class Masks(PrintTest):
@@ -120,8 +116,7 @@ class Masks(PrintTest):
             with self.subTest(x=x, y=y):
                 daemon = self.daemon()
                 name = f"part{number}"
-                daemon.drop(name + ".stl", binary_stl(box((7, 7, 7), (7 + x, 7 + y, 7.1))))
-                daemon.wait_done(name)
+                daemon.printed(name + ".stl", binary_stl(box((7, 7, 7), (7 + x, 7 + y, 7.1))))
                 daemon.stop()
                 self.assertEqual(self.masks(name)["0001.png"].lit_box(),
                                  (960 - x * 10, 540 - y * 10, 960 + x * 10, 540 + y * 10))  # fmt: skip
@@ -134,8 +129,7 @@ class Masks(PrintTest):
         for copies in (2, 3, 5, 6):
             with self.subTest(copies):
                 daemon = self.daemon()
-                daemon.drop(f"part{copies}.stl", binary_stl(box((0, 0, 0), (10, 5, 0.1))), {"copies": copies})
-                report = daemon.wait_done(f"part{copies}")
+                report = daemon.printed(f"part{copies}.stl", binary_stl(box((0, 0, 0), (10, 5, 0.1))), {"copies": copies})
                 daemon.stop()
                 picture = self.masks(f"part{copies}")["0001.png"]
                 self.assertEqual(sum(map(sum, picture.rows)), 255 * copies * 200 * 100)
@@ -158,8 +152,7 @@ class Masks(PrintTest):
         pictures = {}
         for number, (x, y) in enumerate(((False, False), (True, False), (False, True))):
             daemon = self.daemon({"display": {"mirror_x": x, "mirror_y": y}})
-            daemon.drop(f"m{number}.stl", facets)
-            daemon.wait_done(f"m{number}")
+            daemon.printed(f"m{number}.stl", facets)
             daemon.stop()
             pictures[x, y] = self.masks(f"m{number}")["0001.png"]
         plain = pictures[False, False]
@@ -168,14 +161,11 @@ class Masks(PrintTest):
 
     def test_masks_of_an_earlier_job_of_the_same_name_are_deleted(self):
         daemon = self.daemon()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_done("part")
+        daemon.printed("part.stl", SMALL)
         for name in daemon.names_in("done"):
             os.unlink(daemon.file("done", name))
-        daemon.drop("part.stl", binary_stl(box((0, 0, 0), (10, 5, 0.2))))
-        daemon.wait_done("part")
+        daemon.printed("part.stl", binary_stl(box((0, 0, 0), (10, 5, 0.2))))
         self.assertEqual(list(self.masks("part")), ["0001.png", "0002.png", "0003.png", "0004.png"])
-        daemon.stop()
 
 
 class Analysis(PrintTest):
@@ -198,8 +188,7 @@ class Analysis(PrintTest):
 
     def test_islands_and_empty_layers_give_warnings_and_are_printed(self):
         daemon = self.daemon()
-        daemon.drop("part.stl", self.FLOATING)
-        report = daemon.wait_done("part")
+        report = daemon.printed("part.stl", self.FLOATING)
         self.assertEqual(report["layers_exposed"], 60)
         found = report["analysis"]
         self.assertEqual((found["islands"], found["empty_layers"]), (1, 20))
@@ -220,7 +209,6 @@ class Analysis(PrintTest):
         self.assertRegex(log, r"60 layers in .*, 0\.10 ml of resin, .*, 1 island, 20 empty layers; found in")
         history = daemon.rpc("history")["result"]["ended"]
         self.assertEqual(history[-1]["analysis"]["islands"], 1)
-        daemon.stop()
 
     def test_a_print_that_ends_before_its_analysis_is_filed_as_done_even_at_a_stop(self):
         daemon = self.daemon(masks=False)
@@ -297,8 +285,7 @@ class Report(PrintTest):
     def test_an_exposure_that_was_too_long_gives_a_warning_with_both_figures(self):
         resin = {**NIMBLE_RESIN, "exposure_ms": 1000, "bottom_exposure_ms": 1000}
         daemon = self.daemon(REALTIME, resin=resin)
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         lit = time.monotonic()
         wait_until(lambda: time.monotonic() - lit > 0.3, "the lamp, which takes 20 ms")
         # Simulates a computer that is busy with something else.
@@ -322,8 +309,7 @@ class Report(PrintTest):
 
     def test_the_preview_shows_unprinted_layers_faintly(self):
         daemon = self.daemon({"simulation": {"projector_silent_after_commands": 101}})
-        daemon.drop("part.stl", binary_stl(cube(20)))
-        daemon.wait_refused("part")
+        daemon.refused("part.stl", binary_stl(cube(20)))
         picture = read_png(daemon.file("failed", "part.preview.png"))
         all_of_it, part = picture.lit_box(), picture.lit_box(BRIGHTER_THAN_FAINT)
         daemon.stop()
@@ -331,8 +317,7 @@ class Report(PrintTest):
         daemon.write_config()
         daemon.start()
         daemon.rpc("resume")
-        daemon.drop("whole.stl", binary_stl(cube(20)))
-        daemon.wait_done("whole")
+        daemon.printed("whole.stl", binary_stl(cube(20)))
         whole = read_png(daemon.file("done", "whole.preview.png")).lit_box(BRIGHTER_THAN_FAINT)
         daemon.stop()
         # The top of the printed part is lower, since a quarter was printed. On a slow computer the picture is smaller.
@@ -375,11 +360,10 @@ class HeldQueue(PrintTest):
         self.assertNotIn("error", daemon.rpc("plate_cleared"))
         daemon.wait_refused("three")
         # The hold is shown even if no job waits.
-        self.assertIn("three failed", wait_until(lambda: daemon.status()["held"], "the queue to be held"))
+        self.assertIn("three failed", daemon.wait_status("held"))
         self.assertIn(b"held      the queue is held: three failed", daemon.ctl("status").stdout)
         self.assertIsNone(daemon.rpc("resume")["result"]["held"])
         self.assertIn("no print", daemon.rpc("resume")["error"]["message"])
-        daemon.stop()
 
     def test_a_restart_does_not_release_the_queue(self):
         daemon, _ = self.held()
@@ -403,7 +387,6 @@ class HeldQueue(PrintTest):
         self.assertIn('check the printer and clear the plate, then run "contourctl plate-cleared"', sentence)
         daemon.rpc("plate_cleared")
         daemon.wait_refused("two")
-        daemon.stop()
 
     def test_a_job_that_fails_because_of_its_file_does_not_hold_the_queue(self):
         daemon = self.daemon()
@@ -412,19 +395,14 @@ class HeldQueue(PrintTest):
         daemon.wait_refused("bad")
         daemon.wait_done("good")
         self.assertIsNone(daemon.status()["held"])
-        daemon.stop()
 
     def test_a_stop_of_the_daemon_holds_the_queue_only_during_a_print(self):
         daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, **ENDLESS})
-        daemon.stop()
-        daemon.start()
+        daemon.restart()
         self.assertIsNone(daemon.status()["held"])
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
-        daemon.stop()
-        daemon.start()
+        daemon.begin("part.stl", SMALL)
+        daemon.restart()
         self.assertIn("part failed: contourd was stopped", daemon.status()["held"])
-        daemon.stop()
 
 
 class Reload(PrintTest):
@@ -433,16 +411,13 @@ class Reload(PrintTest):
         daemon.reload()
         daemon.wait_restart()
         daemon.start()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_done("part")
-        daemon.stop()
+        daemon.printed("part.stl", SMALL)
 
     def test_a_print_ends_undisturbed_and_the_new_daemon_prints_the_next_job(self):
         daemon = self.daemon(REALTIME, NIMBLE_RESIN)
-        daemon.drop("one.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("one.stl", SMALL)
         daemon.drop("two.stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == 1, "the second job in the queue")
+        daemon.wait_status("queued", 1)
         daemon.reload()
         daemon.wait_restart()
         self.assertIn("contourd restarts when one is over", daemon.log())
@@ -451,7 +426,6 @@ class Reload(PrintTest):
         self.assertTrue(daemon.has("incoming", "two.stl"))
         daemon.start()
         daemon.wait_done("two")
-        daemon.stop()
 
     def test_a_print_whose_analysis_is_running_is_filed_with_the_analysis(self):
         daemon = self.daemon(masks=False)
@@ -465,8 +439,7 @@ class Reload(PrintTest):
 
     def test_a_paused_print_goes_on_before_the_restart(self):
         daemon = self.daemon(REALTIME, NIMBLE_RESIN)
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         daemon.rpc("pause")
         daemon.wait_state("paused")
         daemon.reload()
@@ -478,8 +451,7 @@ class Reload(PrintTest):
 
     def test_a_stop_before_the_restart_interrupts_the_print(self):
         daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, **ENDLESS})
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         daemon.reload()
         daemon.stop()
         self.assertTrue(daemon.has("failed", "part.stl"))
@@ -490,8 +462,7 @@ class Fault(PrintTest):
         daemon = self.daemon({"simulation": simulation, **config}, masks=False)
         self.assertEqual(daemon.names_in("failed"), [])
         for name in ("one", "two"):  # the next job starts after a failure
-            daemon.drop(name + ".stl", data)
-            reason = daemon.wait_refused(name)
+            reason = daemon.refused(name + ".stl", data)
             self.assertEqual(len(reason.splitlines()), 1, reason)
             report = daemon.report(name, "failed")
             self.assertEqual((report["outcome"], report["reason"]), ("failed", reason.strip()))
@@ -551,10 +522,9 @@ class Fault(PrintTest):
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
         # The next job waits for the machine, and the status says so.
         daemon.drop("next.stl", SMALL)
-        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the next job to wait")
+        status = daemon.wait_status("waiting_for")
         self.assertEqual((status["waiting_for"], status["queued"]), ("the display is unplugged", 1))
         self.assertIn(b"machine   the display is unplugged", daemon.ctl("status").stdout)
-        daemon.stop()
 
     def test_a_lid_opened_during_an_exposure_divides_it_and_the_parts_add_up(self):
         # Layers 1 to 5 have the bottom's 30 s each: the lid opens 18 s into the second.
@@ -568,8 +538,7 @@ class Fault(PrintTest):
         for record in report["layer_records"]:
             self.assertAlmostEqual(record["exposure_most_ms"], record["exposure_asked_ms"], delta=1e-5)
         self.assertEqual(report["interruptions"], ["layer 2: the lid was opened"])
-        with open(daemon.file("done", "part.report.html"), encoding="utf-8") as file:
-            self.assertIn("layer 2: the lid was opened", file.read())
+        self.assertIn("layer 2: the lid was opened", text_of(daemon.file("done", "part.report.html")))
 
     def test_a_projector_that_falls_silent_ends_the_print(self):
         # The projector gets power on, and then one command for each layer.
@@ -594,29 +563,24 @@ class Fault(PrintTest):
     def test_masks_that_cannot_be_written_end_the_print(self):
         self.write("masks", b"a file, no folder")
         daemon = self.daemon()
-        daemon.drop("part.stl", SMALL)
-        self.assertIn("masks", daemon.wait_refused("part"))
+        self.assertIn("masks", daemon.refused("part.stl", SMALL))
         self.assertTrue(daemon.alive())
-        daemon.stop()
 
     def test_a_job_waits_while_the_disk_is_too_full(self):
         daemon = self.daemon({"min_free_disk_mb": 1000000}, masks=False)
         if os.statvfs(self.folder).f_bavail * os.statvfs(self.folder).f_frsize >= 1e12:
             self.skipTest("the disk has more room than the limit can be")
         daemon.drop("part.stl", SMALL)
-        daemon.drop("bad.stl", b"no model")
-        daemon.wait_refused("bad")
+        daemon.refused("bad.stl", b"no model")
         status = daemon.status()
         self.assertEqual((status["state"], status["queued"]), ("idle", 1))
         self.assertRegex(status["waiting_for"], r"disk has \d+ MB free, 1000000 MB")
-        daemon.stop()
 
 
 class Log(PrintTest):
     def test_a_layer_is_one_line_and_the_light_goes_off_at_the_end(self):
         daemon = self.daemon(masks=False)
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_done("part")
+        daemon.printed("part.stl", SMALL)
         daemon.stop()
         log = daemon.log()
         self.assertEqual(len(re.findall(r"layer \d+ of 20:", log)), 20)
@@ -627,16 +591,10 @@ class Log(PrintTest):
     def test_a_file_name_cannot_forge_a_line(self):
         daemon = self.daemon(masks=False)
         name = "x\n00:00:00.000 error   the printer burns"
-        daemon.drop(name + ".stl", SMALL)
-        daemon.wait_done(name)
+        daemon.printed(name + ".stl", SMALL)
         daemon.stop()
         self.assertNotRegex(daemon.log(), r"(?m)^00:00:00.000")
 
     def test_the_readme_s_configurations_are_there(self):
         for name in ("contourd.json", "simulated.json"):
-            with open(os.path.join(SOURCE, "config", name), encoding="utf-8") as file:
-                self.assertIn("$schema", json.load(file))
-
-
-if __name__ == "__main__":
-    main()
+            self.assertIn("$schema", json.loads(contents(os.path.join(SOURCE, "config", name))))

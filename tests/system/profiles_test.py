@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """The shipped profiles: they are valid with every Raspberry Pi, screw, microstep setting and projector, and the figures in
 docs/first-print.md are right."""
 
@@ -7,7 +6,7 @@ import json
 import os
 import re
 
-from harness import BAD_CONFIG, OK, SOURCE, Daemon, FolderTest, binary_stl, box, check_config, main, merge, source_json
+from harness import BAD_CONFIG, OK, SOURCE, Daemon, FolderTest, binary_stl, box, check_config, merge, source_json, text_of
 
 MODELS = ("3", "4", "5")
 # Source: the kernel's drivers drivers/pinctrl/bcm/pinctrl-bcm2835.c and drivers/pinctrl/pinctrl-rp1.c.
@@ -25,8 +24,7 @@ def per_mm(pitch_mm, microsteps):
 
 def guide_table(first_column):
     """Returns the rows of the guide's table whose first column has this name, as lists of cells."""
-    with open(GUIDE, encoding="utf-8") as file:
-        text = file.read()
+    text = text_of(GUIDE)
     (table,) = re.findall(rf"(?m)^\| {re.escape(first_column)} \|.*\n\|[-| ]+\|\n((?:\|.*\n)+)", text)
     return [[cell.strip() for cell in row.strip("|").split("|")] for row in table.splitlines()]
 
@@ -140,10 +138,5 @@ class Prints(FolderTest):
                 daemon.write_config()
                 daemon.start()
                 model_file = self.write(f"part{model}.stl", binary_stl(box((0, 0, 0), (5, 5, 0.2))))
-                submitted = daemon.ctl("submit", model_file, "--wait")
-                self.assertEqual(submitted.returncode, OK, submitted)
+                daemon.ctl("submit", model_file, "--wait", expect=OK)
                 daemon.stop()
-
-
-if __name__ == "__main__":
-    main()

@@ -1,10 +1,9 @@
-#!/usr/bin/env python3
 """contourctl queue: shows, removes and reorders waiting jobs."""
 
 import json
 import os
 
-from harness import BAD_USAGE, ENDLESS, FAILED, NIMBLE_RESIN, OK, REALTIME, Daemon, FolderTest, binary_stl, box, main, wait_until
+from harness import BAD_USAGE, FAILED, NIMBLE_RESIN, OK, REALTIME, Daemon, FolderTest, binary_stl, box, text_of, wait_until
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
 
@@ -13,13 +12,6 @@ class Queue(FolderTest):
     def setUp(self):
         super().setUp()
         self.daemon = self.printing()
-
-    def printing(self):
-        """Starts a daemon whose print stays in its first exposure."""
-        daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS}).start()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
-        return daemon
 
     def wait(self, *names, ticket=None):
         for name in names:
@@ -65,8 +57,7 @@ class Queue(FolderTest):
         self.assertEqual(self.order(), [*expected[1:], "late.stl"])
 
     def read(self, path):
-        with open(path, encoding="utf-8") as file:
-            return file.read()
+        return text_of(path)
 
     def test_a_removed_job_is_in_failed_with_its_ticket_and_who_removed_it(self):
         self.wait("one", "two", ticket={"copies": 2})
@@ -101,7 +92,3 @@ class Queue(FolderTest):
         self.assertEqual(last, ["a.stl", "c.stl", "b.stl"])
         wait_until(lambda: self.read(self.path("spool.state", "queue-order")).split("\0")[:-1] == last, "the stored order")
         self.assertEqual(self.daemon.status()["state"], "exposing")
-
-
-if __name__ == "__main__":
-    main()

@@ -6,8 +6,7 @@ import re
 import signal
 
 from harness import (
-    BAD_CONFIG, BAD_USAGE, CONTOURD, OK, SOURCE, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, main, run, source_json,
-    wait_until,
+    BAD_CONFIG, BAD_USAGE, CONTOURD, OK, SOURCE, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contents, run, source_json, wait_until,
 )  # fmt: skip
 
 MISSING_CHIP = "gpiochip-missing"
@@ -70,8 +69,7 @@ class Check(RealHardwareTest):
 
     def test_a_light_that_cannot_be_reached_may_be_on(self):
         result = self.check(self.daemon(), "--light-off")
-        self.assertEqual(result.returncode, UNAVAILABLE)
-        self.assert_one_line(result.stderr, "the light may be on: the serial port /dev/tty-missing")
+        self.assert_refusal(result, UNAVAILABLE, "the light may be on: the serial port /dev/tty-missing")
 
     def test_two_modes_at_once_are_bad_usage(self):
         daemon = self.daemon()
@@ -87,8 +85,7 @@ class Check(RealHardwareTest):
 
     def test_a_pace_is_allowed_only_for_the_simulated_printer(self):
         result = self.check(self.daemon(), "--pace", "fast")
-        self.assertEqual(result.returncode, BAD_USAGE)
-        self.assert_one_line(result.stderr, "--pace")
+        self.assert_refusal(result, BAD_USAGE, "--pace")
 
 
 LOST = "the light may be on: the serial port /dev/tty-missing"
@@ -142,13 +139,11 @@ class LightOff(RealHardwareTest):
         daemon = self.daemon()
         os.unlink(daemon.config_path)
         result = self.light_off(daemon)
-        self.assertEqual(result.returncode, BAD_CONFIG)
-        self.assert_one_line(result.stderr, "the light may be on: ", "contourd.json: there is no such file")
+        self.assert_refusal(result, BAD_CONFIG, "the light may be on: ", "contourd.json: there is no such file")
 
     def test_the_daemon_records_what_light_off_needs(self):
         daemon = self.killed()
-        with open(self.record(), encoding="utf-8") as file:
-            record = json.load(file)
+        record = json.loads(contents(self.record()))
         self.assertEqual(record["projector"]["port"], "/dev/tty-missing")
         self.assertEqual(record["projector"]["table"]["commands"]["light_off"],
                          source_json("projectors", "optoma.json")["commands"]["light_off"])  # fmt: skip
@@ -195,16 +190,14 @@ class Degraded(RealHardwareTest):
         daemon.start()
         status = daemon.status()
         self.assertEqual(status["state"], "idle")
-        for device in (MISSING_CHIP, "card-missing", "tty-missing"):
-            self.assertIn(device, status["not_ready_reason"])
+        self.assert_words(status["not_ready_reason"], MISSING_CHIP, "card-missing", "tty-missing")
         self.assertIn("the printer cannot print: ", daemon.log())
         self.assertIn(b"machine   the serial port", daemon.ctl("status").stdout)
         daemon.drop("part.stl", binary_stl(box((0, 0, 0), (10, 5, 1))))
-        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the job to wait")
+        status = daemon.wait_status("waiting_for")
         self.assertEqual((status["waiting_for"], status["queued"]), (status["not_ready_reason"], 1))
         # A model that cannot be printed is refused even now.
-        daemon.drop("bad.stl", b"no model")
-        daemon.wait_refused("bad")
+        daemon.refused("bad.stl", b"no model")
         daemon.stop()
         self.assertEqual(daemon.names_in("incoming"), ["part.stl"])
         self.assertEqual(daemon.names_in("failed"), ["bad.reason.txt", "bad.stl"])
@@ -212,10 +205,8 @@ class Degraded(RealHardwareTest):
     def test_the_same_configuration_prints_on_the_simulated_machine(self):
         daemon = self.daemon(hardware="simulated", simulation={"pace": "fast"})
         daemon.start()
-        daemon.drop("part.stl", binary_stl(box((0, 0, 0), (10, 5, 1))))
-        self.assertEqual(daemon.wait_done("part")["layers_exposed"], 20)
+        self.assertEqual(daemon.printed("part.stl", binary_stl(box((0, 0, 0), (10, 5, 1))))["layers_exposed"], 20)
         self.assertIsNone(daemon.status()["not_ready_reason"])
-        daemon.stop()
 
 
 def command_name(process):
@@ -264,8 +255,3 @@ class LightWatchdog(RealHardwareTest):
         daemon = self.daemon(hardware="simulated")
         daemon.start()
         self.assertEqual(light_watchdogs(daemon), [])
-        daemon.stop()
-
-
-if __name__ == "__main__":
-    main()

@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import time
 
-from harness import DEADLINE_S, Daemon, FolderTest, binary_stl, box, main, skip_file
+from harness import DEADLINE_S, Daemon, FolderTest, binary_stl, box, skip_file, text_of
 
 CHROMIUM = shutil.which("chromium")
 # A slab, a gap of 1 mm, and a box above the gap: 60 layers of 50 um.
@@ -100,8 +100,7 @@ class Browser:
         size = self.call("Page.getLayoutMetrics")["cssContentSize"]
         clip = {"x": 0, "y": 0, "width": size["width"], "height": size["height"], "scale": 1}
         shot = self.call("Page.captureScreenshot", format="png", clip=clip, captureBeyondViewport=True)
-        with open(path, "wb") as file:
-            file.write(base64.b64decode(shot["data"]))
+        self.write(path, base64.b64decode(shot["data"]))
 
 
 # The least contrast between a text of the page and its background (WCAG 2, 1.4.3), and the element with that text.
@@ -136,14 +135,12 @@ class InABrowser(FolderTest):
 
     def test_the_page_is_shown_without_an_error_or_a_request_on_a_phone_and_a_screen_light_and_dark(self):
         daemon = Daemon(self).start()
-        daemon.drop(HOSTILE + ".stl", FLOATING)
-        daemon.wait_done(HOSTILE)
+        daemon.printed(HOSTILE + ".stl", FLOATING)
         path = self.path("page.html")
         shutil.copy(daemon.file("done", HOSTILE + ".report.html"), path)
         daemon.stop()
         # The labels of the last plots differ from print to print; none is wider than 0.0125.
-        with open(path, encoding="utf-8") as file:
-            before, plots = file.read().split("<h2>Time from height to mask", 1)
+        before, plots = text_of(path).split("<h2>Time from height to mask", 1)
         plots = re.sub(r'(text-anchor="end">)[^<]*', r"\g<1>0.0125", plots)
         self.write("page.html", before + "<h2>Time from height to mask" + plots)
         browser = Browser(self)
@@ -166,8 +163,7 @@ class InABrowser(FolderTest):
         self.assertEqual(browser.value("document.querySelector(':target').id"), "layer-41")
         printed = base64.b64decode(browser.call("Page.printToPDF")["data"])
         if folder := os.environ.get("CONTOURD_SCREENSHOTS"):
-            with open(os.path.join(folder, "report.pdf"), "wb") as file:
-                file.write(printed)
+            self.write(os.path.join(folder, "report.pdf"), printed)
         self.assertLessEqual(len(re.findall(rb"/Type\s*/Page\b", printed)), 6)
 
     def test_a_page_with_requests_or_errors_is_detected(self):
@@ -188,7 +184,5 @@ class InABrowser(FolderTest):
         self.assertGreater(browser.value("document.documentElement.scrollWidth"), 390)
 
 
-if __name__ == "__main__":
-    if CHROMIUM is None:
-        skip_file("chromium, Debian's package, is not installed")
-    main()
+if CHROMIUM is None:
+    skip_file("chromium, Debian's package, is not installed")

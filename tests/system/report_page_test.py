@@ -5,9 +5,7 @@ import html
 import html.parser
 import re
 
-from harness import (
-    ENDLESS, NIMBLE_RESIN, REALTIME, Daemon, FolderTest, binary_stl, box, main, read_png, wedge,
-)  # fmt: skip
+from harness import ENDLESS, NIMBLE_RESIN, REALTIME, Daemon, FolderTest, binary_stl, box, read_png, wedge
 
 LARGEST_PAGE = 3_000_000  # docs/printing.md
 HOSTILE = 'a & b "quoted" <b>bold <script>alert(1)<img src=x onerror=y>'
@@ -88,23 +86,20 @@ class PageTest(FolderTest):
 class OnTheDisk(PageTest):
     def test_the_page_is_self_contained_and_well_formed_whatever_the_job_s_name(self):
         daemon = self.daemon()
-        daemon.drop(HOSTILE + ".stl", binary_stl(wedge(20, 10, 10)))
-        daemon.wait_done(HOSTILE)
+        daemon.printed(HOSTILE + ".stl", binary_stl(wedge(20, 10, 10)))
         page = self.page_of(daemon, "done", HOSTILE)
         daemon.stop()
         self.assertEqual(page.tags.count("svg"), 5)  # time, light, three plots
         self.assertNotIn("b", page.tags)
         self.assertIn(HOSTILE, page.text)
-        for word in ("done", "Simulated printer", "standard", "200 of 200", "mask", "loops", "Resin used", "exposing"):
-            self.assertIn(word, page.text)
+        self.assert_words(page.text, "done", "Simulated printer", "standard", "200 of 200", "mask", "loops", "Resin used", "exposing")
         preview = self.picture(page, None)
         self.assertGreaterEqual(len(preview.values()), 3)  # black, and two faces in different light
         self.assertEqual(preview, read_png(daemon.file("done", HOSTILE + ".preview.png")))
 
     def test_a_warning_links_to_the_mask_that_was_shown_at_its_layer(self):
         daemon = self.daemon(masks=True)
-        daemon.drop("part.stl", FLOATING)
-        report = daemon.wait_done("part")
+        report = daemon.printed("part.stl", FLOATING)
         text = daemon.read("done", "part.report.html")
         page = self.page_of(daemon, "done", "part")
         daemon.stop()
@@ -126,8 +121,7 @@ class OnTheDisk(PageTest):
     def test_the_page_shows_the_time_in_each_state_and_each_pause(self):
         # The first exposure is long enough to pause during it.
         daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, "bottom_exposure_ms": 2000})
-        daemon.drop("part.stl", FLOATING)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", FLOATING)
         daemon.rpc("pause")
         daemon.wait_state("paused")
         daemon.rpc("resume")
@@ -146,10 +140,8 @@ class OnTheDisk(PageTest):
 
     def test_a_print_that_is_cancelled_in_its_first_layer_has_a_page(self):
         daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, **ENDLESS})
-        daemon.drop("part.stl", FLOATING)
-        daemon.wait_state("exposing")
-        daemon.rpc("cancel")
-        self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
+        daemon.begin("part.stl", FLOATING)
+        self.assertEqual(daemon.cancel("part")["outcome"], "cancelled")
         page = self.page_of(daemon, "failed", "part")
         daemon.stop()
         self.assertIn("cancelled", page.text)
@@ -157,8 +149,7 @@ class OnTheDisk(PageTest):
 
     def test_a_plate_of_many_copies_shows_all_copies_in_every_picture(self):
         daemon = self.daemon()
-        daemon.drop("many.stl", binary_stl(box((0, 0, 0), (1, 1, 0.5))), {"copies": 100})
-        daemon.wait_done("many")
+        daemon.printed("many.stl", binary_stl(box((0, 0, 0), (1, 1, 0.5))), {"copies": 100})
         page = self.page_of(daemon, "done", "many")
         daemon.stop()
         lit = self.picture(page, "layer-1")
@@ -169,11 +160,5 @@ class OnTheDisk(PageTest):
 
     def test_a_job_that_is_refused_has_a_reason_and_no_page(self):
         daemon = self.daemon()
-        daemon.drop("bad.stl", b"no model")
-        daemon.wait_refused("bad")
+        daemon.refused("bad.stl", b"no model")
         self.assertFalse(daemon.has("failed", "bad.report.html"))
-        daemon.stop()
-
-
-if __name__ == "__main__":
-    main()

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """The picture on the display: the mask of a print, pictures of the user, and who may show and see them."""
 
 import base64
@@ -11,8 +10,8 @@ import unittest
 import zlib
 
 from harness import (
-    BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, NO_INPUT, OK, REALTIME, SANITIZED, UNAVAILABLE, Daemon, FolderTest, Picture,
-    binary_stl, box, contourctl, main, read_png, wait_until,
+    BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, NO_INPUT, OK, REALTIME, SANITIZED, UNAVAILABLE, Daemon, FolderTest,
+    Picture, binary_stl, box, contents, contourctl, read_png, wait_until,
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
@@ -71,8 +70,7 @@ class Mask(ScreenTest):
     def test_the_mask_of_the_current_layer_is_the_one_that_the_display_was_given(self):
         daemon = self.start({**NIMBLE_RESIN, **ENDLESS}, masks=True)
         self.assertEqual(self.refusal(daemon.rpc("mask")), BLACK)
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         client = daemon.client()
         reply = client.call("mask")
         result = reply["result"]
@@ -83,8 +81,7 @@ class Mask(ScreenTest):
         self.assertEqual(len(kept), 1, kept)
         self.assertEqual(seen, read_png(kept[0]))
         self.assertTrue(seen.lit_box())
-        daemon.rpc("cancel")
-        daemon.wait_ended("part")
+        daemon.cancel("part")
         self.assertEqual(self.refusal(daemon.rpc("mask")), BLACK)
         # A picture with another number is not available.
         self.assertIn("no longer kept", self.refusal(daemon.rpc("mask", picture=999)))
@@ -103,8 +100,7 @@ class Mask(ScreenTest):
 
     def test_all_clients_that_ask_at_once_get_the_same_mask(self):
         daemon = self.start({**NIMBLE_RESIN, **ENDLESS})
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         clients = [daemon.client() for _ in range(8)]
         for client in clients:
             client.send(b'{"jsonrpc":"2.0","method":"mask","id":"all"}\n')
@@ -118,11 +114,9 @@ class Command(ScreenTest):
         daemon = self.start({**NIMBLE_RESIN, **ENDLESS}, masks=True)
         for output in ((), ("-o", self.path("none.png"))):
             result = daemon.ctl("mask", *output)
-            self.assertEqual((result.returncode, result.stdout), (FAILED, b""))
-            self.assert_one_line(result.stderr, BLACK)
+            self.assert_refusal(result, FAILED, BLACK)
         self.assertFalse(os.path.exists(self.path("none.png")))
-        daemon.drop("pa\x1brt.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("pa\x1brt.stl", SMALL)
         result = daemon.ctl("mask", "-o", self.path("mask.png"))
         self.assertEqual((result.returncode, result.stdout, result.stderr), (OK, b"", b""))
         kept = [os.path.join(folder, name) for folder, _, names in os.walk(self.path("masks")) for name in names if name.endswith(".png")]
@@ -134,8 +128,7 @@ class Command(ScreenTest):
         self.assertIn("\u2588", text)
         self.assertNotIn("\x1b", text)
         whole = daemon.ctl("mask", "-o", "-")
-        with open(self.path("mask.png"), "rb") as file:
-            self.assertEqual(whole.stdout, file.read())
+        self.assertEqual(whole.stdout, contents(self.path("mask.png")))
 
     def test_a_mask_that_cannot_be_written_is_an_error(self):
         daemon = self.start()
@@ -145,8 +138,7 @@ class Command(ScreenTest):
             result = daemon.ctl("mask", *wrong)
             self.assertEqual((result.returncode, result.stdout), (code, b""), result)
         result = contourctl("mask", "--socket", self.path("none"))
-        self.assertEqual(result.returncode, UNAVAILABLE)
-        self.assert_one_line(result.stderr)
+        self.assert_refusal(result, UNAVAILABLE)
         self.assertIn("grid; on the screen", daemon.ctl("mask").stdout.decode())
 
 
@@ -199,8 +191,7 @@ class Show(ScreenTest):
         for name, (data, code, words) in wrong.items():
             with self.subTest(name):
                 result = daemon.ctl("show", self.write(name, data))
-                self.assertEqual((result.returncode, result.stdout), (code, b""), result)
-                self.assert_one_line(result.stderr, words)
+                self.assert_refusal(result, code, words)
         os.mkfifo(self.path("pipe.png"))
         self.assertEqual(daemon.ctl("show", self.path("pipe.png")).returncode, BAD_DATA)
         self.assertEqual(daemon.ctl("show", self.path("none.png")).returncode, NO_INPUT)
@@ -216,8 +207,7 @@ class Show(ScreenTest):
         seen = self.whole(client, client.call("mask"))
         process.kill()
         wait_until(lambda: daemon.status()["manual"]["picture"] is None, "the picture to be removed")
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_done("part")
+        daemon.printed("part.stl", SMALL)
         kept = sorted(os.path.join(folder, name) for folder, _, names in os.walk(self.path("masks")) for name in names
                       if name.endswith(".png") and folder.endswith("part"))  # fmt: skip
         self.assertEqual(len(kept), 4, kept)
@@ -225,16 +215,14 @@ class Show(ScreenTest):
         for wrong, code, words in ((("--at-z", "0.3"), BAD_USAGE, "from 0 to 0.2 mm"), (("--at-z", "-1"), BAD_USAGE, "from 0"),
                                    (("--at-z", "nan"), BAD_USAGE, "from 0"), (("--at-z", "0.1", "--ticket", "x"), BAD_DATA, "no such file")):  # fmt: skip
             result = daemon.ctl("show", model, *wrong, "--printer", daemon.config_path)
-            self.assertEqual((result.returncode, result.stdout), (code, b""), result)
-            self.assert_one_line(result.stderr, words)
+            self.assert_refusal(result, code, words)
         self.assertEqual(daemon.ctl("show", model).returncode, BAD_DATA)
 
     def test_no_picture_is_shown_while_a_job_prints(self):
         daemon = self.start({**NIMBLE_RESIN, **ENDLESS})
         client = daemon.client()
         self.upload(client, png(self.width, self.height, self.noise()))
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         before = daemon.rpc("mask")["result"]
         self.assertIn("part is being printed", self.refusal(client.call("show", uploaded=True)))
         self.assertEqual(daemon.rpc("mask")["result"], before)
@@ -312,7 +300,3 @@ class Upload(ScreenTest):
         self.assertIn("contourd-service", upload)
         self.assertIn("contourd-service", show)
         self.assertIn(BLACK, mask)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """contourctl setup: from wired parts to a configuration; with and without a dialog, interrupted and continued."""
 
 import contextlib
@@ -16,8 +15,8 @@ import termios
 import unittest
 
 from harness import (
-    BAD_CONFIG, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, CONTOURD, DEADLINE_S, FAILED, NIMBLE_RESIN, NO_INPUT, OK, REALTIME, SOURCE, Daemon, FolderTest,
-    contourctl, main, merge, run, wait_until,
+    BAD_CONFIG, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, CONTOURD, DEADLINE_S, FAILED, NIMBLE_RESIN, NO_INPUT, OK, SOURCE, Daemon, FolderTest, contents,
+    contourctl, realtime, run, text_of, wait_until,
 )  # fmt: skip
 
 # Values of a machine that setup cannot know without asking.
@@ -45,15 +44,13 @@ class SetupTest(FolderTest):
         return result
 
     def written(self, path=None):
-        with open(path or self.config, encoding="utf-8") as file:
-            return json.load(file)
+        return json.loads(contents(path or self.config))
 
     def files(self):
         return sorted(name for name in os.listdir(self.folder) if name not in ("resins", "projectors"))
 
     def assert_good(self):
-        checked = run(CONTOURD, "--check-config", self.config)
-        self.assertEqual(checked.returncode, OK, checked)
+        run(CONTOURD, "--check-config", self.config, expect=OK)
 
 
 class NonInteractive(SetupTest):
@@ -74,8 +71,7 @@ class NonInteractive(SetupTest):
         self.assertEqual(profile["z_axis"]["step"], {"chip": "gpiochip0", "line": 17, "active_low": False})
         self.assertEqual(profile["projector"]["table"], "optoma")
         self.assertEqual(self.files(), ["printer.json", "printer.setup.json", "printer.setup.txt"])
-        with open(self.path("printer.setup.txt"), encoding="utf-8") as file:
-            notes = file.read()
+        notes = text_of(self.path("printer.setup.txt"))
         self.assertIn("  travel_mm = 150: as answered\n", notes)
         self.assertIn("  switch_contact = normally_closed: a broken wire is then detected\n", notes)
 
@@ -148,8 +144,7 @@ class NonInteractive(SetupTest):
     def test_an_invalid_configuration_is_not_written(self):
         self.non_interactive(**REAL)
         before = self.written()
-        result = contourctl(*self.setup_words("--non-interactive", "--replace", top_speed_mm_s=0.5))
-        self.assertEqual(result.returncode, BAD_CONFIG, result)
+        result = contourctl(*self.setup_words("--non-interactive", "--replace", top_speed_mm_s=0.5), expect=BAD_CONFIG)
         self.assertIn("the printer's top speed", result.stderr.decode())
         self.assertEqual(self.written(), before)
         self.assertEqual(self.files(), ["printer.json", "printer.setup.json", "printer.setup.txt"])
@@ -309,8 +304,7 @@ class Checks(TerminalTest):
         self.config = None
 
     def daemon(self, **simulation):
-        config = merge(json.loads(json.dumps(REALTIME)), {"name": "Mine", "simulation": simulation})
-        return Daemon(self, config, NIMBLE_RESIN).start()
+        return Daemon(self, realtime(name="Mine", simulation=simulation), NIMBLE_RESIN).start()
 
     def configured(self, daemon):
         """Writes a configuration, and begins setup on a terminal with all questions answered."""
@@ -327,8 +321,7 @@ class Checks(TerminalTest):
     def restarted(self, daemon):
         """Restarts the daemon, as setup asks the user to do."""
         self.expect("skip: no checks:")
-        daemon.stop()
-        daemon.start()
+        daemon.restart()
         self.type("")
 
     def manual(self, daemon):
@@ -347,7 +340,6 @@ class Checks(TerminalTest):
         self.assertEqual(self.outcomes()["configuration"], "taken")
         self.type("quit")
         self.ended(FAILED)
-        daemon.stop()
 
     def test_a_daemon_of_another_printer_is_detected(self):
         daemon = self.daemon()
@@ -361,7 +353,6 @@ class Checks(TerminalTest):
         self.expect("contourd runs as Other, not as Mine.")
         self.type("quit")
         self.ended(FAILED)
-        daemon.stop()
 
     def test_without_a_daemon_setup_lists_what_was_not_checked(self):
         daemon = self.daemon()
@@ -417,7 +408,6 @@ class Checks(TerminalTest):
         self.answer(("is up to date, continue:", ""))
         self.expect("All checks passed.")
         self.ended(OK)
-        daemon.stop()
 
     def test_a_plate_that_moves_the_wrong_way_inverts_dir(self):
         daemon = self.daemon(start_height_mm=6)
@@ -432,7 +422,6 @@ class Checks(TerminalTest):
         self.assertEqual(self.outcomes()["direction"], "passed")
         self.type("quit")
         self.ended(FAILED)
-        daemon.stop()
 
     def test_a_switch_contact_of_the_other_kind_is_detected(self):
         daemon = self.daemon(start_height_mm=0)
@@ -447,8 +436,3 @@ class Checks(TerminalTest):
         self.assertEqual(self.written()["z_axis"]["limit_switch"]["contact"], "normally_open")
         self.type("quit")
         self.ended(FAILED)
-        daemon.stop()
-
-
-if __name__ == "__main__":
-    main()

@@ -11,8 +11,8 @@ import time
 import unittest
 
 from harness import (
-    CONTOURCTL, CONTOURD, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, REALTIME, SANITIZED, SLOWNESS, SOURCE, Daemon, FolderTest, ascii_stl, binary_stl, box, cube,
-    main, merge, run, source_json, wait_until,
+    CONTOURCTL, CONTOURD, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, REALTIME, SANITIZED, SLOWNESS, SOURCE, Daemon, FolderTest, ascii_stl, binary_stl, box,
+    contents, cube, merge, realtime, run, source_json, text_of, wait_until,
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
@@ -23,12 +23,8 @@ class SpoolTest(FolderTest):
     def daemon(self, config=None, resin=None, **options):
         return Daemon(self, config, resin, **options)
 
-    def printing_daemon(self, config=None):
-        """Starts a daemon in real time whose first job stays in its first exposure."""
-        daemon = self.daemon(merge(json.loads(json.dumps(REALTIME)), config or {}), {**NIMBLE_RESIN, **ENDLESS}).start()
-        daemon.drop("first.stl", SMALL)
-        daemon.wait_state("exposing")
-        return daemon
+    def printing_daemon(self, **config):
+        return self.printing("first.stl", SMALL, **config)
 
     def second_daemon(self, name, config):
         """Returns another daemon in the same folder, with its own configuration, socket and log."""
@@ -41,8 +37,7 @@ class SpoolTest(FolderTest):
 
     def looks_pass(self, daemon, name):
         """Waits until the daemon refuses an empty file; meanwhile it looks at all incomplete files several times."""
-        daemon.drop(name + ".stl", b"")
-        daemon.wait_refused(name)
+        daemon.refused(name + ".stl", b"")
 
 
 class Arrival(SpoolTest):
@@ -51,19 +46,15 @@ class Arrival(SpoolTest):
         daemon.start()
         for name in ("incoming", "printing", "done", "failed"):
             self.assertTrue(os.path.isdir(self.path("deep", "er", "spool", name)), name)
-        daemon.stop()
 
     def test_a_file_moved_in_is_printed_and_ends_in_done(self):
         daemon = self.daemon().start()
-        daemon.drop("part.stl", SMALL)
-        report = daemon.wait_done("part")
+        report = daemon.printed("part.stl", SMALL)
         self.assertEqual((report["outcome"], report["layers"], report["layers_exposed"]), ("done", 20, 20))
         self.assertEqual(daemon.names_in("done"), ["part.preview.png", "part.report.html", "part.report.json", "part.stl"])
         for folder in ("incoming", "printing", "failed"):
             self.assertEqual(daemon.names_in(folder), [], folder)
-        with open(daemon.file("done", "part.stl"), "rb") as file:
-            self.assertEqual(file.read(), SMALL)
-        daemon.stop()
+        self.assertEqual(contents(daemon.file("done", "part.stl")), SMALL)
 
     def test_a_copy_that_still_grows_is_not_read_yet(self):
         daemon = self.daemon().start()
@@ -75,19 +66,16 @@ class Arrival(SpoolTest):
             self.assertEqual(daemon.names_in("incoming"), ["slow.stl"])
             self.assertEqual(daemon.status()["queued"], 0)
         self.assertEqual(daemon.wait_done("slow")["layers"], 20)
-        daemon.stop()
 
     def test_a_file_that_is_created_empty_and_filled_later_is_printed(self):
         daemon = self.daemon().start()
         path = daemon.file("incoming", "later.stl")
         made = time.monotonic()
-        open(path, "wb").close()
+        self.write(path, b"")
         # The file is filled after two seconds, two looks; an empty file is refused after three.
         self.looks_pass_seconds(made + 2)
-        with open(path, "wb") as file:
-            file.write(SMALL)
+        self.write(path, SMALL)
         self.assertEqual(daemon.wait_done("later")["layers"], 20)
-        daemon.stop()
 
     def test_opening_an_empty_file_repeatedly_does_not_make_it_complete(self):
         # The server of a network share does so between a file's creation and its first byte.
@@ -97,10 +85,8 @@ class Arrival(SpoolTest):
             open(path, "ab").close()
             daemon.status()  # once it answers, the daemon has seen the events
         self.assertEqual(daemon.names_in("incoming"), ["touched.stl"])
-        with open(path, "wb") as file:
-            file.write(SMALL)
+        self.write(path, SMALL)
         self.assertEqual(daemon.wait_done("touched")["layers"], 20)
-        daemon.stop()
 
     def looks_pass_seconds(self, until):
         """Waits until this time. The test is about time, so there is no event to wait for."""
@@ -108,25 +94,20 @@ class Arrival(SpoolTest):
 
     def test_a_file_that_stays_empty_is_refused(self):
         daemon = self.daemon().start()
-        open(daemon.file("incoming", "empty.stl"), "wb").close()
+        self.write(daemon.file("incoming", "empty.stl"), b"")
         self.assertIn("empty", daemon.wait_refused("empty"))
-        daemon.stop()
 
     def test_a_hard_link_is_printed(self):
         daemon = self.daemon().start()
         original = self.write("original.stl", SMALL)
         os.link(original, os.fsencode(daemon.file("incoming", "linked.stl")))
         daemon.wait_done("linked")
-        with open(original, "rb") as file:
-            self.assertEqual(file.read(), SMALL)
-        daemon.stop()
+        self.assertEqual(contents(original), SMALL)
 
     def test_a_file_copied_in_at_once_is_printed(self):
         daemon = self.daemon().start()
-        with open(daemon.file("incoming", "copied.stl"), "wb") as file:
-            file.write(SMALL)
+        self.write(daemon.file("incoming", "copied.stl"), SMALL)
         daemon.wait_done("copied")
-        daemon.stop()
 
     def test_files_from_before_the_start_are_printed_oldest_first(self):
         daemon = self.daemon()
@@ -136,24 +117,22 @@ class Arrival(SpoolTest):
         daemon.start()
         started = []
         for _ in names:
-            end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "the next job to end")["params"]["last"]
+            end = daemon.wait_next_end()
             self.assertEqual(end["outcome"], "done")
             started.append(end["job"])
         self.assertEqual(started, names)
-        daemon.stop()
 
     def test_jobs_are_printed_in_order_of_arrival(self):
         daemon = self.printing_daemon()
         names = ["c", "a", "d", "b"]
         for name in names:
             daemon.drop(name + ".stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == 4, "four jobs in the queue")
+        daemon.wait_status("queued", 4)
         self.assertEqual(daemon.rpc("queue")["result"]["queue"], [name + ".stl" for name in names])
         for following in names:
             daemon.rpc("cancel")
             daemon.wait_state("exposing")
             self.assertEqual(daemon.status()["job"]["name"], following)
-        daemon.stop()
 
     def test_an_upper_case_extension_is_a_model_too(self):
         daemon = self.daemon().start()
@@ -162,47 +141,41 @@ class Arrival(SpoolTest):
         self.assertEqual(daemon.wait_done("LOUD")["model"]["copies"], 2)
         self.assertEqual(daemon.wait_done("mixed")["model"]["format"], "ascii")
         self.assertEqual(daemon.names_in("incoming"), [])
-        daemon.stop()
 
     def test_other_files_are_left_alone(self):
         daemon = self.daemon().start()
         others = [".hidden.stl", "notes.txt", "part.stl.part", "part.obj", "stl", ".stl", "orphan.json"]
         for name in others:
             daemon.drop(name, SMALL)
-        daemon.drop("real.stl", SMALL)
-        daemon.wait_done("real")
+        daemon.printed("real.stl", SMALL)
         self.looks_pass(daemon, "empty")
         self.assertEqual(daemon.names_in("incoming"), sorted(others))
-        daemon.stop()
 
     def test_a_file_withdrawn_from_the_queue_is_not_printed(self):
         daemon = self.printing_daemon()
         daemon.drop("second.stl", SMALL)
         daemon.drop("third.stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == 2, "two jobs in the queue")
+        daemon.wait_status("queued", 2)
         os.rename(daemon.file("incoming", "second.stl"), self.path("taken.stl"))
-        wait_until(lambda: daemon.status()["queued"] == 1, "one job in the queue")
+        daemon.wait_status("queued", 1)
         daemon.rpc("cancel")
         daemon.wait_state("exposing")
         self.assertEqual(daemon.status()["job"]["name"], "third")
-        daemon.stop()
 
     def test_a_queued_file_that_is_being_overwritten_waits_until_it_is_complete(self):
         daemon = self.printing_daemon()
         daemon.drop("second.stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
+        daemon.wait_status("queued", 1)
         larger = binary_stl(box((0, 0, 0), (10, 5, 2)))
         with open(daemon.file("incoming", "second.stl"), "wb", buffering=0) as file:
             file.write(larger[:300])
-            daemon.rpc("cancel")
-            daemon.wait_ended("first")
+            daemon.cancel("first")
             self.looks_pass(daemon, "empty")
             self.assertEqual(daemon.names_in("incoming"), ["second.stl"])
             self.assertFalse(daemon.has("failed", "second.stl"))
             file.write(larger[300:])
         daemon.wait_state("exposing")
         self.assertEqual(daemon.status()["job"]["layers"], 40)
-        daemon.stop()
 
     def test_a_queued_file_that_was_replaced_is_printed_with_its_new_contents(self):
         daemon = self.printing_daemon()
@@ -211,7 +184,6 @@ class Arrival(SpoolTest):
         daemon.rpc("cancel")
         daemon.wait_state("exposing")
         self.assertEqual(daemon.status()["job"]["layers"], 40)
-        daemon.stop()
 
     def test_none_of_many_files_at_once_is_lost(self):
         daemon = self.daemon().start()
@@ -221,12 +193,16 @@ class Arrival(SpoolTest):
             daemon.drop(name + ".stl", tiny if int(name[4:]) % 3 else b"no model, number " + name.encode())
         ends = {}
         while len(ends) < len(names):
-            end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "the next job to end")["params"]["last"]
+            end = daemon.wait_next_end()
             ends[end["job"]] = end["outcome"]
         self.assertEqual(ends, {name: "done" if int(name[4:]) % 3 else "failed" for name in names})
         for name, outcome in ends.items():
             self.assertTrue(daemon.has(outcome, name + ".stl"), name)
-        daemon.stop()
+
+    def test_a_waiting_job_is_refused_before_its_turn(self):
+        daemon = self.printing_daemon()
+        daemon.refused("bad.stl", b"no model")
+        self.assertEqual(daemon.status()["state"], "exposing")
 
 
 class Ticket(SpoolTest):
@@ -237,8 +213,7 @@ class Ticket(SpoolTest):
         self.printer.start()
 
     def printed(self, ticket, data=None):
-        self.printer.drop("part.stl", data or binary_stl(box((0, 0, 0), (10, 20, 2))), ticket)
-        report = self.printer.wait_done("part")
+        report = self.printer.printed("part.stl", data or binary_stl(box((0, 0, 0), (10, 20, 2))), ticket)
         self.assertTrue(self.printer.has("done", "part.json"))
         self.printer.stop()
         return report
@@ -248,21 +223,6 @@ class Ticket(SpoolTest):
         self.assertEqual((report["layers"], report["layer_height_um"], report["resin"]), (40, 50, "standard"))
         self.assertEqual(report["model"]["size_mm"], [10, 20, 2])
 
-    def test_the_layer_height_of_a_ticket_is_used(self):
-        report = self.printed({"layer_height_um": 80})
-        self.assertEqual((report["layers"], report["layer_height_um"]), (25, 80))
-
-    def test_the_resin_of_a_ticket_is_used(self):
-        report = self.printed({"resin": "thick"})
-        self.assertEqual((report["resin"], report["layers"], report["layer_height_um"]), ("thick", 20, 100))
-        self.assertEqual(report["layer_records"][1]["exposure_asked_ms"], 2000)
-
-    def test_the_scale_of_a_ticket_is_used(self):
-        report = self.printed({"scale": 1.5})
-        self.assertEqual(report["model"]["size_mm"], [15, 30, 3])
-        self.assertEqual(report["layers"], 60)
-        self.assertAlmostEqual(report["layer_records"][5]["area_mm2"], 450, delta=1e-6)
-
     def test_fit_fills_the_display(self):
         # 1080 pixels of 50 um less one (equation 3.8) for the 20 mm along y.
         report = self.printed({"fit": True})
@@ -270,49 +230,41 @@ class Ticket(SpoolTest):
         for found, expected in zip(report["model"]["size_mm"], (10 * factor, 20 * factor, 2 * factor)):
             self.assertAlmostEqual(found, expected, delta=1e-5)  # float coordinates
 
-    def test_copies_are_printed_side_by_side(self):
-        report = self.printed({"copies": 6})
-        self.assertEqual(report["model"]["copies"], 6)
-        for layer in report["layer_records"]:
-            self.assertAlmostEqual(layer["area_mm2"], 6 * 200, delta=1e-6)
-
-    def test_the_rotation_of_a_ticket_is_used(self):
-        report = self.printed({"rotation_deg": {"x": 90}})
-        self.assertEqual(report["model"]["size_mm"], [10, 2, 20])  # quarter turns are exact
-        self.assertEqual(report["layers"], 400)
-
     def test_all_settings_of_a_ticket_together(self):
         report = self.printed({"resin": "thick", "layer_height_um": 50, "scale": 0.5, "copies": 2,
                                "rotation_deg": {"x": 0, "y": 90, "z": 90}, "position_mm": {"x": -3.5, "y": 4}})  # fmt: skip
         self.assertEqual(report["model"]["position_mm"], [-3.5, 4])
         self.assertEqual(report["model"]["rotation_deg"], [0, 90, 90])
         self.assertEqual(report["model"]["size_mm"], [10, 1, 5])
-        self.assertEqual(report["layers"], 100)
-        self.assertAlmostEqual(report["layer_records"][0]["area_mm2"], 20, delta=1e-6)
+        self.assertEqual((report["layers"], report["layer_height_um"], report["resin"]), (100, 50, "thick"))
+        self.assertEqual(report["layer_records"][1]["exposure_asked_ms"], 2000)
+        for layer in report["layer_records"]:
+            self.assertAlmostEqual(layer["area_mm2"], 20, delta=1e-6)
 
 
-class Refusal(SpoolTest):
+class RefusingTest(SpoolTest):
+    """The next job is printed after each of these tests."""
+
     def setUp(self):
         super().setUp()
         self.printer = self.daemon().start()
 
+    def tearDown(self):
+        self.printer.printed("good.stl", SMALL)
+
+
+class Refusal(RefusingTest):
     def refused(self, name, data, ticket=None, *words):
         """Drops a file that must be refused, and returns the reason, which must contain the words."""
         self.printer.drop(name, data, ticket)
         stem = os.path.splitext(name)[0]
         reason = self.printer.wait_refused(stem)
-        for word in words:
-            self.assertIn(word, reason)
+        self.assert_words(reason, *words)
         self.assertTrue(self.printer.has("failed", stem + ".stl"))
         if ticket is not None:
             self.assertTrue(self.printer.has("failed", stem + ".json"))
         self.assertEqual(self.printer.names_in("incoming") + self.printer.names_in("printing"), [])
         return reason
-
-    def still_prints(self):
-        self.printer.drop("good.stl", SMALL)
-        self.printer.wait_done("good")
-        self.printer.stop()
 
     def test_a_malformed_ticket_refuses_only_its_job(self):
         tickets = {
@@ -338,18 +290,14 @@ class Refusal(SpoolTest):
             with self.subTest(name):
                 reason = self.refused(name + ".stl", SMALL, ticket)
                 self.assertLess(len(reason), 2000)
-        self.still_prints()
 
     def test_the_reason_names_every_mistake_of_a_ticket(self):
         reason = self.refused("part.stl", SMALL, {"copies": 0, "scale": -1, "colour": "red", "rotation_deg": {"x": 999}})
-        for word in ("/copies", "/scale", "colour", "/rotation_deg/x"):
-            self.assertIn(word, reason)
-        self.still_prints()
+        self.assert_words(reason, "/copies", "/scale", "colour", "/rotation_deg/x")
 
     def test_the_reason_about_an_unknown_resin_lists_the_known_ones(self):
         self.printer.write_resin("clear", {})
         self.refused("part.stl", SMALL, {"resin": "gold"}, "gold", "standard", "clear")
-        self.still_prints()
 
     def test_a_model_too_large_is_refused_with_both_sizes(self):
         self.refused("wide.stl", binary_stl(box((0, 0, 0), (97, 10, 10))), None, "97", "96")
@@ -357,32 +305,19 @@ class Refusal(SpoolTest):
         self.refused("tall.stl", binary_stl(box((0, 0, 0), (10, 10, 155))), None, "155", "154")
         self.refused("beside.stl", SMALL, {"position_mm": {"x": 44, "y": 0}}, "44")
         self.refused("many.stl", binary_stl(box((0, 0, 0), (30, 30, 1))), {"copies": 100}, "100")
-        self.still_prints()
 
     def test_a_model_as_large_as_the_machine_is_printed(self):
-        self.printer.drop("full.stl", binary_stl(box((0, 0, 0), (96, 54, 1))))
-        self.printer.wait_done("full")
-        self.still_prints()
+        self.printer.printed("full.stl", binary_stl(box((0, 0, 0), (96, 54, 1))))
 
     def test_a_model_without_height_or_facets_is_refused(self):
         self.refused("flat.stl", binary_stl([((0, 0, 5), (9, 0, 5), (0, 9, 5))]), None, "flat")
         self.refused("none.stl", binary_stl([]), None, "no facets")
         self.refused("thin.stl", binary_stl(box((0, 0, 0), (9, 9, 1e-5))), None)
-        self.still_prints()
 
     def test_damaged_files_are_refused(self):
         self.refused("cut.stl", SMALL[:-20], None, "cut short")
         self.refused("junk.stl", b"MZ" + bytes(1000), None)
         self.refused("text.stl", b"solid\nhello\n", None, "line 2")
-        self.still_prints()
-
-    def test_a_waiting_job_is_refused_before_its_turn(self):
-        self.printer.stop()
-        self.printer = self.printing_daemon()
-        self.printer.drop("bad.stl", b"no model")
-        self.printer.wait_refused("bad")
-        self.assertEqual(self.printer.status()["state"], "exposing")
-        self.printer.stop()
 
     def test_names_that_were_used_before_get_numbers(self):
         for number in range(3):
@@ -396,48 +331,41 @@ class Refusal(SpoolTest):
             self.assertTrue(self.printer.has("done", name))
         for name in ("part-4.stl", "part-5.stl"):
             self.assertTrue(self.printer.has("failed", name))
-        self.still_prints()
 
     def test_a_job_named_like_another_job_s_report_overwrites_nothing(self):
-        self.printer.drop("part.stl", SMALL)
-        self.printer.wait_done("part")
+        self.printer.printed("part.stl", SMALL)
         before = self.printer.read("done", "part.report.json")
         self.printer.drop("part.report.stl", SMALL, {"copies": 2})
-        self.printer.watcher.wait_for(lambda m: m.get("method") == "ended", "the job to end")
+        self.printer.wait_next_end()
         self.assertEqual(self.printer.read("done", "part.report.json"), before)
-        self.still_prints()
 
     def test_odd_names_are_printed_or_refused_like_any_other(self):
         names = ["two words", "new\nline", "percent %s {} {0}", "<img src=x onerror=alert(1)>", "Geräte-部品", "-dash", "--",
                  "'\"`$(x)", "a.b.c", "tab\there", "trailing ", "back\\slash"]  # fmt: skip
         for name in names:
             with self.subTest(name):
-                self.printer.drop(name + ".stl", SMALL)
-                self.printer.wait_done(name)
+                self.printer.printed(name + ".stl", SMALL)
                 self.assertNotIn("<img src=x", self.printer.read("done", name + ".report.html"))
                 self.printer.drop(name + "x.stl", b"no model")
                 self.printer.wait_refused(name + "x")
-        self.still_prints()
 
     def test_a_file_whose_name_is_not_utf_8_is_printed(self):
         path = os.path.join(os.fsencode(self.printer.file("incoming")), b"\xff\xfe\x80.stl")
         os.rename(self.write("staging", SMALL), path)
-        end = self.printer.watcher.wait_for(lambda m: m.get("method") == "ended", "the job to end")["params"]["last"]
+        end = self.printer.wait_next_end()
         self.assertEqual(end["outcome"], "done")
         self.assertIn(b"\xff\xfe\x80.stl", os.listdir(os.fsencode(self.printer.file("done"))))
-        self.still_prints()
 
     def long_name_ends(self, length):
         # A name has at most 255 bytes, so the files of a job with such a name need shorter names.
         for data, folder, suffix in ((SMALL, "done", "report.json"), (b"no model", "failed", "reason.txt")):
             self.printer.drop("n" * (length - 4) + ".stl", data)
-            end = self.printer.watcher.wait_for(lambda m: m.get("method") == "ended", "the job to end", 10)["params"]["last"]
+            end = self.printer.wait_next_end()
             self.assertEqual(end["outcome"], folder)
             self.assertEqual(self.printer.names_in("incoming") + self.printer.names_in("printing"), [])
             names = self.printer.names_in(folder)
             self.assertEqual(len([name for name in names if name.endswith(suffix)]), 1, names)
             self.assertEqual(len([name for name in names if name.endswith(".stl")]), 1, names)
-        self.still_prints()
 
     def test_the_longest_name_is_handled_like_any_other(self):
         self.long_name_ends(255)
@@ -449,32 +377,20 @@ class Refusal(SpoolTest):
         self.long_name_ends(240)
 
 
-class NotAFile(SpoolTest):
+class NotAFile(RefusingTest):
     """Entries of incoming/ that have a model's name, but are no regular files."""
-
-    def setUp(self):
-        super().setUp()
-        self.printer = self.daemon().start()
-
-    def next_is_printed(self):
-        self.printer.drop("good.stl", SMALL)
-        self.printer.wait_done("good")
-        self.printer.stop()
 
     def test_a_folder_does_not_stop_the_next_job(self):
         os.mkdir(self.printer.file("incoming", "folder.stl"))
-        self.next_is_printed()
 
     def test_a_fifo_is_refused(self):
         os.mkfifo(self.printer.file("incoming", "fifo.stl"))
         self.assertIn("regular file", self.printer.wait_refused("fifo"))
-        self.next_is_printed()
 
     def test_a_link_to_nothing_is_refused(self):
         os.symlink("nowhere", self.printer.file("incoming", "dangling.stl"))
         self.printer.wait_refused("dangling")
         self.assertTrue(os.path.islink(self.printer.file("failed", "dangling.stl")))
-        self.next_is_printed()
 
     def test_a_link_to_a_model_or_ticket_is_refused_and_its_target_is_not_read(self):
         original = self.write("original.stl", SMALL)
@@ -483,13 +399,10 @@ class NotAFile(SpoolTest):
             os.symlink(target, self.printer.file("incoming", name + ".stl"))
             self.assertIn("it is a symbolic link", self.printer.wait_refused(name))
         os.symlink(ticket, os.fsencode(self.printer.file("incoming", "ticket.json")))
-        self.printer.drop("ticket.stl", SMALL)
-        reason = self.printer.wait_refused("ticket")
+        reason = self.printer.refused("ticket.stl", SMALL)
         self.assertIn("it is a symbolic link", reason)
         self.assertNotIn("secret", reason)
-        with open(original, "rb") as file:
-            self.assertEqual(file.read(), SMALL)
-        self.next_is_printed()
+        self.assertEqual(contents(original), SMALL)
 
     def test_a_link_in_a_plate_is_refused(self):
         self.write("original.stl", SMALL)
@@ -498,26 +411,20 @@ class NotAFile(SpoolTest):
         self.write("linked/plate.json", json.dumps({"models": [{"file": "part.stl"}]}))
         os.rename(self.path("linked"), self.printer.file("incoming", "linked"))
         self.assertIn("it is a symbolic link", self.printer.wait_refused("linked"))
-        self.next_is_printed()
 
     def test_a_socket_is_refused(self):
         with socket.socket(socket.AF_UNIX) as endpoint:
             endpoint.bind(self.path("s"))
             os.rename(self.path("s"), self.printer.file("incoming", "socket.stl"))
         self.printer.wait_refused("socket")
-        self.next_is_printed()
 
     def test_a_ticket_that_is_no_file_refuses_the_job(self):
         os.mkfifo(self.printer.file("incoming", "fifo.json"))
-        self.printer.drop("fifo.stl", SMALL)
-        self.printer.wait_refused("fifo")
+        self.printer.refused("fifo.stl", SMALL)
         os.mkdir(self.printer.file("incoming", "folder.json"))
-        self.printer.drop("folder.stl", SMALL)
-        self.printer.wait_refused("folder")
+        self.printer.refused("folder.stl", SMALL)
         os.symlink("nowhere", self.printer.file("incoming", "link.json"))
-        self.printer.drop("link.stl", SMALL)
-        self.printer.wait_refused("link")
-        self.next_is_printed()
+        self.printer.refused("link.stl", SMALL)
 
     @unittest.skipIf(os.geteuid() == 0, "permissions do not stop root")
     def test_a_file_that_cannot_be_read_is_refused(self):
@@ -525,7 +432,6 @@ class NotAFile(SpoolTest):
         os.chmod(path, 0)
         os.rename(path, os.fsencode(self.printer.file("incoming", "secret.stl")))
         self.assertIn("ermission", self.printer.wait_refused("secret"))
-        self.next_is_printed()
 
 
 @unittest.skipUnless(os.geteuid() == 0, "only root can run a daemon and a member of its group as users of their own")
@@ -575,14 +481,11 @@ class Members(SpoolTest):
     def is_not_printed_again(self, *jobs):
         """Asserts that the jobs are neither printed nor refused again, now or after a restart."""
         wait_until(lambda: self.printer.status()["deletable"] == list(jobs), "the jobs to be deletable")
-        self.printer.stop()
-        self.printer.start()
-        self.printer.drop("another.stl", SMALL)
-        self.printer.wait_done("another")
+        self.printer.restart()
+        self.printer.printed("another.stl", SMALL)
         wait_until(lambda: self.printer.status()["deletable"] == list(jobs), "the jobs to be deletable")
         for job in jobs:
             self.assertFalse(any(name.startswith(job + "-2") for folder in ("done", "failed") for name in self.printer.names_in(folder)))
-        self.printer.stop()
 
     def test_a_plate_copied_in_is_printed_once_and_may_be_deleted(self):
         self.plate_at_home("plate")
@@ -614,7 +517,6 @@ class Members(SpoolTest):
         self.printer.wait_done("plate-2")
         self.member("rm -r $incoming/plate")
         wait_until(lambda: self.printer.status()["deletable"] == [], "the plate to be forgotten")
-        self.printer.stop()
 
     def cut_off_copy(self):
         """Puts the copy of a printed plate into printing/ again. Returns its inode, and the mark of its original."""
@@ -625,8 +527,7 @@ class Members(SpoolTest):
         os.rename(self.printer.file("done", "plate"), self.printer.file("printing", "plate"))
         for name in self.printer.names_in("done"):
             os.remove(self.printer.file("done", name))
-        with open(self.path("state", "copied-originals"), encoding="utf-8") as file:
-            return os.stat(self.printer.file("printing", "plate")).st_ino, file.read()
+        return os.stat(self.printer.file("printing", "plate")).st_ino, text_of(self.path("state", "copied-originals"))
 
     def test_a_plate_is_not_printed_again_after_a_power_cut_that_followed_its_copy(self):
         inode, mark = self.cut_off_copy()
@@ -651,7 +552,6 @@ class Members(SpoolTest):
         self.member("cp model.stl mine.stl; mv mine.stl $incoming/moved.stl")
         self.printer.wait_done("moved")
         self.assertEqual(self.printer.names_in("incoming"), [])
-        self.printer.stop()
 
     def test_a_bad_plate_is_refused_once(self):
         self.plate_at_home("bad", {"models": [{"file": "part.stl", "colour": "red"}]})
@@ -676,7 +576,6 @@ class Members(SpoolTest):
         reason = self.printer.wait_refused("line\nbreak")
         self.assertIn("Permission denied", reason)
         self.assertEqual(reason.count("\n"), 1, reason)
-        self.printer.stop()
 
     def test_a_bad_plate_is_refused_while_another_job_waits(self):
         # The jobs are checked while they wait in the queue for the plate to be cleared.
@@ -684,15 +583,13 @@ class Members(SpoolTest):
         merge(self.printer.config, WAITS)
         self.printer.write_config()
         self.printer.start()
-        self.printer.drop("first.stl", SMALL)
-        self.printer.wait_done("first")
+        self.printer.printed("first.stl", SMALL)
         self.plate_at_home("bad", {"models": [{"file": "part.stl", "colour": "red"}]})
         self.plate_at_home("good")
         self.member("cp -r bad good $incoming/")
         self.assertIn("colour", self.printer.wait_refused("bad"))
         self.printer.rpc("plate_cleared")
         self.printer.wait_done("good")
-        self.printer.stop()
 
     def flood(self, request=b""):
         """Opens 200 connections of the member, which each send a request and then stay idle."""
@@ -721,9 +618,7 @@ class Members(SpoolTest):
             for _ in range(3):
                 self.assertEqual(self.printer.status()["state"], "idle")
         # The daemon's first watcher, which is root's, is still connected.
-        self.printer.drop("part.stl", SMALL)
-        self.printer.wait_done("part")
-        self.printer.stop()
+        self.printer.printed("part.stl", SMALL)
 
     def test_a_command_is_logged_with_its_user_and_a_query_is_not_logged(self):
         call = [self.contourctl, "cancel", "--socket", self.printer.socket_path]
@@ -734,7 +629,6 @@ class Members(SpoolTest):
         self.assertIn("pause requested by user root (0) (process ", self.printer.log())
         self.printer.status()
         self.assertNotIn("status requested", self.printer.log())
-        self.printer.stop()
 
     def test_a_member_can_neither_replace_nor_remove_the_spools_folders(self):
         for folder in ("incoming", "printing", "done", "failed"):
@@ -742,7 +636,6 @@ class Members(SpoolTest):
                 self.member(f"mv $incoming/../{folder} $incoming/../elsewhere 2>/dev/null")
         with self.assertRaises(subprocess.CalledProcessError):
             self.member("ls $incoming/../../state 2>/dev/null")
-        self.printer.stop()
 
 
 class OddNames(SpoolTest):
@@ -759,8 +652,7 @@ class OddNames(SpoolTest):
     def test_odd_names_reach_terminal_log_and_report_without_control_characters(self):
         daemon = self.daemon().start()
         for odd in self.ODD:
-            daemon.drop(f"good{odd}.stl", SMALL)
-            daemon.wait_done(f"good{odd}")
+            daemon.printed(f"good{odd}.stl", SMALL)
             daemon.drop(f"bad{odd}.stl", f"solid {odd}\nfacet {odd}\n{odd}".encode())
             daemon.wait_ended(f"bad{odd}")
             self.assert_harmless(daemon.ctl("status").stdout, "status")
@@ -777,7 +669,6 @@ class OddNames(SpoolTest):
                     self.assert_harmless(daemon.read(folder, name), name)
         daemon.drop("pause.stl", b"no model")
         daemon.wait_ended("pause")
-        daemon.stop()
 
     @unittest.skipIf(SANITIZED, "AddressSanitizer must be loaded first")
     def test_an_odd_name_in_an_error_of_the_kernel_is_harmless(self):
@@ -788,12 +679,11 @@ class OddNames(SpoolTest):
             os.symlink("nowhere", daemon.file("incoming", f"link{odd}.stl"))
             daemon.wait_ended(f"link{odd}")
             self.assert_harmless(daemon.read("failed", f"link{odd}.reason.txt"), "reason")
-        open(os.path.join(slow, "full"), "wb").close()
+        self.write(os.path.join(slow, "full"), b"")
         for odd in self.ODD:
             daemon.drop(f"bad{odd}.stl", b"no model")
             daemon.wait_ended(f"bad{odd}")
         self.assert_harmless(daemon.log(), "log")
-        daemon.stop()
 
     def test_an_odd_name_of_a_job_that_the_machine_cannot_begin_is_harmless(self):
         daemon = self.daemon(masks=True)
@@ -804,7 +694,6 @@ class OddNames(SpoolTest):
             self.assertEqual(daemon.wait_ended(f"good{odd}")["outcome"], "failed")
             self.assert_harmless(daemon.read("failed", f"good{odd}.reason.txt"), "reason")
         self.assert_harmless(daemon.log(), "log")
-        daemon.stop()
 
 
 class Profiles(SpoolTest):
@@ -815,9 +704,8 @@ class Profiles(SpoolTest):
         self.write(f"resins/{name}.json", json.dumps(broken) if text is None else text)
 
     def waits_for(self, daemon, *words):
-        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "a job to wait")
-        for word in words:
-            self.assertIn(word, status["waiting_for"])
+        status = daemon.wait_status("waiting_for")
+        self.assert_words(status["waiting_for"], *words)
         self.assertNotIn("\n", status["waiting_for"])
         self.assertIn(words[0].encode(), daemon.ctl("status").stdout)
         return status
@@ -827,8 +715,7 @@ class Profiles(SpoolTest):
 
     def analyzed_s(self, daemon, model, *ticket):
         arguments = ["--ticket", *ticket] if ticket else []
-        result = run(CONTOURCTL, "analyze", "--json", model, "--printer", daemon.config_path, *arguments)
-        self.assertEqual(result.returncode, 0, result)
+        result = run(CONTOURCTL, "analyze", "--json", model, "--printer", daemon.config_path, *arguments, expect=0)
         return json.loads(result.stdout)["layer_time_s"]
 
     def cpu_s(self, daemon):
@@ -839,8 +726,7 @@ class Profiles(SpoolTest):
     def test_an_edited_profile_applies_to_every_job_that_is_claimed_afterwards(self):
         daemon = self.daemon().start()
         tall = binary_stl(box((0, 0, 0), (10, 5, 2)))  # 40 layers, more than bottom and fade have
-        daemon.drop("before.stl", tall)
-        self.assertEqual(self.exposure(daemon.wait_done("before")), (3000, 3000))
+        self.assertEqual(self.exposure(daemon.printed("before.stl", tall)), (3000, 3000))
         daemon.write_resin("standard", {"exposure_ms": 3500})
         daemon.drop("none.stl", tall)
         daemon.drop("empty.stl", tall, {})
@@ -859,18 +745,15 @@ class Profiles(SpoolTest):
         daemon.write_resin("standard", {"exposure_ms": 4500})
         # The 25 layers after bottom and fade get the whole additional second, the 10 of the fade half of it on average.
         self.assertAlmostEqual(self.analyzed_s(daemon, model) - edited, 25 + 10 / 2, delta=0.01)
-        daemon.stop()
 
     def test_a_profile_edited_during_a_print_applies_from_the_next_job_on(self):
         daemon = self.printing_daemon()
         daemon.drop("next.stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == 1, "the job in the queue")
+        daemon.wait_status("queued", 1)
         daemon.write_resin("standard", {**NIMBLE_RESIN, "exposure_ms": 2, "bottom_exposure_ms": 2})
-        daemon.rpc("cancel")
-        self.assertEqual(daemon.wait_ended("first")["outcome"], "cancelled")
+        self.assertEqual(daemon.cancel("first")["outcome"], "cancelled")
         self.assertEqual(daemon.report("first", "failed")["settings"]["exposure_ms"], 120000)
         self.assertEqual(self.exposure(daemon.wait_done("next")), (2, 2))
-        daemon.stop()
 
     def test_a_broken_profile_makes_the_queue_wait_until_it_is_corrected(self):
         daemon = self.daemon().start()
@@ -882,7 +765,7 @@ class Profiles(SpoolTest):
                 daemon.drop("one.stl", SMALL)
                 daemon.drop("two.stl", SMALL, {"resin": "standard"})
                 self.waits_for(daemon, "standard", *words, "fixed")
-                wait_until(lambda: daemon.status()["queued"] == 2, "both jobs in the queue")
+                daemon.wait_status("queued", 2)
                 self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), ([], []))
                 daemon.write_resin("standard", {})
                 daemon.wait_done("one")
@@ -894,7 +777,6 @@ class Profiles(SpoolTest):
                 daemon.stop()
                 os.truncate(daemon.log_path, 0)
                 daemon.start()
-        daemon.stop()
 
     def test_a_broken_profile_that_only_a_ticket_names_also_makes_the_queue_wait(self):
         daemon = self.daemon()
@@ -904,34 +786,26 @@ class Profiles(SpoolTest):
         self.waits_for(daemon, "tough", "tough.json", "/lift_mm")
         # Once the file is removed, the other jobs continue.
         os.unlink(daemon.file("incoming", "part.stl"))
-        daemon.drop("other.stl", SMALL)
-        daemon.wait_done("other")
+        daemon.printed("other.stl", SMALL)
         self.assertEqual(daemon.names_in("failed"), [])
-        daemon.stop()
 
     def test_a_ticket_with_an_unknown_profile_is_refused(self):
         daemon = self.daemon().start()
-        daemon.drop("part.stl", SMALL, {"resin": "gold"})
-        reason = daemon.wait_refused("part")
-        for word in ("gold", "standard"):
-            self.assertIn(word, reason)
-        daemon.drop("good.stl", SMALL)
-        daemon.wait_done("good")
-        daemon.stop()
+        reason = daemon.refused("part.stl", SMALL, {"resin": "gold"})
+        self.assert_words(reason, "gold", "standard")
+        daemon.printed("good.stl", SMALL)
 
     def test_a_profile_that_breaks_or_vanishes_while_jobs_wait_gives_a_warning_and_refuses_none(self):
         daemon = self.printing_daemon()
         daemon.write_resin("tough", NIMBLE_RESIN)
         daemon.drop("checked.stl", SMALL, {"resin": "tough"})
-        daemon.drop("bad.stl", b"no model")
-        daemon.wait_refused("bad")  # by then the job before it has been checked
+        daemon.refused("bad.stl", b"no model")  # by then the job before it has been checked
         os.unlink(self.path("resins", "tough.json"))
         self.break_resin("standard")
         daemon.drop("late.stl", SMALL)
         wait_until(lambda: "late.stl: the resin profile" in daemon.log(), "the warning")
         self.assertIsNone(daemon.status()["waiting_for"])  # a print is under way
-        daemon.rpc("cancel")
-        daemon.wait_ended("first")
+        daemon.cancel("first")
         self.waits_for(daemon, "tough")
         daemon.write_resin("tough", NIMBLE_RESIN)
         daemon.wait_done("checked")
@@ -939,7 +813,6 @@ class Profiles(SpoolTest):
         daemon.write_resin("standard", NIMBLE_RESIN)
         daemon.wait_done("late")
         self.assertEqual([name for name in daemon.names_in("failed") if name.endswith(".stl")], ["bad.stl", "first.stl"])
-        daemon.stop()
 
     def test_waiting_for_a_profile_takes_almost_no_processor_time(self):
         daemon = self.daemon().start()
@@ -951,7 +824,6 @@ class Profiles(SpoolTest):
         wait_until(lambda: time.monotonic() >= end, "three seconds to pass")
         # A busy loop would take 3 s; reading a small file once takes far less.
         self.assertLess(self.cpu_s(daemon) - used, 0.3 * SLOWNESS)
-        daemon.stop()
 
     def test_the_configuration_is_read_only_at_the_start(self):
         daemon = self.daemon().start()
@@ -959,14 +831,10 @@ class Profiles(SpoolTest):
         daemon.config["resin"] = "tough"
         daemon.write_resin("tough", {"exposure_ms": 4000})
         daemon.write_config()
-        daemon.drop("part.stl", SMALL)
-        report = daemon.wait_done("part")
+        report = daemon.printed("part.stl", SMALL)
         self.assertEqual((report["resin"], report["settings"]["exposure_ms"]), ("standard", 3000))
-        daemon.stop()
-        daemon.start()
-        daemon.drop("again.stl", SMALL)
-        self.assertEqual(daemon.wait_done("again")["resin"], "tough")
-        daemon.stop()
+        daemon.restart()
+        self.assertEqual(daemon.printed("again.stl", SMALL)["resin"], "tough")
 
 
 class IgnoredFiles(SpoolTest):
@@ -1005,8 +873,7 @@ class IgnoredFiles(SpoolTest):
             self.assertEqual(daemon.log().count(f"{name}: is ignored"), 1)
         self.assertEqual(len(daemon.names_in("incoming")), 12)
         # Each file is logged once, even if others change.
-        daemon.drop("good.stl", SMALL)
-        daemon.wait_done("good")
+        daemon.printed("good.stl", SMALL)
         for name in (*files, "link"):
             os.unlink(daemon.file("incoming", name))
         self.listed(daemon, "folder")
@@ -1015,7 +882,6 @@ class IgnoredFiles(SpoolTest):
         self.listed(daemon)
         self.assertEqual(daemon.log().count("is ignored"), 8)
         self.assertNotIn("upload", daemon.log())
-        daemon.stop()
 
     def test_a_few_of_very_many_unprintable_files_are_listed_and_the_rest_is_counted(self):
         daemon = self.daemon().start()
@@ -1026,29 +892,23 @@ class IgnoredFiles(SpoolTest):
         wait_until(lambda: "more in incoming are ignored" in daemon.log(), "the summary in the log")
         self.assertLess(daemon.log().count("ignored"), 40)
         self.assertNotIn(b"\x1b", daemon.ctl("status").stdout)
-        daemon.drop("good.stl", SMALL)
-        daemon.wait_done("good")
-        daemon.stop()
+        daemon.printed("good.stl", SMALL)
 
 
 class ManyAndLong(SpoolTest):
     def test_a_ticket_with_tens_of_thousands_of_mistakes_has_a_short_reason(self):
         daemon = self.daemon().start()
-        daemon.drop("long.stl", SMALL, "{" + ",".join(f'"{number}":1' for number in range(80000)) + "}")
-        reason = daemon.wait_refused("long")
+        reason = daemon.refused("long.stl", SMALL, "{" + ",".join(f'"{number}":1' for number in range(80000)) + "}")
         self.assertLess(len(reason), 10000)
         self.assertIn("and at least 980 more", reason)
         # Sixty nested objects with keys of a thousand bytes.
         nested = "".join('{"' + "k" * 1000 + '":' for _ in range(60)) + "1" + "}" * 60
-        daemon.drop("deep.stl", SMALL, nested)
-        self.assertLess(len(daemon.wait_refused("deep")), 10000)
+        self.assertLess(len(daemon.refused("deep.stl", SMALL, nested)), 10000)
         self.assertLess(len(daemon.log()), 50000)
-        daemon.stop()
 
     def test_answers_list_the_first_of_many_names_and_count_the_rest(self):
         daemon = self.daemon(WAITS).start()
-        daemon.drop("first.stl", SMALL)
-        daemon.wait_done("first")
+        daemon.printed("first.stl", SMALL)
         for number in range(60):
             os.mkdir(daemon.file("incoming", f"folder{number}"))
         for number in range(1060):
@@ -1058,31 +918,27 @@ class ManyAndLong(SpoolTest):
         queue = daemon.rpc("queue")["result"]
         self.assertEqual((len(queue["queue"]), queue["more"]), (1000, 60))
         self.assertIn(b"and 60 more", daemon.ctl("queue").stdout)
-        daemon.stop()
 
 
 class Outcome(SpoolTest):
     def test_a_print_whose_done_folder_was_removed_is_done(self):
         daemon = self.daemon().start()
         os.rmdir(daemon.file("done"))
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_done("part")
+        daemon.printed("part.stl", SMALL)
         self.assertTrue(daemon.has("done", "part.stl"))
-        daemon.stop()
 
     def test_a_print_that_cannot_be_filed_is_filed_at_the_next_start_with_its_outcome(self):
         daemon = self.daemon().start()
         os.rmdir(daemon.file("done"))
-        open(daemon.file("done"), "wb").close()
+        self.write(daemon.file("done"), b"")
         daemon.drop("part.stl", SMALL)
         self.assertEqual(daemon.wait_ended("part")["outcome"], "done")
         self.assertEqual(daemon.names_in("printing"), ["part.stl"])
         daemon.drop("next.stl", SMALL)
-        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "a job to wait")
+        status = daemon.wait_status("waiting_for")
         self.assertIn("part is not filed yet", status["waiting_for"])
         # Files are read one after the other. A file that is being read when the daemon is killed would not be read again.
-        daemon.drop("last.stl", b"no model")
-        daemon.wait_refused("last")
+        daemon.refused("last.stl", b"no model")
         daemon.kill()
         os.unlink(daemon.file("done"))
         daemon.start()
@@ -1090,7 +946,6 @@ class Outcome(SpoolTest):
         self.assertTrue(daemon.has("done", "part.stl"))
         daemon.wait_done("next")
         self.assertEqual(daemon.names_in("failed"), ["last.reason.txt", "last.stl"])
-        daemon.stop()
 
     def test_partly_written_files_of_a_killed_daemon_are_removed_at_the_start(self):
         daemon = self.daemon().start()
@@ -1098,13 +953,12 @@ class Outcome(SpoolTest):
         left = [daemon.file(folder, ".contourd-0123456789abcdef.new") for folder in ("printing", "done", "failed")]
         left.append(os.path.join(daemon.spool + ".state", ".contourd-0123456789abcdef.new"))
         for path in left:
-            open(path, "wb").close()
+            self.write(path, b"")
         os.mkdir(daemon.file("printing", ".copies"))
-        open(daemon.file("printing", ".copies", "half.stl"), "wb").close()
+        self.write(daemon.file("printing", ".copies", "half.stl"), b"")
         daemon.start()
         self.assertEqual([path for path in left if os.path.lexists(path)], [])
         self.assertEqual(daemon.names_in("printing"), [])
-        daemon.stop()
 
 
 class PlantedFiles(SpoolTest):
@@ -1120,42 +974,34 @@ class PlantedFiles(SpoolTest):
             os.mkfifo(daemon.file(name))
         daemon.drop("bad.stl", b"no model")
         # If a name is taken, a job that ends gets a number.
-        end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "the next job to end")["params"]["last"]
+        end = daemon.wait_next_end()
         self.assertEqual(end["outcome"], "failed")
         daemon.drop("part.stl", SMALL)
-        end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "the next job to end")["params"]["last"]
+        end = daemon.wait_next_end()
         self.assertEqual(end["outcome"], "done")
-        daemon.stop()
-        daemon.start()
+        daemon.restart()
         self.assertEqual(daemon.status()["plate_job"], end["job"])
-        daemon.stop()
 
     def test_files_named_like_the_daemon_s_own_change_neither_queue_nor_plate(self):
         daemon = self.daemon({"wait_for_plate_cleared": True})
         os.makedirs(daemon.spool)
         for name in ("plate-occupied", "queue-held"):
-            with open(daemon.file(name), "w", encoding="utf-8") as file:
-                file.write("something\n")
+            self.write(daemon.file(name), "something\n")
         daemon.start()
         status = daemon.status()
         self.assertEqual((status["held"], status["plate"]), (None, "clear"))
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_done("part")
+        daemon.printed("part.stl", SMALL)
         for name in ("plate-occupied", "queue-held"):
             os.unlink(daemon.file(name))
-        daemon.stop()
-        daemon.start()
+        daemon.restart()
         self.assertEqual(daemon.status()["plate_job"], "part")
-        daemon.stop()
 
     def test_only_the_daemon_can_access_its_own_files(self):
         daemon = self.daemon({"wait_for_plate_cleared": True}).start()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_done("part")
+        daemon.printed("part.stl", SMALL)
         self.assertEqual(os.stat(daemon.spool + ".state").st_mode & 0o777, 0o700)
         # A user who can read the lock file could hold the lock.
         self.assertEqual(os.stat(daemon.file(".lock")).st_mode & 0o777, 0o600)
-        daemon.stop()
 
     def test_the_state_folder_of_the_service_manager_is_used_if_there_is_one(self):
         daemon = self.daemon({"wait_for_plate_cleared": True})
@@ -1163,8 +1009,7 @@ class PlantedFiles(SpoolTest):
         os.chmod(self.path("own"), 0o2775)
         daemon.environment["STATE_DIRECTORY"] = self.path("own")
         daemon.start()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_done("part")
+        daemon.printed("part.stl", SMALL)
         daemon.stop()
         self.assertIn("plate-occupied", os.listdir(self.path("own")))
         self.assertEqual(os.stat(self.path("own")).st_mode & 0o777, 0o700)
@@ -1188,8 +1033,7 @@ class SlowDisk(SpoolTest):
         daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, "exposure_ms": 150, "bottom_exposure_ms": 150})
         slow = daemon.put_on_slow_disk()
         daemon.start()
-        daemon.drop("part.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("part.stl", SMALL)
         return daemon, slow
 
     def goes_on(self, daemon, slow, gate):
@@ -1203,7 +1047,7 @@ class SlowDisk(SpoolTest):
 
     def test_a_refusal_that_waits_for_the_disk_does_not_delay_a_print(self):
         daemon, slow = self.printing_on_slow_disk()
-        open(os.path.join(slow, "writes"), "wb").close()
+        self.write(os.path.join(slow, "writes"), b"")
         daemon.drop("bad.stl", b"no model")
         self.goes_on(daemon, slow, "writes")
         self.assertIn("bad.stl", "".join(daemon.names_in("failed") + daemon.names_in("incoming")))
@@ -1211,16 +1055,14 @@ class SlowDisk(SpoolTest):
         self.assertTrue(daemon.has("failed", "bad.stl"))
         self.assertEqual(daemon.wait_done("part")["layers_exposed"], 20)
         self.assertNotIn("removed from incoming", daemon.log())
-        daemon.stop()
 
     def test_a_file_that_is_removed_while_it_is_refused_leaves_the_queue(self):
         daemon = self.daemon(WAITS)
         slow = daemon.put_on_slow_disk()
         daemon.environment["STATE_DIRECTORY"] = self.path("state")  # on another disk, which answers
         daemon.start()
-        daemon.drop("first.stl", SMALL)
-        daemon.wait_done("first")
-        open(os.path.join(slow, "writes"), "wb").close()
+        daemon.printed("first.stl", SMALL)
+        self.write(os.path.join(slow, "writes"), b"")
         daemon.drop("bad.stl", b"no model")
         wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "the reason file to wait for the disk")
         os.rename(daemon.file("incoming", "bad.stl"), self.path("bad.stl"))
@@ -1231,11 +1073,10 @@ class SlowDisk(SpoolTest):
         wait_until(lambda: daemon.status()["queued"] == 0, "the queue to be empty", 10)
         self.assertIn("bad.stl: removed from incoming by a user", daemon.log())
         self.assertFalse(daemon.has("failed", "bad.reason.txt"))
-        daemon.stop()
 
     def arrives(self, name):
         daemon, slow = self.printing_on_slow_disk()
-        open(os.path.join(slow, "reads"), "wb").close()
+        self.write(os.path.join(slow, "reads"), b"")
         os.rename(self.path(name), daemon.file("incoming", name))
         self.goes_on(daemon, slow, "reads")
         daemon.wait_done("part")
@@ -1262,12 +1103,11 @@ class SlowFiling(SpoolTest):
         slow = daemon.put_on_slow_disk()
         self.gate = os.path.join(slow, gate)
         daemon.start()
-        daemon.drop("first.stl", SMALL)
-        daemon.wait_state("exposing")
-        open(self.gate, "wb").close()
+        daemon.begin("first.stl", SMALL)
+        self.write(self.gate, b"")
         if end:
             daemon.rpc(end)
-        wait_until(lambda: daemon.status()["state"] == "finishing", "the print to end")
+        daemon.wait_status("state", "finishing")
         wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "the archivist to wait for the disk")
         return daemon
 
@@ -1275,7 +1115,7 @@ class SlowFiling(SpoolTest):
         daemon = self.finishing_daemon()
         daemon.drop("next.stl", SMALL)
         self.assertIn("no print", daemon.rpc("cancel")["error"]["message"])
-        status = wait_until(lambda: (lambda s: s if s["queued"] else None)(daemon.status()), "the next job in the queue")
+        status = daemon.wait_status("queued")
         self.assertEqual((status["state"], status["job"]["name"], status["last"]), ("finishing", "first", None))
         self.assertEqual((daemon.names_in("printing"), daemon.names_in("incoming")), (["first.stl"], ["next.stl"]))
         self.assertEqual(daemon.rpc("plate_cleared")["result"]["plate"], "clear")
@@ -1284,12 +1124,11 @@ class SlowFiling(SpoolTest):
         self.assertTrue(daemon.has("failed", "first.stl"))
         daemon.wait_state("exposing")
         self.assertEqual(daemon.status()["job"]["name"], "next")
-        daemon.stop()
 
     def test_a_stop_waits_until_the_print_is_filed(self):
         daemon = self.finishing_daemon()
         daemon.process.send_signal(signal.SIGTERM)
-        wait_until(lambda: daemon.status()["state"] == "finishing", "an answer")
+        daemon.wait_status("state", "finishing")
         os.unlink(self.gate)
         self.assertEqual(daemon.process.wait(30), 0)
         self.assertEqual(daemon.names_in("printing"), [])
@@ -1322,47 +1161,42 @@ class SlowFiling(SpoolTest):
         self.assertIn("was done", daemon.log())
         status = daemon.status()
         self.assertEqual((status["plate_job"], status["held"]), ("first", None))
-        daemon.stop()
 
     def test_a_cancelled_print_that_was_killed_before_it_was_filed_does_not_hold_the_queue(self):
         daemon = self.restarted_after_kill(self.finishing_daemon())
         self.assertIn("Cancelled", daemon.read("failed", "first.reason.txt"))
         self.assertIsNone(daemon.status()["held"])
-        daemon.stop()
 
     def test_a_failed_print_that_was_killed_before_it_was_filed_holds_the_queue_with_its_reason(self):
         # Homing fails, since the limit switch never closes.
-        daemon = self.daemon(merge(json.loads(json.dumps(REALTIME)), {"simulation": {"limit_switch": "stuck_open"}}), NIMBLE_RESIN)
+        daemon = self.daemon(realtime(simulation={"limit_switch": "stuck_open"}), NIMBLE_RESIN)
         slow = daemon.put_on_slow_disk()
         self.gate = os.path.join(slow, "pictures")
-        open(self.gate, "wb").close()
+        self.write(self.gate, b"")
         daemon.start()
         daemon.drop("first.stl", SMALL)
         wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "the archivist to wait for the disk")
         self.restarted_after_kill(daemon)
         self.assertIn("homing failed", daemon.read("failed", "first.reason.txt"))
         self.assertIn("homing failed", daemon.status()["held"])
-        daemon.stop()
 
     def test_a_print_that_was_killed_before_its_outcome_was_stored_counts_as_interrupted(self):
         daemon = self.restarted_after_kill(self.finishing_daemon("writes"))
         self.assertIn("interrupted", daemon.read("failed", "first.reason.txt"))
         self.assertIn("first", daemon.status()["held"])
-        daemon.stop()
 
 
 @unittest.skipIf(SANITIZED, "AddressSanitizer must be loaded first")
 class DiskThatTakesNothing(SpoolTest):
-    def printing_daemon(self, config=None):
-        daemon = self.daemon(merge(json.loads(json.dumps(REALTIME)), config or {}), {**NIMBLE_RESIN, **ENDLESS})
+    def printing_daemon(self, **config):
+        daemon = self.daemon(realtime(**config), {**NIMBLE_RESIN, **ENDLESS})
         self.slow = daemon.put_on_slow_disk()
         daemon.start()
-        daemon.drop("first.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("first.stl", SMALL)
         return daemon
 
     def becomes(self, state):
-        open(os.path.join(self.slow, state), "wb").close()
+        self.write(os.path.join(self.slow, state), b"")
 
     def is_repaired(self, state):
         os.unlink(os.path.join(self.slow, state))
@@ -1370,12 +1204,10 @@ class DiskThatTakesNothing(SpoolTest):
     def test_a_print_cancelled_on_a_full_disk_is_filed_without_its_reason(self):
         daemon = self.printing_daemon()
         self.becomes("full")
-        daemon.rpc("cancel")
-        daemon.wait_ended("first")
+        daemon.cancel("first")
         self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), ([], ["first.stl"]))
         self.assertIn("cannot write its reason file", daemon.log())
         self.assertIn("no report", daemon.log())
-        daemon.stop()
 
     def restarts_on_a_disk_that_is(self, state):
         """Kills a daemon during a print and restarts it on this disk, twice. No job begins and nothing is lost; once the disk is
@@ -1383,15 +1215,14 @@ class DiskThatTakesNothing(SpoolTest):
         daemon = self.printing_daemon()
         daemon.drop("next.stl", SMALL)
         # A file that is being read when the daemon is killed would not be read again.
-        daemon.drop("bad.stl", b"no model")
-        daemon.wait_refused("bad")
+        daemon.refused("bad.stl", b"no model")
         for name in ("bad.stl", "bad.reason.txt"):
             os.unlink(daemon.file("failed", name))
         self.becomes(state)
         for _ in range(2):
             daemon.kill()
             daemon.start()
-            status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "a job to wait")
+            status = daemon.wait_status("waiting_for")
             self.assertEqual((status["plate_job"], status["queued"]), ("first", 1))
             self.assertIn("first", status["held"])
             self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), (["first.stl"], []))
@@ -1430,23 +1261,20 @@ class DiskThatTakesNothing(SpoolTest):
         self.becomes("printing-read-only")
         for name in ("one", "two"):
             daemon.drop(name + ".stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == 2, "two jobs in the queue")
-        daemon.rpc("cancel")
-        daemon.wait_ended("first")
-        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "a job to wait")
+        daemon.wait_status("queued", 2)
+        daemon.cancel("first")
+        status = daemon.wait_status("waiting_for")
         self.assertEqual(status["queued"], 2)
         self.assertIn("one.stl cannot be claimed", status["waiting_for"])
         for name in ("three", "four"):  # each arrival makes the daemon try the first job again
             daemon.drop(name + ".stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == 4, "four jobs in the queue")
+        daemon.wait_status("queued", 4)
         self.assertEqual(daemon.log().count("cannot be claimed"), 1, daemon.log())
         self.is_repaired("printing-read-only")
-        daemon.drop("five.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("five.stl", SMALL)
         self.assertEqual(daemon.status()["job"]["name"], "one")
         self.assertIsNone(daemon.status()["waiting_for"])
         self.assertEqual(daemon.rpc("queue")["result"]["queue"], ["two.stl", "three.stl", "four.stl", "five.stl"])
-        daemon.stop()
 
     def test_a_print_goes_on_if_incoming_is_removed_and_cannot_be_made_again(self):
         daemon = self.printing_daemon()
@@ -1457,9 +1285,8 @@ class DiskThatTakesNothing(SpoolTest):
         self.is_repaired("read-only")
         wait_until(lambda: daemon.has("incoming"), "the new incoming folder")
         daemon.drop("next.stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
+        daemon.wait_status("queued", 1)
         self.assertEqual(daemon.log().count("incoming folder"), 1)
-        daemon.stop()
 
 
 class TicketOfTwoModels(SpoolTest):
@@ -1476,7 +1303,6 @@ class TicketOfTwoModels(SpoolTest):
         for job in ("part", "part-2"):
             self.assertEqual(daemon.read("done", job + ".json"), self.TICKET.decode())
         self.assertEqual(daemon.names_in("incoming"), [])
-        daemon.stop()
 
     def test_the_ticket_is_kept_for_the_second_model_if_the_first_is_refused(self):
         daemon = self.printing_daemon()
@@ -1487,9 +1313,7 @@ class TicketOfTwoModels(SpoolTest):
         daemon.rpc("cancel")
         daemon.wait_state("exposing")
         self.assertEqual(daemon.status()["job"]["layers"], 10)
-        daemon.rpc("cancel")
-        daemon.wait_ended("part-2")
-        daemon.stop()
+        daemon.cancel("part-2")
 
     def test_a_ticket_that_is_a_fifo_refuses_a_model_and_the_next_job_is_printed(self):
         daemon = self.daemon()
@@ -1498,17 +1322,14 @@ class TicketOfTwoModels(SpoolTest):
         os.mkfifo(daemon.file("incoming", "part.json"))
         daemon.start()
         daemon.wait_refused("part")
-        daemon.drop("next.stl", SMALL)
-        daemon.wait_done("next")
-        daemon.stop()
+        daemon.printed("next.stl", SMALL)
 
 
 class ReplacedFolders(SpoolTest):
     WATCHED = "the new folder is watched"
 
     def put(self, daemon, name, data=SMALL, folder="incoming"):
-        with open(daemon.file(folder, name), "wb") as file:
-            file.write(data)
+        self.write(daemon.file(folder, name), data)
 
     def printed(self, daemon, name):
         self.put(daemon, name + ".stl")
@@ -1525,11 +1346,10 @@ class ReplacedFolders(SpoolTest):
         large = self.path("large.stl")
         self.assertEqual(run(MAKE_MODEL, "gyroid-sphere", large, "120").returncode, 0)
         daemon.start()
-        with open(large, "rb") as file:
-            data = file.read()
+        data = contents(large)
         self.put(daemon, "big.json", b"{}")
         self.put(daemon, "big.stl", data)
-        wait_until(lambda: daemon.status()["state"] == "preparing", "the model to be read")
+        daemon.wait_status("state", "preparing")
         meanwhile()
         self.assertEqual(daemon.status()["state"], "preparing", "the model is read too fast for this test")
         daemon.stop()
@@ -1544,7 +1364,6 @@ class ReplacedFolders(SpoolTest):
         self.put(daemon, "late.stl", folder="old")
         self.printed(daemon, "next")
         self.assertTrue(daemon.has("old", "late.stl"))
-        daemon.stop()
 
     def test_jobs_of_the_old_folder_leave_the_queue_and_jobs_of_the_new_one_arrive(self):
         daemon = self.printing_daemon()
@@ -1556,7 +1375,6 @@ class ReplacedFolders(SpoolTest):
         os.rename(daemon.file("other"), daemon.file("incoming"))
         wait_until(lambda: daemon.rpc("queue")["result"]["queue"] == ["new.stl"], "only the new folder's job in the queue")
         self.assertEqual(daemon.status()["state"], "exposing")
-        daemon.stop()
 
     def test_jobs_that_were_removed_while_events_were_lost_leave_the_queue(self):
         daemon = self.printing_daemon()
@@ -1576,7 +1394,6 @@ class ReplacedFolders(SpoolTest):
         os.kill(daemon.process.pid, signal.SIGCONT)
         wait_until(lambda: daemon.rpc("queue")["result"]["queue"] == ["new.stl"], "only the new job in the queue")
         wait_until(lambda: not daemon.status()["incomplete"], "the plate to be removed")
-        daemon.stop()
 
     def test_a_spool_that_was_replaced_is_locked_and_watched(self):
         daemon = self.daemon().start()
@@ -1588,7 +1405,6 @@ class ReplacedFolders(SpoolTest):
         second.launch()
         self.assertNotEqual(second.process.wait(), 0)
         self.assertIn("another contourd uses the spool", second.log())
-        daemon.stop()
 
     def test_a_print_whose_spool_was_replaced_ends_and_the_queue_goes_on(self):
         daemon = self.printing_daemon()
@@ -1596,13 +1412,11 @@ class ReplacedFolders(SpoolTest):
         os.mkdir(daemon.spool)
         wait_until(lambda: self.WATCHED in daemon.log(), "the new folder to be watched")
         self.assertEqual(daemon.status()["state"], "exposing")
-        daemon.rpc("cancel")
-        daemon.wait_ended("first")
+        daemon.cancel("first")
         self.put(daemon, "next.stl")
         daemon.wait_state("exposing")
         self.assertEqual(daemon.status()["job"]["name"], "next")
         self.assertTrue(os.path.exists(os.path.join(daemon.spool + ".old", "printing", "first.stl")))
-        daemon.stop()
 
     def test_a_spool_of_another_daemon_is_left_to_it(self):
         daemon = self.daemon().start()
@@ -1616,7 +1430,6 @@ class ReplacedFolders(SpoolTest):
             self.assertNotIn(self.WATCHED, daemon.log())
         wait_until(lambda: self.WATCHED in daemon.log(), "the new folder to be watched")
         self.printed(daemon, "part")
-        daemon.stop()
 
     def test_a_mount_over_incoming_is_watched_and_after_unmounting_the_folder_below_it(self):
         daemon = self.daemon().start()
@@ -1629,7 +1442,6 @@ class ReplacedFolders(SpoolTest):
         subprocess.run(["umount", daemon.file("incoming")], check=True)
         wait_until(lambda: daemon.log().count(self.WATCHED) == 2, "the old folder to be watched again")
         self.printed(daemon, "under")
-        daemon.stop()
 
     def test_a_job_that_has_not_begun_returns_to_a_mounted_incoming_folder(self):
         daemon = self.daemon()
@@ -1650,71 +1462,59 @@ class Plate(SpoolTest):
         daemon.drop("one.stl", SMALL)
         daemon.drop("two.stl", SMALL)
         daemon.wait_done("one")
-        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "a job to wait")
+        status = daemon.wait_status("waiting_for")
         self.assertEqual((status["plate"], status["plate_job"], status["queued"]), ("occupied", "one", 1))
         self.assertIn("plate-cleared", status["waiting_for"])
         self.assertEqual(daemon.names_in("incoming"), ["two.stl"])
         self.assertNotIn("error", daemon.rpc("plate_cleared"))
         daemon.wait_done("two")
         self.assertIsNone(daemon.status()["waiting_for"])
-        daemon.stop()
 
     def test_a_restart_does_not_clear_the_plate(self):
         daemon = self.daemon(WAITS).start()
-        daemon.drop("one.stl", SMALL)
-        daemon.wait_done("one")
+        daemon.printed("one.stl", SMALL)
         for end in (daemon.stop, daemon.kill):
             end()
             daemon.drop("two.stl", SMALL)
             daemon.start()
-            status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "a job to wait")
+            status = daemon.wait_status("waiting_for")
             self.assertEqual((status["plate_job"], status["queued"]), ("one", 1))
             self.assertEqual(daemon.names_in("incoming"), ["two.stl"])
         daemon.rpc("plate_cleared")
         daemon.wait_done("two")
-        daemon.stop()
-        daemon.start()
+        daemon.restart()
         self.assertEqual(daemon.status()["plate_job"], "two")
-        daemon.stop()
 
     def test_a_cleared_plate_stays_clear_after_a_restart(self):
         daemon = self.daemon(WAITS).start()
-        daemon.drop("one.stl", SMALL)
-        daemon.wait_done("one")
+        daemon.printed("one.stl", SMALL)
         daemon.rpc("plate_cleared")
         daemon.kill()
         daemon.start()
         self.assertEqual(daemon.status()["plate"], "clear")
-        daemon.drop("two.stl", SMALL)
-        daemon.wait_done("two")
-        daemon.stop()
+        daemon.printed("two.stl", SMALL)
 
     def test_a_refused_job_leaves_the_plate_clear(self):
         daemon = self.daemon(WAITS).start()
-        daemon.drop("bad.stl", b"no model")
-        daemon.wait_refused("bad")
+        daemon.refused("bad.stl", b"no model")
         self.assertEqual(daemon.status()["plate"], "clear")
-        daemon.drop("good.stl", SMALL)
-        daemon.wait_done("good")
-        daemon.stop()
+        daemon.printed("good.stl", SMALL)
 
     def test_with_an_empty_queue_the_status_shows_no_wait(self):
         daemon = self.daemon(WAITS).start()
-        daemon.drop("one.stl", SMALL)
-        daemon.wait_done("one")
+        daemon.printed("one.stl", SMALL)
         daemon.drop("two.stl", SMALL)
-        wait_until(lambda: daemon.status()["waiting_for"], "a job to wait")
+        daemon.wait_status("waiting_for")
         os.unlink(daemon.file("incoming", "two.stl"))
-        wait_until(lambda: daemon.status()["queued"] == 0, "the queue to be empty")
+        daemon.wait_status("queued", 0)
         self.assertIsNone(daemon.status()["waiting_for"])
         daemon.rpc("plate_cleared")
         self.assertIsNone(daemon.status()["waiting_for"])
-        daemon.stop()
 
 
 class Interruption(SpoolTest):
     def test_a_killed_print_is_found_in_failed_at_the_next_start(self):
-        daemon = self.printing_daemon(WAITS)
+        daemon = self.printing_daemon(**WAITS)
         self.assertEqual(daemon.names_in("printing"), ["first.stl"])
         daemon.kill()
         self.assertEqual(daemon.names_in("printing"), ["first.stl"])
@@ -1725,10 +1525,9 @@ class Interruption(SpoolTest):
         status = daemon.status()
         self.assertEqual((status["state"], status["plate"], status["plate_job"]), ("idle", "occupied", "first"))
         daemon.drop("next.stl", SMALL)
-        wait_until(lambda: daemon.status()["waiting_for"], "a job to wait")
+        daemon.wait_status("waiting_for")
         daemon.rpc("plate_cleared")
         daemon.wait_state("exposing")
-        daemon.stop()
 
     def next_waits_after(self, end):
         """Asserts that the next job does not begin after a restart until the user resumes, even if no plate must be cleared."""
@@ -1763,16 +1562,14 @@ class Interruption(SpoolTest):
     def test_a_killed_print_keeps_its_ticket(self):
         daemon = self.printing_daemon()
         daemon.rpc("cancel")
-        daemon.drop("second.stl", SMALL, {"copies": 2})
-        daemon.wait_state("exposing")
+        daemon.begin("second.stl", SMALL, {"copies": 2})
         daemon.kill()
         daemon.start()
         self.assertTrue(daemon.has("failed", "second.stl"))
         self.assertEqual(json.loads(daemon.read("failed", "second.json")), {"copies": 2})
-        daemon.stop()
 
     def end_by_signal(self, number):
-        daemon = self.printing_daemon(WAITS)
+        daemon = self.printing_daemon(**WAITS)
         daemon.process.send_signal(number)
         self.assertEqual(daemon.process.wait(30), 0)
         self.assertIn("light off", daemon.log().splitlines()[-1])
@@ -1788,10 +1585,8 @@ class Interruption(SpoolTest):
     def test_sigterm_ends_a_print_with_the_light_off_and_a_restart_works(self):
         daemon = self.end_by_signal(signal.SIGTERM)
         daemon.rpc("plate_cleared")
-        daemon.drop("next.stl", SMALL)
-        daemon.wait_state("exposing")
+        daemon.begin("next.stl", SMALL)
         self.assertEqual(daemon.status()["job"]["name"], "next")
-        daemon.stop()
 
     def test_sigint_ends_a_print_with_the_light_off(self):
         self.end_by_signal(signal.SIGINT).stop()
@@ -1800,28 +1595,22 @@ class Interruption(SpoolTest):
         # The layer was exposed in part, so something may stick to the plate.
         daemon = self.end_by_signal(signal.SIGTERM)
         self.assertEqual(daemon.status()["plate"], "occupied")
-        daemon.stop()
 
     def test_a_print_cancelled_in_its_first_exposure_leaves_the_plate_occupied(self):
-        daemon = self.printing_daemon(WAITS)
-        daemon.rpc("cancel")
-        daemon.wait_ended("first")
+        daemon = self.printing_daemon(**WAITS)
+        daemon.cancel("first")
         self.assertEqual(daemon.status()["plate"], "occupied")
-        daemon.stop()
 
     def test_a_job_that_fails_before_its_first_exposure_does_not_clear_the_plate(self):
         daemon = self.daemon().start()
-        daemon.drop("one.stl", SMALL)
-        daemon.wait_done("one")
+        daemon.printed("one.stl", SMALL)
         daemon.stop()
         daemon.config["simulation"]["limit_switch"] = "stuck_open"
         daemon.write_config()
         daemon.start()
-        daemon.drop("two.stl", SMALL)
-        daemon.wait_refused("two")
+        daemon.refused("two.stl", SMALL)
         status = daemon.status()
         self.assertEqual((status["plate"], status["plate_job"]), ("occupied", "one"))
-        daemon.stop()
 
     def test_a_job_that_is_being_read_at_sigterm_is_printed_at_the_next_start(self):
         large = self.path("large.stl")
@@ -1836,7 +1625,6 @@ class Interruption(SpoolTest):
         daemon.start()
         self.assertFalse(daemon.has("failed", "large.stl"), "nothing was printed, yet it counts as interrupted")
         daemon.wait_done("large")
-        daemon.stop()
 
     def test_a_job_whose_ticket_alone_was_claimed_before_a_power_cut_keeps_its_ticket(self):
         # A claim renames two files. The power was cut in between.
@@ -1845,10 +1633,9 @@ class Interruption(SpoolTest):
         os.makedirs(daemon.file("printing"))
         os.rename(daemon.file("incoming", "part.json"), daemon.file("printing", "part.json"))
         daemon.start()
-        end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "the job to end")["params"]["last"]
+        end = daemon.wait_next_end()
         if end["outcome"] == "done":
             self.assertEqual(daemon.report(end["job"])["model"]["copies"], 3)
-        daemon.stop()
 
     def test_a_job_whose_ticket_was_not_claimed_yet_keeps_its_ticket(self):
         # The model was claimed before its ticket. A ticket that is younger than the claim belongs to another job.
@@ -1862,7 +1649,6 @@ class Interruption(SpoolTest):
         self.assertTrue(daemon.has("failed", "part.json"))
         self.assertFalse(daemon.has("failed", "other.json"))
         self.assertEqual(daemon.names_in("incoming"), ["other.json"])
-        daemon.stop()
 
     def test_a_filed_job_gets_its_ticket_that_was_not_filed_yet(self):
         daemon = self.daemon()
@@ -1875,15 +1661,12 @@ class Interruption(SpoolTest):
         daemon.start()
         for folder in ("done", "failed"):
             self.assertEqual(daemon.names_in(folder), [folder + ".json", folder + ".stl"])
-        daemon.stop()
 
     def test_a_refused_job_is_filed_with_a_reason_that_was_written_earlier(self):
         daemon = self.daemon().start()
         self.write(os.path.relpath(daemon.file("failed", "bad.reason.txt"), self.path()), b"not a usable model")
-        daemon.drop("bad.stl", b"no model")
-        daemon.wait_refused("bad")
+        daemon.refused("bad.stl", b"no model")
         self.assertEqual(daemon.names_in("failed"), ["bad.reason.txt", "bad.stl"])
-        daemon.stop()
 
     def test_a_second_daemon_does_not_touch_the_print_of_the_first(self):
         daemon = self.printing_daemon()
@@ -1893,13 +1676,11 @@ class Interruption(SpoolTest):
         self.assertEqual(daemon.names_in("printing"), ["first.stl"])
         self.assertEqual(daemon.names_in("failed"), [])
         self.assertEqual(daemon.status()["state"], "exposing")
-        daemon.stop()
 
     def test_a_second_daemon_with_another_socket_does_not_touch_the_spool_of_the_first(self):
         daemon = self.printing_daemon()
         other = self.path("other.json")
-        with open(other, "w", encoding="utf-8") as file:
-            json.dump({**daemon.config, "control_socket": "other.sock"}, file)
+        self.write(other, json.dumps({**daemon.config, "control_socket": "other.sock"}))
         second = Daemon(self)
         second.config_path = other
         second.socket_path = self.path("other.sock")
@@ -1909,8 +1690,3 @@ class Interruption(SpoolTest):
         wait_until(lambda: second.process.poll() is not None or os.path.exists(second.socket_path), "the second daemon to end or answer")
         self.assertEqual(daemon.names_in("printing"), ["first.stl"])
         self.assertNotEqual(second.process.poll() or 0, 0)
-        daemon.stop()
-
-
-if __name__ == "__main__":
-    main()

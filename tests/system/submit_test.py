@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """contourctl submit: puts complete models with their tickets into the spool, under unused names."""
 
 import json
@@ -8,11 +7,10 @@ import re
 import signal
 import stat
 import subprocess
-import unittest
 
 from harness import (
-    BAD_CONFIG, BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, NO_INPUT, OK, REALTIME,
-    UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contourctl, main, wait_until,
+    BAD_CONFIG, BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, NO_INPUT, OK, REALTIME, UNAVAILABLE, Daemon, FolderTest,
+    binary_stl, box, contents, contourctl,
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
@@ -25,11 +23,6 @@ class SubmitTest(FolderTest):
         self.assertEqual(result.returncode, OK, result.stderr)
         self.assertEqual(result.stderr, b"")
         return result.stdout.decode().splitlines()
-
-    def refused(self, result, code, *words):
-        self.assertEqual(result.returncode, code, result)
-        self.assertEqual(result.stdout, b"")
-        self.assert_one_line(result.stderr, *words)
 
     def spool(self):
         for folder in SPOOL_FOLDERS:
@@ -54,9 +47,7 @@ class WithContourd(SubmitTest):
         self.assertEqual(json.loads(daemon.read("done", "two words.json")), {
             "layer_height_um": 25, "up": {"x": 0, "y": 0, "z": 1}, "copies": 3,
         })  # fmt: skip
-        with open(model, "rb") as file:
-            self.assertEqual(file.read(), SMALL)
-        daemon.stop()
+        self.assertEqual(contents(model), SMALL)
 
     def test_a_name_that_is_in_use_gets_a_number(self):
         daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS}).start()
@@ -68,18 +59,15 @@ class WithContourd(SubmitTest):
             if len(jobs) == 1:
                 daemon.wait_state("exposing")
         self.assertEqual(jobs, ["part", "part-2", "part-3"])
-        wait_until(lambda: daemon.status()["queued"] == 2, "two jobs in the queue")
-        daemon.stop()
+        daemon.wait_status("queued", 2)
 
     def test_wait_fails_if_one_of_the_jobs_fails_but_waits_for_all(self):
         daemon = Daemon(self).start()
         good, flat = self.write("good.stl", SMALL), self.write("flat.stl", binary_stl(box((0, 0, 0), (5, 5, 0))))
-        result = daemon.ctl("submit", "--wait", flat, good)
-        self.assertEqual(result.returncode, FAILED, result)
+        result = daemon.ctl("submit", "--wait", flat, good, expect=FAILED)
         output = result.stdout.decode()
         self.assertIn("flat: failed: ", output)
         self.assertIn("good: done", output)
-        daemon.stop()
 
     def test_the_model_appears_in_the_spool_at_once(self):
         daemon = Daemon(self).start()
@@ -88,7 +76,6 @@ class WithContourd(SubmitTest):
         daemon.wait_done("part")
         # No process had the file open, so the daemon saw its arrival only once.
         self.assertEqual(daemon.log().count("part.stl: arrived"), 1)
-        daemon.stop()
 
     def test_a_model_can_come_from_another_file_system(self):
         daemon = Daemon(self).start()
@@ -96,16 +83,14 @@ class WithContourd(SubmitTest):
             self.skipTest("/dev/shm is on the same file system")
         path = f"/dev/shm/contourd-submit-{os.getpid()}.stl"
         self.addCleanup(os.unlink, path)
-        with open(path, "wb") as file:
-            file.write(SMALL)
+        self.write(path, SMALL)
         self.lines(daemon.ctl("submit", path, "--wait"))
-        daemon.stop()
 
 
 class WithoutContourd(SubmitTest):
     def test_without_a_daemon_the_model_waits_in_the_spool(self):
         model = self.write("part.stl", SMALL)
-        self.refused(contourctl("submit", model, "--socket", self.path("none")), UNAVAILABLE, "cannot reach contourd")
+        self.assert_refusal(contourctl("submit", model, "--socket", self.path("none")), UNAVAILABLE, "cannot reach contourd")
         self.lines(contourctl("submit", model, "--spool", self.spool()))
         self.assertEqual(self.incoming(), ["part.stl"])
         mode = os.stat(self.path("spool", "incoming", "part.stl")).st_mode
@@ -115,8 +100,7 @@ class WithoutContourd(SubmitTest):
         model, ticket = self.write("part.stl", SMALL), self.write("t", b'{"copies":   2}')
         self.lines(contourctl("submit", model, "--spool", self.spool(), "--ticket", ticket))
         self.assertEqual(self.incoming(), ["part.json", "part.stl"])
-        with open(self.path("spool", "incoming", "part.json"), "rb") as file:
-            self.assertEqual(file.read(), b'{"copies":   2}')
+        self.assertEqual(contents(self.path("spool", "incoming", "part.json")), b'{"copies":   2}')
 
     def test_another_jobs_files_are_left_alone(self):
         model = self.write("part.stl", SMALL)
@@ -148,15 +132,14 @@ class WithoutContourd(SubmitTest):
             (["--ticket", self.path("none.json")], BAD_CONFIG, "none.json"),
         ):
             with self.subTest(arguments):
-                self.refused(contourctl("submit", good, *arguments, "--spool", spool), code, word)
+                self.assert_refusal(contourctl("submit", good, *arguments, "--spool", spool), code, word)
                 self.assertEqual(self.incoming(), [])
 
     def test_options_that_exclude_each_other_are_bad_usage(self):
         good, ticket = self.write("good.stl", SMALL), self.write("t.json", b"{}")
         for arguments in (["--ticket", ticket, "--copies", "2"], ["--fit", "--scale", "2"], ["--up", "1,2"], ["--resin", ""]):
             with self.subTest(arguments):
-                result = contourctl("submit", good, *arguments, "--spool", self.spool())
-                self.assertEqual(result.returncode, BAD_USAGE, result)
+                contourctl("submit", good, *arguments, "--spool", self.spool(), expect=BAD_USAGE)
                 self.assertEqual(self.incoming(), [])
 
     def test_a_spool_that_cannot_be_written_is_an_error_and_stays_empty(self):
@@ -190,8 +173,7 @@ class WithoutContourd(SubmitTest):
         process.stdout.close()
         self.assertIn("part.stl", self.incoming())
         for name in self.incoming():
-            with open(os.path.join(spool, "incoming", name), "rb") as file:
-                self.assertEqual(file.read(), SMALL, name)
+            self.assertEqual(contents(os.path.join(spool, "incoming", name)), SMALL, name)
 
 
 class Outlook(SubmitTest):
@@ -274,7 +256,3 @@ class Outlook(SubmitTest):
             result = contourctl("submit", self.island, "--spool", self.spool(), "--printer", file)
             self.assertEqual(result.returncode, code, result)
             self.assertEqual((result.stdout, self.incoming()), (b"", []))
-
-
-if __name__ == "__main__":
-    main()

@@ -1,11 +1,10 @@
-#!/usr/bin/env python3
 """Suction cups and resin traps: found, reported, and a reason to wait for acceptance; and the drain holes of a ticket."""
 
 import json
 import math
 import os
 
-from harness import OK, Daemon, FolderTest, binary_stl, box, contourctl, inside_out, main, wait_until
+from harness import OK, Daemon, FolderTest, binary_stl, box, contourctl, inside_out, text_of
 
 BLOCK = box((0, 0, 0), (10, 10, 1))
 
@@ -25,17 +24,8 @@ ASKS = {"ask_before": ["suction_cups", "resin_traps"]}
 
 class Suction(FolderTest):
     def analyze(self, model, *options):
-        result = contourctl("analyze", self.write("part.stl", model), "--json", *options)
-        self.assertEqual(result.returncode, OK, result.stderr)
+        result = contourctl("analyze", self.write("part.stl", model), "--json", *options, expect=OK)
         return json.loads(result.stdout)
-
-    def job(self, daemon, name):
-        jobs = daemon.rpc("queue")["result"]["jobs"]
-        return next((job for job in jobs if job["job"] == name), {})
-
-    def wait_unaccepted(self, daemon, name):
-        wait_until(lambda: self.job(daemon, name).get("state") == "unaccepted", f"{name} to wait to be accepted")
-        return self.job(daemon, name)
 
     def test_a_cup_is_reported_with_layers_place_area_and_volume(self):
         found = self.analyze(CUP)
@@ -56,15 +46,13 @@ class Suction(FolderTest):
     def test_the_page_lists_cups_and_traps(self):
         page = self.path("part.html")
         self.analyze(CLOSED, "--html", page)
-        with open(page, encoding="utf-8") as file:
-            text = file.read()
-        for words in ('id="cups"', 'id="traps"', 'data-mark="0"', 'data-mark="1"', '"voids":[[5,'):
-            self.assertIn(words, text)
+        text = text_of(page)
+        self.assert_words(text, 'id="cups"', 'id="traps"', 'data-mark="0"', 'data-mark="1"', '"voids":[[5,')
 
     def test_a_cup_that_is_dropped_waits_to_be_accepted(self):
         daemon = Daemon(self, ASKS).start()
         daemon.drop("cup.stl", CUP)
-        self.assertEqual(self.wait_unaccepted(daemon, "cup")["asks"], ["suction_cups"])
+        self.assertEqual(daemon.wait_job("cup")["asks"], ["suction_cups"])
         shown = daemon.ctl("queue", "show", "cup").stdout.decode()
         self.assertRegex(shown, r"(?m)^warning   1 suction cup pulls on the film until it opens or is closed: layers 5 to 20, ")
         self.assertEqual(daemon.ctl("accept", "cup").returncode, OK)
@@ -72,13 +60,11 @@ class Suction(FolderTest):
         self.assertEqual((analysis["suction_cups"], analysis["resin_traps"]), (1, 0))
         page = daemon.read("done", "cup.report.html")
         self.assertIn("Suction cups and resin traps that are widest here", page)
-        daemon.stop()
 
     def test_a_closed_hollow_is_both_a_cup_and_a_trap(self):
         daemon = Daemon(self, ASKS).start()
         daemon.drop("ball.stl", CLOSED)
-        self.assertEqual(self.wait_unaccepted(daemon, "ball")["asks"], ["suction_cups", "resin_traps"])
-        daemon.stop()
+        self.assertEqual(daemon.wait_job("ball")["asks"], ["suction_cups", "resin_traps"])
 
     # --- drain holes
 
@@ -90,27 +76,22 @@ class Suction(FolderTest):
     def refused(self, model, drain, *words, **ticket):
         daemon = Daemon(self).start()
         name = self.new_name()
-        daemon.drop(name + ".stl", model, {"drain": drain, **ticket})
-        reason = daemon.wait_refused(name)
-        for word in words:
-            self.assertIn(word, reason)
+        reason = daemon.refused(name + ".stl", model, {"drain": drain, **ticket})
+        self.assert_words(reason, *words)
         daemon.stop()
 
     def drained(self, model, drain, **ticket):
         daemon = Daemon(self, {"wait_for_plate_cleared": False}).start()
         name = self.new_name()
-        daemon.drop(name + ".stl", model, {"drain": drain, **ticket})
-        report = daemon.wait_done(name)
+        report = daemon.printed(name + ".stl", model, {"drain": drain, **ticket})
         daemon.stop()
         return report
 
     def test_a_hollow_with_a_hole_in_its_side_is_neither_cup_nor_trap(self):
         daemon = Daemon(self, ASKS).start()
-        daemon.drop("bottle.stl", CLOSED, {"drain": [SIDE_HOLE]})
-        report = daemon.wait_done("bottle")
+        report = daemon.printed("bottle.stl", CLOSED, {"drain": [SIDE_HOLE]})
         self.assertEqual((report["analysis"]["suction_cups"], report["analysis"]["resin_traps"]), (0, 0))
         self.assertEqual(report["model"]["drain_holes"], 1)
-        daemon.stop()
 
     def test_a_hole_in_the_floor_leaves_a_cup_on_the_plate_and_no_trap(self):
         report = self.drained(CLOSED, [{"position_mm": {"x": 5, "y": 5}, "direction": {"z": 1}, "diameter_mm": 2, "depth_mm": 0.5}])
@@ -145,13 +126,8 @@ class Suction(FolderTest):
         self.drop_plate(daemon, "both", {"models": [{"file": "a.stl", "drain": [SIDE_HOLE]}, {"file": "a.stl"}]}, {"a.stl": CLOSED})
         report = daemon.wait_done("both")
         self.assertEqual((report["analysis"]["suction_cups"], report["analysis"]["resin_traps"]), (1, 1))
-        daemon.stop()
 
     def test_a_hole_beside_the_model_is_refused_with_its_place(self):
         beside = {**SIDE_HOLE, "position_mm": {"x": -20, "y": 5, "z": 0.3}}
         self.refused(CLOSED, [SIDE_HOLE, beside], "drain hole 2 of the model misses it: the hole starts at -20, 5, 0.3 mm, is 0.4 mm wide")
         self.refused(CLOSED, [{**SIDE_HOLE, "direction": {}}], "/drain/0/direction: a direction must not be zero")
-
-
-if __name__ == "__main__":
-    main()

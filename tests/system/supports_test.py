@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Supports in tickets, in the printer's configuration, in the report and in contourctl."""
 
 import json
@@ -6,9 +5,7 @@ import math
 import os
 import re
 
-from harness import (
-    BAD_DATA, BAD_USAGE, OK, Daemon, FolderTest, binary_stl, box, contourctl, inside_out, main, read_png, wait_until,
-)  # fmt: skip
+from harness import BAD_DATA, BAD_USAGE, OK, Daemon, FolderTest, binary_stl, box, contents, contourctl, inside_out, read_png, text_of, wait_until
 
 DISPLAY = ("--display", "1920x1080", "--pixel-pitch-um", "50")  # simulated.json
 
@@ -49,13 +46,11 @@ class Supports(FolderTest):
 
     def sliced(self, data, *words):
         model, folder = self.write("model.stl", data), self.path("sliced" + "".join(words))
-        result = contourctl("slice", model, "--layer-height-um", "50", "--masks", folder, *DISPLAY, *words)
-        self.assertEqual(result.returncode, OK, result.stderr)
+        contourctl("slice", model, "--layer-height-um", "50", "--masks", folder, *DISPLAY, *words, expect=OK)
         return self.masks(folder)
 
     def json_of(self, *words):
-        result = contourctl(*words, "--json")
-        self.assertEqual(result.returncode, OK, result.stderr)
+        result = contourctl(*words, "--json", expect=OK)
         return json.loads(result.stdout)
 
     # --- what is printed
@@ -73,10 +68,8 @@ class Supports(FolderTest):
         self.assertEqual(report["layers"], 260)
         self.assertEqual(report["settings"]["supports"]["tip_diameter_mm"], 0.4)
         self.assertRegex(daemon.log(), r"ball: supports: \d+ contacts? \(\d+ islands?, \d+ overhangs?, \d+ peel\), \d+ branch(es)?, \d+ f(oo|ee)t")
-        with open(self.path("spool", "done", "ball.report.html"), encoding="utf-8") as file:
-            self.assertRegex(file.read(), r"<th>Supports</th><td>\d+ contact")
+        self.assertRegex(text_of(self.path("spool", "done", "ball.report.html")), r"<th>Supports</th><td>\d+ contact")
         self.assertEqual(self.masks(self.path("masks", "ball")), self.sliced(BALL, "--supports", "auto"))
-        daemon.stop()
 
     def test_off_prints_the_model_without_supports(self):
         daemon = self.daemon("off")
@@ -87,7 +80,6 @@ class Supports(FolderTest):
         self.assertEqual(self.masks(self.path("masks", "ball")), bare)
         self.assertEqual(self.sliced(BALL, "--supports", "off"), bare)
         self.assertIsNotNone(self.printed(daemon, "held", BALL, {"supports": "auto"})["supports"])
-        daemon.stop()
 
     def test_a_model_that_needs_no_supports_is_printed_unchanged(self):
         daemon = self.daemon()
@@ -96,7 +88,6 @@ class Supports(FolderTest):
         self.assertIn("box: supports: none needed", daemon.log())
         self.assertIsNone(self.printed(daemon, "bare", BOX, {"copies": 2, "supports": "off"})["supports"])
         self.assertEqual(self.masks(self.path("masks", "box")), self.masks(self.path("masks", "bare")))
-        daemon.stop()
 
     def test_support_settings_of_a_ticket_are_used_and_reported(self):
         daemon = self.daemon("off")
@@ -105,17 +96,13 @@ class Supports(FolderTest):
         self.assertEqual(report["overrides"], [{"setting": "supports.foot_diameter_mm", "asked": 3, "profile": 4},
                                                {"setting": "supports.lift_mm", "asked": 7, "profile": 5}])  # fmt: skip
         self.assertIn("by its ticket: supports.foot_diameter_mm 3 instead of 4, supports.lift_mm 7 instead of 5", daemon.log())
-        daemon.drop("wrong.stl", BALL, {"supports": {"tip_diameter_mm": 2}})
-        self.assertIn("/supports/tip_diameter_mm: 2 mm is more than pillar_diameter_mm, 1 mm", daemon.wait_refused("wrong"))
-        daemon.stop()
+        self.assertIn("/supports/tip_diameter_mm: 2 mm is more than pillar_diameter_mm, 1 mm", daemon.refused("wrong.stl", BALL, {"supports": {"tip_diameter_mm": 2}}))
 
     def test_a_model_that_is_too_high_on_its_supports_is_refused(self):
         daemon = self.daemon(z_axis={"travel_mm": 18}, simulation={"start_height_mm": 0})
-        daemon.drop("ball.stl", BALL)
-        self.assert_one_line(daemon.wait_refused("ball").encode(), "the model is 8.00 mm high and stands 5.00 mm above the plate, on supports: "
+        self.assert_one_line(daemon.refused("ball.stl", BALL).encode(), "the model is 8.00 mm high and stands 5.00 mm above the plate, on supports: "
                              "13.00 mm, and the machine can print 12.00 mm")  # fmt: skip
         self.printed(daemon, "bare", BALL, {"supports": "off"})
-        daemon.stop()
 
     # --- what cannot be held
 
@@ -131,12 +118,10 @@ class Supports(FolderTest):
         self.assertRegex(shown, r"(?m)^supports  .*[1-9]\d* places? not held")
         self.assertRegex(shown, r"(?m)^warning   .*places? cannot be held: at ")
         self.printed(daemon, "box", BOX)
-        result = daemon.ctl("accept", "caged")
-        self.assertEqual(result.returncode, OK, result.stderr)
+        daemon.ctl("accept", "caged", expect=OK)
         report = daemon.wait_done("caged")
         self.assertGreaterEqual(report["supports"]["unheld"], 1)
         self.assertTrue(any("cannot be held" in warning for warning in report["model"]["warnings"]))
-        daemon.stop()
 
     def test_a_job_that_waits_to_be_accepted_is_checked_again_when_its_ticket_changes(self):
         daemon = self.daemon()
@@ -152,24 +137,20 @@ class Supports(FolderTest):
         wait_until(waits, "again to wait to be accepted")
         self.write("spool/incoming/again.json", '{"supports": ')
         self.assertIn("again.json", daemon.wait_refused("again"))
-        daemon.stop()
 
     def test_a_tiny_tip_depth_prints_the_same_as_a_tip_depth_of_zero(self):
         daemon = self.daemon()
         for name, depth in (("none", 0), ("hardly", 1e-170)):
             self.printed(daemon, name, BALL, {"supports": {"tip_depth_mm": depth}})
         self.assertEqual(self.masks(self.path("masks", "hardly")), self.masks(self.path("masks", "none")))
-        daemon.stop()
 
     # --- contourctl
 
     def test_support_lists_contacts_and_writes_supports_as_a_model(self):
         model = self.write("ball.stl", BALL)
         result = contourctl("support", model, "--scale", "1000")
-        self.assertEqual(result.returncode, BAD_DATA)
-        self.assert_one_line(result.stderr, "the model is 8005 mm high: supports are possible up to 3000 mm")
-        result = contourctl("support", model)
-        self.assertEqual(result.returncode, OK, result.stderr)
+        self.assert_refusal(result, BAD_DATA, "the model is 8005 mm high: supports are possible up to 3000 mm")
+        result = contourctl("support", model, expect=OK)
         self.assertRegex(result.stdout.decode(), r"(?m)^supports   \d+ contacts?.*\nlift       5 mm$")
         self.assertRegex(result.stdout.decode(), r"(?m)^island     at -?\d+\.\d\d, -?\d+\.\d\d mm, \d+\.\d\d mm above the plate, holds ")
         supports = self.json_of("support", model)
@@ -192,8 +173,7 @@ class Supports(FolderTest):
         self.assertEqual(bare["islands"], 0)  # the ball's lowest point on the plate is no island
         self.assertEqual((held["islands"], held["layers"]), (0, 260))
         self.assertGreater(held["resin_ml"], bare["resin_ml"])
-        with open(page, encoding="utf-8") as file:
-            data = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', file.read(), re.DOTALL)[1])
+        data = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text_of(page), re.DOTALL)[1])
         self.assertEqual(len(data["contacts"]), held["supports"]["contacts"])
         self.assertGreater(len(data["support_loops"]), 100)
         self.assertEqual(data["top_mm"], 13)
@@ -205,12 +185,10 @@ class Supports(FolderTest):
     def test_submit_writes_supports_into_the_ticket_and_prints_the_outlook(self):
         daemon = self.daemon("off")
         model = self.write("ball.stl", BALL)
-        result = daemon.ctl("submit", "--yes", "--supports", "auto", "--printer", daemon.config_path, model)
-        self.assertEqual(result.returncode, OK, result.stderr)
+        result = daemon.ctl("submit", "--yes", "--supports", "auto", "--printer", daemon.config_path, model, expect=OK)
         self.assertIn("260 layers", result.stdout.decode())
         self.assertRegex(result.stdout.decode(), r"(?m)^  supports: \d+ contact")
         self.assertEqual(daemon.wait_done("ball")["layers"], 260)
-        daemon.stop()
 
     def link(self, model):
         link = os.path.join(self.folder, "same.html")
@@ -235,9 +213,4 @@ class Supports(FolderTest):
             result = contourctl(*words)
             self.assertEqual(result.returncode, code, words)
             self.assertIn(part, result.stderr.decode())
-        with open(model, "rb") as file:
-            self.assertEqual(file.read(), BALL)
-
-
-if __name__ == "__main__":
-    main()
+        self.assertEqual(contents(model), BALL)

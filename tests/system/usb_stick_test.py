@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """The steps of contourd-usb@.service without systemd: a loop device in the place of a stick is mounted, and an unprivileged user
 reads it."""
 
@@ -8,9 +7,8 @@ import shutil
 import stat
 import subprocess
 import tempfile
-import unittest
 
-from harness import BAD_DATA, CONTOURCTL, FAILED, NO_INPUT, OK, SOURCE, FolderTest, binary_stl, box, main, skip_file
+from harness import BAD_DATA, CONTOURCTL, FAILED, NO_INPUT, OK, SOURCE, FolderTest, binary_stl, box, contents, skip_file
 
 WITH_USB_STICK = os.path.join(SOURCE, "systemd", "with-usb-stick")
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
@@ -88,8 +86,7 @@ class UsbStick(FolderTest):
         self.put("part.stl")
         self.put("part.json", b'{"copies": 2}')
         image = self.image()
-        with open(image, "rb") as file:
-            before = hashlib.sha256(file.read()).digest()
+        before = hashlib.sha256(contents(image)).digest()
         device = self.device(image)
         result = self.offer(device)
         self.assertEqual((result.returncode, result.stdout, result.stderr), (OK, "part.stl: job part\n", ""))
@@ -98,8 +95,7 @@ class UsbStick(FolderTest):
         result = self.offer(device)
         self.assertEqual((result.returncode, result.stdout), (OK, "nothing to take; 1 were taken before\n"))
         self.assertEqual(self.incoming(), ["part.json", "part.stl"])
-        with open(image, "rb") as file:
-            self.assertEqual(hashlib.sha256(file.read()).digest(), before)
+        self.assertEqual(hashlib.sha256(contents(image)).digest(), before)
 
     def test_the_same_file_on_another_stick_is_another_model(self):
         self.put("part.stl")
@@ -135,8 +131,7 @@ class UsbStick(FolderTest):
     def test_a_stick_that_is_removed_while_it_is_read_leaves_no_partial_model(self):
         self.put("large.stl", LARGE)
         image = self.image()
-        with open(image, "rb") as file:
-            middle = file.read().index(LARGE[: 1 << 16]) + len(LARGE) // 2
+        middle = contents(image).index(LARGE[: 1 << 16]) + len(LARGE) // 2
         os.chmod(image, 0o666)
         # The device keeps its length, but the end of the file cannot be read once the device is mounted.
         result = self.offer(self.device(image), "sh", "-c", f'truncate --size={middle // 4096 * 4096} {image} && exec "$@"', "sh")
@@ -167,7 +162,5 @@ class UsbStick(FolderTest):
         self.assertEqual(self.incoming(), [])
 
 
-if __name__ == "__main__":
-    if not can_mount():
-        skip_file("no loop device can be mounted here")
-    main()
+if not can_mount():
+    skip_file("no loop device can be mounted here")

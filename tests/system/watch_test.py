@@ -1,9 +1,7 @@
-#!/usr/bin/env python3
 """contourctl watch on a pseudo terminal: the contents of the screen, and that the terminal is restored."""
 
 import codecs
 import fcntl
-import json
 import os
 import pty
 import re
@@ -15,8 +13,7 @@ import termios
 import unicodedata
 
 from harness import (
-    CONTOURCTL, DEADLINE_S, ENDLESS, FAILED, NIMBLE_RESIN, OK, REALTIME, UNAVAILABLE, Daemon, FolderTest, binary_stl, box,
-    contourctl, main, merge, wait_until,
+    CONTOURCTL, DEADLINE_S, ENDLESS, FAILED, NIMBLE_RESIN, OK, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contourctl, realtime, wait_until,
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
@@ -144,14 +141,10 @@ class Terminal:
 
 class Watch(FolderTest):
     def daemon(self, resin=None, **config):
-        config = merge(json.loads(json.dumps(REALTIME)), config)
-        return Daemon(self, config, {**NIMBLE_RESIN, **(ENDLESS if resin is None else resin)}).start()
+        return Daemon(self, realtime(**config), {**NIMBLE_RESIN, **(ENDLESS if resin is None else resin)}).start()
 
     def printing(self, name="part"):
-        daemon = self.daemon()
-        daemon.drop(name + ".stl", ISLAND)
-        daemon.wait_state("exposing")
-        return daemon
+        return FolderTest.printing(self, name + ".stl", ISLAND)
 
     def watch(self, daemon, *arguments, **options):
         return Terminal(self, [CONTOURCTL, "watch", "--socket", daemon.socket_path, *arguments], **options)
@@ -169,7 +162,6 @@ class Watch(FolderTest):
         lines = terminal.before.splitlines()
         self.assertIn("Bär-部品: warning: 1 island", lines[0])
         self.assertEqual(lines[1:], ["Bär-部品: cancelled"])
-        daemon.stop()
 
     def test_the_current_mask_is_drawn_below_if_there_is_room(self):
         daemon = self.printing()
@@ -187,7 +179,6 @@ class Watch(FolderTest):
         for each in (terminal, coloured, small):
             each.process.terminate()
             self.assertEqual(each.wait_end(), -signal.SIGTERM)
-        daemon.stop()
 
     def test_a_manually_shown_picture_is_drawn_until_it_is_removed(self):
         daemon = self.daemon()
@@ -201,7 +192,6 @@ class Watch(FolderTest):
         wait_until(lambda: terminal.read() is not None and "mask" not in terminal.text(), "the picture to be gone")
         terminal.process.terminate()
         self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
-        daemon.stop()
 
     def test_a_whole_print_can_be_watched_on_terminals_of_every_size(self):
         daemon = self.daemon({})
@@ -212,7 +202,6 @@ class Watch(FolderTest):
                 daemon.drop(name + ".stl", ISLAND)
                 self.assertEqual(terminal.wait_end(), OK)
                 self.assertEqual(terminal.before.splitlines()[-1], f"{name}: done")
-        daemon.stop()
 
     def test_the_time_left_counts_down(self):
         daemon = self.printing()
@@ -297,7 +286,6 @@ class Watch(FolderTest):
         self.assertNotIn("closed the connection", terminal.text())
         terminal.process.terminate()
         self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
-        daemon.stop()
 
     def test_an_unknown_job_is_reported_on_the_restored_terminal(self):
         daemon = self.daemon()
@@ -305,12 +293,10 @@ class Watch(FolderTest):
         self.assertEqual(terminal.wait_end(), FAILED)
         self.assertIn("there is no job nothere", terminal.before)
         self.assertEqual(len(terminal.before.splitlines()), 1)
-        daemon.stop()
 
     def test_watch_shows_the_queue_and_manual_operations_while_nothing_prints(self):
         daemon = self.daemon(wait_for_plate_cleared=True, resin={})
-        daemon.drop("one.stl", SMALL)
-        daemon.wait_done("one")
+        daemon.printed("one.stl", SMALL)
         terminal = self.watch(daemon)
         terminal.wait_for("plate     occupied by one")
         daemon.drop("two.stl", SMALL)
@@ -346,7 +332,6 @@ class Watch(FolderTest):
         for terminal in plain:
             self.assertEqual(terminal.wait_end(), FAILED)
             self.assertNotIn(b"\x1b", terminal.raw)
-        daemon.stop()
 
     def test_without_a_daemon_the_terminal_is_not_touched(self):
         terminal = Terminal(self, [CONTOURCTL, "watch", "--socket", self.path("none")])
@@ -354,7 +339,3 @@ class Watch(FolderTest):
         self.assertNotIn(b"\x1b", terminal.raw)
         self.assertEqual(len(terminal.before.splitlines()), 1)
         self.assertEqual(contourctl("watch", "--socket", self.path("none")).returncode, UNAVAILABLE)
-
-
-if __name__ == "__main__":
-    main()

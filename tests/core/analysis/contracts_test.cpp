@@ -5,9 +5,6 @@
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 
-using namespace contourd;
-using testing::contract_broken_by;
-
 TEST_CASE("PrintAnalysis takes only masks of the display's size") {
   const DisplayGeometry display{Pixels{8}, Pixels{6}, Micrometers{50.0}};
   PrintAnalysis analysis(display);

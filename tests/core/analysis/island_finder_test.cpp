@@ -1,17 +1,8 @@
 #include "core/analysis/island_finder.hpp"
 
-#include <algorithm>
-#include <string>
-#include <tuple>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/core/text_mask.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using testing::draw;
-using testing::mask_of;
 
 namespace {
 

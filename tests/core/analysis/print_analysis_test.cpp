@@ -1,25 +1,14 @@
 #include "core/analysis/print_analysis.hpp"
 #include "core/layers/print_layers.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "core/model/mesh_report.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/engine_fixture.hpp"
 #include "tests/core/near.hpp"
 #include "tests/core/section_fixture.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
 using models::inverted;
 using models::together;
-using testing::engine_for;
-using testing::kFineDisplay;
-using testing::kThickLayer;
-using testing::near;
 
 namespace {
 

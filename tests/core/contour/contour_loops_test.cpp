@@ -1,23 +1,13 @@
 #include "core/contour/contour_loops.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <set>
-#include <utility>
-
 #include "tests/catch.hpp"
 #include "tests/core/near.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/models/damage.hpp"
 #include "tests/random_shapes.hpp"
 
-using namespace contourd;
 using models::inverted;
 using models::together;
-using testing::contours_of;
-using testing::kPixel;
-using testing::near;
-using testing::signed_area;
 
 namespace {
 

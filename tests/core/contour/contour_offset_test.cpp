@@ -1,16 +1,8 @@
 #include "core/contour/contour_offset.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/core/random_contours.hpp"
 #include "tests/core/section_fixture.hpp"
-
-using namespace contourd;
-using namespace contourd::testing;
 
 namespace {
 

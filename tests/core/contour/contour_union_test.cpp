@@ -1,16 +1,10 @@
 #include "core/contour/contour_union.hpp"
 
-#include <cmath>
-#include <vector>
-
 #include "core/contour/filled_area.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/near.hpp"
 #include "tests/core/random_contours.hpp"
 #include "tests/core/section_fixture.hpp"
-
-using namespace contourd;
-using namespace contourd::testing;
 
 namespace {
 

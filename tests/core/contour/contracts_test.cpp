@@ -6,9 +6,6 @@
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 
-using namespace contourd;
-using testing::contract_broken_by;
-
 TEST_CASE("ContourOffset and ContourUnion require a result other than their input") {
   Contours contours;
   CHECK(contract_broken_by([&] { ContourOffset().offset(contours, Millimeters{0.1}, contours); }) ==

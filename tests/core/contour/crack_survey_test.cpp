@@ -1,15 +1,8 @@
 #include "core/contour/crack_survey.hpp"
 
-#include <algorithm>
-#include <utility>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
-using testing::kPixel;
 
 namespace {
 

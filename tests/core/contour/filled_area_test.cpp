@@ -1,10 +1,5 @@
 #include "core/contour/filled_area.hpp"
 
-#include <cmath>
-#include <numbers>
-#include <utility>
-#include <vector>
-
 #include "core/engine/contour_engine.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/near.hpp"
@@ -12,12 +7,8 @@
 #include "tests/core/section_fixture.hpp"
 #include "tests/random_shapes.hpp"
 
-using namespace contourd;
 using models::inverted;
 using models::together;
-using testing::contours_of;
-using testing::near;
-using testing::one_loop;
 
 namespace {
 

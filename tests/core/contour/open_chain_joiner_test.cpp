@@ -1,13 +1,7 @@
 #include "core/contour/open_chain_joiner.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
 
 namespace {
 

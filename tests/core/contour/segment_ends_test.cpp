@@ -1,13 +1,7 @@
 #include "core/contour/segment_ends.hpp"
 
-#include <map>
-#include <utility>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
 
 namespace {
 

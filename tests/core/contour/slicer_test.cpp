@@ -1,19 +1,10 @@
 #include "core/contour/slicer.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <set>
-#include <string>
-
 #include "core/geometry/point_hash.hpp"
 #include "core/model/placement.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using testing::section_of;
 
 namespace {
 

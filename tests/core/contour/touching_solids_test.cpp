@@ -1,16 +1,10 @@
 // Solids that were drawn touching, as they are in files: each with its own corners, rounded to the file's
 // decimals or to floats. They shrink as one.
-#include <cmath>
-#include <numbers>
-#include <vector>
 
 #include "core/contour/contour_offset.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/random_contours.hpp"
 #include "tests/core/section_fixture.hpp"
-
-using namespace contourd;
-using namespace contourd::testing;
 
 namespace {
 

@@ -8,9 +8,6 @@
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 
-using namespace contourd;
-using testing::contract_broken_by;
-
 namespace {
 
 struct End {

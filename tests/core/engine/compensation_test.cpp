@@ -2,8 +2,6 @@
 
 #include "tests/catch.hpp"
 
-using namespace contourd;
-
 TEST_CASE("Without compensation nothing moves at any height") {
   for (const std::int64_t nm : {-5, 0, 1, 1'000'000'000})
     CHECK(Compensation{}.offset_at(Nanometers{nm}) == Micrometers{0});

@@ -1,7 +1,4 @@
 // Checks the promise "Allocates nothing once it has seen its largest section".
-#include <memory>
-#include <utility>
-#include <vector>
 
 #include "core/analysis/island_finder.hpp"
 #include "core/analysis/void_finder.hpp"
@@ -12,13 +9,6 @@
 #include "tests/core/engine_fixture.hpp"
 #include "tests/core/warm_allocations.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
-using testing::allocations_when_warm;
-using testing::engine_for;
-using testing::kFineDisplay;
-using testing::kThickLayer;
-using testing::mm;
 
 namespace {
 

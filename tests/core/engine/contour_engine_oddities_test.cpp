@@ -1,11 +1,4 @@
 // Meshes as people really have them: parts that are not on a solid's outside must not show in the masks.
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <iterator>
-#include <limits>
-#include <numbers>
-#include <vector>
 
 #include "core/engine/contour_engine.hpp"
 #include "tests/catch.hpp"
@@ -13,12 +6,9 @@
 #include "tests/core/section_fixture.hpp"
 #include "tests/models/damage.hpp"
 
-using namespace contourd;
 using models::Facets;
 using models::inverted;
 using models::together;
-using testing::engine_for;
-using testing::kFineDisplay;
 
 namespace {
 

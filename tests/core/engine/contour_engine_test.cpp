@@ -1,13 +1,5 @@
 #include "core/engine/contour_engine.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <memory>
-#include <numbers>
-#include <stdexcept>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/core/engine_fixture.hpp"
 #include "tests/core/near.hpp"
@@ -15,13 +7,8 @@
 #include "tests/core/section_fixture.hpp"
 #include "tests/random_shapes.hpp"
 
-using namespace contourd;
 using models::inverted;
 using models::together;
-using testing::engine_for;
-using testing::kFineDisplay;
-using testing::near;
-using testing::shared_index;
 
 namespace {
 

@@ -4,9 +4,6 @@
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
-using namespace contourd;
-using testing::contract_broken_by;
-
 namespace {
 
 const EngineSettings kEngineSettings{.display = {Pixels{8}, Pixels{6}, Micrometers{50.0}}};

@@ -1,15 +1,7 @@
 // The effect of cracks: good models, damaged as files are, keep their masks except near the damage, and the
 // layer's report says what was repaired.
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
-#include <limits>
-#include <span>
-#include <utility>
-#include <vector>
 
 #include "core/engine/contour_engine.hpp"
 #include "core/formats/model_reader.hpp"
@@ -19,10 +11,8 @@
 #include "tests/models/damage.hpp"
 #include "tests/random_shapes.hpp"
 
-using namespace contourd;
 using models::Dice;
 using models::Facets;
-using testing::kFineDisplay;
 
 namespace {
 

@@ -1,12 +1,9 @@
 // A sample of what dirty-masks checks: masks of dirty models against the reference of the clean ones.
-#include <string>
 
 #include "tests/catch.hpp"
 #include "tests/reference/dirty_layers.hpp"
 #include "tests/reference/dirty_parts.hpp"
 #include "tests/reference/scan_lines.hpp"
-
-using namespace contourd;
 
 TEST_CASE("Masks of dirty models equal those of the clean ones") {
   constexpr double kHeights[] = {0.37};

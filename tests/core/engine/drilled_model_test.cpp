@@ -1,18 +1,10 @@
 // Models with holes cut out of them, through the engine.
-#include <algorithm>
-#include <memory>
-#include <utility>
-#include <vector>
 
 #include "core/engine/contour_engine.hpp"
 #include "core/support/support_structure.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/engine_fixture.hpp"
 #include "tests/core/section_fixture.hpp"
-
-using namespace contourd;
-using testing::kCoarseDisplay;
-using testing::mm;
 
 namespace {
 

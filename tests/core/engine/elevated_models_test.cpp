@@ -1,8 +1,4 @@
 // Models that stand above the plate, through the engine and the users of its masks.
-#include <cmath>
-#include <memory>
-#include <utility>
-#include <vector>
 
 #include "core/analysis/print_analysis.hpp"
 #include "core/engine/contour_engine.hpp"
@@ -10,13 +6,6 @@
 #include "tests/catch.hpp"
 #include "tests/core/engine_fixture.hpp"
 #include "tests/core/section_fixture.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::kCoarseDisplay;
-using testing::kCoarseLayer;
-using testing::plate_model;
-using testing::shared_index;
 
 namespace {
 

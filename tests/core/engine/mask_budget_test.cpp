@@ -1,8 +1,5 @@
 #include "core/geometry/mask_budget.hpp"
 
-#include <cmath>
-#include <vector>
-
 #include "core/contour/contour_offset.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "tests/catch.hpp"
@@ -11,9 +8,6 @@
 #include "tests/core/warm_allocations.hpp"
 #include "tests/models/damage.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
-using namespace contourd::testing;
 
 namespace {
 

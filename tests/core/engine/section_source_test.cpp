@@ -1,20 +1,9 @@
 #include "core/engine/section_source.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <memory>
-#include <vector>
-
 #include "core/engine/contour_engine.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/engine_fixture.hpp"
 #include "tests/core/section_fixture.hpp"
-
-using namespace contourd;
-using testing::kCoarseDisplay;
-using testing::mm;
-using testing::plate_model;
 
 namespace {
 

@@ -2,22 +2,13 @@
 
 #include <sys/stat.h>
 
-#include <algorithm>
 #include <clocale>
-#include <cmath>
-#include <cstring>
-#include <initializer_list>
-#include <limits>
 #include <locale>
-#include <string>
-#include <system_error>
 
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 #include "tests/random_shapes.hpp"
 #include "tests/temporary_folder.hpp"
-
-using namespace contourd;
 
 namespace {
 

@@ -4,9 +4,6 @@
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 
-using namespace contourd;
-using testing::contract_broken_by;
-
 TEST_CASE("SideOrder takes each side once, and only sides that it has room for") {
   if (testing::costly_checks_are_off()) return;
   SideOrder order;

@@ -1,13 +1,7 @@
 #include "core/geometry/units.hpp"
 
-#include <cstdint>
-#include <limits>
-#include <type_traits>
-
 #include "tests/catch.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
 
 namespace {
 

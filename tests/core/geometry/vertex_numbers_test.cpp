@@ -1,12 +1,8 @@
 #include "core/geometry/vertex_numbers.hpp"
 
-#include <algorithm>
-
 #include "tests/catch.hpp"
 #include "tests/models/damage.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
 
 TEST_CASE("Equal vertices have equal numbers, different ones different numbers, without gaps") {
   CHECK(number_vertices({}).empty());

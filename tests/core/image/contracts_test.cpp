@@ -1,14 +1,10 @@
 // Checks that the headers of core/image enforce their requirements.
-#include <string>
 
 #include "core/image/part_picture.hpp"
 #include "core/image/run_deflater.hpp"
 #include "core/image/thumbnail.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
-
-using namespace contourd;
-using testing::contract_broken_by;
 
 TEST_CASE("A stream of runs is at most as long as that of the largest mask") {
   if (testing::costly_checks_are_off()) return;

@@ -1,15 +1,7 @@
 #include "core/image/part_picture.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <set>
-#include <vector>
-
 #include "core/image/picture_view.hpp"
 #include "tests/catch.hpp"
-
-using namespace contourd;
 
 namespace {
 

@@ -1,13 +1,7 @@
 #include "core/image/preview.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <set>
-
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
 
 namespace {
 

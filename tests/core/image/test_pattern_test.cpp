@@ -1,11 +1,6 @@
 #include "core/image/test_pattern.hpp"
 
-#include <cmath>
-#include <cstdint>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
 
 namespace {
 

@@ -1,10 +1,6 @@
 #include "core/image/thumbnail.hpp"
 
-#include <algorithm>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
 
 namespace {
 

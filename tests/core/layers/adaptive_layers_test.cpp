@@ -1,21 +1,11 @@
 #include "core/layers/adaptive_layers.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <numeric>
-#include <vector>
-
 #include "core/layers/print_layers.hpp"
 #include "core/model/placement.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/models/models.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using testing::draw;
-using testing::draw_real;
 
 namespace {
 

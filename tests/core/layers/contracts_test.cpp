@@ -7,9 +7,6 @@
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
-using namespace contourd;
-using testing::contract_broken_by;
-
 namespace {
 
 const std::string kBadThickness = "a layer's thickness is positive and at most kThickestLayer";

@@ -1,13 +1,7 @@
 #include "core/layers/layer_statistics.hpp"
 
-#include <array>
-#include <cmath>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
 
 namespace {
 

@@ -1,13 +1,7 @@
 #include "core/layers/layers.hpp"
 
-#include <limits>
-#include <string>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
 
 namespace {
 

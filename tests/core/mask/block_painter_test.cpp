@@ -2,11 +2,7 @@
 
 #include <rapidcheck.h>
 
-#include <array>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
 
 namespace {
 

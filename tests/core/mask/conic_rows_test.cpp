@@ -10,9 +10,6 @@
 #include "tests/core/mask/conic_fixture.hpp"
 #include "tests/core/random_contours.hpp"
 
-using namespace contourd;
-using namespace contourd::testing;
-
 namespace {
 
 // Decides by the ellipse's equation at each centre. Returns nullopt if a centre is too near to the outline to

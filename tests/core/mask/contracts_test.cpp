@@ -9,9 +9,6 @@
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 
-using namespace contourd;
-using testing::contract_broken_by;
-
 TEST_CASE("Mask has rows from 0 to its height") {
   Mask mask(Pixels{4}, Pixels{3});
   const Mask& same = mask;

@@ -1,14 +1,7 @@
 #include "core/mask/exact_side.hpp"
 
-#include <cmath>
-
 #include "tests/catch.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using testing::draw;
-using testing::draw_real;
-using testing::kGrid;
 
 TEST_CASE("A quarter turn from x to y leads to the positive side") {
   CHECK(side_of({0, 0}, {4, 0}, {1, 1}) == 1);

@@ -1,14 +1,7 @@
 #include "core/mask/mask_runs.hpp"
 
-#include <algorithm>
-#include <numeric>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using testing::draw;
 
 namespace {
 

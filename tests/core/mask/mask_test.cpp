@@ -1,12 +1,6 @@
 #include "core/mask/mask.hpp"
 
-#include <algorithm>
-#include <stdexcept>
-#include <string>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
 
 TEST_CASE("A new mask is dark") {
   const Mask mask(Pixels{7}, Pixels{3});

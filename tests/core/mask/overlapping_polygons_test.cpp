@@ -1,16 +1,10 @@
 // Grey pixels of polygons that overlap, touch, lie in each other or are wound the wrong way, compared with
 // the brute-force reference.
-#include <cmath>
-#include <numbers>
-#include <vector>
 
 #include "core/mask/rasterizer.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/reference_coverage.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using namespace contourd::testing;
 
 namespace {
 

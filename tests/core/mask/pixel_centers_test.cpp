@@ -1,10 +1,6 @@
 #include "core/mask/conic_rows.hpp"
 
-#include <cmath>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
 
 TEST_CASE("Centres before a number are counted up to the limit") {
   CHECK(centers_before(-3, 64) == 0);

@@ -1,20 +1,11 @@
 #include "core/mask/pixel_map.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
 #include "core/engine/contour_engine.hpp"
 #include "core/model/placement.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/near.hpp"
 #include "tests/models/models.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using testing::draw;
-using testing::draw_real;
-using testing::near;
 
 namespace {
 

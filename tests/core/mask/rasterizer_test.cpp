@@ -1,22 +1,7 @@
 #include "core/mask/rasterizer.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <optional>
-#include <stdexcept>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using testing::draw;
-using testing::draw_polygon;
-using testing::draw_real;
-using testing::draw_star;
-using testing::kGrid;
-using testing::Polygon;
 
 namespace {
 

@@ -1,5 +1,4 @@
 // Checks that each header of core/model, and the mesh repair, checks what it requires.
-#include <limits>
 
 #include "core/model/height_index.hpp"
 #include "core/model/placement.hpp"
@@ -8,9 +7,6 @@
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
-using testing::contract_broken_by;
 
 namespace {
 

@@ -3,8 +3,6 @@
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
-using namespace contourd;
-
 namespace {
 
 // The bounds of a model from z = -3 to 5 mm.

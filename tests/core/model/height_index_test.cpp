@@ -1,14 +1,8 @@
 #include "core/model/height_index.hpp"
 
-#include <algorithm>
-#include <tuple>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
 
 namespace {
 

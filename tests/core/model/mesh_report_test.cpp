@@ -1,15 +1,10 @@
 #include "core/model/mesh_report.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "tests/catch.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/models/models.hpp"
 #include "tests/random_shapes.hpp"
 
-using namespace contourd;
 using models::together;
 
 namespace {

@@ -1,18 +1,12 @@
 #include "core/model/placement.hpp"
 
 #include <bit>
-#include <cmath>
-#include <cstdint>
-#include <numbers>
 
 #include "core/contour/filled_area.hpp"
 #include "core/model/mesh_report.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using testing::draw_real;
 
 namespace {
 

@@ -1,12 +1,6 @@
 #include "core/model/sine_cosine.hpp"
 
-#include <cmath>
-#include <limits>
-#include <numbers>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
 
 namespace {
 

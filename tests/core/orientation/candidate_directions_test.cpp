@@ -7,8 +7,6 @@
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
-using namespace contourd;
-
 namespace {
 
 double nearest_deg(const std::vector<Direction>& directions, const Direction& wanted) {

@@ -6,9 +6,6 @@
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
-using namespace contourd;
-using testing::contract_broken_by;
-
 TEST_CASE("Choosing an orientation requires facets") {
   CHECK(contract_broken_by([] { (void)choose_orientation({}, {}); }) ==
         "there are facets, and fewer than 2^30");

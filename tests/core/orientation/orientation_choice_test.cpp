@@ -8,7 +8,6 @@
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
-using namespace contourd;
 using models::together;
 
 namespace {

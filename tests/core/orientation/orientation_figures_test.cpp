@@ -2,8 +2,6 @@
 
 #include "tests/catch.hpp"
 
-using namespace contourd;
-
 TEST_CASE("A preset is found by its name, and other words are rejected") {
   for (const std::string_view word : {"auto", "fast", "clean", "safe"}) {
     const auto preset = orientation_preset(word);

@@ -1,12 +1,8 @@
 #include "core/orientation/orientation_rating.hpp"
 
-#include <cmath>
-#include <numbers>
-
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
-using namespace contourd;
 using models::together;
 
 namespace {

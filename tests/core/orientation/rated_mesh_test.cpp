@@ -7,8 +7,6 @@
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
-using namespace contourd;
-
 namespace {
 
 double surface_of(std::span<const Facet> facets) {

@@ -9,9 +9,6 @@
 #include "tests/catch.hpp"
 #include "tests/core/overhangs/held_fixture.hpp"
 
-using namespace contourd;
-using testing::contract_broken_by;
-
 TEST_CASE("A sweep needs models that are not null, and pixels with a size") {
   SupportRequest request = testing::held_request(models::box({0, 0, 0}, {1, 1, 1}), 0);
   testing::CountingObserver observer;

@@ -1,7 +1,6 @@
 // Models that need supports, and the contacts that a sweep finds for them.
 #pragma once
 
-#include <cmath>
 #include <memory>
 #include <span>
 #include <vector>

@@ -1,13 +1,7 @@
 #include "core/overhangs/layer_parts.hpp"
 
-#include <string_view>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/core/text_mask.hpp"
-
-using namespace contourd;
-using testing::runs_of;
 
 TEST_CASE("Pixels that touch by a side or a corner are one part") {
   const MaskRuns dark = runs_of({"......", "......", "......"});

@@ -2,26 +2,16 @@
 
 #include <rapidcheck.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <limits>
 #include <stop_token>
-#include <tuple>
-#include <vector>
 
 #include "core/formats/model_reader.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/overhangs/held_fixture.hpp"
 #include "tests/core/section_fixture.hpp"
 
-using namespace contourd;
 using models::together;
-using testing::contacts_of;
-using testing::held_request;
-using testing::prism;
 
 namespace {
 

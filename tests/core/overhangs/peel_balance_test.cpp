@@ -1,11 +1,7 @@
 #include "core/overhangs/peel_balance.hpp"
 
-#include <string>
-
 #include "tests/catch.hpp"
 #include "tests/core/text_mask.hpp"
-
-using namespace contourd;
 
 namespace {
 

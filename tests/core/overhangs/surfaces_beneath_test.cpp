@@ -1,13 +1,7 @@
 #include "core/overhangs/surfaces_beneath.hpp"
 
-#include <cmath>
-#include <span>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/core/overhangs/held_fixture.hpp"
-
-using namespace contourd;
 
 TEST_CASE("A surface that faces down is found at its height above the plate, one that faces up is not") {
   const SupportRequest request = testing::held_request(models::box({-2, -2, 0}, {2, 2, 1}), 5);

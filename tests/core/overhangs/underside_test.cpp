@@ -3,8 +3,6 @@
 #include "tests/catch.hpp"
 #include "tests/core/overhangs/held_fixture.hpp"
 
-using namespace contourd;
-
 TEST_CASE("A tip is moved inwards until all of it holds, and to the middle of a thinner wall") {
   const SweepGrid grid = sweep_grid(testing::kHeldDisplay);
   Mask mask(grid.display.width, grid.display.height);

@@ -5,9 +5,6 @@
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
-using namespace contourd;
-using testing::contract_broken_by;
-
 TEST_CASE("PlatePacking finds room only for rectangles with a width and a depth") {
   PlatePacking packing(Pixels{10}, Pixels{10}, Pixels{1});
   CHECK(contract_broken_by([&] { (void)packing.find_room(1, 1); }).empty());

@@ -1,17 +1,11 @@
 #include "core/plate/plate_collision.hpp"
 
-#include <cmath>
-
 #include "core/engine/contour_engine.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/engine_fixture.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/models/models.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using testing::draw;
-using testing::kCoarseLayer;
 
 namespace {
 

@@ -1,12 +1,7 @@
 #include "core/plate/plate_packing.hpp"
 
-#include <algorithm>
-
 #include "tests/catch.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using testing::draw;
 
 namespace {
 

@@ -1,14 +1,8 @@
 #include "core/repair/boundary_loops.hpp"
 
-#include <algorithm>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
-using testing::Approx;
 
 TEST_CASE("The missing area of open boxes is that of their lids, loop by loop") {
   models::Facets facets = models::box({0, 0, 0}, {2, 3, 4});

@@ -1,13 +1,8 @@
 #include "core/repair/facet_patches.hpp"
 
-#include <cmath>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/models/damage.hpp"
-
-using namespace contourd;
 
 TEST_CASE("A closed model is one patch without boundary edges, with all facets turned alike") {
   const FacetPatches mesh = patches_of(models::box({0, 0, 0}, {2, 3, 4}));

@@ -1,23 +1,15 @@
 // Files with one kind of dirt each, whose areas are known.
 #include "core/repair/mesh_repair.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <utility>
-#include <vector>
-
 #include "core/contour/filled_area.hpp"
 #include "core/model/mesh_report.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/models/damage.hpp"
 
-using namespace contourd;
 using models::Facets;
 using models::inverted;
 using models::together;
-using testing::Approx;
 
 namespace {
 

@@ -1,12 +1,8 @@
 #include "core/repair/mesh_soundness.hpp"
 
-#include <utility>
-
 #include "tests/catch.hpp"
 #include "tests/models/damage.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
 
 TEST_CASE("Closed models are sound") {
   CHECK(is_sound({}));

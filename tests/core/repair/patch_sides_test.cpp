@@ -1,13 +1,9 @@
 #include "core/repair/patch_sides.hpp"
 
-#include <algorithm>
-#include <utility>
-
 #include "tests/catch.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/models/damage.hpp"
 
-using namespace contourd;
 using models::Facets;
 using models::inverted;
 using models::together;

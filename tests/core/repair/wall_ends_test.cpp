@@ -1,12 +1,9 @@
 #include "core/repair/wall_ends.hpp"
 
-#include <algorithm>
-
 #include "tests/catch.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/models/damage.hpp"
 
-using namespace contourd;
 using models::Facets;
 
 namespace {

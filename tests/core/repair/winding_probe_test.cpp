@@ -1,12 +1,9 @@
 #include "core/repair/winding_probe.hpp"
 
-#include <cmath>
-
 #include "tests/catch.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/models/damage.hpp"
 
-using namespace contourd;
 using models::together;
 
 namespace {

@@ -4,9 +4,6 @@
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 
-using namespace contourd;
-using testing::contract_broken_by;
-
 TEST_CASE("A foot stands on the plate, and every branch leads down") {
   LitLayers layers;
   layers.begin({Pixels{104}, Pixels{104}, Micrometers{100.0}}, Nanometers{50'000});

@@ -1,9 +1,6 @@
 #include "core/routing/support_layout.hpp"
 
-#include <cmath>
-#include <optional>
 #include <variant>
-#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/core/routing/supports_fixture.hpp"
@@ -11,11 +8,7 @@
 #include "tests/models/models.hpp"
 #include "tests/random_shapes.hpp"
 
-using namespace contourd;
 using models::together;
-using testing::draw;
-using testing::draw_real;
-using testing::kBuildArea;
 
 namespace {
 

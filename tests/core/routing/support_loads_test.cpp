@@ -1,19 +1,10 @@
 #include "core/routing/support_loads.hpp"
 
-#include <cmath>
-#include <cstdint>
-#include <optional>
-#include <vector>
-
 #include "core/clearance/support_path_field.hpp"
 #include "core/routing/support_routing.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/routing/supports_fixture.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using testing::draw_real;
-using testing::kBuildArea;
 
 namespace {
 

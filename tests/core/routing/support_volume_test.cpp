@@ -1,15 +1,9 @@
 #include "core/routing/support_volume.hpp"
 
-#include <memory>
-#include <numbers>
 #include <stop_token>
-#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/core/routing/supports_fixture.hpp"
-
-using namespace contourd;
-using namespace contourd::testing;
 
 namespace {
 

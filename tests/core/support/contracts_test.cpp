@@ -1,15 +1,10 @@
 // Checks that each header of core/support enforces its requirements.
-#include <limits>
-#include <string>
 
 #include "core/support/support_lift.hpp"
 #include "core/support/support_structure.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
-using testing::contract_broken_by;
 
 TEST_CASE("SupportStructure takes primitives that have a place and a size") {
   const auto broken_by = [](const SupportPrimitive& primitive) {

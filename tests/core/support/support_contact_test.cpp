@@ -2,8 +2,6 @@
 
 #include "tests/catch.hpp"
 
-using namespace contourd;
-
 TEST_CASE("The causes of a contact have names") {
   CHECK(name_of(ContactCause::Island) == "island");
   CHECK(name_of(ContactCause::Overhang) == "overhang");

@@ -1,12 +1,9 @@
 #include "core/support/support_lift.hpp"
 
-#include <array>
-
 #include "tests/catch.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/models/models.hpp"
 
-using namespace contourd;
 using models::together;
 
 namespace {

@@ -1,15 +1,8 @@
 #include "core/support/support_mesh.hpp"
 
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "core/model/mesh_report.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/support/random_primitives.hpp"
-
-using namespace contourd;
-using namespace contourd::testing;
 
 namespace {
 

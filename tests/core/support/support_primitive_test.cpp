@@ -1,15 +1,8 @@
 #include "core/support/support_primitive.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "tests/catch.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/core/support/random_primitives.hpp"
-
-using namespace contourd;
-using namespace contourd::testing;
 
 namespace {
 

@@ -1,19 +1,11 @@
 #include "core/support/support_structure.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <vector>
-
 #include "core/engine/contour_engine.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/engine_fixture.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/core/support/random_primitives.hpp"
 #include "tests/core/warm_allocations.hpp"
-
-using namespace contourd;
-using namespace contourd::testing;
 
 namespace {
 

@@ -4,7 +4,6 @@
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
-using namespace contourd;
 using namespace contourd::reference;
 
 namespace {

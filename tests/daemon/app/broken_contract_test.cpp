@@ -10,13 +10,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
 #include <cstdarg>
-#include <functional>
-#include <memory>
 #include <new>
-#include <string>
 #include <thread>
 
 #include "core/contract/expects.hpp"
@@ -27,11 +23,9 @@
 #include "hw/virtual_clock.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
+#include "tests/hw/no_descriptors.hpp"
 #include "tests/hw/plain_devices.hpp"
 #include "tests/hw/watchdog/ready_watchdog.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 
@@ -113,13 +107,6 @@ class Screen final : public testing::PlainDisplay {
   void black_now() noexcept override {}
   [[nodiscard]] LightDisplayPath black_path() const override {
     return {.descriptor = kCard, .crtc = 1, .connector = 2, .black = 3, .mode = {}};
-  }
-};
-
-class NoDescriptors final : public DescriptorWatcher {
- public:
-  [[nodiscard]] std::unique_ptr<Watch> when_readable(int, std::function<void()>) override {
-    return std::make_unique<Watch>();
   }
 };
 

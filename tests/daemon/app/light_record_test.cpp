@@ -1,10 +1,6 @@
 #include "daemon/app/light_record.hpp"
 
-#include <cstdlib>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
 
 TEST_CASE("The light's record is in the service manager's first folder, else beside the control socket") {
   ::unsetenv("RUNTIME_DIRECTORY");

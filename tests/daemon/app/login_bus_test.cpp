@@ -7,16 +7,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include <cstdlib>
-#include <cstring>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
-
-using namespace contourd;
 
 namespace {
 

@@ -5,14 +5,8 @@
 
 #include <filesystem>
 #include <fstream>
-#include <functional>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <sstream>
-#include <string>
-#include <string_view>
-#include <utility>
 
 #include "daemon/config/printer_config.hpp"
 #include "daemon/system/event_loop.hpp"
@@ -22,9 +16,6 @@
 #include "tests/daemon/print/late_machine.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
-using contourd::testing::LateMachine;
 namespace fs = std::filesystem;
 
 namespace {

@@ -4,15 +4,8 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include <array>
-#include <optional>
-#include <vector>
-
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

@@ -5,9 +5,6 @@
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 
-using namespace contourd;
-using testing::contract_broken_by;
-
 TEST_CASE("Only root can check another user's access") {
   CHECK(contract_broken_by([] {
           if (::geteuid() == 0 && ::seteuid(65534) != 0) return;

@@ -4,13 +4,10 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <string>
-#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
 namespace fs = std::filesystem;
 
 namespace {

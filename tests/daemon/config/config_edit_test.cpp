@@ -4,9 +4,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <iterator>
-#include <stdexcept>
-#include <string>
 
 #include "daemon/config/printer_config.hpp"
 #include "daemon/json/config_error.hpp"
@@ -15,9 +12,6 @@
 
 namespace contourd {
 namespace {
-
-using testing::ConfigFolder;
-using testing::shipped;
 
 std::string height_set(const std::string& text, double height = -1.25) {
   return with_number(text, "z_axis", "switch_height_mm", height);

@@ -8,9 +8,6 @@
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 
-using namespace contourd;
-using testing::contract_broken_by;
-
 TEST_CASE("A ConfigError has at least one violation") {
   CHECK(contract_broken_by([] { ConfigError(std::vector<Violation>{}); }) ==
         "there is at least one violation");

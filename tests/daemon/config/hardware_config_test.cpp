@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <utility>
 
 #include "daemon/config/printer_config.hpp"
 #include "tests/catch.hpp"
@@ -11,10 +10,6 @@ namespace contourd {
 namespace {
 
 using nlohmann::json;
-using testing::Complaints;
-using testing::complaints_of;
-using testing::ConfigFolder;
-using testing::shipped;
 
 // The shipped profile of a real machine in a folder with a resin and projector tables.
 class RealPrinterFixture {

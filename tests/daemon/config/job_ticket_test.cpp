@@ -6,10 +6,6 @@
 namespace contourd {
 namespace {
 
-using testing::Complaints;
-using testing::complaints_of;
-using testing::ConfigFolder;
-
 JobTicket load_ticket(std::string_view text) {
   const ConfigFolder folder;
   return load_job_ticket(folder.write("part.json", text));

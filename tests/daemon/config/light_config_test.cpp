@@ -1,7 +1,5 @@
 #include "daemon/config/light_config.hpp"
 
-#include <string>
-
 #include "daemon/config/printer_config.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
@@ -10,8 +8,6 @@ namespace contourd {
 namespace {
 
 using nlohmann::json;
-using testing::ConfigFolder;
-using testing::shipped;
 
 // The shipped profile of a real machine, with an added light line, and its projector's table.
 class RealLightFixture {

@@ -1,7 +1,5 @@
 #include "daemon/config/printer_config.hpp"
 
-#include <algorithm>
-#include <fstream>
 
 #include "hw/png_file.hpp"
 #include "tests/catch.hpp"
@@ -11,11 +9,6 @@ namespace contourd {
 namespace {
 
 using nlohmann::json;
-using testing::Complaints;
-using testing::complaints_of;
-using testing::ConfigFolder;
-using testing::shipped;
-using testing::violations_of;
 
 // Returns a printer file with only the required keys.
 json smallest_printer() {

@@ -1,9 +1,6 @@
 #include "daemon/config/projector_table.hpp"
 
 #include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "hw/serial/serial_projector.hpp"
 #include "tests/catch.hpp"
@@ -14,10 +11,6 @@ namespace contourd {
 namespace {
 
 using nlohmann::json;
-using testing::Complaints;
-using testing::complaints_of;
-using testing::ConfigFolder;
-using testing::shipped;
 
 ProjectorTable load_table(const json& table) {
   const ConfigFolder folder;

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
 #include "daemon/config/resin_profile.hpp"
 #include "tests/daemon/config/config_fixture.hpp"

@@ -1,7 +1,5 @@
 #include "daemon/config/resin_profile.hpp"
 
-#include <cmath>
-
 #include "daemon/config/support_figures.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/config/resin_fixture.hpp"
@@ -11,11 +9,6 @@ namespace {
 
 using nlohmann::json;
 using std::chrono::milliseconds;
-using testing::Complaints;
-using testing::kIrradianceMwCm2;
-using testing::load_resin;
-using testing::resin_complaints;
-using testing::shipped;
 
 json curve_profile() {
   return testing::with_working_curve(shipped("resins/standard.json"));

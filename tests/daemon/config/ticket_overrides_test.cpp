@@ -1,7 +1,5 @@
 #include "daemon/config/ticket_overrides.hpp"
 
-#include <cmath>
-
 #include "tests/catch.hpp"
 #include "tests/daemon/config/resin_fixture.hpp"
 
@@ -10,12 +8,6 @@ namespace {
 
 using nlohmann::json;
 using std::chrono::milliseconds;
-using testing::Complaints;
-using testing::complaints_of;
-using testing::kIrradianceMwCm2;
-using testing::load_resin;
-using testing::resin_complaints;
-using testing::shipped;
 
 json limited_profile() {
   json resin = shipped("resins/standard.json");

@@ -1,7 +1,6 @@
 #include "daemon/config/uniformity_mask.hpp"
 
 #include <fstream>
-#include <string>
 
 #include "hw/png_file.hpp"
 #include "tests/catch.hpp"
@@ -11,7 +10,6 @@ namespace contourd {
 namespace {
 
 using nlohmann::json;
-using testing::ConfigFolder;
 
 // A printer with 30 x 20 pixels and the given display keys, and its loaded mask.
 struct LoadedMask {

@@ -7,20 +7,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <chrono>
-#include <cstdint>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using contourd::testing::TemporaryFolder;
 
 namespace {
 

@@ -1,20 +1,12 @@
 #include "daemon/control/history_control.hpp"
 
-#include <algorithm>
-#include <cstddef>
 #include <deque>
 #include <filesystem>
-#include <functional>
-#include <optional>
-#include <string>
-#include <utility>
 #include <variant>
-#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 
-using namespace contourd;
 using Json = HistoryControl::Json;
 
 namespace {

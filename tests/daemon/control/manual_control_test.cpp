@@ -1,13 +1,8 @@
 #include "daemon/control/manual_control.hpp"
 
-#include <chrono>
-#include <string>
-#include <utility>
-
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/current_job_fixture.hpp"
 
-using namespace contourd;
 using Json = ManualControl::Json;
 
 namespace {

@@ -1,13 +1,8 @@
 #include "daemon/control/printer_control.hpp"
 
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/current_job_fixture.hpp"
 
-using namespace contourd;
 using Json = PrinterControl::Json;
 
 namespace {

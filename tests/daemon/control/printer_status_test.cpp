@@ -1,11 +1,7 @@
 #include "daemon/control/printer_status.hpp"
 
-#include <string>
-
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/current_job_fixture.hpp"
-
-using namespace contourd;
 
 namespace {
 

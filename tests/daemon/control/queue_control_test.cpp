@@ -1,15 +1,9 @@
 #include "daemon/control/queue_control.hpp"
 
-#include <functional>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/current_job_fixture.hpp"
 
-using namespace contourd;
 using Json = QueueControl::Json;
 using Names = std::vector<std::string>;
 

@@ -1,16 +1,8 @@
 #include "daemon/control/screen_copy.hpp"
 
-#include <algorithm>
-#include <functional>
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "hw/png_file.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
-
-using namespace contourd;
 
 namespace {
 

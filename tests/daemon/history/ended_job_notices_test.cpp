@@ -4,22 +4,14 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include <array>
-#include <chrono>
 #include <filesystem>
-#include <functional>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "hw/file_descriptor.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
 namespace {

@@ -15,8 +15,6 @@
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
 using std::chrono::system_clock;
 namespace fs = std::filesystem;
 

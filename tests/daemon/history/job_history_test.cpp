@@ -2,8 +2,6 @@
 
 #include "tests/catch.hpp"
 
-using namespace contourd;
-
 TEST_CASE("The latest ended jobs are kept, the oldest first") {
   JobHistory history;
   for (std::size_t i = 0; i <= JobHistory::kLongest; ++i)

@@ -1,14 +1,10 @@
 #include "daemon/jobs/acceptances.hpp"
 
 #include <filesystem>
-#include <functional>
-#include <string>
-#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/daemon/spool/spool_fixture.hpp"
 
-using namespace contourd;
 using Lines = Acceptances::Lines;
 namespace fs = std::filesystem;
 

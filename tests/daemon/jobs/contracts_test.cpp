@@ -1,14 +1,10 @@
 // Each header of daemon/jobs checks what it requires.
-#include <string>
 
 #include "daemon/jobs/print_queue.hpp"
 #include "daemon/jobs/unfiled_jobs.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/current_job_fixture.hpp"
-
-using namespace contourd;
-using testing::contract_broken_by;
 
 namespace {
 

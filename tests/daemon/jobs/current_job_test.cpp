@@ -1,16 +1,12 @@
 #include "daemon/jobs/current_job.hpp"
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/current_job_fixture.hpp"
 
-using namespace contourd;
-using contourd::testing::CurrentJobFixture;
 namespace fs = std::filesystem;
 
 namespace {

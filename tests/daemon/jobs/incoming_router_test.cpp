@@ -1,11 +1,7 @@
 #include "daemon/jobs/incoming_router.hpp"
 
-#include <string>
-
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
-
-using namespace contourd;
 
 namespace {
 

@@ -1,18 +1,12 @@
 #include "daemon/jobs/job_reader.hpp"
 
 #include <filesystem>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <string>
 #include <variant>
-#include <vector>
 
 #include "daemon/jobs/acceptances.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 
-using namespace contourd;
 namespace fs = std::filesystem;
 
 namespace {

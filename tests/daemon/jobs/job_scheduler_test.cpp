@@ -1,15 +1,10 @@
 #include "daemon/jobs/job_scheduler.hpp"
 
 #include <filesystem>
-#include <functional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 
-using namespace contourd;
 using Names = std::vector<std::string>;
 namespace fs = std::filesystem;
 

@@ -1,16 +1,7 @@
 #include "daemon/jobs/prepared_job_cache.hpp"
 
-#include <chrono>
-#include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <functional>
-#include <iterator>
-#include <limits>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "daemon/jobs/job_reader.hpp"
 #include "daemon/spool/copied_originals.hpp"
@@ -18,8 +9,6 @@
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
 namespace {

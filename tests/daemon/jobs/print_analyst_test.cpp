@@ -1,14 +1,8 @@
 #include "daemon/jobs/print_analyst.hpp"
 
-#include <memory>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/small_display.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <string>
 #include <thread>
 
 #include "hw/png_file.hpp"
@@ -13,7 +12,6 @@
 #include "tests/models/models.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
 namespace fs = std::filesystem;
 
 namespace {

@@ -1,12 +1,7 @@
 #include "daemon/jobs/print_log.hpp"
 
-#include <string>
-
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

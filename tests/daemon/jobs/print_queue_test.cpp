@@ -1,13 +1,8 @@
 #include "daemon/jobs/print_queue.hpp"
 
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 
-using namespace contourd;
 using Names = std::vector<std::string>;
 using Check = WaitingJob::Check;
 

@@ -1,14 +1,11 @@
 #include "daemon/jobs/queue_hold.hpp"
 
 #include <filesystem>
-#include <memory>
-#include <string>
 
 #include "daemon/spool/reading_record.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 
-using namespace contourd;
 namespace fs = std::filesystem;
 
 namespace {

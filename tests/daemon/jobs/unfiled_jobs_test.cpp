@@ -1,14 +1,10 @@
 #include "daemon/jobs/unfiled_jobs.hpp"
 
 #include <filesystem>
-#include <optional>
-#include <system_error>
-#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 
-using namespace contourd;
 namespace fs = std::filesystem;
 
 namespace {

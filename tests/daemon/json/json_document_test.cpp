@@ -2,18 +2,11 @@
 
 #include <sys/stat.h>
 
-#include <cstdint>
-
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
 
 namespace contourd {
 namespace {
-
-using testing::Complaints;
-using testing::complaints_of;
-using testing::ConfigFolder;
-using testing::violations_of;
 
 JsonDocument parse(std::string_view text) {
   return JsonDocument::from_text(text, "test.json");

@@ -1,10 +1,5 @@
 #include "daemon/json/json_schema.hpp"
 
-#include <algorithm>
-#include <array>
-#include <functional>
-#include <stdexcept>
-
 #include "daemon/json/schema_check.hpp"
 #include "daemon/json/schema_text.hpp"
 #include "tests/catch.hpp"
@@ -14,8 +9,6 @@ namespace contourd {
 namespace {
 
 using nlohmann::json;
-using testing::Complaints;
-using testing::complaints_of;
 
 constexpr std::string_view kTankSchema = R"({
   "type": "object",

@@ -1,16 +1,11 @@
 #include "daemon/json/json_section.hpp"
 
-#include <cstdint>
-
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
 
 namespace contourd {
 namespace {
-
-using testing::Complaints;
-using testing::complaints_of;
 
 // Returns a document whose key "x" has this value, without the document's normalization of numbers.
 JsonDocument holding(const nlohmann::json& value) {

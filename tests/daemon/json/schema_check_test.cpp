@@ -1,8 +1,5 @@
 #include "daemon/json/schema_check.hpp"
 
-#include <string>
-#include <string_view>
-
 #include "daemon/json/json_schema.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
@@ -11,8 +8,6 @@ namespace contourd {
 namespace {
 
 using nlohmann::json;
-using testing::Complaints;
-using testing::complaints_of;
 
 // Checks the value as it is written, without the document's normalization of numbers.
 Complaints complaints_about(std::string_view schema, std::string_view value) {

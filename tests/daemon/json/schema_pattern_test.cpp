@@ -1,7 +1,5 @@
 #include "daemon/json/schema_node.hpp"
 
-#include <stdexcept>
-
 #include "tests/catch.hpp"
 
 namespace contourd {

@@ -1,16 +1,11 @@
 #include "daemon/json/schema_reader.hpp"
 
-#include <string_view>
-
 #include "daemon/json/json_schema.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
 
 namespace contourd {
 namespace {
-
-using testing::Complaints;
-using testing::complaints_of;
 
 Complaints schema_complaints(std::string_view schema) {
   return complaints_of([&] { JsonSchema(schema, "x.schema.json"); });

@@ -1,14 +1,8 @@
 // Runs the official tests of JSON Schema draft 7 from Debian's package json-schema-test-suite.
 
-#include <algorithm>
-#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <map>
-#include <set>
-#include <string>
-#include <vector>
 
 #include "daemon/json/json_schema.hpp"
 #include "daemon/json/schema_check.hpp"

@@ -1,14 +1,9 @@
 #include "daemon/prepare/drain_holes.hpp"
 
-#include <cmath>
-#include <string>
-
 #include "daemon/prepare/model_turn.hpp"
 #include "daemon/prepare/plate_arrangement.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
 
 namespace {
 

@@ -1,13 +1,7 @@
 #include "daemon/prepare/job_memory.hpp"
 
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
 
 namespace {
 

@@ -1,13 +1,10 @@
 #include "daemon/prepare/job_settings.hpp"
 
 #include <filesystem>
-#include <optional>
-#include <string>
 
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
 
-using namespace contourd;
 namespace fs = std::filesystem;
 
 namespace {

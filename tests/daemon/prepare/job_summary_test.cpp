@@ -1,11 +1,6 @@
 #include "daemon/prepare/job_summary.hpp"
 
-#include <chrono>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 TEST_CASE(
     "Corrections of contours and masks are described in one sentence, which is empty without corrections") {

@@ -2,8 +2,6 @@
 
 #include "tests/catch.hpp"
 
-using namespace contourd;
-
 TEST_CASE("Repairs are described with their numbers, and no repairs as an empty text") {
   CHECK(describe(MeshRepairs{}).empty());
   CHECK(describe(MeshRepairs{17, 0, 0, 0}) == "17 facets turned round");

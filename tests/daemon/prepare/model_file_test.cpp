@@ -1,15 +1,12 @@
 #include "daemon/prepare/model_file.hpp"
 
 #include <filesystem>
-#include <fstream>
-#include <string>
 
 #include "daemon/prepare/plate_arrangement.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
 namespace fs = std::filesystem;
 
 namespace {

@@ -6,8 +6,6 @@
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
-using namespace contourd;
-
 namespace {
 
 constexpr Millimeters kAny{1000};

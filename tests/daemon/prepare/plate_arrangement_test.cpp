@@ -1,11 +1,7 @@
 #include "daemon/prepare/plate_arrangement.hpp"
 
-#include <cmath>
-
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
 
 namespace {
 

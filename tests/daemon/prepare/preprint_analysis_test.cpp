@@ -1,12 +1,7 @@
 #include "daemon/prepare/preprint_analysis.hpp"
 
-#include <algorithm>
-#include <string>
-#include <vector>
-
 #include "tests/catch.hpp"
 
-using namespace contourd;
 using Names = std::vector<std::string>;
 
 namespace {

@@ -1,10 +1,6 @@
 #include "daemon/prepare/print_findings.hpp"
 
-#include <cmath>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
 
 namespace {
 

@@ -1,9 +1,5 @@
 #include "daemon/prepare/print_job.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <cstring>
 #include <fstream>
 
 #include "core/layers/layers.hpp"
@@ -12,9 +8,6 @@
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
-using contourd::testing::TemporaryFolder;
 
 namespace {
 

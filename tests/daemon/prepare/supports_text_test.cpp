@@ -2,8 +2,6 @@
 
 #include "tests/catch.hpp"
 
-using namespace contourd;
-
 namespace {
 
 SupportContact contact(ContactCause cause, double z) {

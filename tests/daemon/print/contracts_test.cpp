@@ -1,15 +1,10 @@
 // Tests of the contract checks in daemon/print.
-#include <string>
-#include <utility>
 
 #include "daemon/print/manual_process.hpp"
 #include "daemon/print/print_process.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/current_job_fixture.hpp"
-
-using namespace contourd;
-using testing::contract_broken_by;
 
 namespace {
 

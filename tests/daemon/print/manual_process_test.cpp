@@ -1,17 +1,9 @@
 #include "daemon/print/manual_process.hpp"
 
-#include <chrono>
-#include <functional>
-#include <string>
-#include <vector>
-
 #include "core/image/test_pattern.hpp"
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

@@ -3,17 +3,12 @@
 #include <sched.h>
 #include <sys/resource.h>
 
-#include <string>
 #include <thread>
-#include <vector>
 
 #include "daemon/print/job_refused.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/damage.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

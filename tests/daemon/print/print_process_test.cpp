@@ -1,9 +1,6 @@
 #include "daemon/print/print_process.hpp"
 
-#include <algorithm>
 #include <filesystem>
-#include <memory>
-#include <set>
 
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
@@ -12,10 +9,6 @@
 #include "tests/daemon/print/box_print.hpp"
 #include "tests/hw/plain_devices.hpp"
 #include "tests/models/models.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using contourd::testing::TemporaryFolder;
 
 namespace {
 

@@ -1,9 +1,5 @@
 // Tests of a print on a GPIO axis with a GPIO light line, an emergency stop and a lid, whose contacts move
 // during the print.
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "daemon/print/print_process.hpp"
 #include "hw/gpio/gpio_light_line.hpp"
@@ -12,11 +8,6 @@
 #include "tests/catch.hpp"
 #include "tests/daemon/print/box_print.hpp"
 #include "tests/hw/gpio/plant.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::Plant;
-using testing::PlantOutput;
 
 namespace {
 

@@ -1,14 +1,10 @@
 // Tests of the contract checks in daemon/report.
-#include <chrono>
 
 #include "daemon/report/html_page.hpp"
 #include "daemon/report/light_histogram.hpp"
 #include "daemon/report/state_times.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
-
-using namespace contourd;
-using testing::contract_broken_by;
 
 TEST_CASE("svg_plot requires rising heights") {
   if (testing::costly_checks_are_off()) return;

@@ -1,16 +1,11 @@
 #include "daemon/report/layer_pictures.hpp"
 
-#include <algorithm>
 #include <fstream>
-#include <set>
 
 #include "hw/png_file.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/report/report_fixture.hpp"
 #include "tests/temporary_folder.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

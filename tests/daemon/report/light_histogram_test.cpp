@@ -1,12 +1,6 @@
 #include "daemon/report/light_histogram.hpp"
 
-#include <cmath>
-#include <numeric>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

@@ -1,15 +1,9 @@
 #include "daemon/report/print_record.hpp"
 
-#include <string>
-#include <vector>
-
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/print/late_machine.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

@@ -1,15 +1,10 @@
 #include "daemon/report/print_report_html.hpp"
 
-#include <string>
-
 #include "core/image/thumbnail.hpp"
 #include "daemon/report/layer_pictures.hpp"
 #include "hw/png_file.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/report/report_fixture.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

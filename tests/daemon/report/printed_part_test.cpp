@@ -1,16 +1,8 @@
 #include "daemon/report/printed_part.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <vector>
-
 #include "hw/png_file.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/report/report_fixture.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

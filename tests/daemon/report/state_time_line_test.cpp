@@ -3,9 +3,6 @@
 #include "tests/catch.hpp"
 #include "tests/daemon/report/report_fixture.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
-
 namespace {
 
 constexpr TimePoint kPrintStart{std::chrono::hours(1000)};

@@ -2,9 +2,6 @@
 
 #include "tests/catch.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
-
 namespace {
 
 constexpr TimePoint kStart{std::chrono::hours(1000)};

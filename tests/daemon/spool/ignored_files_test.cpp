@@ -3,15 +3,10 @@
 #include <sys/stat.h>
 
 #include <filesystem>
-#include <map>
-#include <string>
-#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
 namespace {

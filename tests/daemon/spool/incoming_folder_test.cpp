@@ -4,23 +4,13 @@
 #include <sys/inotify.h>
 #include <unistd.h>
 
-#include <array>
 #include <atomic>
-#include <chrono>
 #include <deque>
 #include <filesystem>
-#include <functional>
-#include <memory>
-#include <set>
-#include <stdexcept>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
 namespace fs = std::filesystem;
 
 namespace {

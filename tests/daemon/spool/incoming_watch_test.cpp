@@ -1,18 +1,12 @@
 #include "daemon/spool/incoming_watch.hpp"
 
-#include <algorithm>
-#include <chrono>
 #include <filesystem>
-#include <functional>
 #include <future>
-#include <string>
-#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 #include "tests/daemon/spool/spool_fixture.hpp"
 
-using namespace contourd;
 using Names = std::vector<std::string>;
 
 namespace {

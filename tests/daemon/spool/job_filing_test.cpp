@@ -5,7 +5,6 @@
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 
-using namespace contourd;
 namespace fs = std::filesystem;
 
 namespace {

@@ -1,12 +1,10 @@
 #include "daemon/spool/job_moves.hpp"
 
 #include <filesystem>
-#include <system_error>
 
 #include "tests/catch.hpp"
 #include "tests/daemon/spool/spool_fixture.hpp"
 
-using namespace contourd;
 namespace fs = std::filesystem;
 
 namespace {

@@ -1,13 +1,7 @@
 #include "daemon/spool/job_moves.hpp"
 
-#include <algorithm>
-#include <string>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/daemon/spool/spool_fixture.hpp"
-
-using namespace contourd;
 
 namespace {
 

@@ -1,12 +1,10 @@
 #include "daemon/spool/printing_copies.hpp"
 
 #include <filesystem>
-#include <string>
 
 #include "tests/catch.hpp"
 #include "tests/daemon/spool/spool_fixture.hpp"
 
-using namespace contourd;
 namespace fs = std::filesystem;
 
 namespace {

@@ -1,13 +1,10 @@
 #include "daemon/spool/reading_record.hpp"
 
 #include <fstream>
-#include <optional>
-#include <string>
 
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
 namespace fs = std::filesystem;
 
 namespace {

@@ -1,13 +1,10 @@
 #include "daemon/spool/spool.hpp"
 
 #include <filesystem>
-#include <stdexcept>
-#include <string>
 
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
 namespace fs = std::filesystem;
 
 TEST_CASE("One process at a time can lock a spool, and can lock it again") {

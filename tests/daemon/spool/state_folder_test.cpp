@@ -2,14 +2,9 @@
 
 #include <sys/stat.h>
 
-#include <cstdlib>
-#include <stdexcept>
-#include <string>
-
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
 namespace fs = std::filesystem;
 
 namespace {

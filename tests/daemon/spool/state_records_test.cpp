@@ -1,14 +1,10 @@
 #include "daemon/spool/state_records.hpp"
 
-#include <chrono>
 #include <filesystem>
-#include <string>
-#include <system_error>
 
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
 namespace fs = std::filesystem;
 
 TEST_CASE("A record keeps its value for the next process until it is removed") {

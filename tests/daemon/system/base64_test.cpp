@@ -1,12 +1,6 @@
 #include "daemon/system/base64.hpp"
 
-#include <cstdint>
-#include <string>
-#include <vector>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
 
 namespace {
 

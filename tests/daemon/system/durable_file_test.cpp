@@ -4,8 +4,6 @@
 #include <sys/stat.h>
 
 #include <filesystem>
-#include <string>
-#include <system_error>
 
 #include "hw/file_descriptor.hpp"
 #include "tests/catch.hpp"

@@ -4,13 +4,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-#include <string>
-#include <system_error>
-#include <vector>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
 
 namespace {
 

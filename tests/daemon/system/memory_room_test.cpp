@@ -1,11 +1,7 @@
 #include "daemon/system/memory_room.hpp"
 
-#include <string>
-
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
-
-using namespace contourd;
 
 namespace {
 

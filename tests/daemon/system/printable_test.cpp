@@ -2,8 +2,6 @@
 
 #include "tests/catch.hpp"
 
-using namespace contourd;
-
 TEST_CASE("Text from a file name is one line of valid UTF-8") {
   CHECK(printable("plain.stl") == "plain.stl");
   CHECK(printable("Ger\xC3\xA4t") == "Ger\xC3\xA4t");

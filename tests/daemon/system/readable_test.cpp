@@ -2,9 +2,6 @@
 
 #include "tests/catch.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
-
 TEST_CASE("Durations are formatted in the units that people use") {
   CHECK(readable(0s) == "0.0 s");
   CHECK(readable(4'200ms) == "4.2 s");

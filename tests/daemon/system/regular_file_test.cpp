@@ -4,13 +4,9 @@
 #include <sys/stat.h>
 #include <sys/un.h>
 
-#include <cstring>
-#include <string>
-
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
 namespace fs = std::filesystem;
 
 namespace {

@@ -1,13 +1,7 @@
 #include "daemon/system/sqlite.hpp"
 
-#include <chrono>
-#include <string>
-
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

@@ -2,15 +2,10 @@
 
 #include <poll.h>
 
-#include <functional>
 #include <future>
-#include <memory>
 #include <thread>
-#include <vector>
 
 #include "tests/catch.hpp"
-
-using namespace contourd;
 
 namespace {
 

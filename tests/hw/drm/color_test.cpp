@@ -2,8 +2,6 @@
 
 #include "tests/catch.hpp"
 
-using namespace contourd;
-
 namespace {
 
 Mode timing(int width, int height, int line) {

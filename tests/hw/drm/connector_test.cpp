@@ -3,8 +3,6 @@
 #include "tests/catch.hpp"
 #include "tests/hw/refusal.hpp"
 
-using namespace contourd;
-
 namespace {
 
 Connector connector_of(const std::string& name, Connector::Status status) {

@@ -1,14 +1,10 @@
 // Tests that the functions of hw/drm check their preconditions. Output is not tested here because it needs a
 // card; its masks go to FrameWriters that have its mode's size.
-#include <array>
 
 #include "hw/drm/atomic_request.hpp"
 #include "hw/drm/frame_writer.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
-
-using namespace contourd;
-using testing::contract_broken_by;
 
 namespace {
 

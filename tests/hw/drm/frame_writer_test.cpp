@@ -4,14 +4,8 @@
 #include <sys/mman.h>
 #include <ucontext.h>
 
-#include <algorithm>
-#include <cstring>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
 
 namespace {
 

@@ -5,13 +5,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <fstream>
 
 #include "hw/file_descriptor.hpp"
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
-
-using namespace contourd;
 
 TEST_CASE("The DRM master is found in the kernel's list of a card's clients") {
   CHECK(master_among("             command  tgid dev master a   uid      magic\n"

@@ -1,12 +1,7 @@
 #include "hw/drm/mode.hpp"
 
-#include <cstring>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/hw/refusal.hpp"
-
-using namespace contourd;
 
 namespace {
 

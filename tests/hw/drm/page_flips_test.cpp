@@ -2,12 +2,8 @@
 
 #include <cerrno>
 #include <random>
-#include <vector>
 
 #include "tests/catch.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

@@ -2,11 +2,7 @@
 
 #include <sys/sysmacros.h>
 
-#include <string>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
 
 namespace {
 

@@ -2,23 +2,10 @@
 // since it only makes runs.
 #include "hw/gpio/axis_drive.hpp"
 
-#include <algorithm>
-#include <chrono>
-#include <functional>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "hw/gpio/plate_approach.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
 #include "tests/hw/virtual_time_fixture.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::PlantInput;
-using testing::PlantOutput;
 
 namespace {
 

@@ -3,9 +3,6 @@
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/encoder_config.hpp"
 
-using namespace contourd;
-using testing::says;
-
 namespace {
 
 using Policy = EncoderConfig::Policy;

@@ -1,20 +1,11 @@
 // Tests of AxisInputs: the calls of the input thread, made in one thread with the test's own clock.
 #include "hw/gpio/axis_inputs.hpp"
 
-#include <algorithm>
-#include <optional>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/counting_line.hpp"
 #include "tests/hw/gpio/plant.hpp"
 #include "tests/hw/gpio/test_time.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::draw;
-using testing::test_time;
 
 namespace {
 

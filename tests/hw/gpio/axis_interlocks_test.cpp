@@ -1,23 +1,9 @@
 // Tests of AxisInterlocks: the test serves the inputs and records the calls to the motor.
 #include "hw/gpio/axis_interlocks.hpp"
 
-#include <algorithm>
-#include <array>
-#include <chrono>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
 #include "tests/hw/gpio/test_time.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::PlantInput;
-using testing::PlantOutput;
-using testing::test_time;
 
 namespace {
 

@@ -2,9 +2,6 @@
 
 #include "tests/catch.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
-
 namespace {
 
 // 800 steps/mm, 25 mm/s2: 6 mm at 1.5 mm/s take 6 / 1.5 + 1.5 / 25 = 4.06 s.

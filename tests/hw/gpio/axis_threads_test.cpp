@@ -3,7 +3,6 @@
 #include <poll.h>
 #include <sched.h>
 
-#include <algorithm>
 #include <atomic>
 #include <iostream>
 #include <map>

@@ -1,11 +1,6 @@
 #include "hw/gpio/contact.hpp"
 
-#include <vector>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

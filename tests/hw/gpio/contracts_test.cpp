@@ -9,9 +9,6 @@
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
 
-using namespace contourd;
-using testing::contract_broken_by;
-
 namespace {
 
 constexpr MotionLimits kLimits{1'000, 10'000};

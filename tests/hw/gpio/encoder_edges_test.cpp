@@ -3,9 +3,6 @@
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
-
 TEST_CASE("An encoder's period gives four counts, up while A leads and down while B leads") {
   Quadrature q(false, false);
   q.edge_a(true), q.edge_b(true), q.edge_a(false), q.edge_b(false);

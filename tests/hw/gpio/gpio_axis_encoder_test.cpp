@@ -1,15 +1,9 @@
 // Tests of an axis whose encoder loses counts, is disturbed, or has an index.
-#include <cmath>
-#include <random>
 
 #include "hw/gpio/gpio_axis.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
 #include "tests/hw/gpio/plant_axis.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::Plant;
 
 namespace {
 

@@ -1,19 +1,11 @@
 // Tests of an axis whose step thread is delayed: the motor comes to rest meanwhile, and the known position of
 // the plate must be true.
-#include <cmath>
 
 #include "hw/gpio/gpio_axis.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
 #include "tests/hw/gpio/plant_axis.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::draw;
-using testing::draw_real;
-using testing::Plant;
-using testing::plate_above_switch;
 
 namespace {
 

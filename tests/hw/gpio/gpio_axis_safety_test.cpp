@@ -1,22 +1,10 @@
 // Tests of an axis with emergency stop, lid, and inputs that cannot be read.
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <string>
-#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
 #include "tests/hw/gpio/plant_axis.hpp"
 #include "tests/hw/millimeters.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::draw;
-using testing::mm;
-using testing::Plant;
-using testing::plate_above_switch;
 
 namespace {
 

@@ -1,26 +1,11 @@
 #include "hw/gpio/gpio_axis.hpp"
 
-#include <chrono>
-#include <cmath>
-#include <cstdlib>
-
 #include "hw/hardware_error.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
 #include "tests/hw/gpio/plant_axis.hpp"
 #include "tests/hw/millimeters.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::draw;
-using testing::draw_real;
-using testing::mm;
-using testing::Plant;
-using testing::plate_above_switch;
-using testing::screw_config;
-using testing::with_encoder;
-using testing::with_second_switch;
 
 namespace {
 

@@ -1,16 +1,8 @@
 #include "hw/gpio/gpio_light_line.hpp"
 
-#include <functional>
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "hw/hardware_error.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/virtual_time_fixture.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

@@ -8,9 +8,6 @@
 #include "tests/hw/refusal.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
-using testing::TemporaryFolder;
-
 namespace {
 
 std::string refusal_of_line(const GpioLineConfig& config, const std::filesystem::path& devices) {

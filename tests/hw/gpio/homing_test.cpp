@@ -1,17 +1,7 @@
 // Tests of Homing alone: the test records its calls to the axis and sets the motor's state.
 #include "hw/gpio/homing.hpp"
 
-#include <chrono>
-#include <functional>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

@@ -8,7 +8,6 @@
 
 #include <cerrno>
 #include <cstdarg>
-#include <vector>
 
 #include "tests/catch.hpp"
 

@@ -1,17 +1,8 @@
 #include "hw/gpio/plate_position.hpp"
 
-#include <chrono>
-#include <optional>
-
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
 #include "tests/hw/gpio/test_time.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::PlantInput;
-using testing::PlantOutput;
-using testing::test_time;
 
 namespace {
 

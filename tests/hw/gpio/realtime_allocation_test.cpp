@@ -1,12 +1,5 @@
 // Tests that the real-time threads allocate no memory while the motor turns: their calls are made in one
 // thread with the test's own clock.
-#include <algorithm>
-#include <array>
-#include <chrono>
-#include <cstdint>
-#include <cstdlib>
-#include <optional>
-#include <span>
 
 #include "hw/gpio/axis_inputs.hpp"
 #include "hw/gpio/step_engine.hpp"
@@ -14,10 +7,6 @@
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/counting_line.hpp"
 #include "tests/hw/gpio/test_time.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::test_time;
 
 namespace {
 

@@ -1,20 +1,9 @@
 // Tests of the engine alone, with a delayed thread and the test's own clock.
 #include "hw/gpio/step_engine.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/test_time.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::draw;
-using testing::draw_real;
-using testing::test_time;
 
 namespace {
 

@@ -1,15 +1,10 @@
 #include "hw/gpio/step_history.hpp"
 
-#include <algorithm>
 #include <atomic>
 #include <thread>
-#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/random_shapes.hpp"
-
-using namespace contourd;
-using testing::draw;
 
 namespace {
 

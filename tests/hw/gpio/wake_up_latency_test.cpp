@@ -2,10 +2,6 @@
 
 #include "tests/catch.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::Approx;
-
 TEST_CASE("The sustainable rate is the one at which wake-ups shift few steps and stop no motor") {
   const auto kept = [](Duration p99, Duration worst) {
     return WakeUpLatency{.count = 6'000, .p99 = p99, .worst = worst}.sustainable_rate(20'000);

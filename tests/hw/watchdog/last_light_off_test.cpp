@@ -3,16 +3,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <string>
-#include <tuple>
-
 #include "tests/allocation_counter.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/watchdog/ready_watchdog.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

@@ -1,11 +1,6 @@
 #include "hw/watchdog/light_deadline.hpp"
 
-#include <vector>
-
 #include "tests/catch.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

@@ -9,18 +9,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
-#include <optional>
-#include <string>
-#include <tuple>
-#include <utility>
-
 #include "tests/catch.hpp"
 #include "tests/hw/watchdog/socket_pair.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
-using testing::socket_pair;
 
 namespace {
 

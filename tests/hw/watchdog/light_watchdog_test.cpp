@@ -5,15 +5,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <map>
-#include <system_error>
-
 #include "tests/catch.hpp"
 #include "tests/hw/virtual_time_fixture.hpp"
 #include "tests/hw/watchdog/ready_watchdog.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <stdexcept>
-#include <vector>
 
 #include "hw/watchdog/light_watchdog.hpp"
 #include "tests/hw/no_descriptors.hpp"

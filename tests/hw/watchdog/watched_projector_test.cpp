@@ -1,15 +1,9 @@
 // Tests on a virtual clock; the test is the light watchdog's process.
 #include "hw/watchdog/watched_projector.hpp"
 
-#include <string>
-#include <vector>
-
 #include "tests/catch.hpp"
 #include "tests/hw/noted_projector.hpp"
 #include "tests/hw/watchdog/ready_watchdog.hpp"
-
-using namespace contourd;
-using namespace std::chrono_literals;
 
 namespace {
 

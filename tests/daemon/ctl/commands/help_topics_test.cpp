@@ -1,7 +1,5 @@
 #include "daemon/ctl/commands/help_topics.hpp"
 
-#include <array>
-
 #include "tests/catch.hpp"
 
 using namespace contourd::ctl;

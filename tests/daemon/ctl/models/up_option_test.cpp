@@ -3,7 +3,6 @@
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "tests/catch.hpp"
 
-using namespace contourd;
 using namespace contourd::ctl;
 
 TEST_CASE("The option --up accepts a direction or a preset") {

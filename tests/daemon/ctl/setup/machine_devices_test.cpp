@@ -6,7 +6,6 @@
 #include "tests/temporary_folder.hpp"
 
 using namespace contourd::ctl;
-using contourd::testing::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {

@@ -1,19 +1,12 @@
 #include "daemon/ctl/terminal/terminal_picture.hpp"
 
-#include <algorithm>
-#include <cstddef>
-#include <cstdint>
 #include <sstream>
-#include <string>
-#include <vector>
 
 #include "daemon/ctl/terminal/text_columns.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 
-using namespace contourd;
 using namespace contourd::ctl;
-using testing::contract_broken_by;
 
 namespace {
 

@@ -1,8 +1,5 @@
 #include "daemon/ctl/watch/watch_view.hpp"
 
-#include <algorithm>
-#include <cstdlib>
-
 #include "daemon/ctl/terminal/text_columns.hpp"
 #include "daemon/system/readable.hpp"
 #include "tests/catch.hpp"

@@ -1,18 +1,10 @@
 #include "daemon/ctl/watch/watched_mask.hpp"
 
-#include <algorithm>
-#include <chrono>
-#include <span>
-#include <string>
-#include <vector>
-
 #include "daemon/system/base64.hpp"
 #include "hw/png_file.hpp"
 #include "tests/catch.hpp"
 
-using namespace contourd;
 using namespace contourd::ctl;
-using namespace std::chrono_literals;
 using Json = WatchedMask::Json;
 
 namespace {
