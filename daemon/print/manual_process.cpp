@@ -83,7 +83,7 @@ void ManualProcess::begin(ManualEvent event) {
 }
 
 void ManualProcess::stop() {
-  if (find_row(manual_transitions(), state_, ManualEvent::Stop) == nullptr) return;
+  if (manual_table().find(state_, ManualEvent::Stop) == nullptr) return;
   problem_ = "stopped";
   handle(ManualEvent::Stop);
 }
@@ -130,13 +130,14 @@ void ManualProcess::hide() {
 // --- the table
 
 void ManualProcess::handle(ManualEvent event) {
-  const ManualTransition* const transition = find_row(manual_transitions(), state_, event);
+  const ManualTransition* const transition = manual_table().find(state_, event);
   if (transition == nullptr) return;
-  if (transition->to != state_) {
+  const ManualState next = transition->next(state_);
+  if (next != state_) {
     ++states_entered_;
     wait_.reset();
     deadline_.reset();
-    state_ = transition->to;
+    state_ = next;
   }
   try {
     for (const ManualEffect effect : transition->done())

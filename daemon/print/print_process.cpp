@@ -145,26 +145,27 @@ void PrintProcess::interrupt(const std::string& what) {
 }
 
 void PrintProcess::cancel() {
-  if (find_transition(state_, PrintEvent::Canceled) == nullptr) return;
+  if (print_table().find(state_, PrintEvent::Canceled) == nullptr) return;
   canceled_ = true;
   handle(PrintEvent::Canceled);
 }
 
 void PrintProcess::fail(const std::string& reason) {
-  if (find_transition(state_, PrintEvent::Failed) == nullptr) return;
+  if (print_table().find(state_, PrintEvent::Failed) == nullptr) return;
   failure_ = reason;
   handle(PrintEvent::Failed);
 }
 
 void PrintProcess::handle(PrintEvent event) {
-  const PrintTransition* transition = find_transition(state_, event);
+  const PrintTransition* transition = print_table().find(state_, event);
   if (transition == nullptr) return;
-  if (transition->to != state_) {
+  const PrintState next = transition->next(state_);
+  if (next != state_) {
     ++states_entered_;
     wait_.reset();
     deadline_.reset();
     estimated_end_.reset();
-    state_ = transition->to;
+    state_ = next;
   }
   try {
     for (const PrintEffect effect : transition->done())

@@ -2,11 +2,10 @@
 // the way. Nothing else decides what happens next. `contourd --print-states` draws it.
 #pragma once
 
-#include <array>
-#include <optional>
-#include <span>
 #include <string>
 #include <string_view>
+
+#include "hw/state_table.hpp"
 
 namespace contourd {
 
@@ -79,24 +78,9 @@ enum class PrintEffect {
   Finish,
 };
 
-struct PrintTransition {
-  static constexpr std::size_t kMaxEffects = 6;
+using PrintTransition = StateTransition<PrintState, PrintEvent, PrintEffect>;
 
-  PrintState from;
-  PrintEvent on;
-  PrintState to;
-  std::array<PrintEffect, kMaxEffects> effects;  // in order of execution; LightOff always first
-  std::size_t effect_count;
-
-  [[nodiscard]] std::span<const PrintEffect> done() const { return std::span(effects).first(effect_count); }
-};
-
-// Returns all rows of the table. A row that stays in its state only adds its effects: the state keeps waiting
-// for the same event.
-[[nodiscard]] std::span<const PrintTransition> print_transitions();
-
-// Returns the row for an event in a state; null if the state ignores the event.
-[[nodiscard]] const PrintTransition* find_transition(PrintState from, PrintEvent on);
+[[nodiscard]] const StateTable<PrintTransition>& print_table();
 
 [[nodiscard]] std::string_view name_of(PrintState state);
 [[nodiscard]] std::string_view name_of(PrintEvent event);
