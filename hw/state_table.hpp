@@ -15,8 +15,8 @@
 
 namespace contourd {
 
-// A set of enumerators. Implicit, so that a row of a table can name one or several. REQUIRES: the enumeration
-// has at most 64 enumerators, counted from 0.
+// A set of enumerators of an enumeration that has at most 64, counted from 0. One enumerator or several
+// convert to a set, so that a row of a table can name either.
 template <typename Enum>
 class EnumSet {
  public:

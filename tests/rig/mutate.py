@@ -17,8 +17,8 @@ LIGHT = "hw/serial/projector_light.cpp"
 LIGHT_STATES = "hw/serial/projector_light_states.cpp"
 POWER_STATES = "hw/serial/projector_power_states.cpp"
 READER = "hw/serial/reply_reader.cpp"
-PROCESS = "daemon/print/print_process.cpp"
-STATES = "daemon/print/print_states.cpp"
+PROCESS = "daemon/print/layered_print.cpp"
+STATES = "daemon/print/layered_states.cpp"
 LINE = "hw/projector_with_light_line.cpp"
 ENGINE = "hw/gpio/step_engine.cpp"
 
@@ -28,9 +28,9 @@ MUTATIONS = [
      "                 .retries = table_.retries});"),
     ("light is counted from the reply to light on", "hw/projector.hpp",
      "off_latest.value_or(now) - on_earliest", "off_latest.value_or(now) - on_latest.value_or(on_earliest)"),
-    ("the exposure begins when light on is answered", PROCESS,
-     "    exposure_end_ = earliest + exposure_left();",
-     "    exposure_end_ = earliest + exposure_left() + std::chrono::milliseconds{500};"),
+    ("the exposure begins when light on is answered", "daemon/print/machine_process.hpp",
+     "      light_end_ = earliest + time;",
+     "      light_end_ = earliest + time + std::chrono::milliseconds{500};"),
     ("the print does not wait for darkness", PROCESS,
      "  machine_.projector().when_dark([this] { is_dark(); });",
      "  wait_ = clock_.call_after(Duration{0}, [this] { is_dark(); });"),

@@ -1,10 +1,11 @@
-#include "daemon/print/print_states.hpp"
+#include "daemon/print/layered_states.hpp"
 
 #include <algorithm>
 #include <set>
 #include <span>
 #include <string>
 
+#include "daemon/print/print_modes.hpp"
 #include "hw/gpio/homing_states.hpp"
 #include "hw/serial/projector_light_states.hpp"
 #include "hw/serial/projector_power_states.hpp"
@@ -15,11 +16,11 @@ using namespace contourd;
 
 namespace {
 
-struct PrintTable : testing::StateTableFixture<PrintTransition, print_table> {};
+struct LayeredTable : testing::StateTableFixture<LayeredTransition, layered_table> {};
 
 }  // namespace
 
-TEST_CASE_METHOD(PrintTable,
+TEST_CASE_METHOD(LayeredTable,
                  "Every row of the print process leads to the expected state with the expected effects") {
   check_lines(R"(
 started -> warming up: light off, black now, power on (idle)
@@ -69,17 +70,17 @@ gave up -> idle: finish (ending)
 }
 
 TEST_CASE_METHOD(
-    PrintTable,
+    LayeredTable,
     "Every state of a print can fail, be cancelled and be interrupted, with the light off first") {
   check_structure();
 }
 
-TEST_CASE_METHOD(PrintTable, "Light off is always the first effect of its row") {
+TEST_CASE_METHOD(LayeredTable, "Light off is always the first effect of its row") {
   for (const Transition& t : transitions())
     if (has(t, F::LightOff)) CHECK(t.effects.front() == F::LightOff);
 }
 
-TEST_CASE_METHOD(PrintTable,
+TEST_CASE_METHOD(LayeredTable,
                  "A failure leads to the print's end, and a print becomes idle only by finishing") {
   for (const Transition& t : transitions()) {
     CAPTURE(name_of(t.from), name_of(t.on));
@@ -88,7 +89,7 @@ TEST_CASE_METHOD(PrintTable,
   }
 }
 
-TEST_CASE_METHOD(PrintTable, "An interruption turns the light off and never ends the print") {
+TEST_CASE_METHOD(LayeredTable, "An interruption turns the light off and never ends the print") {
   for (const Transition& t : transitions()) {
     if (t.on != E::Interrupted) continue;
     CAPTURE(name_of(t.from));
@@ -97,14 +98,14 @@ TEST_CASE_METHOD(PrintTable, "An interruption turns the light off and never ends
   }
 }
 
-TEST_CASE_METHOD(PrintTable, "The light goes on only when the mask is on the screen") {
+TEST_CASE_METHOD(LayeredTable, "The light goes on only when the mask is on the screen") {
   for (const Transition& t : transitions()) {
     CHECK(has(t, F::LightOn) == (t.from == S::Showing && t.on == E::MaskShown));
   }
 }
 
 TEST_CASE_METHOD(
-    PrintTable,
+    LayeredTable,
     "The plate moves down into the resin, and a mask is shown, only after the light is confirmed off") {
   for (const Transition& t : transitions()) {
     CAPTURE(name_of(t.from), name_of(t.on));
@@ -119,7 +120,7 @@ TEST_CASE_METHOD(
   }
 }
 
-TEST_CASE_METHOD(PrintTable, "Nothing moves while there may be light") {
+TEST_CASE_METHOD(LayeredTable, "Nothing moves while there may be light") {
   const std::set<S> lit{S::Igniting, S::Exposing, S::Darkening, S::Extinguishing, S::Interrupting};
   for (const Transition& t : transitions()) {
     if (!lit.contains(t.from)) continue;
@@ -128,7 +129,7 @@ TEST_CASE_METHOD(PrintTable, "Nothing moves while there may be light") {
   }
 }
 
-TEST_CASE_METHOD(PrintTable,
+TEST_CASE_METHOD(LayeredTable,
                  "The drawing names every state, including homing and a projector's power and light") {
   const std::string drawing = draw_print_states();
   const auto names_all = [&](const std::string& prefix, std::span<const std::string_view> states) {
@@ -136,7 +137,7 @@ TEST_CASE_METHOD(PrintTable,
       return drawing.find("\"" + prefix + std::string(state) + "\"") != std::string::npos;
     });
   };
-  CHECK(names_all("", print_table().states));
+  CHECK(names_all("", layered_table().states));
   CHECK(names_all("homing: ", homing_table().states));
   CHECK(names_all("projector power: ", projector_power_table().states));
   CHECK(names_all("projector light: ", projector_light_table().states));

@@ -1,21 +1,13 @@
-#include "daemon/print/print_states.hpp"
-
-#include <fmt/format.h>
+#include "daemon/print/layered_states.hpp"
 
 #include <array>
-#include <utility>
-
-#include "daemon/print/manual_states.hpp"
-#include "hw/gpio/homing_states.hpp"
-#include "hw/serial/projector_light_states.hpp"
-#include "hw/serial/projector_power_states.hpp"
 
 namespace contourd {
 namespace {
 
-using S = PrintState;
-using E = PrintEvent;
-using F = PrintEffect;
+using S = LayeredState;
+using E = LayeredEvent;
+using F = LayeredEffect;
 
 constexpr auto kStates = names_to<S::Ending>(
     "idle, warming up, homing, lowering, settling, showing, igniting, exposing, darkening, extinguishing, "
@@ -41,7 +33,7 @@ constexpr EnumSet<S> kInterrupted{S::Interrupting, S::Lifting, S::Raising, S::Pa
                                   S::Braking,      S::Halting, S::Parking, S::Ending};
 constexpr auto kBeforeItsEnd = EnumSet<S>::all_except({S::Idle, S::Ending});
 
-constexpr auto kRows = std::to_array<PrintTransition>({
+constexpr auto kRows = std::to_array<LayeredTransition>({
     {S::Idle, E::Started, S::WarmingUp, F::LightOff, F::BlackNow, F::PowerOn},
     {S::WarmingUp, E::ProjectorReady, S::Homing, F::Home},
     {S::Homing, E::Homed, S::AwaitingDark, F::AwaitDark},
@@ -101,52 +93,59 @@ constexpr auto kRows = std::to_array<PrintTransition>({
 });
 
 // Halting, Parking and Ending end the print by themselves; a failure in Ending changes nothing.
-constexpr auto kAnswered = std::to_array<StateTable<PrintTransition>::Answered>(
+constexpr auto kAnswered = std::to_array<StateTable<LayeredTransition>::Answered>(
     {{E::Canceled, {S::Idle, S::Halting, S::Parking, S::Ending}},
      {E::Failed, {S::Idle, S::Ending}},
      {E::Interrupted, S::Idle}});
 
+constexpr EnumSet<S> kLogged{S::WarmingUp, S::Homing, S::Paused, S::Parking};
+
+constexpr PrintActivity activity_of(S state) {
+  if (EnumSet{S::WarmingUp, S::Homing}.contains(state)) return PrintActivity::Preparing;
+  if (state == S::Exposing) return PrintActivity::Exposing;
+  if (kMoving.contains(state) || state == S::Halting || state == S::Parking) return PrintActivity::Moving;
+  if (EnumSet{S::Paused, S::Held}.contains(state)) return PrintActivity::Stopped;
+  return PrintActivity::Waiting;
+}
+
+constexpr auto kPrintStates = [] {
+  std::array<PrintState, kStates.size()> states;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const S state{static_cast<int>(i)};
+    states[i] = {i, kStates[i], activity_of(state), kLogged.contains(state), state == S::Ending};
+  }
+  return states;
+}();
+static_assert(kPrintStates.front() == kIdle);
+
 }  // namespace
 
-const StateTable<PrintTransition>& print_table() {
-  static constexpr StateTable<PrintTransition> kTable{.rows = kRows,
-                                                      .states = kStates,
-                                                      .events = kEvents,
-                                                      .start = S::Idle,
-                                                      .answered = kAnswered,
-                                                      .light_on = F::LightOn,
-                                                      .light_off = F::LightOff,
-                                                      .harmless = F::TimeExposure};
+std::span<const PrintState> layered_print_states() {
+  return kPrintStates;
+}
+
+const StateTable<LayeredTransition>& layered_table() {
+  static constexpr StateTable<LayeredTransition> kTable{.rows = kRows,
+                                                        .states = kStates,
+                                                        .events = kEvents,
+                                                        .start = S::Idle,
+                                                        .answered = kAnswered,
+                                                        .light_on = F::LightOn,
+                                                        .light_off = F::LightOff,
+                                                        .harmless = F::TimeExposure};
   return kTable;
 }
 
-std::string_view name_of(PrintState state) {
-  return name_in<PrintState>(kStates, state);
+std::string_view name_of(LayeredState state) {
+  return name_in<LayeredState>(kStates, state);
 }
 
-std::string_view name_of(PrintEvent event) {
-  return name_in<PrintEvent>(kEvents, event);
+std::string_view name_of(LayeredEvent event) {
+  return name_in<LayeredEvent>(kEvents, event);
 }
 
-std::string_view name_of(PrintEffect effect) {
-  return name_in<PrintEffect>(kEffects, effect);
-}
-
-std::string draw_print_states() {
-  std::string graph =
-      "digraph print {\n  node [shape=box, style=rounded];\n  \"any state\" [style=dashed];\n";
-  bool failure_drawn = false;
-  for_each_transition(print_table(), [&](S from, E on, const PrintTransition& row) {
-    if (on == E::Failed && std::exchange(failure_drawn, true)) return;
-    graph +=
-        fmt::format("  \"{}\" -> \"{}\" [label=\"{}\"];\n", on == E::Failed ? "any state" : name_of(from),
-                    name_of(row.next(from)), label_of(on, row));
-  });
-  graph += draw_table("by hand", manual_table());
-  graph += draw_table("homing", homing_table());
-  graph += draw_table("projector power", projector_power_table());
-  graph += draw_table("projector light", projector_light_table());
-  return graph + "}\n";
+std::string_view name_of(LayeredEffect effect) {
+  return name_in<LayeredEffect>(kEffects, effect);
 }
 
 }  // namespace contourd
