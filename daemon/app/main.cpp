@@ -22,6 +22,7 @@
 #include "daemon/client/control_defaults.hpp"
 #include "daemon/config/light_config.hpp"
 #include "daemon/config/printer_config.hpp"
+#include "daemon/print/print_modes.hpp"
 #include "daemon/system/command_line.hpp"
 #include "daemon/system/durable_file.hpp"
 #include "daemon/system/event_loop.hpp"

@@ -99,7 +99,7 @@ PrintQueue::Calls PrinterService::calls_of_queue() {
 
 JobScheduler::Calls PrinterService::calls_of_scheduler() {
   return {.has_job = [this] { return job_.job() != nullptr; },
-          .prints = [this] { return job_.print().state() != PrintState::Idle || manual_.light_may_be_on(); },
+          .prints = [this] { return job_.print().under_way() || manual_.light_may_be_on(); },
           .controlled_by_hand = [this] { return controlled_by_hand(); },
           .begin =
               [this](ClaimedJob job) {
@@ -207,7 +207,7 @@ void PrinterService::shut_down(const std::string& reason) {
 }
 
 void PrinterService::hand_over_when_idle() {
-  const bool prints = job_.print().state() != PrintState::Idle || job_.finishing();
+  const bool prints = job_.print().under_way() || job_.finishing();
   context_.log.info("restart", prints
                                    ? fmt::format("contourd restarts when {} is over", printable(job_.name()))
                                    : "contourd restarts");
@@ -219,7 +219,7 @@ void PrinterService::hand_over_when_idle() {
 
 // Does nothing until the current print has ended: the loop must run to turn its light off.
 void PrinterService::may_stop() {
-  if (ending_ == Ending::No || job_.print().state() != PrintState::Idle || controlled_by_hand()) return;
+  if (ending_ == Ending::No || job_.print().under_way() || controlled_by_hand()) return;
   if (ending_ == Ending::HandOver && job_.finishing()) return;  // called again after filing
   job_.stop_analysis();
   if (job_.is_being_filed()) {
@@ -252,8 +252,8 @@ void PrinterService::stop_waiting_for_filing() {
 // --- the machine's events
 
 void PrinterService::handle_event(const MachineEvent& event) {
-  PrintProcess& print = job_.print();
-  const bool printing = print.state() != PrintState::Idle && print.state() != PrintState::Ending;
+  PrintMode& print = job_.print();
+  const bool printing = print.under_way() && !print.state().ending;
   switch (event.kind) {
     case MachineEvent::Kind::Fault:
       print.fail(event.what);
@@ -276,7 +276,7 @@ void PrinterService::handle_event(const MachineEvent& event) {
   for (const std::string& warning : event.warnings)
     context_.log.warning("machine", printable(warning));
   if (event.owner_decides) hold_.hold(event.what);
-  if (print.state() == PrintState::Idle) context_.supervisor.status(readiness());
+  if (!print.under_way()) context_.supervisor.status(readiness());
   notify("machine", ControlServer::Delivery::Lossy);
   scheduler_.run_soon();
 }
@@ -304,8 +304,8 @@ void PrinterService::end_manual_control() {
 
 // --- the job's events
 
-void PrinterService::print_state_changed(PrintState state) {
-  if (printing_) printing_(state != PrintState::Idle);
+void PrinterService::print_state_changed(const PrintState& state) {
+  if (printing_) printing_(state != kIdle);
 }
 
 void PrinterService::job_changed(const std::string& what) {

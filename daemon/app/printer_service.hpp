@@ -65,7 +65,7 @@ class PrinterService final : private JobObserver {
  private:
   enum class Ending { No, HandOver, ShutDown };
 
-  void print_state_changed(PrintState state) override;
+  void print_state_changed(const PrintState& state) override;
   void job_changed(const std::string& what) override;
   void light_gone() override;
   void memory_freed() override { queue_.check_postponed(); }

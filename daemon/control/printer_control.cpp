@@ -4,8 +4,6 @@
 
 #include <optional>
 
-#include "core/contract/expects.hpp"
-
 namespace contourd {
 
 using Json = PrinterControl::Json;
@@ -25,20 +23,17 @@ ControlMethods PrinterControl::methods() {
 
 Json PrinterControl::pause() {
   require_print("pause");
-  if (job_.print().next_pause().empty()) throw ControlRefusal(why_it_ends());
-  job_.print().pause();
+  PrintMode& print = job_.print();
+  if (print.next_pause().empty()) throw ControlRefusal(std::string(print.why_it_ends()));
+  print.pause();
   return status_.status();
 }
 
 Json PrinterControl::resume() {
   if (hold_.reason() && !has_unfinished_job()) return resume_queue();
   require_print("resume");
-  PrintProcess& print = job_.print();
-  const PrintState state = print.state();
-  const bool pausing = state == PrintState::Raising || print.pause_pending();
-  if (state != PrintState::Paused && state != PrintState::Held && !pausing) {
-    throw ControlRefusal("the print is not paused");
-  }
+  PrintMode& print = job_.print();
+  if (!print.can_resume()) throw ControlRefusal("the print is not paused");
   if (const std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty()) {
     throw ControlRefusal("the print cannot go on: " + not_ready);
   }
@@ -58,9 +53,8 @@ Json PrinterControl::resume_queue() {
 
 Json PrinterControl::cancel() {
   if (!has_unfinished_job()) throw ControlRefusal("there is no print to cancel");
-  const PrintState state = job_.print().state();
-  const bool over = state == PrintState::Parking || state == PrintState::Ending;
-  if (over && !job_.print().canceled()) throw ControlRefusal(why_it_ends());
+  const PrintMode& print = job_.print();
+  if (print.under_way() && !print.can_cancel()) throw ControlRefusal(std::string(print.why_it_ends()));
   job_.cancel();
   return status_.status();
 }
@@ -79,17 +73,7 @@ bool PrinterControl::has_unfinished_job() const {
 }
 
 void PrinterControl::require_print(std::string_view what) const {
-  if (job_.print().state() == PrintState::Idle)
-    throw ControlRefusal(fmt::format("there is no print to {}", what));
-}
-
-std::string PrinterControl::why_it_ends() const {
-  expects(job_.print().state() != PrintState::Idle, "a print is under way");
-  if (job_.print().canceled()) return "the print is being cancelled";
-  const PrintState state = job_.print().state();
-  if (state == PrintState::Parking) return "all layers are printed, the plate goes up";
-  if (state == PrintState::Ending) return "the print is over";
-  return "the last layer is under way, the print ends by itself";
+  if (!job_.print().under_way()) throw ControlRefusal(fmt::format("there is no print to {}", what));
 }
 
 }  // namespace contourd

@@ -3,7 +3,6 @@
 // them. Independent of the transport. Event loop's thread only.
 #pragma once
 
-#include <string>
 #include <string_view>
 
 #include "daemon/control/control_method.hpp"
@@ -42,8 +41,6 @@ class PrinterControl {
   Json resume_queue();
   [[nodiscard]] bool has_unfinished_job() const;
   void require_print(std::string_view what) const;
-  // Returns why the print cannot be paused or cancelled any more. REQUIRES: the print is not idle.
-  [[nodiscard]] std::string why_it_ends() const;
 
   const PrinterContext& context_;
   QueueHold& hold_;

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/print/print_states.hpp"
+#include "daemon/print/print_modes.hpp"
 #include "daemon/system/durable_file.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -27,8 +27,8 @@ std::string escaped(std::string_view text) {
 // Returns all states. Each is exported, because a monitoring system cannot know a state that is left out.
 std::vector<std::string_view> all_states() {
   std::vector<std::string_view> states;
-  for (int state = 0; state <= static_cast<int>(PrintState::Ending); ++state)
-    states.push_back(name_of(static_cast<PrintState>(state)));
+  for (const PrintState& state : print_states())
+    states.push_back(state.name);
   states.insert(states.end(), {"preparing", "finishing"});
   return states;
 }

@@ -115,7 +115,7 @@ std::string PrinterStatus::reason_to_wait(std::size_t number) const {
 }
 
 PrinterMetrics PrinterStatus::metrics() const {
-  const PrintProcess& print = parts_.job.print();
+  const PrintMode& print = parts_.job.print();
   PrinterMetrics metrics{.printer = context_.config.name,
                          .state = state(),
                          .print = {},
@@ -127,7 +127,7 @@ PrinterMetrics PrinterStatus::metrics() const {
                          .ended = parts_.history.counts(),
                          .lit = {},
                          .late_steps = context_.machine.z_axis().late_steps().count};
-  if (parts_.job.job() != nullptr && print.state() != PrintState::Idle) {
+  if (parts_.job.job() != nullptr && print.under_way()) {
     const JobSummary& summary = parts_.job.job()->prepared->summary;
     metrics.print = {print.layer() + 1, static_cast<std::int32_t>(summary.layers.count), print.time_left()};
   }
@@ -152,20 +152,19 @@ Json PrinterStatus::status() const {
 
 std::string_view PrinterStatus::state() const {
   const CurrentJob& job = parts_.job;
-  if (job.job() != nullptr && job.print().state() == PrintState::Idle)
-    return job.finishing() ? "finishing" : "preparing";
-  return name_of(job.print().state());
+  if (job.job() != nullptr && !job.print().under_way()) return job.finishing() ? "finishing" : "preparing";
+  return job.print().state().name;
 }
 
 Json PrinterStatus::job() const {
   Json job{{"name", parts_.job.name()}};
   job["analysis"] = parts_.job.job()->analysis;
-  if (parts_.job.print().state() != PrintState::Idle) add_print(job);
+  if (parts_.job.print().under_way()) add_print(job);
   return job;
 }
 
 void PrinterStatus::add_print(Json& job) const {
-  const PrintProcess& print = parts_.job.print();
+  const PrintMode& print = parts_.job.print();
   const JobSummary& summary = parts_.job.job()->prepared->summary;
   const PrintRecord& record = *parts_.job.job()->record;
   job["layer"] = print.layer() + 1;

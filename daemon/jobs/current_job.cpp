@@ -10,6 +10,7 @@
 #include "daemon/jobs/job_figures.hpp"
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
+#include "daemon/print/print_modes.hpp"
 #include "daemon/spool/job_filing.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -58,12 +59,12 @@ CurrentJob::CurrentJob(const PrinterContext& context, Spool& spool, JobReader& r
       hold_(hold),
       observer_(observer),
       log_(context.log),
-      process_(context.machine, context.clock, *this),
+      print_(make_print_mode(context.machine, context.clock, *this)),
       analyst_(context.loop),
       archivist_(context.loop, spool) {}
 
 bool CurrentJob::finishing() const {
-  return job_ && job_->prepared && process_.state() == PrintState::Idle;
+  return job_ && job_->prepared && !print_->under_way();
 }
 
 JobFigures CurrentJob::figures() const {
@@ -127,7 +128,7 @@ void CurrentJob::refuse(const std::string& outcome, const std::string& reason) {
 void CurrentJob::cancel() {
   expects(job_.has_value(), "there is a job");
   if (job_->prepared)
-    process_.cancel();
+    print_->cancel();
   else
     give_up_reading();
 }
@@ -139,7 +140,7 @@ void CurrentJob::give_up_reading() {
 
 void CurrentJob::stop(const std::string& reason) {
   stopping_ = true;
-  process_.fail(reason);
+  print_->fail(reason);
 }
 
 void CurrentJob::give_back() {
@@ -172,12 +173,12 @@ void CurrentJob::start_print() {
   job_->record.emplace(machine, context_.clock, std::move(masks));
   analyst_.start(analysis_of(*job_->prepared, machine.z_axis()),
                  [this](AnalyzedPrint print) { analyzed(std::move(print)); });
-  process_.start(std::move(job_->prepared->plan));
+  print_->start(std::move(job_->prepared->plan));
   // The machine may have become unready, or the queue held, while the model was read.
   if (const std::string not_ready = machine.why_not_ready(); !not_ready.empty()) {
-    process_.interrupt(not_ready);
+    print_->interrupt(not_ready);
   } else if (const std::optional<std::string>& held = hold_.reason()) {
-    process_.interrupt(*held);
+    print_->interrupt(*held);
   }
 }
 
@@ -191,12 +192,15 @@ void CurrentJob::analyzed(AnalyzedPrint print) {
   if (job_->over) file();
 }
 
-void CurrentJob::state_changed(PrintState state) {
+// Saves on the disk before the first light that the plate is not clear from then on, whatever happens next.
+void CurrentJob::light_due() {
+  if (job_->record->layers().empty()) hold_.set_plate_occupant(name());
+}
+
+void CurrentJob::state_changed(const PrintState& state) {
   observer_.print_state_changed(state);
-  // Saved on the disk before the first light: from then on the plate is not clear, whatever happens next.
-  if (state == PrintState::Showing && job_->record->layers().empty()) hold_.set_plate_occupant(name());
   if (job_) {
-    if (job_->record) job_->record->enter(state, state == PrintState::Idle ? 0 : process_.layer());
+    if (job_->record) job_->record->enter(state, state == kIdle ? 0 : print_->layer());
     log_.entered(name(), state);
   }
   observer_.job_changed("state");
@@ -212,10 +216,10 @@ void CurrentJob::layer_done(const LayerRecord& layer) {
 }
 
 void CurrentJob::interrupted(const std::string& what) {
-  job_->record->add_interruption(process_.layer(), what);
-  log_.interrupted(name(), process_.layer(), what,
+  job_->record->add_interruption(print_->layer(), what);
+  log_.interrupted(name(), print_->layer(), what,
                    context_.machine.projector().light_off_unconfirmed().empty());
-  context_.supervisor.status(fmt::format("Interrupted at layer {} of {}: {}", process_.layer() + 1,
+  context_.supervisor.status(fmt::format("Interrupted at layer {} of {}: {}", print_->layer() + 1,
                                          printable(name()), printable(what)));
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <future>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,13 +19,13 @@
 #include "daemon/jobs/print_log.hpp"
 #include "daemon/jobs/printer_context.hpp"
 #include "daemon/jobs/queue_hold.hpp"
-#include "daemon/print/print_process.hpp"
+#include "daemon/print/print_mode.hpp"
 #include "daemon/report/print_record.hpp"
 #include "daemon/spool/spool.hpp"
 
 namespace contourd {
 
-// Observer of the current job. Its functions are also called from inside the print process, which must not be
+// Observer of the current job. Its functions are also called from inside the print mode, which must not be
 // called back from there.
 class JobObserver {
  public:
@@ -34,7 +35,7 @@ class JobObserver {
   virtual ~JobObserver() = default;
 
   // Reports a new state of the print, before anything else is done about it.
-  virtual void print_state_changed(PrintState state) = 0;
+  virtual void print_state_changed(const PrintState& state) = 0;
   // Reports a change that a client may want to know: "state", "layer" or "analysis".
   virtual void job_changed(const std::string& what) = 0;
   // Reports that the light, which may have been on until now, is confirmed off; or that the print ends
@@ -57,8 +58,8 @@ class CurrentJob final : private PrintObserver {
     explicit State(ClaimedJob job) : claimed(std::move(job)) {}
 
     ClaimedJob claimed;
-    std::optional<PreparedJob> prepared;    // nullopt while it is being read; its plan moves to the process
-    std::optional<PrintRecord> record;      // nullopt before its print begins
+    std::optional<PreparedJob> prepared;  // nullopt while it is being read; its plan moves to the print mode
+    std::optional<PrintRecord> record;    // nullopt before its print begins
     std::optional<PrintFindings> findings;  // nullopt while the analysis is under way
     nlohmann::ordered_json analysis;        // the findings in short; null while there are none
     std::optional<EndedPrint> over;         // set when the print is over, until its analysis is too
@@ -99,11 +100,12 @@ class CurrentJob final : private PrintObserver {
   [[nodiscard]] bool finishing() const;
   // True while the archivist files it.
   [[nodiscard]] bool is_being_filed() const { return archivist_.busy(); }
-  [[nodiscard]] PrintProcess& print() { return process_; }
-  [[nodiscard]] const PrintProcess& print() const { return process_; }
+  [[nodiscard]] PrintMode& print() { return *print_; }
+  [[nodiscard]] const PrintMode& print() const { return *print_; }
 
  private:
-  void state_changed(PrintState state) override;
+  void light_due() override;
+  void state_changed(const PrintState& state) override;
   void layer_done(const LayerRecord& layer) override;
   void interrupted(const std::string& what) override;
   void light_gone() override;
@@ -128,7 +130,7 @@ class CurrentJob final : private PrintObserver {
   QueueHold& hold_;
   JobObserver& observer_;
   PrintLog log_;
-  PrintProcess process_;
+  std::unique_ptr<PrintMode> print_;
   PrintAnalyst analyst_;
   PrintArchivist archivist_;
   std::optional<State> job_;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <iterator>
 #include <variant>
 
 #include "daemon/prepare/print_findings.hpp"
@@ -110,11 +109,8 @@ void PrintLog::analyzed(const std::string& job, const AnalyzedPrint& print) cons
     log_.warning("analysis", fmt::format("{}: {}", name, warning), fields);
 }
 
-void PrintLog::entered(const std::string& job, PrintState state) const {
-  constexpr PrintState kWorthALine[] = {PrintState::WarmingUp, PrintState::Homing, PrintState::Paused,
-                                        PrintState::Parking};
-  if (std::find(std::begin(kWorthALine), std::end(kWorthALine), state) == std::end(kWorthALine)) return;
-  log_.info("state", fmt::format("{}: {}", printable(job), name_of(state)), job_fields(job));
+void PrintLog::entered(const std::string& job, const PrintState& state) const {
+  if (state.logged) log_.info("state", fmt::format("{}: {}", printable(job), state.name), job_fields(job));
 }
 
 void PrintLog::layer(const std::string& job, const JobSummary& summary, const LayerRecord& layer,

@@ -7,7 +7,7 @@
 
 #include "daemon/jobs/print_analyst.hpp"
 #include "daemon/prepare/print_job.hpp"
-#include "daemon/print/print_states.hpp"
+#include "daemon/print/print_mode.hpp"
 #include "daemon/report/print_report.hpp"
 #include "daemon/system/log.hpp"
 
@@ -23,7 +23,7 @@ class PrintLog {
   void ready(const std::string& job, const JobSummary& summary, Duration first_mask_after) const;
   void analyzed(const std::string& job, const AnalyzedPrint& print) const;
   // Logs the state if it lasts, or if the user should know of it.
-  void entered(const std::string& job, PrintState state) const;
+  void entered(const std::string& job, const PrintState& state) const;
   // Logs a printed layer. `frame` is one refresh of the display: light that was on for longer than requested
   // by more than `frame` causes a warning.
   void layer(const std::string& job, const JobSummary& summary, const LayerRecord& layer,

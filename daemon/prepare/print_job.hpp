@@ -12,7 +12,7 @@
 #include "daemon/prepare/job_settings.hpp"
 #include "daemon/prepare/job_summary.hpp"
 #include "daemon/prepare/plate_arrangement.hpp"
-#include "daemon/print/print_process.hpp"
+#include "daemon/print/print_plan.hpp"
 #include "daemon/spool/job_files.hpp"
 
 namespace contourd {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "daemon/config/printer_config.hpp"
-#include "daemon/print/print_process.hpp"
+#include "daemon/print/print_plan.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd {

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
-#include "daemon/print/motion_timeout.hpp"
 #include "hw/homing_distances.hpp"
 
 namespace contourd {
@@ -16,28 +15,22 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Deadlines for devices that do not answer, the same as in a print.
-constexpr Duration kManualProjectorDeadline = 30s;
-constexpr Duration kManualWarmUpDeadline = 1h;
-constexpr Duration kDarkDeadline = 5s;
 // A projector that was powered on manually and then forgotten is powered off after this time.
 constexpr Duration kPoweredOnUnused = 10min;
 
 }  // namespace
 
 ManualProcess::ManualProcess(Machine& machine, Clock& clock, std::function<void()> changed)
-    : machine_(machine), clock_(clock), changed_(std::move(changed)) {}
+    : MachineProcess(machine, clock, manual_table()), changed_(std::move(changed)) {}
 
 ManualProcess::~ManualProcess() {
-  if (state_ == ManualState::Idle && picture_.empty()) return;
-  make_safe(machine_);
-  machine_.projector().when_dark({});  // drops the callback, which refers to this object
+  if (state() != ManualState::Idle || !picture_.empty()) make_machine_safe();
 }
 
 // --- operations
 
 void ManualProcess::home(MillimetersPerSecond homing_speed) {
-  expects(state_ == ManualState::Idle, "no operation is under way");
+  expects(state() == ManualState::Idle, "no operation is under way");
   speed_ = homing_speed;
   begin(ManualEvent::Home);
 }
@@ -74,7 +67,7 @@ void ManualProcess::ask_status() {
 }
 
 void ManualProcess::begin(ManualEvent event) {
-  expects(state_ == ManualState::Idle, "no operation is under way");
+  expects(state() == ManualState::Idle, "no operation is under way");
   ++operations_;
   problem_.clear();
   homing_shift_.reset();
@@ -83,19 +76,19 @@ void ManualProcess::begin(ManualEvent event) {
 }
 
 void ManualProcess::stop() {
-  if (find_row(manual_transitions(), state_, ManualEvent::Stop) == nullptr) return;
+  if (!answers(ManualEvent::Stop)) return;
   problem_ = "stopped";
   handle(ManualEvent::Stop);
 }
 
 void ManualProcess::fail(const std::string& what) {
-  if (problem_.empty() && state_ != ManualState::Idle) problem_ = what;
+  if (problem_.empty() && state() != ManualState::Idle) problem_ = what;
   hide();
   handle(ManualEvent::Failed);
 }
 
 void ManualProcess::give_way() {
-  expects(state_ == ManualState::Idle, "no operation is under way");
+  expects(state() == ManualState::Idle, "no operation is under way");
   hide();
   powered_on_ = false;  // the print powers the projector off
   power_end_.reset();
@@ -129,23 +122,8 @@ void ManualProcess::hide() {
 
 // --- the table
 
-void ManualProcess::handle(ManualEvent event) {
-  const ManualTransition* const transition = find_row(manual_transitions(), state_, event);
-  if (transition == nullptr) return;
-  if (transition->to != state_) {
-    ++states_entered_;
-    wait_.reset();
-    deadline_.reset();
-    state_ = transition->to;
-  }
-  try {
-    for (const ManualEffect effect : transition->done())
-      perform(effect);
-  } catch (const std::exception& error) {
-    machine_.projector().light_off();
-    return fail(error.what());
-  }
-  if (state_ == ManualState::Idle) {
+void ManualProcess::settled() {
+  if (state() == ManualState::Idle) {
     light_asked_ = false;
     power_off_later();
   }
@@ -162,8 +140,7 @@ void ManualProcess::perform(ManualEffect effect) {
     case ManualEffect::AbortAxis:
       return machine_.z_axis().abort();
     case ManualEffect::StopAxis:
-      expect_within(kStopTimeout, "the axis to stop");
-      return machine_.z_axis().stop();
+      return stop_axis();
     case ManualEffect::Home:
       return start_home();
     case ManualEffect::Move:
@@ -179,8 +156,7 @@ void ManualProcess::perform(ManualEffect effect) {
     case ManualEffect::LightOn:
       return start_light();
     case ManualEffect::TimeLight:
-      wait_ = clock_.call_at(light_end_, [this] { handle(ManualEvent::TimeOver); });
-      return;
+      return handle_at(light_end_, ManualEvent::TimeOver);
     case ManualEffect::AwaitDark:
       return await_dark();
     case ManualEffect::AskStatus:
@@ -192,25 +168,10 @@ void ManualProcess::perform(ManualEffect effect) {
   }
 }
 
-// Returns a callback that does nothing once the state has changed, so that late answers are ignored.
-template <typename Answer>
-std::function<void(Answer)> ManualProcess::while_in_state(std::function<void(Answer)> call) {
-  return [this, entered = states_entered_, call = std::move(call)](Answer answer) {
-    if (entered == states_entered_) call(answer);
-  };
-}
-
-void ManualProcess::expect_within(Duration duration, const std::string& what) {
-  deadline_ = clock_.call_after(duration, [this, duration, what] {
-    fail(fmt::format("timed out after {:.0f} s waiting for {}",
-                     std::chrono::duration<double>(duration).count(), what));
-  });
-}
-
 // --- motion
 
 void ManualProcess::start_home() {
-  expect_within(homing_timeout(machine_.z_axis(), speed_), "the axis to home");
+  expect_homing(speed_);
   machine_.z_axis().home([this](HomingResult result) {
     motion_ended(result == HomingResult::Homed, fmt::format("homing failed: {}", describe(result)));
   });
@@ -219,7 +180,7 @@ void ManualProcess::start_home() {
 void ManualProcess::start_move() {
   const std::optional<Nanometers> height = machine_.z_axis().height();
   if (!height) throw std::runtime_error("the plate's position is unknown");
-  expect_within(move_timeout(machine_.z_axis(), target_ - *height, speed_), "the move to end");
+  expect_move(target_ - *height, speed_, "the move to end");
   machine_.z_axis().move_to(target_, speed_, [this](MoveResult result) {
     motion_ended(result == MoveResult::Reached,
                  fmt::format("the plate did not arrive: {}", describe(result)));
@@ -227,7 +188,7 @@ void ManualProcess::start_move() {
 }
 
 void ManualProcess::start_nudge() {
-  expect_within(move_timeout(machine_.z_axis(), nudge_distance_, speed_), "the move to end");
+  expect_move(nudge_distance_, speed_, "the move to end");
   machine_.z_axis().nudge(nudge_distance_, speed_, [this](MoveResult result) {
     motion_ended(result == MoveResult::Reached,
                  fmt::format("the plate did not go all the way: {}", describe(result)));
@@ -236,9 +197,9 @@ void ManualProcess::start_nudge() {
 
 // Handles the end of a motion. A motion that was stopped ends in Braking.
 void ManualProcess::motion_ended(bool reached, const std::string& why) {
-  if (state_ == ManualState::Braking) return handle(ManualEvent::MoveEnded);
+  if (state() == ManualState::Braking) return handle(ManualEvent::MoveEnded);
   if (!reached) return fail(why);
-  if (state_ != ManualState::Homing) return handle(ManualEvent::MoveEnded);
+  if (state() != ManualState::Homing) return handle(ManualEvent::MoveEnded);
   homing_shift_ = machine_.z_axis().homing_shift();
   handle(ManualEvent::Homed);
 }
@@ -248,41 +209,24 @@ void ManualProcess::motion_ended(bool reached, const std::string& why) {
 void ManualProcess::start_power_on() {
   power_end_.reset();
   powered_on_ = true;
-  expect_within(kManualWarmUpDeadline, "the projector's lamp to warm up");
-  machine_.projector().power_on(while_in_state<ProjectorReply>([this](ProjectorReply reply) {
-    if (reply == ProjectorReply::Ok) return handle(ManualEvent::ProjectorReady);
-    fail(fmt::format("power on: {}", machine_.projector().last_problem()));
-  }));
+  power_on_projector();
 }
 
 void ManualProcess::start_light() {
-  expect_within(kManualProjectorDeadline, "the light-on command to be sent to the projector");
-  light_asked_ = true;
-  const auto sent = while_in_state<TimePoint>([this](TimePoint earliest) {
-    light_end_ = earliest + light_time_;
-    handle(ManualEvent::LightOnSent);
+  light_on_for(light_time_, [this, operation = operations_](ProjectorReply, const std::string& problem) {
+    if (operation == operations_) fail(problem);
   });
-  // The reply may arrive after the light-on command was sent, in state Lit.
-  const auto answered = [this, operation = operations_](ProjectorReply reply) {
-    if (operation == operations_) light_answered(reply);
-  };
-  machine_.projector().light_on(light_time_, {.sent = sent, .done = answered});
-}
-
-void ManualProcess::light_answered(ProjectorReply reply) {
-  if (reply == ProjectorReply::Ok) return;
-  fail(fmt::format("light on: {}", machine_.projector().last_problem()));
 }
 
 void ManualProcess::await_dark() {
-  deadline_ = clock_.call_after(kDarkDeadline, [this] { handle(ManualEvent::GaveUp); });
+  give_up_within(kDarkDeadline);
   machine_.projector().when_dark([this] { handle(ManualEvent::LightIsOff); });
 }
 
 void ManualProcess::ask_projector() {
-  expect_within(kManualProjectorDeadline, "the projector's answer");
+  expect_within(kProjectorDeadline, "the projector's answer");
   machine_.projector().ask_status([this, operation = operations_](const ProjectorStatus& status) {
-    if (operation != operations_ || state_ != ManualState::Asking) return;
+    if (operation != operations_ || state() != ManualState::Asking) return;
     projector_ = status;
     if (status.reply != ProjectorReply::Ok) problem_ = status.problem;
     handle(ManualEvent::StatusTold);

@@ -1,7 +1,7 @@
 // Manual control of the printer: carries out one operation at a time by the table of manual_states.hpp, and
 // independently shows a picture. Each operation ends by itself with the light off and the motor still; a
 // picture disappears after its time. Used only while nothing prints. Event loop's thread only.
-// ManualProcess has a method for each effect of the table, like PrintProcess. It is larger than other classes
+// ManualProcess has a method for each effect of the table, like LayeredPrint. It is larger than other classes
 // for this reason.
 #pragma once
 
@@ -12,21 +12,20 @@
 #include <string>
 
 #include "core/mask/mask.hpp"
+#include "daemon/print/machine_process.hpp"
 #include "daemon/print/manual_states.hpp"
 #include "daemon/print/shown_mask.hpp"
 #include "hw/machine.hpp"
 
 namespace contourd {
 
-class ManualProcess {
+class ManualProcess final : private MachineProcess<ManualTransition> {
  public:
   // Machine and clock must outlive the process. `changed` is called from within the process after every
   // change of what its functions return; it must not call back into the process.
   ManualProcess(Machine& machine, Clock& clock, std::function<void()> changed);
   // Makes the machine safe if an operation is under way or a picture is shown.
-  ~ManualProcess();
-  ManualProcess(const ManualProcess&) = delete;
-  ManualProcess& operator=(const ManualProcess&) = delete;
+  ~ManualProcess() override;
 
   // Begins homing. Like the other operations below it returns at once and does not check that the machine is
   // ready. REQUIRES: state() is Idle, as for every operation.
@@ -53,12 +52,12 @@ class ManualProcess {
   // stays.
   void stop();
   // Ends the operation at once and hides the picture; `what` says why, in one sentence.
-  void fail(const std::string& what);
+  void fail(const std::string& what) override;
   // Hides the picture and leaves the projector's power to the print that begins now. REQUIRES: state() is
   // Idle.
   void give_way();
 
-  [[nodiscard]] ManualState state() const { return state_; }
+  using MachineProcess::state;
   // True from the light-on command until the light is confirmed off.
   [[nodiscard]] bool light_may_be_on() const { return light_asked_; }
   // Returns the number of operations that have begun.
@@ -76,27 +75,20 @@ class ManualProcess {
 
  private:
   void begin(ManualEvent event);
-  void handle(ManualEvent event);
-  void perform(ManualEffect effect);
-  template <typename Answer>
-  std::function<void(Answer)> while_in_state(std::function<void(Answer)> call);
-  void expect_within(Duration duration, const std::string& what);
+  void perform(ManualEffect effect) override;
+  void settled() override;
   void start_home();
   void start_move();
   void start_nudge();
   void motion_ended(bool reached, const std::string& why);
   void start_power_on();
   void start_light();
-  void light_answered(ProjectorReply reply);
   void await_dark();
   void ask_projector();
   void power_off_later();
 
-  Machine& machine_;
-  Clock& clock_;
   std::function<void()> changed_;
-  ManualState state_ = ManualState::Idle;
-  std::uint64_t states_entered_ = 0, operations_ = 0;
+  std::uint64_t operations_ = 0;
   std::string problem_, picture_;
   Mask pixels_;  // the picture's mask
   ShownMask shown_;
@@ -105,11 +97,10 @@ class ManualProcess {
   MillimetersPerSecond speed_{0};
   Duration light_time_{};
 
-  bool light_asked_ = false, powered_on_ = false;
-  TimePoint light_end_{};
+  bool powered_on_ = false;
   std::optional<Nanometers> homing_shift_;
   std::optional<ProjectorStatus> projector_;
-  std::unique_ptr<Timer> wait_, deadline_, picture_end_, power_end_;
+  std::unique_ptr<Timer> picture_end_, power_end_;
 };
 
 }  // namespace contourd

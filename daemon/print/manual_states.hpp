@@ -2,7 +2,6 @@
 // effects on the way. Used only while nothing prints. `contourd --print-states` draws it.
 #pragma once
 
-#include <span>
 #include <string_view>
 
 #include "hw/state_table.hpp"
@@ -61,8 +60,7 @@ enum class ManualEffect {
 
 using ManualTransition = StateTransition<ManualState, ManualEvent, ManualEffect>;
 
-// Returns all rows of the table.
-[[nodiscard]] std::span<const ManualTransition> manual_transitions();
+[[nodiscard]] const StateTable<ManualTransition>& manual_table();
 
 [[nodiscard]] std::string_view name_of(ManualState state);
 [[nodiscard]] std::string_view name_of(ManualEvent event);

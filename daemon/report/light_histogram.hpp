@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/print/print_process.hpp"
+#include "daemon/print/print_plan.hpp"
 
 namespace contourd {
 

@@ -13,9 +13,9 @@ PrintRecord::PrintRecord(Machine& machine, Clock& clock, std::optional<std::file
       started_at_(std::chrono::system_clock::now()),
       states_(started_) {}
 
-void PrintRecord::enter(PrintState state, std::int32_t layer) {
-  const bool stopped = activity_of(state) == PrintActivity::Stopped;
-  const bool was_stopped = activity_of(states_.state()) == PrintActivity::Stopped;
+void PrintRecord::enter(const PrintState& state, std::int32_t layer) {
+  const bool stopped = state.activity == PrintActivity::Stopped;
+  const bool was_stopped = states_.state().activity == PrintActivity::Stopped;
   states_.enter(state, clock_.now());
   if (stopped && !was_stopped) {
     pause_known_ = stops_.pauses.size() < PrintStops::kMost;
@@ -43,7 +43,7 @@ void PrintRecord::add_lit_turn(const EventLoop::Turn& turn) {
 PrintReport PrintRecord::take_report() {
   PrintReport report;
   report.layers = std::move(layers_);
-  enter(PrintState::Idle, 0);
+  enter(kIdle, 0);
   report.stops = std::move(stops_);
   report.print_time = states_.total();
   report.states = std::move(states_);

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/print/print_process.hpp"
+#include "daemon/print/print_mode.hpp"
 #include "daemon/report/print_report.hpp"
 #include "daemon/system/event_loop.hpp"
 #include "hw/clock.hpp"
@@ -25,7 +25,7 @@ class PrintRecord {
 
   void add(const LayerRecord& layer) { layers_.push_back(layer); }
   // Records that the print is in this state from now on, at this layer, counted from 0.
-  void enter(PrintState state, std::int32_t layer);
+  void enter(const PrintState& state, std::int32_t layer);
   void add_interruption(std::int32_t layer, const std::string& what);
   // Records a turn of the event loop during which there was or may have been light; the longest is
   // kept.

@@ -103,11 +103,8 @@ void add_layer_figures(const LayerSummary& layers, Json& json) {
 void add_stops(const PrintReport& report, Json& json) {
   const PrintStops& stops = report.stops;
   Json states = Json::object(), interruptions = Json::array(), pauses = Json::array();
-  for (std::size_t i = 0; i < kPrintStates; ++i) {
-    const auto state = static_cast<PrintState>(i);
-    if (report.states.in(state) > Duration{0})
-      states[std::string(name_of(state))] = in_seconds(report.states.in(state));
-  }
+  for (const auto& [state, time] : report.states.totals())
+    if (time > Duration{0}) states[std::string(state.name)] = in_seconds(time);
   for (const PrintInterruption& each : stops.interruptions)
     interruptions.push_back(fmt::format("layer {}: {}", each.layer + 1, each.what));
   if (stops.more_interruptions > 0)

@@ -122,14 +122,11 @@ std::string state_table(const StateTimes& states) {
   std::string rows;
   for (std::size_t activity = 0; activity < kPrintActivities; ++activity) {
     const auto drawn_as = static_cast<PrintActivity>(activity);
-    for (std::size_t i = 0; i < kPrintStates; ++i) {
-      const auto state = static_cast<PrintState>(i);
-      if (state == PrintState::Idle || activity_of(state) != drawn_as || states.in(state) == Duration{})
-        continue;
+    for (const auto& [state, time] : states.totals()) {
+      if (state == kIdle || state.activity != drawn_as || time == Duration{}) continue;
       rows +=
           fmt::format("<tr><td><span class=\"swatch {}\"></span>{}</td><td>{}</td><td>{:.1f} %</td></tr>\n",
-                      name_of(drawn_as), name_of(state), readable(states.in(state)),
-                      100 * share(states.in(state), states.total()));
+                      name_of(drawn_as), state.name, readable(time), 100 * share(time, states.total()));
     }
   }
   return "<table class=\"figures\">\n<tr><th>State</th><th>Time</th><th>Share</th></tr>\n" + rows +

@@ -6,60 +6,14 @@
 
 namespace contourd {
 
-PrintActivity activity_of(PrintState state) {
-  switch (state) {
-    case PrintState::WarmingUp:
-    case PrintState::Homing:
-      return PrintActivity::Preparing;
-    case PrintState::Exposing:
-      return PrintActivity::Exposing;
-    case PrintState::Lowering:
-    case PrintState::Lifting:
-    case PrintState::Raising:
-    case PrintState::Braking:
-    case PrintState::Halting:
-    case PrintState::Parking:
-      return PrintActivity::Moving;
-    case PrintState::Paused:
-    case PrintState::Held:
-      return PrintActivity::Stopped;
-    case PrintState::Idle:
-    case PrintState::Settling:
-    case PrintState::Showing:
-    case PrintState::Igniting:
-    case PrintState::Darkening:
-    case PrintState::Extinguishing:
-    case PrintState::Interrupting:
-    case PrintState::Resting:
-    case PrintState::AwaitingDark:
-    case PrintState::Ending:
-      break;
-  }
-  return PrintActivity::Waiting;
-}
-
-std::string_view name_of(PrintActivity activity) {
-  switch (activity) {
-    case PrintActivity::Preparing:
-      return "preparing";
-    case PrintActivity::Exposing:
-      return "exposing";
-    case PrintActivity::Moving:
-      return "moving";
-    case PrintActivity::Waiting:
-      return "waiting";
-    case PrintActivity::Stopped:
-      return "stopped";
-  }
-  return "?";
-}
-
-void StateTimes::enter(PrintState state, TimePoint now) {
+void StateTimes::enter(const PrintState& state, TimePoint now) {
   expects(now >= since_, "times do not fall");
-  totals_[static_cast<std::size_t>(state_)] += now - since_;
+  if (totals_.size() <= state_.number) totals_.resize(state_.number + 1);
+  totals_[state_.number].state = state_;
+  totals_[state_.number].time += now - since_;
   while (now - start_ > width_ * static_cast<std::int64_t>(kMaxSlices))
     halve();
-  const auto activity = static_cast<std::size_t>(activity_of(state_));
+  const auto activity = static_cast<std::size_t>(state_.activity);
   for (TimePoint from = since_; from < now;) {
     const auto slice = static_cast<std::size_t>((from - start_) / width_);
     const TimePoint end = std::min(now, start_ + width_ * static_cast<std::int64_t>(slice + 1));

@@ -49,12 +49,12 @@ void Homing::failed(HomingResult result) {
 }
 
 void Homing::take(Event event) {
-  const HomingTransition* const row = find_row(homing_transitions(), state_, event);
+  const HomingTransition* const row = homing_table().find(state_, event);
   if (row == nullptr) return;
-  state_ = row->to;
+  const HomingState next = state_ = row->next(state_);
   for (const Effect effect : row->done()) {
     carry_out(effect);
-    if (state_ != row->to) return;  // the effect led to another event, which replaces the remaining effects
+    if (state_ != next) return;  // the effect led to another event, which replaces the remaining effects
   }
 }
 

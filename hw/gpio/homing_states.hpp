@@ -5,7 +5,6 @@
 // finds the position; then to the switch's height.
 #pragma once
 
-#include <span>
 #include <string_view>
 
 #include "hw/state_table.hpp"
@@ -66,8 +65,7 @@ enum class HomingEffect {
 
 using HomingTransition = StateTransition<HomingState, HomingEvent, HomingEffect>;
 
-// Returns all rows. An event without a row in the present state comes too late and is ignored.
-[[nodiscard]] std::span<const HomingTransition> homing_transitions();
+[[nodiscard]] const StateTable<HomingTransition>& homing_table();
 
 // True for the states in which a contact of the switch halts the motor.
 [[nodiscard]] bool is_in_pass(HomingState state);

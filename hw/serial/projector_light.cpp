@@ -49,9 +49,9 @@ bool ProjectorLight::leaves_time_for(Duration duration) const {
 }
 
 void ProjectorLight::take(Event event) {
-  const ProjectorLightTransition* const row = find_row(projector_light_transitions(), state_, event);
+  const ProjectorLightTransition* const row = projector_light_table().find(state_, event);
   if (row == nullptr) return;
-  state_ = row->to;
+  state_ = row->next(state_);
   for (const Effect effect : row->done())
     carry_out(effect);
 }

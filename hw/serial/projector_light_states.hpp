@@ -5,7 +5,6 @@
 // is never sent again: if its reply is lost the projector is asked, or its light is turned off.
 #pragma once
 
-#include <span>
 #include <string_view>
 
 #include "hw/state_table.hpp"
@@ -79,8 +78,7 @@ enum class ProjectorLightEffect {
 using ProjectorLightTransition =
     StateTransition<ProjectorLightState, ProjectorLightEvent, ProjectorLightEffect>;
 
-// Returns all rows. An event without a row in a state is ignored there: it comes too late.
-[[nodiscard]] std::span<const ProjectorLightTransition> projector_light_transitions();
+[[nodiscard]] const StateTable<ProjectorLightTransition>& projector_light_table();
 
 // True if the light may be on.
 [[nodiscard]] bool may_shine(ProjectorLightState state);

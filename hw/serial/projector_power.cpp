@@ -55,13 +55,14 @@ void ProjectorPower::went_off(const std::string& what) {
 }
 
 void ProjectorPower::take(Event event) {
-  const ProjectorPowerTransition* const row = find_row(projector_power_transitions(), state_, event);
+  const ProjectorPowerTransition* const row = projector_power_table().find(state_, event);
   if (row == nullptr) return;
-  if (row->to != row->from) timer_.reset();
-  state_ = row->to;
+  const State next = row->next(state_);
+  if (next != state_) timer_.reset();
+  state_ = next;
   for (const Effect effect : row->done()) {
     carry_out(effect);
-    if (state_ != row->to) return;  // the effect led to another state, which replaces the other effects
+    if (state_ != next) return;  // the effect led to another state, which replaces the other effects
   }
 }
 

@@ -5,7 +5,6 @@
 // wanted.
 #pragma once
 
-#include <span>
 #include <string_view>
 
 #include "hw/state_table.hpp"
@@ -96,9 +95,8 @@ enum class ProjectorPowerEffect {
 using ProjectorPowerTransition =
     StateTransition<ProjectorPowerState, ProjectorPowerEvent, ProjectorPowerEffect>;
 
-// Returns all rows. An event without a row in a state is ignored there: it comes too late. A row that leads
-// to another state ends the wait of the first one.
-[[nodiscard]] std::span<const ProjectorPowerTransition> projector_power_transitions();
+// A row that leads to another state ends the wait of the first one.
+[[nodiscard]] const StateTable<ProjectorPowerTransition>& projector_power_table();
 
 // True if the projector is on (off), as far as is known.
 [[nodiscard]] bool is_on(ProjectorPowerState state);

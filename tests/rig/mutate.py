@@ -17,8 +17,8 @@ LIGHT = "hw/serial/projector_light.cpp"
 LIGHT_STATES = "hw/serial/projector_light_states.cpp"
 POWER_STATES = "hw/serial/projector_power_states.cpp"
 READER = "hw/serial/reply_reader.cpp"
-PROCESS = "daemon/print/print_process.cpp"
-STATES = "daemon/print/print_states.cpp"
+PROCESS = "daemon/print/layered_print.cpp"
+STATES = "daemon/print/layered_states.cpp"
 LINE = "hw/projector_with_light_line.cpp"
 ENGINE = "hw/gpio/step_engine.cpp"
 
@@ -28,9 +28,9 @@ MUTATIONS = [
      "                 .retries = table_.retries});"),
     ("light is counted from the reply to light on", "hw/projector.hpp",
      "off_latest.value_or(now) - on_earliest", "off_latest.value_or(now) - on_latest.value_or(on_earliest)"),
-    ("the exposure begins when light on is answered", PROCESS,
-     "    exposure_end_ = earliest + exposure_left();",
-     "    exposure_end_ = earliest + exposure_left() + std::chrono::milliseconds{500};"),
+    ("the exposure begins when light on is answered", "daemon/print/machine_process.hpp",
+     "      light_end_ = earliest + time;",
+     "      light_end_ = earliest + time + std::chrono::milliseconds{500};"),
     ("the print does not wait for darkness", PROCESS,
      "  machine_.projector().when_dark([this] { is_dark(); });",
      "  wait_ = clock_.call_after(Duration{0}, [this] { is_dark(); });"),
@@ -42,9 +42,10 @@ MUTATIONS = [
      "S::Overdue, F::RetryLater, F::DropLightOn, F::ReportOverdue, F::TellUnconfirmed",
      "S::Overdue, F::DropLightOn, F::ReportOverdue, F::TellUnconfirmed"),
     ("the light is taken for off after a failed light on", LIGHT_STATES,
-     "row(S::TurningOn, E::LightOnFailed, S::TurningOff, F::SendLightOff, F::TellUnlit)",
-     "row(S::TurningOn, E::LightOnFailed, S::Dark, F::TellUnlit)"),
-    ("power off is sent once", POWER_STATES, "S::TurningOff, F::PowerOffAgain, F::AskWhetherOff", "S::Unknown"),
+     "{S::TurningOn, E::LightOnFailed, S::TurningOff, F::SendLightOff, F::TellUnlit}",
+     "{S::TurningOn, E::LightOnFailed, S::Dark, F::TellUnlit}"),
+    ("power off is sent once", POWER_STATES, "{S::TurningOff, E::PowerOffUnanswered, kStay, F::PowerOffAgain, F::AskWhetherOff}",
+     "{S::TurningOff, E::PowerOffUnanswered, S::Unknown}"),
     ("a projector that says off while it warms up is believed", LIGHT,
      "  if (may_be_on() && clock_.now() < wiring_.warm_at()) return Event::SaysTooEarly;\n", ""),
     ("a late reply does not extend the time of those after it", READER,
@@ -52,8 +53,10 @@ MUTATIONS = [
      "  owed_.erase(owed_.begin(), kept);",
      "  std::erase_if(owed_, [now](const Owed& owed) { return owed.until < now; });"),
     ("an interruption or a cancel leaves the light on", STATES,
-     "row(from, on, S::Interrupting, F::LightOff, F::BlackNow, F::AwaitDark)",
-     "row(from, on, S::Interrupting, F::BlackNow, F::AwaitDark)"),
+     "{kLit, E::Interrupted, S::Interrupting, F::LightOff, F::BlackNow, F::AwaitDark}",
+     "{kLit, E::Interrupted, S::Interrupting, F::BlackNow, F::AwaitDark}",
+     "{kLit, E::Canceled, S::Interrupting, F::LightOff, F::BlackNow, F::AwaitDark}",
+     "{kLit, E::Canceled, S::Interrupting, F::BlackNow, F::AwaitDark}"),
     ("an interrupted part is not counted", PROCESS,
      "  record_.exposure_least += light_->least();",
      "  if (!light_->off_latest) return;\n  record_.exposure_least = light_->least();"),

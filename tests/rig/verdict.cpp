@@ -12,8 +12,8 @@ double um(Nanometers length) {
 }
 
 // True in the states in which the process means the light to be on, or has just turned it on.
-bool may_be_lit(PrintState state) {
-  return state == PrintState::Igniting || state == PrintState::Exposing;
+bool may_be_lit(LayeredState state) {
+  return state == LayeredState::Igniting || state == LayeredState::Exposing;
 }
 
 // A plate that yields by up to this under a light that does not go off counts as not moved: an encoder's

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/print/print_process.hpp"
+#include "daemon/print/layered_print.hpp"
 
 namespace contourd::rig {
 
@@ -40,7 +40,7 @@ class Verdict {
     std::optional<int> picture;  // number of the mask on the screen; nullopt: black
     bool screen_is_in_use = true;
     Nanometers plate{};  // true height above the film
-    PrintState state = PrintState::Idle;
+    LayeredState state = LayeredState::Idle;
     bool light_off_unconfirmed = false;  // the machine reports that the light may be on
   };
   // Checks the rules; call it after every event.

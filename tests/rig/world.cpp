@@ -90,7 +90,7 @@ void World::run() {
   if (!ended)
     verdict_.break_rule(
         "g: a print ends or waits for the user",
-        fmt::format("state \"{}\" for longer than any print takes", name_of(process_.state())),
+        fmt::format("state \"{}\" for longer than any print takes", name_of(process_.layered_state())),
         machine_.loop.now());
   tell("everything works from now on");
   machine_.heal();
@@ -121,7 +121,8 @@ bool World::print_all() {
     states_ = 0;
     tell("starts");
     process_.start(plan());
-    if (!run_until([this] { return process_.state() == PrintState::Idle; }, kLongestPrint)) return false;
+    if (!run_until([this] { return process_.layered_state() == LayeredState::Idle; }, kLongestPrint))
+      return false;
     // The user takes the part off.
     static_cast<void>(run_until([] { return false; }, user_.between(0s, 8s)));
   }
@@ -152,7 +153,7 @@ void World::look() {
   scene.picture = machine_.screen.picture();
   scene.screen_is_in_use = machine_.screen.in_use();
   scene.plate = machine_.plate();
-  scene.state = process_.state();
+  scene.state = process_.layered_state();
   scene.light_off_unconfirmed = scene.lit && machine_.light_off_unconfirmed();
   verdict_.look(scene);
   look_at_motion();
@@ -182,12 +183,13 @@ void World::look_at_motion() {
                         machine_.loop.now());
 }
 
-void World::state_changed(PrintState state) {
-  tell(fmt::format("-> {}", name_of(state)));
+void World::state_changed(const PrintState& entered) {
+  const LayeredState state = process_.layered_state();
+  tell(fmt::format("-> {}", entered.name));
   ++states_;
-  const PrintState before = std::exchange(state_, state);
-  if (before != PrintState::Ending && state == PrintState::Ending) ending_since_ = machine_.loop.now();
-  if (state == PrintState::Paused || state == PrintState::Held)
+  const LayeredState before = std::exchange(state_, state);
+  if (before != LayeredState::Ending && state == LayeredState::Ending) ending_since_ = machine_.loop.now();
+  if (state == LayeredState::Paused || state == LayeredState::Held)
     user_timer_ = machine_.loop.call_after(user_.between(Duration{500ms}, Duration{5s}), [this] { tend(); });
   if (print_ > 0) return;
   for (const Happening& happening : scenario_.happenings) {
@@ -199,7 +201,8 @@ void World::state_changed(PrintState state) {
 
 // Acts as a user in front of a waiting print.
 void World::tend() {
-  if (process_.state() != PrintState::Paused && process_.state() != PrintState::Held) return;
+  if (process_.layered_state() != LayeredState::Paused && process_.layered_state() != LayeredState::Held)
+    return;
   if (!machine_.why_not_ready().empty()) {
     user_timer_ = machine_.loop.call_after(1s, [this] { tend(); });
   } else if (user_.chance(0.85)) {
@@ -215,11 +218,12 @@ void World::happen(const Happening& happening) {
   switch (happening.kind) {
     case Kind::Pause:
       return machine_.loop.post([this] {
-        if (process_.state() != PrintState::Idle) process_.pause();
+        if (process_.layered_state() != LayeredState::Idle) process_.pause();
       });
     case Kind::Resume:
       return machine_.loop.post([this] {
-        if (process_.state() != PrintState::Idle && machine_.why_not_ready().empty()) process_.resume();
+        if (process_.layered_state() != LayeredState::Idle && machine_.why_not_ready().empty())
+          process_.resume();
       });
     case Kind::Cancel:
       return machine_.loop.post([this] { process_.cancel(); });

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/print/print_process.hpp"
+#include "daemon/print/layered_print.hpp"
 #include "tests/rig/machine_model.hpp"
 #include "tests/rig/scenario.hpp"
 #include "tests/rig/verdict.hpp"
@@ -26,7 +26,8 @@ class World final : private PrintObserver {
   void keep_story();
 
  private:
-  void state_changed(PrintState state) override;
+  void light_due() override {}
+  void state_changed(const PrintState& state) override;
   void layer_done(const LayerRecord& layer) override;
   void interrupted(const std::string& what) override;
   void light_gone() override {}
@@ -49,14 +50,14 @@ class World final : private PrintObserver {
   Dice user_, encoder_;
   MachineModel machine_;
   Verdict verdict_;
-  PrintProcess process_;
+  LayeredPrint process_;
   int print_ = 0, states_ = 0;
   std::vector<std::unique_ptr<Timer>> timers_;
   std::unique_ptr<Timer> user_timer_;
   std::optional<std::int64_t> stopped_at_;  // motor position when the stop was requested
   TimePoint encoder_loses_until_{}, encoder_loses_upwards_until_{};
-  PrintState state_ = PrintState::Idle;
-  TimePoint ending_since_{};  // start of the last PrintState::Ending
+  LayeredState state_ = LayeredState::Idle;
+  TimePoint ending_since_{};  // start of the last LayeredState::Ending
   bool keeps_story_ = false;
   std::vector<std::string> story_;
 };

@@ -15,7 +15,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "rig"))
 from mutate import copy_head  # noqa: E402
 
 CONTROL = "daemon/control/control_server.cpp"
-PROCESS = "daemon/print/print_process.cpp"
+PROCESS = "daemon/print/layered_print.cpp"
 COPIES = "daemon/spool/printing_copies.cpp"
 
 # Name, file, the text that occurs once in it, the replacement.

@@ -53,7 +53,7 @@ class ManualControlFixture : public testing::CurrentJobFixture {
                          queue,
                          hold,
                          {.has_job = [this] { return job.job() != nullptr; },
-                          .prints = [this] { return job.print().state() != PrintState::Idle; },
+                          .prints = [this] { return job.print().under_way(); },
                           .controlled_by_hand = [] { return false; },
                           .begin = [](const ClaimedJob&) {},
                           .copy_over = [] {}}};

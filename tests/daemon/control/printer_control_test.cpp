@@ -19,12 +19,12 @@ class PrinterControlFixture : public testing::CurrentJobFixture {
     return "";
   }
   // Runs a job to the state, calls the method, and returns why it is refused.
-  std::string refusal_in(PrintState state, const std::string& method) {
+  std::string refusal_in(std::string_view state, const std::string& method) {
     bool called = false;
     std::string refusal;
     begin();
     run_until([&] {
-      if (!called && job.print().state() == state) {
+      if (!called && job.print().state().name == state) {
         called = true;
         refusal = refusal_of(method);
       }
@@ -52,7 +52,7 @@ class PrinterControlFixture : public testing::CurrentJobFixture {
                          queue,
                          hold,
                          {.has_job = [this] { return job.job() != nullptr; },
-                          .prints = [this] { return job.print().state() != PrintState::Idle; },
+                          .prints = [this] { return job.print().under_way(); },
                           .controlled_by_hand = [] { return false; },
                           .begin = [this](ClaimedJob claimed) { job.begin(std::move(claimed)); },
                           .copy_over = [] {}}};
@@ -88,34 +88,34 @@ TEST_CASE(
 
 TEST_CASE("The reply to a command is the resulting status") {
   PrinterControlFixture fixture;
-  CHECK(fixture.refusal_in(PrintState::Exposing, "pause").empty());
+  CHECK(fixture.refusal_in("exposing", "pause").empty());
   CHECK(fixture.reply["job"]["pause_pending"] == true);
 }
 
 TEST_CASE("A print that is not paused cannot be resumed") {
-  CHECK(PrinterControlFixture().refusal_in(PrintState::Exposing, "resume") == "the print is not paused");
+  CHECK(PrinterControlFixture().refusal_in("exposing", "resume") == "the print is not paused");
 }
 
 TEST_CASE("A print whose layers are done can be neither paused nor cancelled") {
-  CHECK(PrinterControlFixture().refusal_in(PrintState::Parking, "pause") ==
+  CHECK(PrinterControlFixture().refusal_in("parking", "pause") ==
         "all layers are printed, the plate goes up");
-  CHECK(PrinterControlFixture().refusal_in(PrintState::Parking, "cancel") ==
+  CHECK(PrinterControlFixture().refusal_in("parking", "cancel") ==
         "all layers are printed, the plate goes up");
 }
 
 TEST_CASE("A print does not resume while the machine is not ready") {
   PrinterControlFixture fixture;
   fixture.machine.open_lid();
-  CHECK(fixture.refusal_in(PrintState::Held, "resume") == "the print cannot go on: the lid is open");
+  CHECK(fixture.refusal_in("held", "resume") == "the print cannot go on: the lid is open");
   fixture.machine.close_lid();
   CHECK(fixture.refusal_of("resume").empty());
-  CHECK(fixture.job.print().state() == PrintState::WarmingUp);
+  CHECK(fixture.job.print().state().name == "warming up");
 }
 
 TEST_CASE("Resuming a held print also releases the queue") {
   PrinterControlFixture fixture;
   fixture.hold.hold("the emergency stop was pressed");
-  CHECK(fixture.refusal_in(PrintState::Held, "resume").empty());
+  CHECK(fixture.refusal_in("held", "resume").empty());
   CHECK_FALSE(fixture.hold.reason());
 }
 

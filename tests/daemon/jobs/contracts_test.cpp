@@ -19,7 +19,7 @@ TEST_CASE("CurrentJob begins one job at a time, and ends or returns only a job t
   CHECK(contract_broken_by([&] { fixture.job.give_back(); }) == "there is a job that has not begun");
   fixture.begin();
   CHECK(contract_broken_by([&] { fixture.begin("other.stl"); }) == "there is no job yet");
-  REQUIRE(fixture.run_until([&] { return fixture.job.print().state() != PrintState::Idle; }));
+  REQUIRE(fixture.run_until([&] { return fixture.job.print().under_way(); }));
   CHECK(contract_broken_by([&] { fixture.job.give_back(); }) == "there is a job that has not begun");
 }
 

@@ -33,8 +33,8 @@ class CurrentJobFixture : public PrinterFixture, private JobObserver {
   std::vector<std::string> events;  // the other calls of the observer
 
  private:
-  void print_state_changed(PrintState state) override {
-    events.push_back("state: " + std::string(name_of(state)));
+  void print_state_changed(const PrintState& state) override {
+    events.push_back("state: " + std::string(state.name));
   }
   void job_changed(const std::string& what) override { events.push_back("changed: " + what); }
   void light_gone() override { events.emplace_back("light gone"); }

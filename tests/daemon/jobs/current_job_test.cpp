@@ -51,7 +51,7 @@ TEST_CASE("The plate is clear if no layer was exposed") {
   CurrentJobFixture fixture;
   fixture.begin();
   REQUIRE(fixture.run_to_end([&] {
-    if (fixture.job.print().state() == PrintState::Homing) fixture.job.cancel();
+    if (fixture.job.print().state().name == "homing") fixture.job.cancel();
   }));
   CHECK(fixture.ended[0].outcome == "cancelled");
   CHECK_FALSE(fixture.hold.plate_occupant());
@@ -107,7 +107,7 @@ TEST_CASE("A print that begins while the queue is held or the machine is not rea
     why = fixture.machine.why_not_ready();
   }
   fixture.begin();
-  REQUIRE(fixture.run_until([&] { return fixture.job.print().state() == PrintState::Held; }));
+  REQUIRE(fixture.run_until([&] { return fixture.job.print().state().name == "held"; }));
   CHECK(fixture.job.print().interruption() == why);
 }
 
@@ -116,7 +116,7 @@ TEST_CASE("A failed print holds the queue before its end is reported") {
   fixture.begin();
   bool held_first = false;
   REQUIRE(fixture.run_to_end([&] {
-    if (fixture.job.print().state() == PrintState::Homing) fixture.job.print().fail("steps were lost");
+    if (fixture.job.print().state().name == "homing") fixture.job.print().fail("steps were lost");
     held_first = held_first || (fixture.hold.reason() && fixture.ended.empty());
   }));
   CHECK(held_first);
@@ -160,8 +160,8 @@ TEST_CASE("An interruption is in the report") {
   fixture.begin();
   bool interrupted = false;
   REQUIRE(fixture.run_to_end([&] {
-    PrintProcess& print = fixture.job.print();
-    if (print.state() == PrintState::Paused) print.resume();
+    PrintMode& print = fixture.job.print();
+    if (print.state().name == "paused") print.resume();
     if (interrupted || !fixture.machine.light_is_on()) return;
     interrupted = true;
     print.interrupt("the lid was opened");

@@ -2,6 +2,7 @@
 
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
+#include "tests/daemon/report/print_state.hpp"
 
 namespace {
 
@@ -122,9 +123,9 @@ TEST_CASE("Only the first warnings about a model are logged, and the number of t
 
 TEST_CASE("Only states that last, or that the user should know of, are logged") {
   const PrintLogFixture fixture;
-  fixture.print.entered("part", PrintState::Exposing);
+  fixture.print.entered("part", print_state("exposing"));
   CHECK_FALSE(fixture.text.has("part"));
-  fixture.print.entered("part", PrintState::Homing);
+  fixture.print.entered("part", print_state("homing"));
   CHECK(fixture.text.has("info: part: homing"));
 }
 

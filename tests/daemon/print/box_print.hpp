@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/print/print_process.hpp"
+#include "daemon/print/print_plan.hpp"
 #include "hw/simulated_printer.hpp"
 #include "tests/models/models.hpp"
 

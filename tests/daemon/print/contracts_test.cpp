@@ -1,7 +1,7 @@
 // Tests of the contract checks in daemon/print.
 
 #include "daemon/print/manual_process.hpp"
-#include "daemon/print/print_process.hpp"
+#include "daemon/print/print_mode.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/current_job_fixture.hpp"
@@ -12,27 +12,29 @@ const std::string kPrint = "a print is under way";
 
 }  // namespace
 
-TEST_CASE("PrintProcess::start requires a plan with layers and exposures, and that no print is under way") {
+TEST_CASE("PrintMode::start requires a plan with layers and exposures, and that no print is under way") {
   testing::CurrentJobFixture fixture;
-  PrintProcess& process = fixture.job.print();
+  PrintMode& process = fixture.job.print();
   PrintPlan dark;
   dark.layers = PrintLayers(LayerStack{Nanometers{50'000}, 1});
   CHECK(contract_broken_by([&] { process.start({}); }) == "a print has a layer and its exposure");
   CHECK(contract_broken_by([&] { process.start(std::move(dark)); }) ==
         "a print has a layer and its exposure");
   fixture.begin();
-  REQUIRE(fixture.run_until([&] { return process.state() != PrintState::Idle; }));
+  REQUIRE(fixture.run_until([&] { return process.under_way(); }));
   CHECK(contract_broken_by([&] { process.start({}); }) == "no print is under way");
   CHECK(contract_broken_by([&] { (void)process.time_left(); }).empty());
 }
 
-TEST_CASE("The layer and time functions of PrintProcess require that a print is under way") {
+TEST_CASE("The functions of PrintMode for a print under way require that a print is under way") {
   const testing::CurrentJobFixture fixture;
-  const PrintProcess& process = fixture.job.print();
+  const PrintMode& process = fixture.job.print();
   CHECK(contract_broken_by([&] { (void)process.layer(); }) == kPrint);
   CHECK(contract_broken_by([&] { (void)process.layer_top(); }) == kPrint);
   CHECK(contract_broken_by([&] { (void)process.layer_thickness(); }) == kPrint);
   CHECK(contract_broken_by([&] { (void)process.next_pause(); }) == kPrint);
+  CHECK(contract_broken_by([&] { (void)process.can_cancel(); }) == kPrint);
+  CHECK(contract_broken_by([&] { (void)process.why_it_ends(); }) == kPrint);
   CHECK(contract_broken_by([&] { (void)process.time_left(); }) == kPrint);
 }
 

@@ -1,7 +1,7 @@
 // Tests of a print on a GPIO axis with a GPIO light line, an emergency stop and a lid, whose contacts move
 // during the print.
 
-#include "daemon/print/print_process.hpp"
+#include "daemon/print/layered_print.hpp"
 #include "hw/gpio/gpio_light_line.hpp"
 #include "hw/projector_with_light_line.hpp"
 #include "hw/simulated_printer.hpp"
@@ -11,7 +11,7 @@
 
 namespace {
 
-using S = PrintState;
+using S = LayeredState;
 
 constexpr int kLayers = 3;
 constexpr Duration kExposure = 1s;
@@ -63,7 +63,8 @@ class PrintSafetyFixture final : public Machine, public PrintObserver {
   }
   std::optional<std::filesystem::path> begin_job(std::string_view) override { return std::nullopt; }
 
-  void state_changed(PrintState) override {}
+  void light_due() override {}
+  void state_changed(const PrintState&) override {}
   void layer_done(const LayerRecord& layer) override { layers.push_back(layer); }
   void interrupted(const std::string& what) override { interruptions.push_back(what); }
   void light_gone() override {}
@@ -72,12 +73,12 @@ class PrintSafetyFixture final : public Machine, public PrintObserver {
     reason = why;
   }
 
-  bool run_to(PrintState state) {
-    plant.run([&] { return process->state() == state || outcome; });
-    return process->state() == state;
+  bool run_to(LayeredState state) {
+    plant.run([&] { return process->layered_state() == state || outcome; });
+    return process->layered_state() == state;
   }
   // Runs a print to the state; to its occurrence in the second layer if the state belongs to a layer.
-  void bring_to(PrintState state) {
+  void bring_to(LayeredState state) {
     process->start(print_plan());
     if (state == S::WarmingUp || state == S::Homing || state == S::Parking) {
       REQUIRE(run_to(state));
@@ -95,7 +96,9 @@ class PrintSafetyFixture final : public Machine, public PrintObserver {
   // Runs the print to its end; whenever it waits for the user, resumes it as soon as the machine is ready.
   void run_out() {
     while (!outcome) {
-      plant.run([&] { return outcome || process->state() == S::Paused || process->state() == S::Held; });
+      plant.run([&] {
+        return outcome || process->layered_state() == S::Paused || process->layered_state() == S::Held;
+      });
       if (outcome) return;
       plant.run([&] { return why_not_ready().empty(); });
       process->resume();
@@ -107,7 +110,7 @@ class PrintSafetyFixture final : public Machine, public PrintObserver {
   PlantOutput* line = nullptr;
   std::optional<GpioLightLine> light;
   std::optional<LightLineProjector> lamp;
-  std::optional<PrintProcess> process;
+  std::optional<LayeredPrint> process;
   std::unique_ptr<Timer> release;
   std::vector<LayerRecord> layers;
   std::vector<std::string> interruptions;
@@ -115,14 +118,15 @@ class PrintSafetyFixture final : public Machine, public PrintObserver {
   std::string reason;
 };
 
-constexpr PrintState kStates[] = {S::WarmingUp, S::Homing,  S::Lowering, S::Settling, S::Showing, S::Exposing,
-                                  S::Darkening, S::Resting, S::Lifting,  S::Raising,  S::Paused,  S::Parking};
+constexpr LayeredState kStates[] = {S::WarmingUp, S::Homing,   S::Lowering,  S::Settling,
+                                    S::Showing,   S::Exposing, S::Darkening, S::Resting,
+                                    S::Lifting,   S::Raising,  S::Paused,    S::Parking};
 
 }  // namespace
 
 TEST_CASE("A print can be finished after a spike on the emergency stop's or the lid's line in any state") {
   for (const AxisInput which : {AxisInput::EmergencyStop, AxisInput::Lid}) {
-    for (const PrintState state : kStates) {
+    for (const LayeredState state : kStates) {
       CAPTURE(name_of(state), which == AxisInput::Lid);
       PrintSafetyFixture fixture;
       fixture.bring_to(state);
@@ -145,7 +149,7 @@ TEST_CASE("A print can be finished after a spike on the emergency stop's or the 
 }
 
 TEST_CASE("An emergency stop in any state ends the print dark, without a step after its debounce time") {
-  for (const PrintState state : kStates) {
+  for (const LayeredState state : kStates) {
     CAPTURE(name_of(state));
     PrintSafetyFixture fixture;
     fixture.bring_to(state);

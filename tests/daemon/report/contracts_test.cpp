@@ -5,6 +5,7 @@
 #include "daemon/report/state_times.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
+#include "tests/daemon/report/print_state.hpp"
 
 TEST_CASE("svg_plot requires rising heights") {
   if (testing::costly_checks_are_off()) return;
@@ -16,9 +17,10 @@ TEST_CASE("svg_plot requires rising heights") {
 TEST_CASE("StateTimes::enter requires times that do not fall") {
   const TimePoint start{std::chrono::hours(1)};
   StateTimes times(start);
-  CHECK(contract_broken_by([&] { times.enter(PrintState::Homing, start - std::chrono::nanoseconds(1)); }) ==
-        "times do not fall");
-  CHECK(contract_broken_by([&] { times.enter(PrintState::Homing, start); }).empty());
+  CHECK(contract_broken_by([&] {
+          times.enter(print_state("homing"), start - std::chrono::nanoseconds(1));
+        }) == "times do not fall");
+  CHECK(contract_broken_by([&] { times.enter(print_state("homing"), start); }).empty());
 }
 
 TEST_CASE("Drawing a light histogram requires bins") {

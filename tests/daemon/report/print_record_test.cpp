@@ -4,6 +4,7 @@
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/print/late_machine.hpp"
+#include "tests/daemon/report/print_state.hpp"
 
 namespace {
 
@@ -84,15 +85,15 @@ TEST_CASE("A record contains each pause with its layer, start and duration") {
     const auto timer = fixture.clock.call_at(fixture.clock.now() + duration, [] {});
     REQUIRE(fixture.clock.run_next());
   };
-  record.enter(PrintState::Exposing, 6);
+  record.enter(print_state("exposing"), 6);
   go_on_for(20s);
-  record.enter(PrintState::Paused, 6);
+  record.enter(print_state("paused"), 6);
   go_on_for(60s);
-  record.enter(PrintState::Paused, 6);  // interrupted there
+  record.enter(print_state("paused"), 6);  // interrupted there
   go_on_for(30s);
-  record.enter(PrintState::AwaitingDark, 6);
+  record.enter(print_state("awaiting dark"), 6);
   go_on_for(10s);
-  record.enter(PrintState::Held, 7);
+  record.enter(print_state("held"), 7);
   go_on_for(5s);
   const PrintReport report = record.take_report();
   REQUIRE(report.stops.pauses.size() == 2);
@@ -101,8 +102,8 @@ TEST_CASE("A record contains each pause with its layer, start and duration") {
   CHECK(report.stops.pauses[0].lasted == 90s);
   CHECK(report.stops.pauses[1].layer == 7);
   CHECK(report.stops.pauses[1].lasted == 5s);
-  CHECK(report.states.in(PrintState::Exposing) == 20s);
-  CHECK(report.states.in(PrintState::Paused) == 90s);
+  CHECK(testing::time_in(report.states, "exposing") == 20s);
+  CHECK(testing::time_in(report.states, "paused") == 90s);
   CHECK(report.states.total() == 125s);
 }
 
@@ -111,8 +112,8 @@ TEST_CASE("A record keeps a limited number of stops and counts the others") {
   PrintRecord record = fixture.begin();
   for (std::size_t i = 0; i < PrintStops::kMost + 7; ++i) {
     record.add_interruption(2, "the lid was opened");
-    record.enter(PrintState::Paused, 2);
-    record.enter(PrintState::AwaitingDark, 2);
+    record.enter(print_state("paused"), 2);
+    record.enter(print_state("awaiting dark"), 2);
   }
   const PrintStops stops = record.take_report().stops;
   CHECK(stops.interruptions.size() == PrintStops::kMost);

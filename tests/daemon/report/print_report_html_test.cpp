@@ -4,6 +4,7 @@
 #include "daemon/report/layer_pictures.hpp"
 #include "hw/png_file.hpp"
 #include "tests/catch.hpp"
+#include "tests/daemon/report/print_state.hpp"
 #include "tests/daemon/report/report_fixture.hpp"
 
 namespace {
@@ -29,7 +30,7 @@ PrintReport report_of(std::int32_t layers) {
     layer.exposure_asked = layer.exposure_least = layer.exposure_most = 2s;
     layer.complete = true;
     layer.area_mm2 = i % 97;
-    report.states.enter(i % 2 == 0 ? PrintState::Exposing : PrintState::Lifting, start + i * 5s);
+    report.states.enter(i % 2 == 0 ? print_state("exposing") : print_state("lifting"), start + i * 5s);
   }
   return report;
 }

@@ -1,6 +1,7 @@
 #include "daemon/report/state_time_line.hpp"
 
 #include "tests/catch.hpp"
+#include "tests/daemon/report/print_state.hpp"
 #include "tests/daemon/report/report_fixture.hpp"
 
 namespace {
@@ -10,11 +11,11 @@ constexpr TimePoint kPrintStart{std::chrono::hours(1000)};
 PrintReport paused_print() {
   PrintReport report;
   report.states = StateTimes(kPrintStart);
-  report.states.enter(PrintState::Homing, kPrintStart);
-  report.states.enter(PrintState::Exposing, kPrintStart + 10s);
-  report.states.enter(PrintState::Paused, kPrintStart + 40s);
-  report.states.enter(PrintState::Lowering, kPrintStart + 90s);
-  report.states.enter(PrintState::Idle, kPrintStart + 100s);
+  report.states.enter(print_state("homing"), kPrintStart);
+  report.states.enter(print_state("exposing"), kPrintStart + 10s);
+  report.states.enter(print_state("paused"), kPrintStart + 40s);
+  report.states.enter(print_state("lowering"), kPrintStart + 90s);
+  report.states.enter(kIdle, kPrintStart + 100s);
   report.stops.pauses.push_back({3, 40s, 50s});
   report.stops.interruptions.push_back({3, 39s, "the lid <b>was</b> opened"});
   return report;
@@ -49,8 +50,8 @@ TEST_CASE("Time lines of any length have at most eight labels, and only finite n
                                 Duration(24h * 9), Duration(24h * 900)}) {
     PrintReport report;
     report.states = StateTimes(kPrintStart);
-    report.states.enter(PrintState::Exposing, kPrintStart);
-    report.states.enter(PrintState::Idle, kPrintStart + length);
+    report.states.enter(print_state("exposing"), kPrintStart);
+    report.states.enter(kIdle, kPrintStart + length);
     const std::string svg = state_time_line(report);
     CAPTURE(svg);
     CHECK(testing::occurrences(svg, "<text") >= 1);

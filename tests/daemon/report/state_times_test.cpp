@@ -1,6 +1,7 @@
 #include "daemon/report/state_times.hpp"
 
 #include "tests/catch.hpp"
+#include "tests/daemon/report/print_state.hpp"
 
 namespace {
 
@@ -17,23 +18,23 @@ Duration sum_of(const StateTimes& times, PrintActivity activity) {
 
 TEST_CASE("Each state gets the time until the next state is entered") {
   StateTimes times(kStart);
-  times.enter(PrintState::WarmingUp, kStart);
-  times.enter(PrintState::Homing, kStart + 5s);
-  times.enter(PrintState::Homing, kStart + 6s);
-  times.enter(PrintState::Exposing, kStart + 8s);
-  times.enter(PrintState::Idle, kStart + 11s);
-  CHECK(times.in(PrintState::WarmingUp) == 5s);
-  CHECK(times.in(PrintState::Homing) == 3s);
-  CHECK(times.in(PrintState::Exposing) == 3s);
-  CHECK(times.in(PrintState::Idle) == 0s);
+  times.enter(print_state("warming up"), kStart);
+  times.enter(print_state("homing"), kStart + 5s);
+  times.enter(print_state("homing"), kStart + 6s);
+  times.enter(print_state("exposing"), kStart + 8s);
+  times.enter(kIdle, kStart + 11s);
+  CHECK(testing::time_in(times, "warming up") == 5s);
+  CHECK(testing::time_in(times, "homing") == 3s);
+  CHECK(testing::time_in(times, "exposing") == 3s);
+  CHECK(testing::time_in(times, "idle") == 0s);
   CHECK(times.total() == 11s);
 }
 
 TEST_CASE("Slices follow each other without gaps, and a long state is in all slices that it spans") {
   StateTimes times(kStart);
-  times.enter(PrintState::Exposing, kStart);
-  times.enter(PrintState::Paused, kStart + 250ms);
-  times.enter(PrintState::Idle, kStart + 420ms);
+  times.enter(print_state("exposing"), kStart);
+  times.enter(print_state("paused"), kStart + 250ms);
+  times.enter(kIdle, kStart + 420ms);
   REQUIRE(times.slice_width() == 100ms);
   REQUIRE(times.slices().size() == 5);
   const auto in = [&](std::size_t slice, PrintActivity activity) {
@@ -51,19 +52,19 @@ TEST_CASE("A print of a week keeps to the limit of slices, and no time is lost")
   TimePoint now = kStart;
   Duration exposing{}, moving{};
   for (int layer = 0; layer < 100'000; ++layer) {
-    times.enter(PrintState::Exposing, now);
+    times.enter(print_state("exposing"), now);
     now += 2'100ms;
     exposing += 2'100ms;
-    times.enter(PrintState::Lifting, now);
+    times.enter(print_state("lifting"), now);
     now += 3'700ms;
     moving += 3'700ms;
   }
-  times.enter(PrintState::Idle, now);
+  times.enter(kIdle, now);
   CHECK(times.slices().size() <= StateTimes::kMaxSlices);
   CHECK(times.slices().size() > StateTimes::kMaxSlices / 2);
   CHECK(sum_of(times, PrintActivity::Exposing) == exposing);
   CHECK(sum_of(times, PrintActivity::Moving) == moving);
-  CHECK(times.in(PrintState::Exposing) == exposing);
+  CHECK(testing::time_in(times, "exposing") == exposing);
   for (std::size_t i = 0; i + 1 < times.slices().size(); ++i) {
     Duration sum{};
     for (const Duration part : times.slices()[i])
@@ -74,16 +75,16 @@ TEST_CASE("A print of a week keeps to the limit of slices, and no time is lost")
 
 TEST_CASE("A state that lasts a year keeps to the limit of slices") {
   StateTimes times(kStart);
-  times.enter(PrintState::Paused, kStart + 1s);
-  times.enter(PrintState::Idle, kStart + std::chrono::hours(8766));
+  times.enter(print_state("paused"), kStart + 1s);
+  times.enter(kIdle, kStart + std::chrono::hours(8766));
   CHECK(times.slices().size() <= StateTimes::kMaxSlices);
   CHECK(sum_of(times, PrintActivity::Stopped) == std::chrono::hours(8766) - 1s);
 }
 
 TEST_CASE("Every state has an activity, and Paused and Held count as stopped") {
-  for (std::size_t state = 0; state < kPrintStates; ++state)
-    CHECK(name_of(activity_of(static_cast<PrintState>(state))) != "?");
-  CHECK(activity_of(PrintState::Paused) == PrintActivity::Stopped);
-  CHECK(activity_of(PrintState::Held) == PrintActivity::Stopped);
-  CHECK(activity_of(PrintState::Exposing) == PrintActivity::Exposing);
+  for (const PrintState& state : print_states())
+    CHECK(name_of(state.activity) != "?");
+  CHECK(print_state("paused").activity == PrintActivity::Stopped);
+  CHECK(print_state("held").activity == PrintActivity::Stopped);
+  CHECK(print_state("exposing").activity == PrintActivity::Exposing);
 }

@@ -6,74 +6,13 @@
 #include <vector>
 
 #include "tests/catch.hpp"
-#include "tests/hw/transition_table_fixture.hpp"
+#include "tests/hw/state_table_fixture.hpp"
 
 using namespace contourd;
 
 namespace {
 
-struct HomingTable : testing::TransitionTableFixture<HomingTransition, homing_transitions> {
-  // The expected table, written out independently, row by row.
-  static inline const std::vector<Row> kExpected{
-      {S::Idle, E::HomeWanted, S::GettingReady, {F::ForgetPosition, F::GetReady}},
-      {S::GettingReady, E::SwitchOpen, S::FastPass, {F::SeekFast}},
-      {S::GettingReady, E::SwitchClosed, S::BackingOff, {F::BackOff}},
-      {S::FastPass, E::Contact, S::BackingOff, {F::BackOff}},
-      {S::FastPass, E::Spike, S::FastPass, {F::SeekOn}},
-      {S::FastPass, E::WayOver, S::FastPassOver, {F::AwaitContact}},
-      {S::FastPassOver, E::Contact, S::BackingOff, {F::BackOff}},
-      {S::FastPassOver, E::Spike, S::FastPass, {F::SeekOn}},
-      {S::FastPassOver, E::WaitOver, S::Idle, {F::TellNoTrigger}},
-      {S::BackingOff, E::WayOver, S::BackedOff, {F::LookAtSwitch}},
-      {S::BackedOff, E::SwitchOpen, S::SlowPass, {F::SeekSlow}},
-      {S::BackedOff, E::SwitchClosed, S::Idle, {F::TellStillClosed}},
-      {S::SlowPass, E::Contact, S::AtSwitch, {F::TakePosition, F::AwaitRest}},
-      {S::SlowPass, E::Spike, S::SlowPass, {F::SeekOn}},
-      {S::SlowPass, E::WayOver, S::SlowPassOver, {F::AwaitContact}},
-      {S::SlowPassOver, E::Contact, S::AtSwitch, {F::TakePosition, F::AwaitRest}},
-      {S::SlowPassOver, E::Spike, S::SlowPass, {F::SeekOn}},
-      {S::SlowPassOver, E::WaitOver, S::Idle, {F::TellNoTrigger}},
-      {S::AtSwitch, E::WaitOver, S::Approaching, {F::KnowPosition, F::Approach}},
-      {S::Approaching, E::Arrived, S::Idle, {F::TellHomed}},
-      {S::GettingReady, E::StopWanted, S::Stopping, {F::StopMotor}},
-      {S::FastPass, E::StopWanted, S::PassStopping, {F::StopMotor}},
-      {S::FastPassOver, E::StopWanted, S::PassStopping, {F::StopMotor}},
-      {S::BackingOff, E::StopWanted, S::Stopping, {F::StopMotor}},
-      {S::BackedOff, E::StopWanted, S::Stopping, {F::StopMotor}},
-      {S::SlowPass, E::StopWanted, S::PassStopping, {F::StopMotor}},
-      {S::SlowPassOver, E::StopWanted, S::PassStopping, {F::StopMotor}},
-      {S::AtSwitch, E::StopWanted, S::Stopping, {F::StopMotor}},
-      {S::Approaching, E::StopWanted, S::Stopping, {F::StopMotor}},
-      {S::PassStopping, E::StopWanted, S::PassStopping, {F::StopMotor}},
-      {S::Stopping, E::StopWanted, S::Stopping, {F::StopMotor}},
-      {S::PassStopping, E::Contact, S::Idle, {F::TellStopped}},
-      {S::PassStopping, E::Spike, S::Idle, {F::TellStopped}},
-      {S::PassStopping, E::Stopped, S::Idle, {F::TellStopped}},
-      {S::Stopping, E::Stopped, S::Idle, {F::TellStopped}},
-      {S::GettingReady, E::Failed, S::Idle, {F::TellFailed}},
-      {S::FastPass, E::Failed, S::Idle, {F::TellFailed}},
-      {S::FastPassOver, E::Failed, S::Idle, {F::TellFailed}},
-      {S::BackingOff, E::Failed, S::Idle, {F::TellFailed}},
-      {S::BackedOff, E::Failed, S::Idle, {F::TellFailed}},
-      {S::SlowPass, E::Failed, S::Idle, {F::TellFailed}},
-      {S::SlowPassOver, E::Failed, S::Idle, {F::TellFailed}},
-      {S::AtSwitch, E::Failed, S::Idle, {F::TellFailed}},
-      {S::Approaching, E::Failed, S::Idle, {F::TellFailed}},
-      {S::PassStopping, E::Failed, S::Idle, {F::TellFailed}},
-      {S::Stopping, E::Failed, S::Idle, {F::TellFailed}},
-      {S::GettingReady, E::Aborted, S::Idle, {F::DropAnswer}},
-      {S::FastPass, E::Aborted, S::Idle, {F::DropAnswer}},
-      {S::FastPassOver, E::Aborted, S::Idle, {F::DropAnswer}},
-      {S::BackingOff, E::Aborted, S::Idle, {F::DropAnswer}},
-      {S::BackedOff, E::Aborted, S::Idle, {F::DropAnswer}},
-      {S::SlowPass, E::Aborted, S::Idle, {F::DropAnswer}},
-      {S::SlowPassOver, E::Aborted, S::Idle, {F::DropAnswer}},
-      {S::AtSwitch, E::Aborted, S::Idle, {F::DropAnswer}},
-      {S::Approaching, E::Aborted, S::Idle, {F::DropAnswer}},
-      {S::PassStopping, E::Aborted, S::Idle, {F::DropAnswer}},
-      {S::Stopping, E::Aborted, S::Idle, {F::DropAnswer}},
-  };
-
+struct HomingTable : testing::StateTableFixture<HomingTransition, homing_table> {
   // True for the effects that turn the motor.
   static bool turns_motor(F effect) {
     return effect == F::SeekFast || effect == F::SeekSlow || effect == F::SeekOn || effect == F::BackOff ||
@@ -89,54 +28,80 @@ struct HomingTable : testing::TransitionTableFixture<HomingTransition, homing_tr
 }  // namespace
 
 TEST_CASE_METHOD(HomingTable, "The homing table has exactly the rows written here") {
-  check_rows(kExpected);
+  check_lines(R"(
+home wanted -> getting ready: forget position, get ready (idle)
+switch open -> fast pass: seek fast (getting ready)
+switch closed -> backing off: back off (getting ready)
+stop wanted -> stopping: stop motor (getting ready, backing off, backed off, at switch, approaching)
+failed -> idle: tell failed (getting ready, fast pass, fast pass over, backing off, backed off, slow pass,
+    slow pass over, at switch, approaching, pass stopping, stopping)
+aborted -> idle: drop answer (getting ready, fast pass, fast pass over, backing off, backed off, slow pass,
+    slow pass over, at switch, approaching, pass stopping, stopping)
+contact -> backing off: back off (fast pass, fast pass over)
+spike -> stay: seek on (fast pass, slow pass)
+way over -> fast pass over: await contact (fast pass)
+stop wanted -> pass stopping: stop motor (fast pass, fast pass over, slow pass, slow pass over)
+spike -> fast pass: seek on (fast pass over)
+wait over -> idle: tell no trigger (fast pass over, slow pass over)
+way over -> backed off: look at switch (backing off)
+switch open -> slow pass: seek slow (backed off)
+switch closed -> idle: tell still closed (backed off)
+contact -> at switch: take position, await rest (slow pass, slow pass over)
+way over -> slow pass over: await contact (slow pass)
+spike -> slow pass: seek on (slow pass over)
+wait over -> approaching: know position, approach (at switch)
+arrived -> idle: tell homed (approaching)
+contact -> idle: tell stopped (pass stopping)
+spike -> idle: tell stopped (pass stopping)
+stop wanted -> stay: stop motor (pass stopping, stopping)
+stopped -> idle: tell stopped (pass stopping, stopping)
+)");
 }
 
-TEST_CASE_METHOD(HomingTable, "No state of homing has two rows for the same event") {
-  check_one_row_per_event();
+TEST_CASE_METHOD(
+    HomingTable,
+    "The homing table reaches every state, and every state answers a fault, a stop and an abort") {
+  check_structure();
 }
 
-TEST_CASE_METHOD(HomingTable, "A fault, a stop and an abort end homing in every state") {
+TEST_CASE_METHOD(HomingTable, "A fault, a stop and an abort end homing") {
   for (const S state : all_states()) {
     CAPTURE(name_of(state));
-    const HomingTransition *failed = find(state, E::Failed), *aborted = find(state, E::Aborted),
-                           *stop = find(state, E::StopWanted);
-    CHECK((failed != nullptr) == (state != S::Idle));
-    CHECK((aborted != nullptr) == (state != S::Idle));
-    CHECK((stop != nullptr) == (state != S::Idle));
+    const Transition *failed = find(state, E::Failed), *aborted = find(state, E::Aborted),
+                     *stop = find(state, E::StopWanted);
     if (state == S::Idle) continue;
     CHECK(failed->to == S::Idle);
     CHECK(aborted->to == S::Idle);
-    const HomingTransition* stopped = find(stop->to, E::Stopped);
+    const Transition* stopped = find(stop->to, E::Stopped);
     REQUIRE(stopped != nullptr);
     CHECK(stopped->to == S::Idle);
   }
 }
 
 TEST_CASE_METHOD(HomingTable, "Homing answers once, when it ends, unless it is aborted") {
-  for (const HomingTransition& t : homing_transitions()) {
+  for (const Transition& t : transitions()) {
     CAPTURE(name_of(t.from), name_of(t.on));
-    const auto answers = std::ranges::count_if(t.done(), tells);
+    const auto answers = std::ranges::count_if(t.effects, tells);
     CHECK(answers == (t.to == S::Idle && t.on != E::Aborted ? 1 : 0));
     CHECK(has(t, F::DropAnswer) == (t.on == E::Aborted));
     // The callback may home again, so no effect may follow the answer.
-    if (answers > 0) CHECK(tells(t.done().back()));
+    if (answers > 0) CHECK(tells(t.effects.back()));
   }
 }
 
 TEST_CASE_METHOD(HomingTable, "After a stop request no effect turns the motor") {
-  for (const HomingTransition& t : homing_transitions()) {
+  for (const Transition& t : transitions()) {
     if (t.from != S::PassStopping && t.from != S::Stopping) continue;
     CAPTURE(name_of(t.from), name_of(t.on));
     CHECK((t.to == t.from || t.to == S::Idle));
-    CHECK(std::ranges::none_of(t.done(), turns_motor));
+    CHECK(std::ranges::none_of(t.effects, turns_motor));
   }
 }
 
 TEST_CASE_METHOD(
     HomingTable,
     "The position is taken only from the slow pass' contact, and known before the plate moves by it") {
-  for (const HomingTransition& t : homing_transitions()) {
+  for (const Transition& t : transitions()) {
     CAPTURE(name_of(t.from), name_of(t.on));
     const bool slow = t.from == S::SlowPass || t.from == S::SlowPassOver;
     CHECK(has(t, F::TakePosition) == (slow && t.on == E::Contact));
@@ -149,25 +114,11 @@ TEST_CASE_METHOD(
 TEST_CASE_METHOD(HomingTable, "A pass continues after a spike, and contacts outside a pass are ignored") {
   for (const S state : all_states()) {
     CAPTURE(name_of(state));
-    const HomingTransition *contact = find(state, E::Contact), *spike = find(state, E::Spike);
+    const Transition *contact = find(state, E::Contact), *spike = find(state, E::Spike);
     CHECK((contact != nullptr) == is_in_pass(state));
     CHECK((spike != nullptr) == is_in_pass(state));
     if (spike == nullptr || state == S::PassStopping) continue;
     CHECK(is_in_pass(spike->to));
     CHECK(has(*spike, F::SeekOn));
   }
-}
-
-TEST_CASE_METHOD(HomingTable, "Every state of homing is reachable, and all names differ") {
-  std::set<S> reached{S::Idle};
-  for (std::size_t before = 0; before != reached.size();) {
-    before = reached.size();
-    for (const HomingTransition& t : homing_transitions())
-      if (reached.contains(t.from)) reached.insert(t.to);
-  }
-  CHECK(reached == all_states());
-  std::set<std::string_view> names;
-  for (const S state : all_states())
-    names.insert(name_of(state));
-  CHECK(names.size() == all_states().size());
 }

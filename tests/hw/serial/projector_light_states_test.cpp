@@ -5,156 +5,88 @@
 #include <vector>
 
 #include "tests/catch.hpp"
-#include "tests/hw/transition_table_fixture.hpp"
+#include "tests/hw/state_table_fixture.hpp"
 
 using namespace contourd;
 
 namespace {
 
-struct ProjectorLightTable
-    : testing::TransitionTableFixture<ProjectorLightTransition, projector_light_transitions> {
-  // The expected table, written out separately, row for row.
-  static inline const std::vector<Row> kExpected{
-      {S::Dark, E::LightOnSent, S::TurningOn, {F::NoteLightOn}},
-      {S::AskedWhetherOn, E::LightOnSent, S::TurningOn, {F::NoteLightOn}},
-      {S::Lit, E::LightOnSent, S::TurningOn, {F::NoteLightOn}},
-      {S::ComingUp, E::LightOnSent, S::TurningOn, {F::NoteLightOn}},
-      {S::LitAskedWhetherOn, E::LightOnSent, S::TurningOn, {F::NoteLightOn}},
-      {S::LostLit, E::LightOnSent, S::TurningOn, {F::NoteLightOn}},
-      {S::MakingSure, E::LightOnSent, S::TurningOff, {F::NoteLightOn, F::SendLightOff, F::TellUnlit}},
-      {S::TurningOff, E::LightOnSent, S::TurningOff, {F::NoteLightOn, F::SendLightOff, F::TellUnlit}},
-      {S::Overdue, E::LightOnSent, S::Overdue, {F::NoteLightOn, F::SendLightOff, F::TellUnlit}},
-      {S::TurningOn, E::LightOnConfirmed, S::Lit, {F::NoteLit, F::TellLit}},
-      {S::TurningOn, E::LightOnAmbiguous, S::Lit, {F::TellLit}},
-      {S::TurningOn, E::LightOnUnanswered, S::AskedWhetherLit, {F::AskWhetherLit}},
-      {S::TurningOn, E::LightOnFailed, S::TurningOff, {F::SendLightOff, F::TellUnlit}},
-      {S::AskedWhetherLit, E::SaysLit, S::Lit, {F::NoteLit, F::TellLit}},
-      {S::AskedWhetherLit, E::SaysUnlit, S::TurningOff, {F::SendLightOff, F::TellUnlit}},
-      {S::Dark, E::LightOnFailed, S::MakingSure, {F::SendLightOff, F::TellUnlit}},
-      {S::AskedWhetherOn, E::LightOnFailed, S::MakingSure, {F::SendLightOff, F::TellUnlit}},
-      {S::Dark, E::PowerOnSent, S::ComingUp, {}},
-      {S::AskedWhetherOn, E::PowerOnSent, S::LitAskedWhetherOn, {}},
-      {S::MakingSure, E::PowerOnSent, S::TurningOff, {F::SendLightOff}},
-      {S::TurningOff, E::PowerOnSent, S::TurningOff, {F::SendLightOff}},
-      {S::Overdue, E::PowerOnSent, S::Overdue, {F::SendLightOff}},
-      {S::Dark, E::Suspected, S::TurningOff, {F::SendLightOff}},
-      {S::TurningOn, E::Suspected, S::TurningOff, {F::SendLightOff, F::TellUnlit}},
-      {S::AskedWhetherLit, E::Suspected, S::TurningOff, {F::SendLightOff, F::TellUnlit}},
-      {S::Lit, E::Suspected, S::TurningOff, {F::SendLightOff}},
-      {S::ComingUp, E::Suspected, S::TurningOff, {F::SendLightOff}},
-      {S::AskedWhetherOn, E::Suspected, S::TurningOff, {F::SendLightOff}},
-      {S::LitAskedWhetherOn, E::Suspected, S::TurningOff, {F::SendLightOff}},
-      {S::LostLit, E::Suspected, S::TurningOff, {F::SendLightOff}},
-      {S::MakingSure, E::Suspected, S::TurningOff, {F::RepeatLightOff}},
-      {S::TurningOff, E::Suspected, S::TurningOff, {F::RepeatLightOff}},
-      {S::Overdue, E::Suspected, S::Overdue, {F::RepeatLightOff}},
-      {S::OverdueAskedWhetherOn, E::Suspected, S::Overdue, {F::SendLightOff}},
-      {S::LostOverdue, E::Suspected, S::Overdue, {F::SendLightOff}},
-      {S::Dark, E::LightOffWanted, S::MakingSure, {F::SendLightOff}},
-      {S::AskedWhetherOn, E::LightOffWanted, S::MakingSure, {F::SendLightOff}},
-      {S::TurningOn, E::LightOffWanted, S::TurningOff, {F::SendLightOff}},
-      {S::AskedWhetherLit, E::LightOffWanted, S::TurningOff, {F::SendLightOff}},
-      {S::Lit, E::LightOffWanted, S::TurningOff, {F::SendLightOff}},
-      {S::ComingUp, E::LightOffWanted, S::TurningOff, {F::SendLightOff}},
-      {S::LitAskedWhetherOn, E::LightOffWanted, S::TurningOff, {F::SendLightOff}},
-      {S::LostLit, E::LightOffWanted, S::TurningOff, {F::SendLightOff}},
-      {S::OverdueAskedWhetherOn, E::LightOffWanted, S::Overdue, {F::SendLightOff}},
-      {S::LostOverdue, E::LightOffWanted, S::Overdue, {F::SendLightOff}},
-      {S::MakingSure, E::LightOffWanted, S::MakingSure, {F::RepeatLightOff}},
-      {S::TurningOff, E::LightOffWanted, S::TurningOff, {F::RepeatLightOff}},
-      {S::Overdue, E::LightOffWanted, S::Overdue, {F::RepeatLightOff}},
-      {S::MakingSure, E::RetryDue, S::MakingSure, {F::RepeatLightOff}},
-      {S::TurningOff, E::RetryDue, S::TurningOff, {F::RepeatLightOff}},
-      {S::Overdue, E::RetryDue, S::Overdue, {F::RepeatLightOff}},
-      {S::MakingSure, E::LightOffConfirmed, S::Dark, {F::NoteDark, F::TellDark, F::TellConfirmed}},
-      {S::TurningOff, E::LightOffConfirmed, S::Dark, {F::NoteDark, F::TellDark, F::TellConfirmed}},
-      {S::Overdue,
-       E::LightOffConfirmed,
-       S::Dark,
-       {F::NoteDark, F::TellDark, F::ReportDark, F::TellConfirmed}},
-      {S::MakingSure, E::LightOffTooEarly, S::MakingSure, {F::RetryLater}},
-      {S::TurningOff, E::LightOffTooEarly, S::TurningOff, {F::RetryLater}},
-      {S::Overdue, E::LightOffTooEarly, S::Overdue, {F::RetryLater}},
-      {S::MakingSure, E::LightOffUnanswered, S::AskedWhetherOn, {F::TellDark, F::AskWhetherOn}},
-      {S::MakingSure, E::LightOffRefused, S::AskedWhetherOn, {F::TellDark, F::AskWhetherOn}},
-      {S::MakingSure, E::LightOffFailed, S::Dark, {F::TellDark, F::TellUnconfirmed}},
-      {S::MakingSure, E::LightOffGarbled, S::TurningOff, {F::SendLightOff}},
-      {S::MakingSure, E::LightOffUnclear, S::TurningOff, {F::SendLightOff}},
-      {S::MakingSure, E::LineLost, S::Dark, {F::TellUnconfirmed}},
-      {S::TurningOff,
-       E::LightOffUnanswered,
-       S::Overdue,
-       {F::RetryLater, F::DropLightOn, F::ReportOverdue, F::TellUnconfirmed}},
-      {S::TurningOff,
-       E::LightOffFailed,
-       S::Overdue,
-       {F::RetryLater, F::DropLightOn, F::ReportOverdue, F::TellUnconfirmed}},
-      {S::TurningOff,
-       E::LightOffGarbled,
-       S::Overdue,
-       {F::RetryLater, F::DropLightOn, F::ReportOverdue, F::TellUnconfirmed}},
-      {S::TurningOff, E::LightOffRefused, S::LitAskedWhetherOn, {F::AskWhetherOn}},
-      {S::TurningOff, E::LightOffUnclear, S::TurningOff, {F::SendLightOff}},
-      {S::TurningOff, E::LineLost, S::LostLit, {F::TellUnconfirmed}},
-      {S::Overdue, E::LightOffUnanswered, S::Overdue, {F::RetryLater, F::DropLightOn, F::TellUnconfirmed}},
-      {S::Overdue, E::LightOffFailed, S::Overdue, {F::RetryLater, F::DropLightOn, F::TellUnconfirmed}},
-      {S::Overdue, E::LightOffGarbled, S::Overdue, {F::RetryLater, F::DropLightOn, F::TellUnconfirmed}},
-      {S::Overdue, E::LightOffRefused, S::OverdueAskedWhetherOn, {F::AskWhetherOn}},
-      {S::Overdue, E::LightOffUnclear, S::Overdue, {F::SendLightOff}},
-      {S::Overdue, E::LineLost, S::LostOverdue, {F::TellUnconfirmed}},
-      {S::AskedWhetherOn, E::SaysOff, S::Dark, {F::NoteDark, F::TellDark, F::TellConfirmed}},
-      {S::AskedWhetherOn, E::SaysOn, S::TurningOff, {F::SendLightOff}},
-      {S::AskedWhetherOn, E::SaysNothing, S::Dark, {F::TellUnconfirmed}},
-      {S::AskedWhetherOn, E::SaysTooEarly, S::MakingSure, {F::RetryLater}},
-      {S::LitAskedWhetherOn, E::SaysOff, S::Dark, {F::NoteDark, F::TellDark, F::TellConfirmed}},
-      {S::LitAskedWhetherOn,
-       E::SaysOn,
-       S::Overdue,
-       {F::RetryLater, F::DropLightOn, F::ReportOverdue, F::TellUnconfirmed}},
-      {S::LitAskedWhetherOn,
-       E::SaysNothing,
-       S::Overdue,
-       {F::RetryLater, F::DropLightOn, F::ReportOverdue, F::TellUnconfirmed}},
-      {S::LitAskedWhetherOn, E::SaysTooEarly, S::TurningOff, {F::RetryLater}},
-      {S::OverdueAskedWhetherOn,
-       E::SaysOff,
-       S::Dark,
-       {F::NoteDark, F::TellDark, F::ReportDark, F::TellConfirmed}},
-      {S::OverdueAskedWhetherOn, E::SaysOn, S::Overdue, {F::RetryLater, F::DropLightOn, F::TellUnconfirmed}},
-      {S::OverdueAskedWhetherOn,
-       E::SaysNothing,
-       S::Overdue,
-       {F::RetryLater, F::DropLightOn, F::TellUnconfirmed}},
-      {S::OverdueAskedWhetherOn, E::SaysTooEarly, S::Overdue, {F::RetryLater}},
-      {S::Dark, E::SaysOn, S::TurningOff, {F::SendLightOff}},
-      {S::Dark, E::PowerIsOff, S::Dark, {F::StopSending, F::NoteDark, F::TellDark}},
-      {S::TurningOn, E::PowerIsOff, S::Dark, {F::StopSending, F::NoteDark, F::TellDark}},
-      {S::AskedWhetherLit, E::PowerIsOff, S::Dark, {F::StopSending, F::NoteDark, F::TellDark}},
-      {S::Lit, E::PowerIsOff, S::Dark, {F::StopSending, F::NoteDark, F::TellDark}},
-      {S::ComingUp, E::PowerIsOff, S::Dark, {F::StopSending, F::NoteDark, F::TellDark}},
-      {S::MakingSure, E::PowerIsOff, S::Dark, {F::StopSending, F::NoteDark, F::TellDark}},
-      {S::TurningOff, E::PowerIsOff, S::Dark, {F::StopSending, F::NoteDark, F::TellDark}},
-      {S::AskedWhetherOn, E::PowerIsOff, S::Dark, {F::StopSending, F::NoteDark, F::TellDark}},
-      {S::LitAskedWhetherOn, E::PowerIsOff, S::Dark, {F::StopSending, F::NoteDark, F::TellDark}},
-      {S::LostLit, E::PowerIsOff, S::Dark, {F::StopSending, F::NoteDark, F::TellDark}},
-      {S::Overdue, E::PowerIsOff, S::Dark, {F::StopSending, F::NoteDark, F::TellDark, F::ReportDark}},
-      {S::OverdueAskedWhetherOn,
-       E::PowerIsOff,
-       S::Dark,
-       {F::StopSending, F::NoteDark, F::TellDark, F::ReportDark}},
-      {S::LostOverdue, E::PowerIsOff, S::Dark, {F::StopSending, F::NoteDark, F::TellDark, F::ReportDark}},
-  };
-};
+struct ProjectorLightTable : testing::StateTableFixture<ProjectorLightTransition, projector_light_table> {};
 
 }  // namespace
 
 TEST_CASE_METHOD(ProjectorLightTable,
                  "Every row of a projector's light leads where it should, with the effects it should have") {
-  check_rows(kExpected);
+  check_lines(R"(
+light on sent -> turning on: note light on (dark, lit, coming up, asked whether on, lit asked whether on,
+    lost lit)
+light on failed -> making sure: send light off, tell unlit (dark, asked whether on)
+power on sent -> coming up (dark)
+suspected -> turning off: send light off (dark, lit, coming up, asked whether on, lit asked whether on, lost
+    lit)
+light off wanted -> making sure: send light off (dark, asked whether on)
+says on -> turning off: send light off (dark, asked whether on)
+power is off -> stay: stop sending, note dark, tell dark (dark)
+light on confirmed -> lit: note lit, tell lit (turning on)
+light on ambiguous -> lit: tell lit (turning on)
+light on unanswered -> asked whether lit: ask whether lit (turning on)
+light on failed -> turning off: send light off, tell unlit (turning on)
+suspected -> turning off: send light off, tell unlit (turning on, asked whether lit)
+light off wanted -> turning off: send light off (turning on, asked whether lit, lit, coming up, lit asked
+    whether on, lost lit)
+power is off -> dark: stop sending, note dark, tell dark (turning on, asked whether lit, lit, coming up,
+    making sure, turning off, asked whether on, lit asked whether on, lost lit)
+says lit -> lit: note lit, tell lit (asked whether lit)
+says unlit -> turning off: send light off, tell unlit (asked whether lit)
+light on sent -> turning off: note light on, send light off, tell unlit (making sure)
+power on sent -> turning off: send light off (making sure)
+suspected -> turning off: repeat light off (making sure)
+light off wanted -> stay: repeat light off (making sure, turning off, overdue)
+light off confirmed -> dark: note dark, tell dark, tell confirmed (making sure, turning off)
+light off too early -> stay: retry later (making sure, turning off, overdue)
+light off unanswered -> asked whether on: tell dark, ask whether on (making sure)
+light off refused -> asked whether on: tell dark, ask whether on (making sure)
+light off failed -> dark: tell dark, tell unconfirmed (making sure)
+light off garbled -> turning off: send light off (making sure)
+light off unclear -> turning off: send light off (making sure)
+line lost -> dark: tell unconfirmed (making sure)
+retry due -> stay: repeat light off (making sure, turning off, overdue)
+light on sent -> stay: note light on, send light off, tell unlit (turning off, overdue)
+power on sent -> stay: send light off (turning off, overdue)
+suspected -> stay: repeat light off (turning off, overdue)
+light off unanswered -> overdue: retry later, drop light on, report overdue, tell unconfirmed (turning off)
+light off refused -> lit asked whether on: ask whether on (turning off)
+light off failed -> overdue: retry later, drop light on, report overdue, tell unconfirmed (turning off)
+light off garbled -> overdue: retry later, drop light on, report overdue, tell unconfirmed (turning off)
+light off unclear -> stay: send light off (turning off, overdue)
+line lost -> lost lit: tell unconfirmed (turning off)
+light off confirmed -> dark: note dark, tell dark, report dark, tell confirmed (overdue)
+light off unanswered -> stay: retry later, drop light on, tell unconfirmed (overdue)
+light off refused -> overdue asked whether on: ask whether on (overdue)
+light off failed -> stay: retry later, drop light on, tell unconfirmed (overdue)
+light off garbled -> stay: retry later, drop light on, tell unconfirmed (overdue)
+line lost -> lost overdue: tell unconfirmed (overdue)
+power is off -> dark: stop sending, note dark, tell dark, report dark (overdue, overdue asked whether on,
+    lost overdue)
+power on sent -> lit asked whether on (asked whether on)
+says off -> dark: note dark, tell dark, tell confirmed (asked whether on, lit asked whether on)
+says nothing -> dark: tell unconfirmed (asked whether on)
+says too early -> making sure: retry later (asked whether on)
+says on -> overdue: retry later, drop light on, report overdue, tell unconfirmed (lit asked whether on)
+says nothing -> overdue: retry later, drop light on, report overdue, tell unconfirmed (lit asked whether on)
+says too early -> turning off: retry later (lit asked whether on)
+suspected -> overdue: send light off (overdue asked whether on, lost overdue)
+light off wanted -> overdue: send light off (overdue asked whether on, lost overdue)
+says off -> dark: note dark, tell dark, report dark, tell confirmed (overdue asked whether on)
+says on -> overdue: retry later, drop light on, tell unconfirmed (overdue asked whether on)
+says nothing -> overdue: retry later, drop light on, tell unconfirmed (overdue asked whether on)
+says too early -> overdue: retry later (overdue asked whether on)
+)");
 }
 
-TEST_CASE_METHOD(ProjectorLightTable, "No state of a projector's light has two rows for one event") {
-  check_one_row_per_event();
+TEST_CASE_METHOD(ProjectorLightTable,
+                 "The table of a projector's light reaches every state, and no way out leaves the light on") {
+  check_structure();
 }
 
 TEST_CASE_METHOD(
@@ -162,11 +94,11 @@ TEST_CASE_METHOD(
     "A light off that is wanted is sent in every state, before anything else, until it is confirmed") {
   for (const S state : all_states()) {
     CAPTURE(name_of(state));
-    const ProjectorLightTransition* found = find(state, E::LightOffWanted);
+    const Transition* found = find(state, E::LightOffWanted);
     REQUIRE(found != nullptr);
     CHECK(is_turned_off(found->to));
     const bool again = is_turned_off(state);
-    CHECK(found->done().front() == (again ? F::RepeatLightOff : F::SendLightOff));
+    CHECK(found->effects.front() == (again ? F::RepeatLightOff : F::SendLightOff));
     CHECK((may_shine(found->to) || !may_shine(state)));
   }
 }
@@ -175,7 +107,7 @@ TEST_CASE_METHOD(ProjectorLightTable, "A light counts as on from the first byte 
   for (const S state : all_states()) {
     for (const E sent : {E::LightOnSent, E::PowerOnSent}) {
       CAPTURE(name_of(state), name_of(sent));
-      const ProjectorLightTransition* found = find(state, sent);
+      const Transition* found = find(state, sent);
       CHECK(may_shine(found != nullptr ? found->to : state));
     }
   }
@@ -197,7 +129,7 @@ TEST_CASE_METHOD(
     ProjectorLightTable,
     "A light that may be on is off only when light off is confirmed or the projector says that it is off") {
   const std::set<E> confirmations{E::LightOffConfirmed, E::SaysOff, E::PowerIsOff};
-  for (const ProjectorLightTransition& t : projector_light_transitions()) {
+  for (const Transition& t : transitions()) {
     CAPTURE(name_of(t.from), name_of(t.on));
     if (may_shine(t.from) && !may_shine(t.to)) CHECK(confirmations.contains(t.on));
     CHECK(has(t, F::NoteDark) == confirmations.contains(t.on));
@@ -209,13 +141,13 @@ TEST_CASE_METHOD(
     ProjectorLightTable,
     "A light on that is not confirmed leads to a question or to light off, and is never sent again") {
   for (const E unconfirmed : {E::LightOnUnanswered, E::LightOnFailed}) {
-    const ProjectorLightTransition* found = find(S::TurningOn, unconfirmed);
+    const Transition* found = find(S::TurningOn, unconfirmed);
     REQUIRE(found != nullptr);
-    CHECK((found->done().front() == F::AskWhetherLit || found->done().front() == F::SendLightOff));
+    CHECK((found->effects.front() == F::AskWhetherLit || found->effects.front() == F::SendLightOff));
   }
-  CHECK(find(S::AskedWhetherLit, E::SaysUnlit)->done().front() == F::SendLightOff);
+  CHECK(find(S::AskedWhetherLit, E::SaysUnlit)->effects.front() == F::SendLightOff);
   // No effect sends light on: only ProjectorLight::turn_on() does.
-  for (const ProjectorLightTransition& t : projector_light_transitions())
+  for (const Transition& t : transitions())
     if (has(t, F::TellLit)) CHECK(t.to == S::Lit);
 }
 
@@ -225,19 +157,19 @@ TEST_CASE_METHOD(ProjectorLightTable,
     for (const E answer : {E::LightOffConfirmed, E::LightOffTooEarly, E::LightOffUnanswered,
                            E::LightOffRefused, E::LightOffFailed, E::LightOffGarbled, E::LightOffUnclear}) {
       CAPTURE(name_of(state), name_of(answer));
-      const ProjectorLightTransition* found = find(state, answer);
+      const Transition* found = find(state, answer);
       REQUIRE(found != nullptr);
       const bool goes_on = has(*found, F::RetryLater) || has(*found, F::SendLightOff);
       CHECK(is_turned_off(found->to) == goes_on);
       CHECK((found->to == S::Dark || goes_on || has(*found, F::AskWhetherOn)));
     }
-    CHECK(find(state, E::RetryDue)->done().front() == F::RepeatLightOff);
+    CHECK(find(state, E::RetryDue)->effects.front() == F::RepeatLightOff);
   }
 }
 
 TEST_CASE_METHOD(ProjectorLightTable,
                  "A light off that is not confirmed is reported once, and so is its confirmation") {
-  for (const ProjectorLightTransition& t : projector_light_transitions()) {
+  for (const Transition& t : transitions()) {
     CAPTURE(name_of(t.from), name_of(t.on));
     CHECK(has(t, F::ReportOverdue) == (!is_overdue(t.from) && is_overdue(t.to)));
     CHECK(has(t, F::ReportDark) == (is_overdue(t.from) && t.to == S::Dark));

@@ -5,123 +5,13 @@
 #include <vector>
 
 #include "tests/catch.hpp"
-#include "tests/hw/transition_table_fixture.hpp"
+#include "tests/hw/state_table_fixture.hpp"
 
 using namespace contourd;
 
 namespace {
 
-struct ProjectorPowerTable
-    : testing::TransitionTableFixture<ProjectorPowerTransition, projector_power_transitions> {
-  // The expected table, written out separately, row for row.
-  static inline const std::vector<Row> kExpected{
-      {S::Unknown, E::PowerOnWanted, S::Asking, {F::AskWhetherOn}},
-      {S::LeftOn, E::PowerOnWanted, S::Asking, {F::AskWhetherOn}},
-      {S::Off, E::PowerOnWanted, S::OffAsking, {F::AskWhetherOn}},
-      {S::On, E::PowerOnWanted, S::OnAsking, {F::AskWhetherStillOn}},
-      {S::WarmingUpUnused, E::PowerOnWanted, S::WarmingUp, {F::WaitUntilWarm}},
-      {S::TurningOff, E::PowerOnWanted, S::Asking, {F::AskWhetherOn}},
-      {S::OffOverdue, E::PowerOnWanted, S::Asking, {F::AskWhetherOn}},
-      {S::Asking, E::SaysOn, S::Darkening, {F::WatchOver, F::MakeDark}},
-      {S::OffAsking, E::SaysOn, S::Darkening, {F::WatchOver, F::MakeDark}},
-      {S::OnAsking, E::SaysOn, S::Darkening, {F::WatchOver, F::MakeDark}},
-      {S::Asking, E::SaysOnEarly, S::OnWarmingUp, {F::WaitUntilWarm}},
-      {S::OffAsking, E::SaysOnEarly, S::OnWarmingUp, {F::WaitUntilWarm}},
-      {S::OnAsking, E::SaysOnEarly, S::OnWarmingUp, {F::WaitUntilWarm}},
-      {S::Asking, E::SaysOff, S::CoolingDown, {F::WaitUntilCool}},
-      {S::Asking, E::SaysUnclear, S::CoolingDown, {F::WaitUntilCool}},
-      {S::Asking, E::SaysNothing, S::CoolingDown, {F::WaitUntilCool}},
-      {S::OnAsking, E::SaysOff, S::CoolingDown, {F::WaitUntilCool}},
-      {S::OnAsking, E::SaysUnclear, S::CoolingDown, {F::WaitUntilCool}},
-      {S::OnAsking, E::SaysNothing, S::CoolingDown, {F::WaitUntilCool}},
-      {S::OffAsking, E::SaysOff, S::OffCoolingDown, {F::WaitUntilCool}},
-      {S::OffAsking, E::SaysUnclear, S::OffCoolingDown, {F::WaitUntilCool}},
-      {S::OffAsking, E::SaysNothing, S::OffCoolingDown, {F::WaitUntilCool}},
-      {S::CoolingDown, E::Cool, S::SwitchingOn, {F::SendPowerOn}},
-      {S::OffCoolingDown, E::Cool, S::SwitchingOn, {F::SendPowerOn}},
-      {S::SwitchingOn, E::PowerOnAnswered, S::WarmingUp, {F::WaitUntilWarm, F::SuspectLight}},
-      {S::SwitchingOn, E::PowerOnFailed, S::Unknown, {F::Tell}},
-      {S::WarmingUp, E::Warm, S::AskingReady, {F::AskWhetherReady}},
-      {S::OnWarmingUp, E::Warm, S::Darkening, {F::WatchOver, F::MakeDark}},
-      {S::AskingReady, E::SaysOn, S::Darkening, {F::WatchOver, F::MakeDark}},
-      {S::AskingReady, E::SaysOff, S::StillOff, {F::Pause}},
-      {S::AskingReady, E::SaysUnclear, S::Unready, {F::Pause}},
-      {S::AskingReady, E::SaysNothing, S::Unknown, {F::Tell}},
-      {S::AskingReady, E::NeverOn, S::Unknown, {F::TellNeverOn}},
-      {S::StillOff, E::PauseOver, S::SwitchingOn, {F::SendPowerOn}},
-      {S::Unready, E::PauseOver, S::AskingReady, {F::AskWhetherReady}},
-      {S::Darkening, E::LightIsOff, S::SetsBrightness, {F::SetBrightness}},
-      {S::Darkening, E::LightOffFailed, S::On, {F::Tell}},
-      {S::SetsBrightness, E::BrightnessAnswered, S::On, {F::Tell}},
-      {S::Asking, E::Dropped, S::Unknown, {}},
-      {S::OffAsking, E::Dropped, S::Off, {}},
-      {S::OnAsking, E::Dropped, S::On, {}},
-      {S::CoolingDown, E::Dropped, S::Unknown, {}},
-      {S::OffCoolingDown, E::Dropped, S::Off, {}},
-      {S::SwitchingOn, E::Dropped, S::Unknown, {}},
-      {S::WarmingUp, E::Dropped, S::WarmingUpUnused, {F::WaitUntilWarm}},
-      {S::WarmingUpUnused, E::Warm, S::Unknown, {}},
-      {S::AskingReady, E::Dropped, S::Unknown, {}},
-      {S::StillOff, E::Dropped, S::Unknown, {}},
-      {S::Unready, E::Dropped, S::Unknown, {}},
-      {S::OnWarmingUp, E::Dropped, S::Unknown, {}},
-      {S::Darkening, E::Dropped, S::On, {}},
-      {S::SetsBrightness, E::Dropped, S::On, {}},
-      {S::On, E::WentOff, S::Unknown, {F::ReportWentOff}},
-      {S::OnAsking, E::WentOff, S::Asking, {F::ReportWentOff}},
-      {S::Darkening, E::WentOff, S::Unknown, {F::ReportWentOff, F::TellWentOff}},
-      {S::SetsBrightness, E::WentOff, S::Unknown, {F::ReportWentOff, F::TellWentOff}},
-      {S::Unknown, E::LeftOnSuspected, S::LeftOn, {F::AskWhetherLeftOn}},
-      {S::LeftOn, E::LeftOnSuspected, S::LeftOn, {F::AskWhetherLeftOn}},
-      {S::LeftOn, E::PauseOver, S::LeftOn, {F::AskWhetherLeftOn}},
-      {S::LeftOn, E::SaysOn, S::TurningOff, {F::LightOff, F::SendPowerOff}},
-      {S::LeftOn, E::NotOnYet, S::LeftOn, {F::AskLeftOnSoon}},
-      {S::LeftOn, E::SaysNothing, S::LeftOn, {F::AskLeftOnLater}},
-      {S::LeftOn, E::SaysOff, S::Unknown, {}},
-      {S::LeftOn, E::SaysUnclear, S::Unknown, {}},
-      {S::LeftOn, E::LineLost, S::Unknown, {}},
-      {S::Unknown, E::PowerOffWanted, S::TurningOff, {F::LightOff, F::SendPowerOff}},
-      {S::LeftOn, E::PowerOffWanted, S::TurningOff, {F::LightOff, F::SendPowerOff}},
-      {S::Asking, E::PowerOffWanted, S::TurningOff, {F::LightOff, F::SendPowerOff}},
-      {S::OnAsking, E::PowerOffWanted, S::TurningOff, {F::LightOff, F::SendPowerOff}},
-      {S::CoolingDown, E::PowerOffWanted, S::TurningOff, {F::LightOff, F::SendPowerOff}},
-      {S::SwitchingOn, E::PowerOffWanted, S::TurningOff, {F::LightOff, F::SendPowerOff}},
-      {S::WarmingUp, E::PowerOffWanted, S::TurningOff, {F::LightOff, F::SendPowerOff}},
-      {S::AskingReady, E::PowerOffWanted, S::TurningOff, {F::LightOff, F::SendPowerOff}},
-      {S::StillOff, E::PowerOffWanted, S::TurningOff, {F::LightOff, F::SendPowerOff}},
-      {S::Unready, E::PowerOffWanted, S::TurningOff, {F::LightOff, F::SendPowerOff}},
-      {S::OnWarmingUp, E::PowerOffWanted, S::TurningOff, {F::LightOff, F::SendPowerOff}},
-      {S::Darkening, E::PowerOffWanted, S::TurningOff, {F::LightOff, F::SendPowerOff}},
-      {S::SetsBrightness, E::PowerOffWanted, S::TurningOff, {F::LightOff, F::SendPowerOff}},
-      {S::On, E::PowerOffWanted, S::TurningOff, {F::LightOff, F::SendPowerOff}},
-      {S::WarmingUpUnused, E::PowerOffWanted, S::TurningOff, {F::LightOff, F::SendPowerOff}},
-      {S::Off, E::PowerOffWanted, S::Off, {F::LightOff}},
-      {S::OffAsking, E::PowerOffWanted, S::Off, {F::LightOff}},
-      {S::OffCoolingDown, E::PowerOffWanted, S::Off, {F::LightOff}},
-      {S::TurningOff, E::PowerOffWanted, S::TurningOff, {F::LightOff}},
-      {S::OffOverdue, E::PowerOffWanted, S::OffOverdue, {F::LightOff}},
-      {S::TurningOff, E::PowerOffConfirmed, S::Off, {F::NoteOff}},
-      {S::TurningOff, E::PowerOffUnanswered, S::TurningOff, {F::PowerOffAgain, F::AskWhetherOff}},
-      {S::TurningOff,
-       E::PowerOffLate,
-       S::OffOverdue,
-       {F::ReportLampOn, F::PowerOffAgainLater, F::AskWhetherOff}},
-      {S::TurningOff, E::PowerOffUnknowable, S::Unknown, {}},
-      {S::TurningOff, E::PauseOver, S::TurningOff, {F::SendPowerOff}},
-      {S::OffOverdue, E::PowerOffConfirmed, S::Off, {F::NoteOff}},
-      {S::OffOverdue, E::PowerOffUnanswered, S::OffOverdue, {F::PowerOffAgainLater, F::AskWhetherOff}},
-      {S::OffOverdue, E::PowerOffLate, S::OffOverdue, {F::PowerOffAgainLater, F::AskWhetherOff}},
-      {S::OffOverdue, E::PowerOffUnknowable, S::Unknown, {}},
-      {S::OffOverdue, E::PauseOver, S::OffOverdue, {F::SendPowerOff}},
-      {S::Unknown, E::PowerOffConfirmed, S::Off, {F::NoteOff}},
-      {S::Asking, E::PowerOffConfirmed, S::OffAsking, {F::NoteOff}},
-      {S::CoolingDown, E::PowerOffConfirmed, S::OffCoolingDown, {F::NoteOff, F::WaitUntilCool}},
-      {S::SwitchingOn,
-       E::PowerOffConfirmed,
-       S::OffCoolingDown,
-       {F::DropPowerOn, F::NoteOff, F::WaitUntilCool}},
-  };
-
+struct ProjectorPowerTable : testing::StateTableFixture<ProjectorPowerTransition, projector_power_table> {
   // True if a power on is pending in this state.
   static bool is_wanted(S state) {
     const std::set<S> at_rest{S::Unknown,         S::LeftOn,     S::Off,       S::On,
@@ -134,11 +24,71 @@ struct ProjectorPowerTable
 
 TEST_CASE_METHOD(ProjectorPowerTable,
                  "Every row of a projector's power leads where it should, with the effects it should have") {
-  check_rows(kExpected);
+  check_lines(R"(
+power on wanted -> asking: ask whether on (unknown, left on, turning off, off overdue)
+power off wanted -> turning off: light off, send power off (unknown, left on, asking, on asking, cooling
+    down, switching on, warming up, asking ready, still off, unready, on warming up, darkening, sets
+    brightness, on, warming up unused)
+left on suspected -> left on: ask whether left on (unknown)
+power off confirmed -> off: note off (unknown, turning off, off overdue)
+left on suspected -> stay: ask whether left on (left on)
+says on -> turning off: light off, send power off (left on)
+says off -> unknown (left on)
+says unclear -> unknown (left on)
+says nothing -> stay: ask left on later (left on)
+not on yet -> stay: ask left on soon (left on)
+line lost -> unknown (left on)
+pause over -> stay: ask whether left on (left on)
+power on wanted -> off asking: ask whether on (off)
+power off wanted -> stay: light off (off, turning off, off overdue)
+dropped -> unknown (asking, cooling down, switching on, asking ready, still off, unready, on warming up)
+says on -> darkening: watch over, make dark (asking, off asking, on asking, asking ready)
+says on early -> on warming up: wait until warm (asking, off asking, on asking)
+says off -> cooling down: wait until cool (asking, on asking)
+says unclear -> cooling down: wait until cool (asking, on asking)
+says nothing -> cooling down: wait until cool (asking, on asking)
+power off confirmed -> off asking: note off (asking)
+dropped -> off (off asking, off cooling down)
+power off wanted -> off: light off (off asking, off cooling down)
+says off -> off cooling down: wait until cool (off asking)
+says unclear -> off cooling down: wait until cool (off asking)
+says nothing -> off cooling down: wait until cool (off asking)
+dropped -> on (on asking, darkening, sets brightness)
+went off -> asking: report went off (on asking)
+cool -> switching on: send power on (cooling down, off cooling down)
+power off confirmed -> off cooling down: note off, wait until cool (cooling down)
+power on answered -> warming up: wait until warm, suspect light (switching on)
+power on failed -> unknown: tell (switching on)
+power off confirmed -> off cooling down: drop power on, note off, wait until cool (switching on)
+dropped -> warming up unused: wait until warm (warming up)
+warm -> asking ready: ask whether ready (warming up)
+says off -> still off: pause (asking ready)
+says unclear -> unready: pause (asking ready)
+says nothing -> unknown: tell (asking ready)
+never on -> unknown: tell never on (asking ready)
+pause over -> switching on: send power on (still off)
+pause over -> asking ready: ask whether ready (unready)
+warm -> darkening: watch over, make dark (on warming up)
+light is off -> sets brightness: set brightness (darkening)
+light off failed -> on: tell (darkening)
+went off -> unknown: report went off, tell went off (darkening, sets brightness)
+brightness answered -> on: tell (sets brightness)
+power on wanted -> on asking: ask whether still on (on)
+went off -> unknown: report went off (on)
+power on wanted -> warming up: wait until warm (warming up unused)
+warm -> unknown (warming up unused)
+pause over -> stay: send power off (turning off, off overdue)
+power off unanswered -> stay: power off again, ask whether off (turning off)
+power off late -> off overdue: report lamp on, power off again later, ask whether off (turning off)
+power off unknowable -> unknown (turning off, off overdue)
+power off unanswered -> stay: power off again later, ask whether off (off overdue)
+power off late -> stay: power off again later, ask whether off (off overdue)
+)");
 }
 
-TEST_CASE_METHOD(ProjectorPowerTable, "No state of a projector's power has two rows for one event") {
-  check_one_row_per_event();
+TEST_CASE_METHOD(ProjectorPowerTable,
+                 "The table of a projector's power reaches every state, and turns the light off first") {
+  check_structure();
 }
 
 TEST_CASE_METHOD(
@@ -146,9 +96,9 @@ TEST_CASE_METHOD(
     "A power off that is wanted turns the light off first, in every state, and ends a pending power on") {
   for (const S state : all_states()) {
     CAPTURE(name_of(state));
-    const ProjectorPowerTransition* found = find(state, E::PowerOffWanted);
+    const Transition* found = find(state, E::PowerOffWanted);
     REQUIRE(found != nullptr);
-    CHECK(found->done().front() == F::LightOff);
+    CHECK(found->effects.front() == F::LightOff);
     CHECK((is_turned_off(found->to) || found->to == S::Off));
     CHECK((found->to == S::Off) == is_off(state));
   }
@@ -157,7 +107,7 @@ TEST_CASE_METHOD(
 TEST_CASE_METHOD(ProjectorPowerTable,
                  "Power off is sent until it is confirmed, no longer wanted or cannot be known") {
   const std::set<E> ends{E::PowerOffConfirmed, E::PowerOffUnknowable, E::PowerOnWanted};
-  for (const ProjectorPowerTransition& t : projector_power_transitions()) {
+  for (const Transition& t : transitions()) {
     if (!is_turned_off(t.from)) continue;
     CAPTURE(name_of(t.from), name_of(t.on));
     CHECK(is_turned_off(t.to) != ends.contains(t.on));
@@ -171,20 +121,20 @@ TEST_CASE_METHOD(
     "Light off drops a power on in every state in which one waits, and sends nothing of its own") {
   for (const S state : all_states()) {
     CAPTURE(name_of(state));
-    const ProjectorPowerTransition* found = find(state, E::Dropped);
+    const Transition* found = find(state, E::Dropped);
     CHECK((found != nullptr) == is_wanted(state));
     if (found == nullptr) continue;
     CHECK_FALSE(is_wanted(found->to));
     CHECK(is_off(found->to) == is_off(state));
     CHECK(is_on(found->to) == is_on(state));
-    for (const F effect : found->done())
+    for (const F effect : found->effects)
       CHECK(effect == F::WaitUntilWarm);
   }
 }
 
 TEST_CASE_METHOD(ProjectorPowerTable,
                  "Power on is sent only where it is wanted, and its light is suspected from then on") {
-  for (const ProjectorPowerTransition& t : projector_power_transitions()) {
+  for (const Transition& t : transitions()) {
     CAPTURE(name_of(t.from), name_of(t.on));
     CHECK(has(t, F::SendPowerOn) == (t.to == S::SwitchingOn));
     if (has(t, F::SendPowerOn)) CHECK(is_wanted(t.from));
@@ -196,7 +146,7 @@ TEST_CASE_METHOD(ProjectorPowerTable,
 
 TEST_CASE_METHOD(ProjectorPowerTable,
                  "A power on is answered when it succeeds, fails or is undone, unless light off came first") {
-  for (const ProjectorPowerTransition& t : projector_power_transitions()) {
+  for (const Transition& t : transitions()) {
     if (!is_wanted(t.from) || is_wanted(t.to)) continue;
     CAPTURE(name_of(t.from), name_of(t.on));
     const bool answered = has(t, F::Tell) || has(t, F::TellNeverOn) || has(t, F::TellWentOff);
@@ -207,10 +157,10 @@ TEST_CASE_METHOD(ProjectorPowerTable,
 TEST_CASE_METHOD(ProjectorPowerTable, "A projector that goes off by itself is reported wherever it was on") {
   for (const S state : all_states()) {
     CAPTURE(name_of(state));
-    const ProjectorPowerTransition* found = find(state, E::WentOff);
+    const Transition* found = find(state, E::WentOff);
     CHECK((found != nullptr) == is_on(state));
     if (found == nullptr) continue;
-    CHECK(found->done().front() == F::ReportWentOff);
+    CHECK(found->effects.front() == F::ReportWentOff);
     CHECK_FALSE(is_on(found->to));
   }
 }

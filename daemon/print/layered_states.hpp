@@ -1,16 +1,16 @@
-// The print process as one table of transitions: for a state and an event, the next state and the effects on
-// the way. Nothing else decides what happens next. `contourd --print-states` draws it.
+// A print layer by layer as one table of transitions: for a state and an event, the next state and the
+// effects on the way. Nothing else decides what happens next. `contourd --print-states` draws it.
 #pragma once
 
-#include <array>
-#include <optional>
 #include <span>
-#include <string>
 #include <string_view>
+
+#include "daemon/print/print_mode.hpp"
+#include "hw/state_table.hpp"
 
 namespace contourd {
 
-enum class PrintState {
+enum class LayeredState {
   Idle,
   WarmingUp,  // until the lamp is warm
   Homing,
@@ -34,7 +34,7 @@ enum class PrintState {
   Ending,   // until the light is confirmed off; everything else is done
 };
 
-enum class PrintEvent {
+enum class LayeredEvent {
   Started,
   ProjectorReady,
   Homed,
@@ -55,7 +55,7 @@ enum class PrintEvent {
   GaveUp,  // the light was not confirmed off in time
 };
 
-enum class PrintEffect {
+enum class LayeredEffect {
   LightOff,
   BlackNow,
   AbortAxis,
@@ -79,31 +79,15 @@ enum class PrintEffect {
   Finish,
 };
 
-struct PrintTransition {
-  static constexpr std::size_t kMaxEffects = 6;
+using LayeredTransition = StateTransition<LayeredState, LayeredEvent, LayeredEffect>;
 
-  PrintState from;
-  PrintEvent on;
-  PrintState to;
-  std::array<PrintEffect, kMaxEffects> effects;  // in order of execution; LightOff always first
-  std::size_t effect_count;
+[[nodiscard]] const StateTable<LayeredTransition>& layered_table();
 
-  [[nodiscard]] std::span<const PrintEffect> done() const { return std::span(effects).first(effect_count); }
-};
+// Returns the states as other modules see them, in the enumeration's order.
+[[nodiscard]] std::span<const PrintState> layered_print_states();
 
-// Returns all rows of the table. A row that stays in its state only adds its effects: the state keeps waiting
-// for the same event.
-[[nodiscard]] std::span<const PrintTransition> print_transitions();
-
-// Returns the row for an event in a state; null if the state ignores the event.
-[[nodiscard]] const PrintTransition* find_transition(PrintState from, PrintEvent on);
-
-[[nodiscard]] std::string_view name_of(PrintState state);
-[[nodiscard]] std::string_view name_of(PrintEvent event);
-[[nodiscard]] std::string_view name_of(PrintEffect effect);
-
-// Draws the table as a Graphviz graph, with the rows for Failed, which are alike, as one; also the tables for
-// manual control, homing, and a serial projector's power and light.
-[[nodiscard]] std::string draw_print_states();
+[[nodiscard]] std::string_view name_of(LayeredState state);
+[[nodiscard]] std::string_view name_of(LayeredEvent event);
+[[nodiscard]] std::string_view name_of(LayeredEffect effect);
 
 }  // namespace contourd

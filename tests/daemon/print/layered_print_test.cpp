@@ -1,4 +1,4 @@
-#include "daemon/print/print_process.hpp"
+#include "daemon/print/layered_print.hpp"
 
 #include <filesystem>
 
@@ -13,9 +13,9 @@
 namespace {
 
 // A simulated printer with a print process, driven one clock callback at a time.
-class PrintProcessFixture final : public PrintObserver {
+class LayeredPrintFixture final : public PrintObserver {
  public:
-  explicit PrintProcessFixture(const SimulatedPrinterConfig& config = testing::small_printer())
+  explicit LayeredPrintFixture(const SimulatedPrinterConfig& config = testing::small_printer())
       : machine(clock, config), process(machine, clock, *this) {
     machine.on_event([this](const MachineEvent& event) {
       if (event.kind == MachineEvent::Kind::Interlock) process.interrupt(event.what);
@@ -26,8 +26,8 @@ class PrintProcessFixture final : public PrintObserver {
   void start(int count = 3) { process.start(testing::box_plan(count)); }
 
   // Runs the clock until the state is reached; returns false if the print ends before.
-  bool run_to(PrintState state) {
-    while (process.state() != state) {
+  bool run_to(LayeredState state) {
+    while (process.layered_state() != state) {
       if (!step()) return false;
     }
     return true;
@@ -43,7 +43,8 @@ class PrintProcessFixture final : public PrintObserver {
     }
   }
 
-  void state_changed(PrintState state) override { states.push_back(state); }
+  void light_due() override {}
+  void state_changed(const PrintState&) override { states.push_back(process.layered_state()); }
   void layer_done(const LayerRecord& layer) override { layers.push_back(layer); }
   void interrupted(const std::string& what) override { interruptions.push_back(what); }
   void light_gone() override { gone_while_lit = gone_while_lit || machine.light_is_on(); }
@@ -55,7 +56,7 @@ class PrintProcessFixture final : public PrintObserver {
 
   VirtualClock clock;
   SimulatedPrinter machine;
-  std::vector<PrintState> states;
+  std::vector<LayeredState> states;
   std::vector<LayerRecord> layers;
   std::vector<std::string> interruptions;
   std::vector<PrintOutcome> ends;
@@ -64,28 +65,28 @@ class PrintProcessFixture final : public PrintObserver {
   bool gone_while_lit = false;
   bool lit_unknown = false;  // light on while the process reports it as off
   bool lit_wrongly = false;  // light on outside an exposure, or over a black screen
-  PrintProcess process;
+  LayeredPrint process;
 
  private:
   bool step() {
     const bool more = clock.run_next();
-    const bool may_be_lit =
-        process.state() == PrintState::Igniting || process.state() == PrintState::Exposing;
+    const bool may_be_lit = process.layered_state() == LayeredState::Igniting ||
+                            process.layered_state() == LayeredState::Exposing;
     lit_unknown = lit_unknown || (machine.light_is_on() && !process.light_may_be_on());
     lit_wrongly = lit_wrongly || (machine.light_is_on() && (!may_be_lit || machine.screen_is_black()));
     return more;
   }
 };
 
-using S = PrintState;
+using S = LayeredState;
 
-constexpr PrintState kActiveStates[] = {
+constexpr LayeredState kActiveStates[] = {
     S::WarmingUp, S::Homing,        S::Lowering,     S::Settling, S::Showing, S::Igniting,     S::Exposing,
     S::Darkening, S::Extinguishing, S::Interrupting, S::Resting,  S::Lifting, S::AwaitingDark, S::Raising,
     S::Paused,    S::Held,          S::Braking,      S::Halting,  S::Parking, S::Ending};
 
 // Brings a print into a state.
-void bring_to(PrintProcessFixture& fixture, PrintState state) {
+void bring_to(LayeredPrintFixture& fixture, LayeredState state) {
   fixture.start();
   if (state == S::Raising || state == S::Paused) fixture.process.pause();
   if (state == S::Held) fixture.process.interrupt("the lid was opened");
@@ -110,7 +111,7 @@ TEST_CASE("Homing at the slowest speed over the whole travel does not time out")
   SimulatedPrinterConfig config = testing::small_printer();
   config.axis.homing_speed = MillimetersPerSecond{0.1};
   config.axis.start_height = config.axis.travel;
-  PrintProcessFixture fixture(config);
+  LayeredPrintFixture fixture(config);
   PrintPlan plan = testing::box_plan(1);
   plan.homing_speed = config.axis.homing_speed;
   fixture.process.start(std::move(plan));
@@ -120,7 +121,7 @@ TEST_CASE("Homing at the slowest speed over the whole travel does not time out")
 }
 
 TEST_CASE("A print goes through its states layer by layer and ends parked, done and dark") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   fixture.start(2);
   fixture.run_out();
   const std::vector<S> layer{S::Lowering,  S::Settling,      S::Showing, S::Igniting, S::Exposing,
@@ -137,7 +138,7 @@ TEST_CASE("A print goes through its states layer by layer and ends parked, done 
 }
 
 TEST_CASE("Light may be on from its command until it is confirmed off, and its layer is reported then") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   fixture.start(2);
   // The layer has had all its light, which is not confirmed off yet.
   REQUIRE(fixture.run_to(S::Darkening));
@@ -157,7 +158,7 @@ TEST_CASE("Light may be on from its command until it is confirmed off, and its l
 }
 
 TEST_CASE("Each layer is exposed for exactly the requested time, at its own height") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   fixture.start(3);
   fixture.run_out();
   REQUIRE(fixture.layers.size() == 3);
@@ -176,7 +177,7 @@ TEST_CASE("Each layer is exposed for exactly the requested time, at its own heig
 }
 
 TEST_CASE("A layer's record contains the gaps that were closed in its mask") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   PrintPlan plan = testing::box_plan(2);
   models::Facets cracked = models::box({0, 0, 0}, {3, 2, 0.1F});
   for (Facet& facet : cracked) {
@@ -203,7 +204,7 @@ TEST_CASE("A layer's record contains the gaps that were closed in its mask") {
 
 TEST_CASE(
     "Layers of different thickness are stacked without gaps, each with the exposure for its thickness") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   PrintPlan plan = testing::box_plan(1);
   // A cone with its point up on a block: slopes of 45 degrees.
   auto model = std::make_shared<const HeightIndex>(models::cone(2, 2, 64));
@@ -240,7 +241,7 @@ TEST_CASE(
 }
 
 TEST_CASE("A print with more layers than expected continues and ends after its last layer") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   PrintPlan plan = testing::box_plan(3);
   plan.expected_layers.resize(1);
   fixture.process.start(std::move(plan));
@@ -255,7 +256,7 @@ TEST_CASE("A print with more layers than expected continues and ends after its l
 TEST_CASE("The mask belongs to the plate's actual height, not to the requested height") {
   SimulatedPrinterConfig config = testing::small_printer();
   config.axis.microsteps_per_mm = 30;  // steps of 33 um: no layer of 50 um falls on one
-  PrintProcessFixture fixture(config);
+  LayeredPrintFixture fixture(config);
   fixture.start(3);
   fixture.run_out();
   REQUIRE(fixture.layers.size() == 3);
@@ -267,15 +268,15 @@ TEST_CASE("The mask belongs to the plate's actual height, not to the requested h
 TEST_CASE("A failure in any state turns the light off, leaves the motor still and ends the print once") {
   for (const S state : kActiveStates) {
     CAPTURE(name_of(state));
-    PrintProcessFixture fixture;
+    LayeredPrintFixture fixture;
     bring_to(fixture, state);
     fixture.process.fail("the sky fell");
     CHECK_FALSE(fixture.machine.light_is_on());
     CHECK(fixture.machine.screen_is_black());
     CHECK_FALSE(fixture.machine.z_axis().moving());
-    CHECK(fixture.process.state() == S::Ending);
+    CHECK(fixture.process.layered_state() == S::Ending);
     fixture.run_out();  // late answers from the machine change nothing
-    CHECK(fixture.process.state() == S::Idle);
+    CHECK(fixture.process.layered_state() == S::Idle);
     REQUIRE(fixture.ends.size() == 1);
     CHECK_FALSE(fixture.machine.light_is_on());
     if (state == S::Ending) continue;  // the print had been completed
@@ -290,13 +291,13 @@ TEST_CASE(
     if (state == S::Halting || state == S::Parking || state == S::Ending)
       continue;  // cancelled or done already
     CAPTURE(name_of(state));
-    PrintProcessFixture fixture;
+    LayeredPrintFixture fixture;
     bring_to(fixture, state);
     fixture.process.cancel();
     CHECK_FALSE(fixture.machine.light_is_on());
     CHECK(fixture.machine.screen_is_black());
     fixture.run_out();
-    CHECK(fixture.process.state() == S::Idle);
+    CHECK(fixture.process.layered_state() == S::Idle);
     CHECK(fixture.ends == std::vector{PrintOutcome::Canceled});
     CHECK_FALSE(fixture.lit_wrongly);
     const bool position_known = state != S::WarmingUp && state != S::Homing && state != S::Held;
@@ -305,7 +306,7 @@ TEST_CASE(
 }
 
 TEST_CASE("A print that is cancelled after its last layer still counts as done") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   bring_to(fixture, S::Parking);
   fixture.process.cancel();
   fixture.run_out();
@@ -314,7 +315,7 @@ TEST_CASE("A print that is cancelled after its last layer still counts as done")
 
 TEST_CASE(
     "A pause waits for the layer under way and lifts the plate, and a resume continues with the next layer") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   fixture.start(3);
   REQUIRE(fixture.run_to(S::Exposing));
   fixture.process.pause();
@@ -325,7 +326,7 @@ TEST_CASE(
   // The layer's height, the lift, and 30 mm for looking at the part.
   CHECK(fixture.machine.z_axis().height() == Nanometers{36'050'000});
   fixture.run_out();
-  CHECK(fixture.process.state() == S::Paused);
+  CHECK(fixture.process.layered_state() == S::Paused);
   fixture.process.resume();
   fixture.run_out();
   CHECK(fixture.layers.size() == 3);
@@ -333,8 +334,8 @@ TEST_CASE(
 }
 
 TEST_CASE("Every state reports when a pause takes effect, or none if the print ends before") {
-  const auto next_pause_in = [](PrintState state) {
-    PrintProcessFixture fixture;
+  const auto next_pause_in = [](LayeredState state) {
+    LayeredPrintFixture fixture;
     bring_to(fixture, state);
     return std::string(fixture.process.next_pause());
   };
@@ -352,7 +353,7 @@ TEST_CASE("Every state reports when a pause takes effect, or none if the print e
 }
 
 TEST_CASE("A print of one layer can be paused before the layer but not during it") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   fixture.start(1);
   REQUIRE(fixture.run_to(S::Homing));
   CHECK(fixture.process.next_pause() == "before the first layer");
@@ -364,7 +365,7 @@ TEST_CASE("A print of one layer can be paused before the layer but not during it
 }
 
 TEST_CASE("A resume while the plate still moves up for a pause takes effect as soon as it is up") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   bring_to(fixture, S::Raising);
   fixture.process.resume();
   fixture.run_out();
@@ -374,7 +375,7 @@ TEST_CASE("A resume while the plate still moves up for a pause takes effect as s
 }
 
 TEST_CASE("A resume before a pause has taken effect withdraws the pause") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   fixture.start(2);
   fixture.process.pause();
   fixture.process.resume();
@@ -386,7 +387,7 @@ TEST_CASE("A resume before a pause has taken effect withdraws the pause") {
 TEST_CASE("A limit switch that never closes ends the print with a reason that names it") {
   SimulatedPrinterConfig config = testing::small_printer();
   config.axis.limit_switch = SimulatedAxisConfig::Switch::StuckOpen;
-  PrintProcessFixture fixture(config);
+  LayeredPrintFixture fixture(config);
   fixture.start();
   fixture.run_out();
   CHECK(fixture.ends == std::vector{PrintOutcome::Failed});
@@ -397,10 +398,10 @@ TEST_CASE(
     "A display lost during the print pauses it in the dark, with the plate up, until the user resumes") {
   SimulatedPrinterConfig config = testing::small_printer();
   config.display.lost_after_frames = 1;
-  PrintProcessFixture fixture(config);
+  LayeredPrintFixture fixture(config);
   fixture.start();
   fixture.run_out();
-  CHECK(fixture.process.state() == S::Paused);
+  CHECK(fixture.process.layered_state() == S::Paused);
   CHECK(fixture.process.interruption() == "the display was unplugged");
   CHECK(fixture.machine.why_not_ready() == "the display is unplugged");
   CHECK(fixture.layers.size() == 1);
@@ -408,7 +409,7 @@ TEST_CASE(
   // Two layers, the lift, and 30 mm for looking at the part.
   CHECK(fixture.machine.z_axis().height() == Nanometers{36'100'000});
   fixture.machine.plug_display();
-  CHECK(fixture.process.state() == S::Paused);
+  CHECK(fixture.process.layered_state() == S::Paused);
   fixture.process.resume();
   fixture.run_out();
   CHECK(fixture.ends == std::vector{PrintOutcome::Done});
@@ -419,13 +420,13 @@ TEST_CASE(
 TEST_CASE("A print resumed while the display is still gone exposes nothing and pauses again") {
   SimulatedPrinterConfig config = testing::small_printer();
   config.display.lost_after_frames = 1;
-  PrintProcessFixture fixture(config);
+  LayeredPrintFixture fixture(config);
   fixture.start();
   fixture.run_out();
   fixture.process.resume();
   CHECK(fixture.process.interruption().empty());
   fixture.run_out();
-  CHECK(fixture.process.state() == S::Paused);
+  CHECK(fixture.process.layered_state() == S::Paused);
   CHECK(fixture.process.interruption() == "the display was lost");
   CHECK(fixture.layers.size() == 1);
   fixture.process.cancel();
@@ -437,13 +438,13 @@ TEST_CASE("A print resumed while the display is still gone exposes nothing and p
 TEST_CASE(
     "A mask that exceeds its budget is abandoned in the dark, reported with its figures, and computed again "
     "on resume") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   PrintPlan plan = testing::box_plan(3);
   plan.mask_budget = Duration{0};
   fixture.process.start(std::move(plan));
   for (std::size_t times = 1; times <= 2; ++times) {
     fixture.run_out();
-    CHECK(fixture.process.state() == S::Paused);
+    CHECK(fixture.process.layered_state() == S::Paused);
     REQUIRE(fixture.interruptions.size() == times);
     CAPTURE(fixture.interruptions.back());
     CHECK(fixture.interruptions.back().find("the mask at 0.025 mm was abandoned") == 0);
@@ -461,7 +462,7 @@ TEST_CASE(
 }
 
 TEST_CASE("An interrupted exposure continues with its remaining time, at the same layer") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   fixture.start(2);
   REQUIRE(fixture.run_to_light());
   const TimePoint lit = fixture.clock.now();
@@ -496,7 +497,7 @@ TEST_CASE(
     "A light that goes off early during an exposure interrupts the exposure, and only the light given "
     "counts") {
   for (const bool reported : {false, true}) {
-    PrintProcessFixture fixture;
+    LayeredPrintFixture fixture;
     fixture.start(1);
     REQUIRE(fixture.run_to(S::Igniting));
     const auto off = fixture.clock.call_after(300ms, [&] { fixture.machine.projector().light_off(); });
@@ -521,7 +522,7 @@ TEST_CASE(
 }
 
 TEST_CASE("An exposure interrupted three times adds up to the requested time") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   fixture.start(1);
   for (const Duration until : {100ms, 250ms, 1ms}) {
     REQUIRE(fixture.run_to(S::Exposing));
@@ -540,7 +541,7 @@ TEST_CASE(
   for (const S state : kActiveStates) {
     for (const bool resumed : {true, false}) {
       CAPTURE(name_of(state), resumed);
-      PrintProcessFixture fixture;
+      LayeredPrintFixture fixture;
       bring_to(fixture, state);
       fixture.process.interrupt("the cat jumped on it");
       CHECK_FALSE(fixture.machine.light_is_on());
@@ -548,10 +549,10 @@ TEST_CASE(
       fixture.run_out();
       CHECK_FALSE(fixture.lit_wrongly);
       if (state == S::Halting || state == S::Parking || state == S::Ending) {
-        CHECK(fixture.process.state() == S::Idle);  // was about to end
+        CHECK(fixture.process.layered_state() == S::Idle);  // was about to end
         continue;
       }
-      CHECK((fixture.process.state() == S::Paused || fixture.process.state() == S::Held));
+      CHECK((fixture.process.layered_state() == S::Paused || fixture.process.layered_state() == S::Held));
       CHECK_FALSE(fixture.process.pause_pending());
       CHECK(fixture.process.interruption().ends_with("the cat jumped on it"));
       resumed ? fixture.process.resume() : fixture.process.cancel();
@@ -568,12 +569,12 @@ TEST_CASE(
 TEST_CASE("An interrupted exposure of the last layer is completed too") {
   for (const S state : {S::Exposing, S::Darkening, S::Lifting}) {
     CAPTURE(name_of(state));
-    PrintProcessFixture fixture;
+    LayeredPrintFixture fixture;
     fixture.start(1);
     REQUIRE(fixture.run_to(state));
     fixture.process.interrupt("the lid was opened");
     fixture.run_out();
-    CHECK(fixture.process.state() == S::Paused);
+    CHECK(fixture.process.layered_state() == S::Paused);
     fixture.process.resume();
     fixture.run_out();
     CHECK(fixture.ends == std::vector{PrintOutcome::Done});
@@ -583,7 +584,7 @@ TEST_CASE("An interrupted exposure of the last layer is completed too") {
 }
 
 TEST_CASE("An interruption at the instant at which an exposure ends leaves no remaining exposure") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   fixture.start(2);
   REQUIRE(fixture.run_to(S::Igniting));
   // This timer was requested before the exposure's timer, so it fires first.
@@ -598,11 +599,11 @@ TEST_CASE("An interruption at the instant at which an exposure ends leaves no re
 }
 
 TEST_CASE("A resume while the plate is still being lifted after an interruption does not skip the layer") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   fixture.start(2);
   REQUIRE(fixture.run_to(S::Exposing));
   fixture.machine.open_lid();
-  CHECK(fixture.process.state() == S::Interrupting);
+  CHECK(fixture.process.layered_state() == S::Interrupting);
   REQUIRE(fixture.run_to(S::Lifting));
   CHECK(fixture.process.pause_pending());
   fixture.process.resume();
@@ -613,7 +614,7 @@ TEST_CASE("A resume while the plate is still being lifted after an interruption 
 }
 
 TEST_CASE("A cause that interrupts a print twice is reported once, and two causes are both reported") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   fixture.start();
   REQUIRE(fixture.run_to(S::Settling));
   fixture.process.interrupt("the lid was opened");
@@ -624,7 +625,7 @@ TEST_CASE("A cause that interrupts a print twice is reported once, and two cause
 }
 
 TEST_CASE("An interruption while the plate's position is unknown ends the print with the light off") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   fixture.start();
   REQUIRE(fixture.run_to(S::Lowering));
   fixture.machine.z_axis().abort();
@@ -637,12 +638,12 @@ TEST_CASE("An interruption while the plate's position is unknown ends the print 
 TEST_CASE("A pressed emergency stop ends the print at once and is reported as the reason") {
   for (const S state : kActiveStates) {
     CAPTURE(name_of(state));
-    PrintProcessFixture fixture;
+    LayeredPrintFixture fixture;
     bring_to(fixture, state);
     fixture.machine.press_emergency_stop();
     CHECK_FALSE(fixture.machine.light_is_on());
     CHECK_FALSE(fixture.machine.z_axis().moving());
-    CHECK(fixture.process.state() == S::Ending);
+    CHECK(fixture.process.layered_state() == S::Ending);
     fixture.run_out();
     if (state == S::Ending) continue;
     CHECK(fixture.ends == std::vector{PrintOutcome::Failed});
@@ -653,7 +654,7 @@ TEST_CASE("A pressed emergency stop ends the print at once and is reported as th
 TEST_CASE("A projector that stops answering ends the print with the light off") {
   SimulatedPrinterConfig config = testing::small_printer();
   config.projector.silent_after_commands = 2;  // power on and the first light on
-  PrintProcessFixture fixture(config);
+  LayeredPrintFixture fixture(config);
   fixture.start();
   fixture.run_out();
   CHECK(fixture.ends == std::vector{PrintOutcome::Failed});
@@ -728,7 +729,7 @@ class ChangedMachine final : public Machine {
 }  // namespace
 
 TEST_CASE("A projector found in place of a lost one does not answer for the lost projector's light") {
-  PrintProcessFixture observer;
+  LayeredPrintFixture observer;
   VirtualClock clock;
   ChangedMachine machine(clock);
   // The other projector has a light of its own: ten seconds.
@@ -740,9 +741,9 @@ TEST_CASE("A projector found in place of a lost one does not answer for the lost
   const auto off = clock.call_after(10s, [&other] { other.light_off(); });
   while (clock.run_next()) {
   }
-  PrintProcess process(machine, clock, observer);
+  LayeredPrint process(machine, clock, observer);
   process.start(testing::box_plan(1));
-  while (process.state() != S::Exposing)
+  while (process.layered_state() != S::Exposing)
     REQUIRE(clock.run_next());
   REQUIRE(other.last_light());
   process.fail("the serial port was lost");
@@ -760,10 +761,10 @@ TEST_CASE("A projector found in place of a lost one does not answer for the lost
 
 TEST_CASE(
     "A move that never ends fails the print after its expected time, a tenth and 15 s, and is aborted") {
-  PrintProcessFixture observer;
+  LayeredPrintFixture observer;
   VirtualClock clock;
   DeafMachine machine(clock);
-  PrintProcess process(machine, clock, observer);
+  LayeredPrint process(machine, clock, observer);
   machine.axis.aborted = false;
   process.start(testing::box_plan(1));
   while (clock.run_next()) {
@@ -774,16 +775,16 @@ TEST_CASE(
 }
 
 TEST_CASE("A cancelled move that never stops fails the print instead of blocking it forever") {
-  PrintProcessFixture observer;
+  LayeredPrintFixture observer;
   VirtualClock clock;
   DeafMachine machine(clock);
-  PrintProcess process(machine, clock, observer);
+  LayeredPrint process(machine, clock, observer);
   process.start(testing::box_plan(1));
-  while (process.state() != S::Lowering)
+  while (process.layered_state() != S::Lowering)
     REQUIRE(clock.run_next());
   machine.axis.aborted = false;
   process.cancel();
-  CHECK(process.state() == S::Halting);
+  CHECK(process.layered_state() == S::Halting);
   while (clock.run_next()) {
   }
   CHECK(observer.reason == "timed out after 15 s waiting for the axis to stop");
@@ -794,7 +795,7 @@ TEST_CASE("A mask that cannot be shown ends the print with the reason, with the 
   const TemporaryFolder folder;
   SimulatedPrinterConfig config = testing::small_printer();
   config.display.masks = folder.path() / "masks";
-  PrintProcessFixture fixture(config);
+  LayeredPrintFixture fixture(config);
   const auto masks = fixture.machine.begin_job("box");
   REQUIRE(masks);
   fixture.start();
@@ -811,8 +812,8 @@ TEST_CASE("The process leaves the light off when it is destroyed in the middle o
   VirtualClock clock;
   SimulatedPrinter machine(clock, testing::small_printer());
   {
-    PrintProcessFixture unused;  // only an observer
-    PrintProcess process(machine, clock, unused);
+    LayeredPrintFixture unused;  // only an observer
+    LayeredPrint process(machine, clock, unused);
     process.start(testing::box_plan(1));
     while (!machine.light_is_on())
       REQUIRE(clock.run_next());
@@ -824,7 +825,7 @@ TEST_CASE("The process leaves the light off when it is destroyed in the middle o
 }
 
 TEST_CASE("The time left is the actual duration of the print, with warm-up, homing and parking") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   PrintPlan plan = testing::box_plan(3);
   plan.warm_up = 5s;  // as configured for the simulated projector
   fixture.process.start(std::move(plan));
@@ -841,7 +842,7 @@ TEST_CASE("The time left is the actual duration of the print, with warm-up, homi
 }
 
 TEST_CASE("The time left counts down in every state of known duration") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   PrintPlan plan = testing::box_plan(1);
   plan.warm_up = 5s;
   fixture.process.start(std::move(plan));
@@ -863,7 +864,7 @@ TEST_CASE("The time left counts down in every state of known duration") {
 }
 
 TEST_CASE("The time left stands still while the print waits for the user") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   bring_to(fixture, S::Paused);
   CHECK_FALSE(fixture.process.state_left());
   const Duration left = fixture.process.time_left();
@@ -875,7 +876,7 @@ TEST_CASE("The time left stands still while the print waits for the user") {
 }
 
 TEST_CASE("The time left of a cancelled print is the time for parking") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   fixture.start(100);
   REQUIRE(fixture.run_to(S::Lifting));
   fixture.process.cancel();
@@ -886,7 +887,7 @@ TEST_CASE("The time left of a cancelled print is the time for parking") {
 }
 
 TEST_CASE("A second print follows the first on the same machine") {
-  PrintProcessFixture fixture;
+  LayeredPrintFixture fixture;
   fixture.start(1);
   fixture.run_out();
   fixture.start(2);

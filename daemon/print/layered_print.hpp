@@ -1,0 +1,105 @@
+// The layered print mode: exposes a layer, peels it off, lifts the plate and lowers it for the next layer.
+// Looks up the events from the machine, the clock and the user in the table of layered_states.hpp and
+// performs the effects found there. Whatever happens, a print ends with the light off. Event loop's thread
+// only. LayeredPrint has a method for each effect of the table, and all of them work on the layer under way
+// and account for its light. It is larger than other classes for this reason.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/print/layered_states.hpp"
+#include "daemon/print/machine_process.hpp"
+#include "daemon/print/print_mode.hpp"
+#include "hw/machine.hpp"
+
+namespace contourd {
+
+class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTransition> {
+ public:
+  // Makes the machine safe. All arguments must outlive the process.
+  LayeredPrint(Machine& machine, Clock& clock, PrintObserver& observer);
+  // Makes the machine safe and powers the projector off.
+  ~LayeredPrint() override;
+
+  void start(PrintPlan plan) override;
+  void pause() override;
+  void resume() override;
+  void interrupt(const std::string& what) override;
+  void cancel() override;
+  void fail(const std::string& reason) override;
+
+  [[nodiscard]] const PrintState& state() const override;
+  [[nodiscard]] LayeredState layered_state() const { return MachineProcess::state(); }
+  [[nodiscard]] bool pause_pending() const override { return pause_wanted_; }
+  [[nodiscard]] std::string_view next_pause() const override;
+  [[nodiscard]] bool can_resume() const override;
+  [[nodiscard]] bool can_cancel() const override;
+  [[nodiscard]] std::string_view why_it_ends() const override;
+  [[nodiscard]] const std::string& interruption() const override { return interruption_; }
+  [[nodiscard]] bool light_may_be_on() const override { return light_asked_; }
+  [[nodiscard]] std::int32_t layer() const override;
+  [[nodiscard]] Nanometers layer_top() const override;
+  [[nodiscard]] Nanometers layer_thickness() const override;
+  [[nodiscard]] ShownMask shown() const override { return shown_; }
+  [[nodiscard]] bool shows_mask() const override;
+  [[nodiscard]] Duration time_left() const override;
+  [[nodiscard]] std::optional<Duration> state_left() const override;
+
+ private:
+  void perform(LayeredEffect effect) override;
+  void performed() override;
+  void effect_threw(const std::string& what) override;
+  void settled() override;
+  void wait(Duration duration);
+  [[nodiscard]] bool on_last_layer() const { return !plan_->layers.thickness_at(layer_top()); }
+  [[nodiscard]] Duration exposure_left() const { return record_.exposure_asked - record_.exposure_most; }
+  void estimate(Duration duration) { estimated_end_ = clock_.now() + duration; }
+  [[nodiscard]] Duration homing_duration() const;
+  [[nodiscard]] Duration parking_duration(Nanometers from) const;
+  [[nodiscard]] Duration lowering_duration(std::int32_t layer) const;
+  [[nodiscard]] Duration left_after_state() const;
+  [[nodiscard]] Duration left_of_layer() const;
+  void move_to(Nanometers target, MillimetersPerSecond speed);
+  void show_black();
+  void home();
+  void show_mask();
+  void abandon_mask(const MaskBudget& spent);
+  void record_layer();
+  void finish();
+  void after_move(MoveResult result);
+  [[nodiscard]] bool is_in(EnumSet<LayeredState> states) const { return states.contains(layered_state()); }
+  [[nodiscard]] Nanometers current_height() const;
+  void begin_layer(Nanometers bottom);
+  void expose();
+  void time_exposure();
+  [[nodiscard]] bool light_went_off() const;
+  void expect_darkness();
+  void is_dark();
+  void count_light();
+  void report_layer();
+  void judge_exposure();
+  void display_lost();
+  [[nodiscard]] LayeredEvent next_due() const;
+  [[nodiscard]] bool has_all_light() const;
+
+  PrintObserver& observer_;
+  std::optional<PrintPlan> plan_;
+  std::int32_t layer_ = 0;
+  Nanometers bottom_{}, thickness_{};  // the layer under way
+  bool pause_wanted_ = false;
+  bool resume_wanted_ = false;  // requested while the plate still moves up for a pause
+  bool canceled_ = false;
+  std::string failure_;
+  std::string interruption_;
+  LayerRecord record_;  // the layer under way
+  ShownMask shown_;
+  bool layer_exposed_ = false;        // the layer has had all its light
+  bool layer_reported_ = false;       // the record has been passed to the observer
+  std::optional<LightSpan> light_;    // the requested light, as known when it was turned off
+  std::vector<Duration> left_after_;  // by expected layer: the time for it, all later layers and parking
+};
+
+}  // namespace contourd

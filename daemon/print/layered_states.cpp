@@ -1,0 +1,151 @@
+#include "daemon/print/layered_states.hpp"
+
+#include <array>
+
+namespace contourd {
+namespace {
+
+using S = LayeredState;
+using E = LayeredEvent;
+using F = LayeredEffect;
+
+constexpr auto kStates = names_to<S::Ending>(
+    "idle, warming up, homing, lowering, settling, showing, igniting, exposing, darkening, extinguishing, "
+    "interrupting, resting, lifting, awaiting dark, raising, paused, held, braking, halting, parking, "
+    "ending");
+constexpr auto kEvents = names_to<E::GaveUp>(
+    "started, projector ready, homed, move ended, wait over, mask shown, light on sent, screen black, "
+    "light is off, layer due, layer unfinished, pause due, layers done, interrupted, resumed, cancelled, "
+    "failed, gave up");
+constexpr auto kEffects = names_to<F::Finish>(
+    "light off, black now, abort axis, stop axis, power on, power off, home, lower to layer, "
+    "wait to settle, show mask, light on, time exposure, show black, await dark, record layer, "
+    "wait to rest, lift, next layer, raise for a look, park, finish");
+
+// Nothing moves in these states, and the plate can move up so that the part can be taken off.
+constexpr EnumSet<S> kAtRest{S::Settling, S::Showing, S::Resting, S::AwaitingDark, S::Paused};
+constexpr EnumSet<S> kMoving{S::Lowering, S::Lifting, S::Raising, S::Braking};
+constexpr EnumSet<S> kLit{S::Igniting, S::Exposing};
+// The layer has had all its light, which may still be on.
+constexpr EnumSet<S> kExposed{S::Darkening, S::Extinguishing};
+// These states already do what an interruption needs, apart from light and screen.
+constexpr EnumSet<S> kInterrupted{S::Interrupting, S::Lifting, S::Raising, S::Paused, S::Held,
+                                  S::Braking,      S::Halting, S::Parking, S::Ending};
+constexpr auto kBeforeItsEnd = EnumSet<S>::all_except({S::Idle, S::Ending});
+
+constexpr auto kRows = std::to_array<LayeredTransition>({
+    {S::Idle, E::Started, S::WarmingUp, F::LightOff, F::BlackNow, F::PowerOn},
+    {S::WarmingUp, E::ProjectorReady, S::Homing, F::Home},
+    {S::Homing, E::Homed, S::AwaitingDark, F::AwaitDark},
+
+    {S::Lowering, E::MoveEnded, S::Settling, F::WaitToSettle},
+    {S::Settling, E::WaitOver, S::Showing, F::ShowMask},
+    {S::Showing, E::MaskShown, S::Igniting, F::LightOn},
+    {S::Igniting, E::LightOnSent, S::Exposing, F::TimeExposure},
+    {S::Exposing, E::WaitOver, S::Darkening, F::LightOff, F::ShowBlack},
+    {S::Darkening, E::ScreenBlack, S::Extinguishing, F::AwaitDark},
+    {S::Extinguishing, E::LightIsOff, S::Resting, F::RecordLayer, F::WaitToRest},
+    {S::Resting, E::WaitOver, S::Lifting, F::Lift},
+    {S::Lifting, E::MoveEnded, S::AwaitingDark, F::AwaitDark},
+
+    {S::AwaitingDark, E::LayerDue, S::Lowering, F::RecordLayer, F::NextLayer, F::LowerToLayer},
+    {S::AwaitingDark, E::LayerUnfinished, S::Lowering, F::LowerToLayer},
+    {S::AwaitingDark, E::PauseDue, S::Raising, F::RaiseForALook},
+    {S::AwaitingDark, E::LayersDone, S::Parking, F::RecordLayer, F::Park},
+
+    {S::Raising, E::MoveEnded, S::Paused},
+    {S::Paused, E::Resumed, S::AwaitingDark, F::AwaitDark},
+
+    {S::Parking, E::MoveEnded, S::Ending, F::LightOff, F::PowerOff, F::AwaitDark},
+    {S::Ending, {E::LightIsOff, E::GaveUp}, S::Idle, F::Finish},
+
+    // Before the first layer there is nothing to peel off, and during homing there is no known height to go
+    // to.
+    {S::WarmingUp, E::Interrupted, S::Held, F::LightOff, F::BlackNow},
+    {S::Homing, E::Interrupted, S::Held, F::LightOff, F::BlackNow, F::AbortAxis},
+    {S::Held, E::Resumed, S::WarmingUp, F::LightOff, F::BlackNow, F::PowerOn},
+    {S::Lowering, E::Interrupted, S::Braking, F::LightOff, F::BlackNow, F::StopAxis},
+    {S::Braking, E::MoveEnded, S::Lifting, F::Lift},
+    // At a layer the plate is peeled off and moves up so that the user can look; the layer is continued
+    // afterwards.
+    {{S::Settling, S::Showing, S::Resting}, E::Interrupted, S::Lifting, F::LightOff, F::BlackNow, F::Lift},
+    {S::AwaitingDark, E::Interrupted, S::Raising, F::LightOff, F::BlackNow, F::RaiseForALook},
+    // While there may be light nothing moves before the light is confirmed off.
+    {kLit, E::Interrupted, S::Interrupting, F::LightOff, F::BlackNow, F::AwaitDark},
+    {kExposed, E::Interrupted, S::Interrupting, F::LightOff, F::BlackNow, F::RecordLayer, F::AwaitDark},
+    {S::Interrupting, E::LightIsOff, S::Lifting, F::Lift},
+    {kInterrupted, E::Interrupted, kStay, F::LightOff, F::BlackNow},
+
+    // During homing the plate's position is unknown, so the plate is left where it is.
+    {{S::WarmingUp, S::Held}, E::Canceled, S::Ending, F::LightOff, F::BlackNow, F::PowerOff, F::AwaitDark},
+    {S::Homing, E::Canceled, S::Ending, F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::AwaitDark},
+    {kMoving, E::Canceled, S::Halting, F::LightOff, F::BlackNow, F::StopAxis},
+    {S::Halting, E::MoveEnded, S::Parking, F::Park},
+    {kAtRest, E::Canceled, S::Parking, F::LightOff, F::BlackNow, F::Park},
+    {kLit, E::Canceled, S::Interrupting, F::LightOff, F::BlackNow, F::AwaitDark},
+    {kExposed, E::Canceled, S::Interrupting, F::LightOff, F::BlackNow, F::AwaitDark},
+    // The plate is peeled off first; the cancellation is carried out in AwaitingDark.
+    {S::Interrupting, E::Canceled, kStay, F::LightOff, F::BlackNow},
+
+    // The light goes off before any effect that can fail. The job's files are moved once the light is
+    // confirmed off, or the wait for that has timed out.
+    {kBeforeItsEnd, E::Failed, S::Ending, F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::AwaitDark},
+});
+
+// Halting, Parking and Ending end the print by themselves; a failure in Ending changes nothing.
+constexpr auto kAnswered = std::to_array<StateTable<LayeredTransition>::Answered>(
+    {{E::Canceled, {S::Idle, S::Halting, S::Parking, S::Ending}},
+     {E::Failed, {S::Idle, S::Ending}},
+     {E::Interrupted, S::Idle}});
+
+constexpr EnumSet<S> kLogged{S::WarmingUp, S::Homing, S::Paused, S::Parking};
+
+constexpr PrintActivity activity_of(S state) {
+  if (EnumSet{S::WarmingUp, S::Homing}.contains(state)) return PrintActivity::Preparing;
+  if (state == S::Exposing) return PrintActivity::Exposing;
+  if (kMoving.contains(state) || state == S::Halting || state == S::Parking) return PrintActivity::Moving;
+  if (EnumSet{S::Paused, S::Held}.contains(state)) return PrintActivity::Stopped;
+  return PrintActivity::Waiting;
+}
+
+constexpr auto kPrintStates = [] {
+  std::array<PrintState, kStates.size()> states;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const S state{static_cast<int>(i)};
+    states[i] = {i, kStates[i], activity_of(state), kLogged.contains(state), state == S::Ending};
+  }
+  return states;
+}();
+static_assert(kPrintStates.front() == kIdle);
+
+}  // namespace
+
+std::span<const PrintState> layered_print_states() {
+  return kPrintStates;
+}
+
+const StateTable<LayeredTransition>& layered_table() {
+  static constexpr StateTable<LayeredTransition> kTable{.rows = kRows,
+                                                        .states = kStates,
+                                                        .events = kEvents,
+                                                        .start = S::Idle,
+                                                        .answered = kAnswered,
+                                                        .light_on = F::LightOn,
+                                                        .light_off = F::LightOff,
+                                                        .harmless = F::TimeExposure};
+  return kTable;
+}
+
+std::string_view name_of(LayeredState state) {
+  return name_in<LayeredState>(kStates, state);
+}
+
+std::string_view name_of(LayeredEvent event) {
+  return name_in<LayeredEvent>(kEvents, event);
+}
+
+std::string_view name_of(LayeredEffect effect) {
+  return name_in<LayeredEffect>(kEffects, effect);
+}
+
+}  // namespace contourd

@@ -1,0 +1,83 @@
+// The plan of a print, and the record of a printed layer. Value types; thread-safe.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "core/engine/contour_engine.hpp"
+#include "core/layers/print_layers.hpp"
+#include "daemon/config/resin_profile.hpp"
+#include "hw/clock.hpp"
+#include "hw/z_axis.hpp"
+
+namespace contourd {
+
+// The plan of a print: everything that is decided before it starts.
+struct PrintPlan {
+  std::string job;
+  std::unique_ptr<ContourEngine> engine;
+  PrintLayers layers;  // queried layer by layer during the print
+  // Returns the exposure of a layer, counted from 0, of this thickness.
+  std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure;
+  std::vector<Nanometers> expected_layers;         // thicknesses, used only for the time left
+  Duration mask_budget = std::chrono::seconds{1};  // time limit for one mask, computed on the event loop
+  double pixel_area_mm2 = 0;
+  ExposureTolerance tolerance;
+  Nanometers lift{};
+  MillimetersPerSecond lift_speed, retract_speed, travel_speed, homing_speed;
+  Duration settle{}, rest{};
+  // Used only for the time left: the lamp's warm-up time, and the plate's height after homing.
+  Duration warm_up{};
+  Nanometers home_height{};
+};
+
+// Returns the duration of an expected layer, exposure, peel, the move back down and the waits, on an axis
+// described by `move_duration(distance, speed)`.
+template <typename MoveDuration>
+[[nodiscard]] Duration layer_duration(const PrintPlan& plan, std::int32_t layer,
+                                      const MoveDuration& move_duration) requires
+    std::is_invocable_r_v<Duration, MoveDuration, Nanometers, MillimetersPerSecond> {
+  return plan.exposure(layer, plan.expected_layers[static_cast<std::size_t>(layer)]) + plan.settle +
+         plan.rest + move_duration(plan.lift, plan.lift_speed) +
+         move_duration(-plan.lift, plan.retract_speed);
+}
+
+// Returns the duration of an expected layer on this axis.
+[[nodiscard]] inline Duration layer_duration(const PrintPlan& plan, std::int32_t layer, const ZAxis& axis) {
+  return layer_duration(plan, layer, [&axis](Nanometers distance, MillimetersPerSecond speed) {
+    return axis.move_duration(distance, speed);
+  });
+}
+
+// The measured facts about one layer.
+struct LayerRecord {
+  std::int32_t layer = 0;  // from 0
+  Nanometers bottom{};     // planned height of the layer's lower side above the plate
+  Nanometers thickness{};
+  Nanometers plate_height{};  // the axis' reading when the mask was computed
+  Nanometers mask_height{};   // height of the cut through the model: half a layer below plate_height
+  Duration exposure_asked{};
+  // Bounds on the total time that the light was on for this layer, as far as its commands show (LightSpan).
+  Duration exposure_least{}, exposure_most{};
+  int exposure_parts = 0;      // more than 1 if the exposure was interrupted and continued later
+  bool complete = false;       // the layer had all its light; false if the print ended before
+  bool dark_confirmed = true;  // false if the light may have stayed on: exposure_most ends with the print
+  Duration mask_time{};        // time to compute the mask (real time, also on a simulated printer)
+  double area_mm2 = 0;         // exposed area
+  std::uint32_t intersecting_facets = 0;
+  std::uint32_t loops = 0;
+  LayerCracks cracks;
+  TimePoint shown_at{};  // vblank at which the mask appeared on the screen
+};
+
+// Returns the number of layers that had all their light.
+[[nodiscard]] inline std::int64_t layers_exposed(const std::vector<LayerRecord>& layers) {
+  return std::ranges::count(layers, true, &LayerRecord::complete);
+}
+
+}  // namespace contourd
