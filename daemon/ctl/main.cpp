@@ -350,7 +350,7 @@ struct SpoolArgs {
 
 // Arguments of help and of the commands about contourd's computer, as the user typed them.
 struct ComputerArgs {
-  std::vector<std::string> help_topic;
+  std::vector<std::string> help_command;
   LogsOptions logs;
   ConfigOptions config;
   DiagnoseOptions diagnosis;
@@ -625,14 +625,11 @@ class CommandLine {
   }
 
   void add_help() {
-    CLI::App* command = add_command("help", "Show a page of the manual or the usage of a command", [this] {
-      const auto of = [this](std::span<const std::string> words) { return help_of_command(app_, words); };
-      CommandHelp commands{{}, of};
-      for (const CLI::App* each : app_.get_subcommands([](const CLI::App*) { return true; }))
-        commands.names.push_back(each->get_name());
-      return help(computer_.help_topic, commands);
+    CLI::App* command = add_command("help", "Show the manual page, or the usage of a command", [this] {
+      return help(computer_.help_command,
+                  [this](std::span<const std::string> words) { return help_of_command(app_, words); });
     });
-    command->add_option("TOPIC", computer_.help_topic, "Page, section, word or command; without it, a list");
+    command->add_option("COMMAND", computer_.help_command, "Show the usage of this command");
   }
 
   void add_client_commands() {
