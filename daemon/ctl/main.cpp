@@ -484,7 +484,7 @@ class CommandLine {
                                     [this] { return analyze(parse_analyze(analyze_, analyze_words_)); });
     command->add_option("MODEL", analyze_.model, "Model file")->required();
     command->add_flag("--json", analyze_.json, "Print JSON");
-    command->add_option("--html", analyze_words_.html, "Write a page with plots and the contours in 3-D")
+    command->add_option("--html", analyze_words_.html, "Write a page with plots and a picture")
         ->check(kNotEmpty);
     CLI::Option* printer =
         command->add_option("--printer", analyze_words_.printer, kLikePrinterHelp)->check(kNotEmpty);

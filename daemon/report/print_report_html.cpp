@@ -296,31 +296,12 @@ std::string plots(const PrintReport& report) {
          plot_of(report, "Contour loops by height", [](const LayerRecord& l) { return l.loops; });
 }
 
-// Returns the picture of the part, with a dot for each contact of its supports.
+// Returns the picture of the part, if there is one.
 std::string preview_figure(const PrintReport& report) {
   if (!report.preview) return "";
-  const PartPreview& preview = *report.preview;
-  std::string html = fmt::format(
-      "<figure class=\"part\"><div class=\"shot\"><img alt=\"The part as far as it was printed{}\" "
-      "src=\"data:image/png;base64,{}\">",
-      report.outcome == PrintOutcome::Done ? "" : ", the rest faint", base64(preview.png));
-  if (preview.contacts.empty()) return html + "</div></figure>\n";
-  html += fmt::format(
-      "<svg class=\"contacts\" viewBox=\"0 0 {0} {0}\" role=\"img\" aria-label=\"The supports' contacts\">",
-      preview.side.count());
-  const double radius = preview.side.count() / (preview.contacts.size() > 200 ? 240.0 : 160.0);
-  for (const PartPreview::Contact& contact : preview.contacts) {
-    html += fmt::format("<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\"/>",
-                        name_of(contact.cause), contact.at.x, contact.at.y, radius);
-  }
-  html += "</svg></div><figcaption>The supports' contacts, in front and hidden:";
-  for (const ContactCause cause : {ContactCause::Island, ContactCause::Overhang, ContactCause::Peel}) {
-    const auto count = std::ranges::count(preview.contacts, cause, &PartPreview::Contact::cause);
-    if (count > 0)
-      html += fmt::format(" <span class=\"cause\"><span class=\"swatch {0}\"></span>{0} {1}</span>",
-                          name_of(cause), count);
-  }
-  return html + "</figcaption></figure>\n";
+  const bool done = report.outcome == PrintOutcome::Done;
+  return picture_figure(*report.preview, done ? "The part as far as it was printed"
+                                              : "The part as far as it was printed, the rest faint");
 }
 
 }  // namespace
@@ -330,15 +311,10 @@ std::string report_as_html(const PrintReport& report) {
   const std::string outcome(name_of(report.outcome));
   const std::string reason =
       report.reason.empty() ? "" : ": " + escaped(shortened(report.reason, kMaxSentence));
-  // This policy keeps a browser from fetching or running anything, whatever a name contains.
-  std::string html = fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n"
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
-      "'unsafe-inline'; base-uri 'none'; form-action 'none'\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>{0}: {1}</title>\n<style>{2}{3}</style>\n"
-      "<h1>{0}</h1>\n<div class=\"outcome {1}\">{1}{4}</div>\n<div class=\"top\">\n",
-      job, outcome, kPageStyle, kReportPageStyle, reason);
+  std::string html =
+      page_start(fmt::format("{}: {}", job, outcome), kReportPageStyle) +
+      fmt::format("<h1>{0}</h1>\n<div class=\"outcome {1}\">{1}{2}</div>\n<div class=\"top\">\n", job,
+                  outcome, reason);
   html += preview_figure(report) + "<table>\n" + facts(report) + "</table>\n</div>\n";
   html += warning_list(report) + orientation_section(report.summary.models) + layer_section(report) +
           time_section(report) + light_section(report);

@@ -13,21 +13,9 @@ inline constexpr std::string_view kReportPageStyle = R"(
 .notes { margin: .3rem 0; padding-left: 1.2rem; } .notes li { margin: .3rem 0; overflow-wrap: anywhere; }
 .notes a { white-space: nowrap; } .warnings li::marker { color: var(--bad); content: "! "; }
 .layers { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 12.5rem), 1fr)); gap: 1rem; }
-figure { margin: 0; padding: .3rem; border-radius: 6px; scroll-margin-top: 1rem; break-inside: avoid; }
-figure:target { outline: 3px solid var(--accent); }
-.shot { position: relative; background: #000; border-radius: 4px; overflow: hidden; box-shadow: 0 0 0 1px var(--line); }
-.shot img { display: block; width: 100%; height: auto; image-rendering: pixelated; }
-.shot svg { position: absolute; inset: 0; width: 100%; height: 100%; }
-.shot .voids circle { stroke: #4db8ff; }
-.shot circle { fill: none; stroke: #ff5a4d; stroke-width: 2; vector-effect: non-scaling-stroke; }
-.part { padding: 0; width: 22rem; max-width: 100%; } .part img { image-rendering: auto; }
-.part .contacts circle { stroke: #000; stroke-width: 1; } .cause { white-space: nowrap; } .contacts .island, .swatch.island { fill: #ff4d8d; background: #ff4d8d; }
-.contacts .overhang, .swatch.overhang { fill: #ffd166; background: #ffd166; } .contacts .peel, .swatch.peel { fill: #5ad1ff; background: #5ad1ff; }
-figcaption { font-size: .87rem; line-height: 1.35; margin-top: .3rem; }
 .exposing { fill: var(--exposing); background: var(--exposing); } .moving { fill: var(--moving); background: var(--moving); }
 .waiting { fill: var(--waiting); background: var(--waiting); } .preparing { fill: var(--preparing); background: var(--preparing); }
 .stopped, .pause { fill: var(--stopped); background: var(--stopped); } .interruption { fill: var(--bad); background: var(--bad); }
-.swatch { display: inline-block; width: .8em; height: .8em; border-radius: 2px; margin-right: .5em; }
 svg .tick { stroke: var(--ink); stroke-width: 1; } svg .most { fill: var(--accent); } svg .least { fill: var(--waiting); }
 .swatch.most { background: var(--accent); } .swatch.least { background: var(--waiting); }
 .figures td, .figures th { font-variant-numeric: tabular-nums; }

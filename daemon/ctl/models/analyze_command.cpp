@@ -26,6 +26,7 @@
 #include "daemon/prepare/print_job.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/print/layer_durations.hpp"
+#include "daemon/report/job_picture.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {
@@ -36,9 +37,6 @@ using SteadyClock = std::chrono::steady_clock;
 
 // Each layer is timed this often, and the shortest time counts, to exclude interruptions by other processes.
 constexpr int kRuns = 3;
-// Limits of the page's picture: about four megabytes of contours.
-constexpr std::int32_t kMaxPictureLayers = 500;
-constexpr std::size_t kMaxPicturePoints = 700'000;
 
 struct AnalysisSubject {
   std::unique_ptr<ContourEngine> engine;
@@ -63,7 +61,6 @@ AnalysisSubject subject_alone(const AnalyzeOptions& options) {
                        ? hold_model(made, {.display = options.display, .layer = options.layer_height})
                        : lay_on_plate(made, PixelMap::true_scale(options.display, bounds.center()));
   subject.model.layers = PrintLayers(layers_for(held.model.top(), options.layer_height)).all();
-  subject.model.top_mm = held.model.top().count();
   subject.layer_durations.assign(subject.model.layers.size(), options.layer_time);
   subject.model.assumed_layer_time = options.layer_time;
   subject.model.display = options.display;
@@ -98,7 +95,6 @@ AnalysisSubject subject_of_printer(const AnalyzeOptions& options) {
   subject.model.warnings = std::move(job.summary.warnings);
   subject.model.layers = plan.expected_layers;
   subject.model.display = job.display;
-  subject.model.top_mm = job.summary.height_mm;
   subject.model.supports = std::move(job.summary.supports);
   subject.analysis = job.analysis;
   subject.model.size_x_mm = job.summary.models.front().size_x_mm;
@@ -151,7 +147,7 @@ class Stopwatch {
   Contours contours_;
 };
 
-AnalyzedModel analyze(AnalysisSubject subject, bool with_contours) {
+AnalyzedModel analyze(AnalysisSubject subject, bool with_picture) {
   AnalyzedModel model = std::move(subject.model);
   for (const PlateModel& each : subject.engine->models())
     model.facets += each.model->facets().size();
@@ -165,11 +161,7 @@ AnalyzedModel analyze(AnalysisSubject subject, bool with_contours) {
   for (const Nanometers middle : model.layer_middles)
     model.measurements.push_back(stopwatch.measure(middle));
   model.statistics = statistics_of(model.measurements);
-  if (with_contours) {
-    model.contours =
-        stack_contours({*subject.engine, model.supports ? model.supports->structure.get() : nullptr},
-                       model.display, model.layer_middles, {kMaxPictureLayers, kMaxPicturePoints});
-  }
+  if (with_picture) model.picture = draw_job(*subject.engine, model.supports ? &*model.supports : nullptr);
   return model;
 }
 
