@@ -14,10 +14,10 @@
 #include "core/layers/print_layers.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/models/analyze_page.hpp"
-#include "daemon/ctl/models/held_model.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/models/slice_files.hpp"
 #include "daemon/ctl/models/statistics_text.hpp"
+#include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/models/turned_facets.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/prepare/job_outlook.hpp"
@@ -57,10 +57,11 @@ AnalysisSubject subject_alone(const AnalyzeOptions& options) {
   if (index.turned_outwards()) subject.model.warnings.emplace_back(kTurnedOutwardsWarning);
   if (index.repairs() != MeshRepairs{}) subject.model.warnings.push_back(repair_warning(index.repairs()));
   const Bounds bounds = index.bounds();
-  HeldModel held = options.supports == SupportPolicy::Auto
-                       ? hold_model(made, {.display = options.display, .layer = options.layer_height})
-                       : lay_on_plate(made, PixelMap::true_scale(options.display, bounds.center()));
-  subject.model.layers = PrintLayers(layers_for(held.model.top(), options.layer_height)).all();
+  SupportedModel supported =
+      options.supports == SupportPolicy::Auto
+          ? support_model(made, {.display = options.display, .layer = options.layer_height})
+          : lay_on_plate(made, PixelMap::true_scale(options.display, bounds.center()));
+  subject.model.layers = PrintLayers(layers_for(supported.model.top(), options.layer_height)).all();
   subject.layer_durations.assign(subject.model.layers.size(), options.layer_time);
   subject.model.assumed_layer_time = options.layer_time;
   subject.model.display = options.display;
@@ -71,9 +72,9 @@ AnalysisSubject subject_alone(const AnalyzeOptions& options) {
     subject.model.warnings.emplace_back(
         "the model is larger than the display: parts outside are not counted");
   }
-  subject.engine =
-      std::make_unique<ContourEngine>(held.engine(EngineSettings{options.display, options.anti_aliasing}));
-  subject.model.supports = std::move(held.supports);
+  subject.engine = std::make_unique<ContourEngine>(
+      supported.engine(EngineSettings{options.display, options.anti_aliasing}));
+  subject.model.supports = std::move(supported.supports);
   if (subject.model.supports) {
     if (std::string unheld = unheld_sentence(subject.model.supports->unheld); !unheld.empty())
       subject.model.warnings.push_back(std::move(unheld));
