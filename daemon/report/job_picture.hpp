@@ -17,8 +17,7 @@ namespace contourd {
 // Width and height of the picture.
 inline constexpr Pixels kJobPictureSide{720};
 
-// Derives the geometry of the display, of this size, from the pixel map of the first model's first copy.
-// REQUIRES: a model with a copy.
+// Derives the geometry of a display of this size from the pixel map of the first model's first copy.
 [[nodiscard]] DisplayGeometry display_of(std::span<const PlateModel> models, Pixels width, Pixels height);
 
 // Draws all models of the engine from their facets, without drain holes and compensations, and the supports
