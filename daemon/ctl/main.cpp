@@ -378,7 +378,9 @@ std::string help_of_command(const CLI::App& program, std::span<const std::string
     if (found.empty()) return "";
     command = found.front();
   }
-  return command->help(before);
+  // App::help() would describe the command that was parsed, which is help.
+  const std::string name = before.empty() ? command->get_name() : before + ' ' + command->get_name();
+  return command->get_formatter()->make_help(command, name, CLI::AppFormatMode::Normal);
 }
 
 // Command line parser: defines the commands and their options, and runs the chosen command. It has many
