@@ -6,21 +6,31 @@
 #include <limits>
 #include <utility>
 
-#include "core/image/picture_view.hpp"
-
 namespace contourd {
 namespace {
 
-double dot(const PlateVector& a, const PlateVector& b) {
+// Sine and cosine of the eye's turn to the right, 35 degrees.
+constexpr double kSinTurn = 0.573576436, kCosTurn = 0.819152044;
+
+// The direction to the light, which is at the left, in front and above; about of length 1.
+constexpr PreviewPlace kLight{-0.36, -0.56, 0.75};
+
+// Returns the grey value of a surface by the cosine of the angle between its normal and the light.
+std::uint8_t shade_of(double cosine) {
+  constexpr double kAmbient = 60, kDiffuse = 190;
+  return static_cast<std::uint8_t>(kAmbient + kDiffuse * std::clamp(cosine, 0.0, 1.0));
+}
+
+double dot(const PreviewPlace& a, const PreviewPlace& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 // The eye looks along -kTowardsEye, 25 degrees above the horizon. The three vectors are an orthonormal base:
 // across the picture, up the picture, out of it.
 constexpr double kSin25 = 0.422618262, kCos25 = 0.906307787;
-constexpr PlateVector kRight{kCosTurn, kSinTurn, 0};
-constexpr PlateVector kUp{-kSinTurn * kSin25, kCosTurn* kSin25, kCos25};
-constexpr PlateVector kTowardsEye{kSinTurn * kCos25, -kCosTurn* kCos25, kSin25};
+constexpr PreviewPlace kRight{kCosTurn, kSinTurn, 0};
+constexpr PreviewPlace kUp{-kSinTurn * kSin25, kCosTurn* kSin25, kCos25};
+constexpr PreviewPlace kTowardsEye{kSinTurn * kCos25, -kCosTurn* kCos25, kSin25};
 
 // Rounding of the weights must not lose heights exactly at the top.
 constexpr double kRoundingMm = 1e-6;
@@ -36,13 +46,14 @@ class PreviewCanvas {
   PreviewCanvas(std::span<const PreviewPart> parts, double top_z, Pixels width, Pixels height)
       : image_(width, height),
         depth_(image_.pixels().size(), -std::numeric_limits<double>::infinity()),
-        top_z_(top_z) {
+        top_z_(top_z),
+        has_supports_(std::ranges::any_of(parts, &PreviewPart::is_support)) {
     frame(parts);
   }
 
   // Returns roughly how many pixels draw() examines for the part.
   [[nodiscard]] double looks(const PreviewPart& part) {
-    move_ = {part.x, part.y, part.z};
+    part_ = part;
     double sum = 0;
     for (const Facet& facet : part.facets) {
       const Corner a = project(facet.vertices[0]);
@@ -57,24 +68,31 @@ class PreviewCanvas {
   }
 
   void draw(const PreviewPart& part) {
-    move_ = {part.x, part.y, part.z};
+    part_ = part;
     for (const Facet& facet : part.facets)
       draw(facet);
   }
 
-  Mask take() { return std::move(image_); }
+  // `factor` is the number of pixels of the picture, along each side, for one that was drawn.
+  Preview take(int factor) {
+    return {std::move(image_), scale_ * factor, {offset_x_ * factor, offset_y_ * factor}};
+  }
 
  private:
   struct Corner {
     double x, y, depth, z;
   };
 
+  [[nodiscard]] static PreviewPlace moved(const Vertex& v, const PreviewPart& part) {
+    return {v.x + part.offset.x, v.y + part.offset.y, v.z + part.offset.z};
+  }
+
   void frame(std::span<const PreviewPart> parts) {
     double min_x = HUGE_VAL, max_x = -HUGE_VAL, min_y = HUGE_VAL, max_y = -HUGE_VAL;
     for (const PreviewPart& part : parts) {
       for (const Facet& facet : part.facets) {
         for (const Vertex& v : facet.vertices) {
-          const PlateVector p{v.x + part.x, v.y + part.y, v.z + part.z};
+          const PreviewPlace p = moved(v, part);
           min_x = std::min(min_x, dot(p, kRight));
           max_x = std::max(max_x, dot(p, kRight));
           min_y = std::min(min_y, dot(p, kUp));
@@ -92,7 +110,7 @@ class PreviewCanvas {
   }
 
   [[nodiscard]] Corner project(const Vertex& v) const {
-    const PlateVector p{v.x + move_.x, v.y + move_.y, v.z + move_.z};
+    const PreviewPlace p = moved(v, part_);
     return {dot(p, kRight) * scale_ + offset_x_, offset_y_ - dot(p, kUp) * scale_, dot(p, kTowardsEye), p.z};
   }
 
@@ -126,7 +144,8 @@ class PreviewCanvas {
     const Corner c = project(facet.vertices[2]);
     const double area = doubled_area(a, b, c);
     if (!(std::fabs(area) > 0.0) || !std::isfinite(area)) return;
-    const std::uint8_t grey = shade(facet);
+    std::uint8_t grey = shade(facet);
+    if (has_supports_) grey = static_cast<std::uint8_t>((grey & ~1U) | (part_.is_support ? 1U : 0U));
     const std::int32_t top = clamped(std::floor(std::min({a.y, b.y, c.y})), image_.height());
     const std::int32_t bottom = clamped(std::ceil(std::max({a.y, b.y, c.y})), image_.height());
     for (std::int32_t row = top; row < bottom; ++row) {
@@ -147,11 +166,11 @@ class PreviewCanvas {
 
   [[nodiscard]] static std::uint8_t shade(const Facet& facet) {
     const auto [a, b, c] = facet.vertices;
-    const PlateVector u{static_cast<double>(b.x) - a.x, static_cast<double>(b.y) - a.y,
-                        static_cast<double>(b.z) - a.z};
-    const PlateVector v{static_cast<double>(c.x) - a.x, static_cast<double>(c.y) - a.y,
-                        static_cast<double>(c.z) - a.z};
-    PlateVector normal{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+    const PreviewPlace u{static_cast<double>(b.x) - a.x, static_cast<double>(b.y) - a.y,
+                         static_cast<double>(b.z) - a.z};
+    const PreviewPlace v{static_cast<double>(c.x) - a.x, static_cast<double>(c.y) - a.y,
+                         static_cast<double>(c.z) - a.z};
+    PreviewPlace normal{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
     const double length = std::sqrt(dot(normal, normal));
     if (!(length > 0.0)) return shade_of(0);
     // A surface seen from behind (a turned facet, or the inside of a half-printed part) is lit as if seen
@@ -171,7 +190,8 @@ class PreviewCanvas {
   Mask image_;
   std::vector<double> depth_;
   double top_z_;
-  PlateVector move_{};  // offset of the part being drawn
+  bool has_supports_;
+  PreviewPart part_;  // the part being drawn
   double scale_ = 1, offset_x_ = 0, offset_y_ = 0;
 };
 
@@ -188,7 +208,11 @@ Mask enlarged(const Mask& picture, std::int32_t factor, Pixels width, Pixels hei
 
 }  // namespace
 
-Mask render_preview(std::span<const PreviewPart> parts, Millimeters top, Pixels width, Pixels height) {
+PixelPoint Preview::at(const PreviewPlace& place) const {
+  return {origin.x + dot(place, kRight) * scale, origin.y - dot(place, kUp) * scale};
+}
+
+Preview render_preview(std::span<const PreviewPart> parts, Millimeters top, Pixels width, Pixels height) {
   PreviewCanvas canvas(parts, top.count(), width, height);
   double looks = 0;
   for (const PreviewPart& part : parts)
@@ -200,12 +224,14 @@ Mask render_preview(std::span<const PreviewPart> parts, Millimeters top, Pixels 
   if (factor > 1) canvas = PreviewCanvas(parts, top.count(), divided(width), divided(height));
   for (const PreviewPart& part : parts)
     canvas.draw(part);
-  return factor > 1 ? enlarged(canvas.take(), factor, width, height) : canvas.take();
+  Preview preview = canvas.take(factor);
+  if (factor > 1) preview.picture = enlarged(preview.picture, factor, width, height);
+  return preview;
 }
 
 Mask render_preview(std::span<const Facet> facets, Millimeters top_z, Pixels width, Pixels height) {
   const PreviewPart part{facets};
-  return render_preview(std::span(&part, 1), top_z, width, height);
+  return render_preview(std::span(&part, 1), top_z, width, height).picture;
 }
 
 }  // namespace contourd

@@ -350,7 +350,7 @@ struct SpoolArgs {
 
 // Arguments of help and of the commands about contourd's computer, as the user typed them.
 struct ComputerArgs {
-  std::vector<std::string> help_topic;
+  std::vector<std::string> help_command;
   LogsOptions logs;
   ConfigOptions config;
   DiagnoseOptions diagnosis;
@@ -378,7 +378,9 @@ std::string help_of_command(const CLI::App& program, std::span<const std::string
     if (found.empty()) return "";
     command = found.front();
   }
-  return command->help(before);
+  // App::help() would describe the command that was parsed, which is help.
+  const std::string name = before.empty() ? command->get_name() : before + ' ' + command->get_name();
+  return command->get_formatter()->make_help(command, name, CLI::AppFormatMode::Normal);
 }
 
 // Command line parser: defines the commands and their options, and runs the chosen command. It has many
@@ -484,7 +486,7 @@ class CommandLine {
                                     [this] { return analyze(parse_analyze(analyze_, analyze_words_)); });
     command->add_option("MODEL", analyze_.model, "Model file")->required();
     command->add_flag("--json", analyze_.json, "Print JSON");
-    command->add_option("--html", analyze_words_.html, "Write a page with plots and the contours in 3-D")
+    command->add_option("--html", analyze_words_.html, "Write a page with plots and a picture")
         ->check(kNotEmpty);
     CLI::Option* printer =
         command->add_option("--printer", analyze_words_.printer, kLikePrinterHelp)->check(kNotEmpty);
@@ -625,14 +627,11 @@ class CommandLine {
   }
 
   void add_help() {
-    CLI::App* command = add_command("help", "Show a page of the manual or the usage of a command", [this] {
-      const auto of = [this](std::span<const std::string> words) { return help_of_command(app_, words); };
-      CommandHelp commands{{}, of};
-      for (const CLI::App* each : app_.get_subcommands([](const CLI::App*) { return true; }))
-        commands.names.push_back(each->get_name());
-      return help(computer_.help_topic, commands);
+    CLI::App* command = add_command("help", "Show the manual page, or the usage of a command", [this] {
+      return help(computer_.help_command,
+                  [this](std::span<const std::string> words) { return help_of_command(app_, words); });
     });
-    command->add_option("TOPIC", computer_.help_topic, "Page, section, word or command; without it, a list");
+    command->add_option("COMMAND", computer_.help_command, "Show the usage of this command");
   }
 
   void add_client_commands() {

@@ -14,7 +14,6 @@
 #include "daemon/report/layer_pictures.hpp"
 #include "daemon/report/print_report_html.hpp"
 #include "daemon/report/print_report_json.hpp"
-#include "daemon/report/printed_part.hpp"
 #include "daemon/system/readable.hpp"
 #include "hw/png_file.hpp"
 
@@ -25,9 +24,8 @@ namespace {
 constexpr int kArchivistNiceness = 5;
 // Longest time that filing waits for the history to have the print.
 constexpr std::chrono::seconds kLongestNoting{2};
-// Time limits for the picture of the part, and for all pictures of layers: contourd may be about to stop, and
-// waits for the filing.
-constexpr std::chrono::seconds kLongestPartPicture{10}, kLongestLayerPictures{5};
+// Time limit for all pictures of layers: contourd may be about to stop, and waits for the filing.
+constexpr std::chrono::seconds kLongestLayerPictures{5};
 
 // Calls `work`. Notes an exception as "`what`: why" and returns false; filing continues.
 template <typename Work>
@@ -45,9 +43,8 @@ void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& f
   PrintReport& report = print.report;
   const Spool::Folder folder = folder_for(report.outcome);
   attempt("no picture", filed, [&] {
-    const auto deadline = MaskBudget::Clock::now() + kLongestPartPicture;
-    report.preview = draw_printed_part(report, *print.engine, deadline);
-    if (!report.preview) throw std::runtime_error("its masks take too long");
+    const Supports* const supports = report.summary.supports ? &*report.summary.supports : nullptr;
+    report.preview = encode_picture(draw_job(*print.engine, supports, printed_height(report)), supports);
   });
   attempt("no pictures of layers", filed, [&] {
     report.layer_pictures =

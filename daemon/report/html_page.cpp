@@ -54,6 +54,16 @@ double round_up(double value) {
 
 }  // namespace
 
+std::string page_start(const std::string& title, std::string_view style) {
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
+      "'unsafe-inline'; base-uri 'none'; form-action 'none'\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{}</title>\n<style>{}{}</style>\n",
+      title, kPageStyle, style);
+}
+
 std::string escaped(const std::string& text) {
   std::string safe;
   for (const char c : printable(text)) {

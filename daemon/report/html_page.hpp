@@ -21,7 +21,23 @@ th { font-weight: 400; opacity: .7; } svg { width: 100%; height: auto; }
 svg text { font: 12px system-ui, sans-serif; fill: var(--ink); } svg .grid { stroke: var(--line); stroke-width: 1; }
 @media (max-width: 40rem) { svg text { font-size: 24px; } }
 svg .curve { fill: none; stroke: var(--accent); stroke-width: 1.5; stroke-linejoin: round; vector-effect: non-scaling-stroke; }
+figure { margin: 0; padding: .3rem; border-radius: 6px; scroll-margin-top: 1rem; break-inside: avoid; }
+figure:target { outline: 3px solid var(--accent); }
+.shot { position: relative; background: #000; border-radius: 4px; overflow: hidden; box-shadow: 0 0 0 1px var(--line); }
+.shot img { display: block; width: 100%; height: auto; image-rendering: pixelated; }
+.shot svg { position: absolute; inset: 0; width: 100%; height: 100%; }
+.shot .voids circle { stroke: #4db8ff; }
+.shot circle { fill: none; stroke: #ff5a4d; stroke-width: 2; vector-effect: non-scaling-stroke; }
+.part { padding: 0; width: 22rem; max-width: 100%; } .part img { image-rendering: auto; }
+.part .contacts circle { stroke: #000; stroke-width: 1; } .cause { white-space: nowrap; } .contacts .island, .swatch.island { fill: #ff4d8d; background: #ff4d8d; }
+.contacts .overhang, .swatch.overhang { fill: #ffd166; background: #ffd166; } .contacts .peel, .swatch.peel { fill: #5ad1ff; background: #5ad1ff; }
+figcaption { font-size: .87rem; line-height: 1.35; margin-top: .3rem; }
+.swatch { display: inline-block; width: .8em; height: .8em; border-radius: 2px; margin-right: .5em; }
 )";
+
+// Returns the beginning of a page up to its body. `title` is HTML; `style` follows the style sheet of all
+// pages. The page's policy keeps a browser from fetching or running anything, whatever a name contains.
+[[nodiscard]] std::string page_start(const std::string& title, std::string_view style);
 
 // Returns text, for instance from a file name or an error message, in a form that is safe inside HTML.
 [[nodiscard]] std::string escaped(const std::string& text);

@@ -132,19 +132,6 @@ Bounds bounds_of(std::span<const SupportPrimitive> supports) {
   return all;
 }
 
-// Derives the display's geometry from the map of the first model's first copy.
-DisplayGeometry display_of(std::span<const PlateModel> models, Pixels width, Pixels height) {
-  const PixelMap& map = models.front().copies.front();
-  const PixelPoint origin = map.to_pixels({0, 0}), beside = map.to_pixels({1, 1});
-  DisplayGeometry display;
-  display.width = width;
-  display.height = height;
-  display.pixel_pitch = Micrometers{1000 / map.pixels_per_mm()};
-  display.mirror_x = beside.x < origin.x;
-  display.mirror_y = beside.y > origin.y;
-  return display;
-}
-
 std::vector<MarkedPlace> islands_in(const PrintReport& report, std::int32_t layer) {
   std::vector<MarkedPlace> places;
   if (!report.findings) return places;
@@ -186,10 +173,6 @@ std::vector<ChosenLayer> choose_layers(const PrintReport& report) {
 std::span<const SupportPrimitive> supports_of(const JobSummary& job) {
   if (!job.supports || !job.supports->structure) return {};
   return job.supports->structure->primitives();
-}
-
-DisplayGeometry display_of(const ContourEngine& engine) {
-  return display_of(engine.models(), engine.coverage().width(), engine.coverage().height());
 }
 
 PixelBox box_around(std::span<const PlateModel> models, Pixels width, Pixels height,

@@ -35,10 +35,6 @@ struct ChosenLayer {
                                   std::span<const SupportPrimitive> supports = {});
 // Returns the supports of the job.
 [[nodiscard]] std::span<const SupportPrimitive> supports_of(const JobSummary& job);
-// Returns the geometry of the display for which the engine makes masks, derived from the first copy of its
-// first model.
-[[nodiscard]] DisplayGeometry display_of(const ContourEngine& engine);
-
 // Draws the chosen layers, in rising order. Computes their masks again: the same height and engine make the
 // same mask. Omits layers that are not drawn by the deadline. Takes memory for the pictures only, as the
 // engine's mask exists already.

@@ -1,17 +1,19 @@
 // The report on one print, for the user.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/analysis/print_analysis.hpp"
-#include "core/support/support_contact.hpp"
 #include "daemon/prepare/print_job.hpp"
+#include "daemon/report/job_picture.hpp"
 #include "daemon/report/state_times.hpp"
 #include "daemon/system/event_loop.hpp"
 
@@ -34,17 +36,6 @@ struct LayerPicture {
   std::vector<std::uint8_t> png;
   std::vector<LayerMark> islands;  // islands that begin in this layer
   std::vector<LayerMark> voids;    // suction cups and resin traps that are widest in this layer
-};
-
-// A picture of the part as far as it was printed.
-struct PartPreview {
-  Pixels side;
-  std::vector<std::uint8_t> png;
-  struct Contact {
-    PixelPoint at{};  // in the picture's pixels
-    ContactCause cause = ContactCause::Island;
-  };
-  std::vector<Contact> contacts;  // the supports' contacts
 };
 
 // An interruption of a print. Times count from the print's start, by the machine's clock.
@@ -86,7 +77,7 @@ struct PrintReport {
   EventLoop::Turn busiest_lit;                 // the longest turn while there was or may have been light
   Duration first_mask_after{};                 // since the file arrived, or since its wait ended
   std::optional<std::filesystem::path> masks;  // folder of the simulated display's masks
-  std::optional<PartPreview> preview;
+  std::optional<JobPicture> preview;
   std::vector<LayerPicture> layer_pictures;  // in rising order of layers
 };
 
@@ -96,6 +87,16 @@ struct PrintReport {
   for (const LayerRecord& layer : layers)
     volume_mm3 += layer.area_mm2 * to_millimeters(layer.thickness).count();
   return volume_mm3;
+}
+
+// Returns the height of the part that has had all its light: infinite for a completed print.
+[[nodiscard]] inline Millimeters printed_height(const PrintReport& report) {
+  if (report.outcome == PrintOutcome::Done) return Millimeters{std::numeric_limits<double>::infinity()};
+  Nanometers top{};
+  for (const LayerRecord& layer : report.layers) {
+    if (layer.complete) top = std::max(top, layer.bottom + layer.thickness);
+  }
+  return to_millimeters(top);
 }
 
 }  // namespace contourd

@@ -29,21 +29,9 @@ constexpr std::string_view kReportPageStyle = R"(
 .notes { margin: .3rem 0; padding-left: 1.2rem; } .notes li { margin: .3rem 0; overflow-wrap: anywhere; }
 .notes a { white-space: nowrap; } .warnings li::marker { color: var(--bad); content: "! "; }
 .layers { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 12.5rem), 1fr)); gap: 1rem; }
-figure { margin: 0; padding: .3rem; border-radius: 6px; scroll-margin-top: 1rem; break-inside: avoid; }
-figure:target { outline: 3px solid var(--accent); }
-.shot { position: relative; background: #000; border-radius: 4px; overflow: hidden; box-shadow: 0 0 0 1px var(--line); }
-.shot img { display: block; width: 100%; height: auto; image-rendering: pixelated; }
-.shot svg { position: absolute; inset: 0; width: 100%; height: 100%; }
-.shot .voids circle { stroke: #4db8ff; }
-.shot circle { fill: none; stroke: #ff5a4d; stroke-width: 2; vector-effect: non-scaling-stroke; }
-.part { padding: 0; width: 22rem; max-width: 100%; } .part img { image-rendering: auto; }
-.part .contacts circle { stroke: #000; stroke-width: 1; } .cause { white-space: nowrap; } .contacts .island, .swatch.island { fill: #ff4d8d; background: #ff4d8d; }
-.contacts .overhang, .swatch.overhang { fill: #ffd166; background: #ffd166; } .contacts .peel, .swatch.peel { fill: #5ad1ff; background: #5ad1ff; }
-figcaption { font-size: .87rem; line-height: 1.35; margin-top: .3rem; }
 .exposing { fill: var(--exposing); background: var(--exposing); } .moving { fill: var(--moving); background: var(--moving); }
 .waiting { fill: var(--waiting); background: var(--waiting); } .preparing { fill: var(--preparing); background: var(--preparing); }
 .stopped, .pause { fill: var(--stopped); background: var(--stopped); } .interruption { fill: var(--bad); background: var(--bad); }
-.swatch { display: inline-block; width: .8em; height: .8em; border-radius: 2px; margin-right: .5em; }
 svg .tick { stroke: var(--ink); stroke-width: 1; } svg .most { fill: var(--accent); } svg .least { fill: var(--waiting); }
 .swatch.most { background: var(--accent); } .swatch.least { background: var(--waiting); }
 .figures td, .figures th { font-variant-numeric: tabular-nums; }
@@ -331,31 +319,12 @@ std::string plots(const PrintReport& report) {
          plot_of(report, "Contour loops by height", [](const LayerRecord& l) { return l.loops; });
 }
 
-// Returns the picture of the part, with a dot for each contact of its supports.
+// Returns the picture of the part, if there is one.
 std::string preview_figure(const PrintReport& report) {
   if (!report.preview) return "";
-  const PartPreview& preview = *report.preview;
-  std::string html = fmt::format(
-      "<figure class=\"part\"><div class=\"shot\"><img alt=\"The part as far as it was printed{}\" "
-      "src=\"data:image/png;base64,{}\">",
-      report.outcome == PrintOutcome::Done ? "" : ", the rest faint", base64(preview.png));
-  if (preview.contacts.empty()) return html + "</div></figure>\n";
-  html += fmt::format(
-      "<svg class=\"contacts\" viewBox=\"0 0 {0} {0}\" role=\"img\" aria-label=\"The supports' contacts\">",
-      preview.side.count());
-  const double radius = preview.side.count() / (preview.contacts.size() > 200 ? 240.0 : 160.0);
-  for (const PartPreview::Contact& contact : preview.contacts) {
-    html += fmt::format("<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\"/>",
-                        name_of(contact.cause), contact.at.x, contact.at.y, radius);
-  }
-  html += "</svg></div><figcaption>The supports' contacts, in front and hidden:";
-  for (const ContactCause cause : {ContactCause::Island, ContactCause::Overhang, ContactCause::Peel}) {
-    const auto count = std::ranges::count(preview.contacts, cause, &PartPreview::Contact::cause);
-    if (count > 0)
-      html += fmt::format(" <span class=\"cause\"><span class=\"swatch {0}\"></span>{0} {1}</span>",
-                          name_of(cause), count);
-  }
-  return html + "</figcaption></figure>\n";
+  const bool done = report.outcome == PrintOutcome::Done;
+  return picture_figure(*report.preview, done ? "The part as far as it was printed"
+                                              : "The part as far as it was printed, the rest faint");
 }
 
 }  // namespace
@@ -365,15 +334,10 @@ std::string report_as_html(const PrintReport& report) {
   const std::string outcome(name_of(report.outcome));
   const std::string reason =
       report.reason.empty() ? "" : ": " + escaped(shortened(report.reason, kMaxSentence));
-  // This policy keeps a browser from fetching or running anything, whatever a name contains.
-  std::string html = fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n"
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
-      "'unsafe-inline'; base-uri 'none'; form-action 'none'\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>{0}: {1}</title>\n<style>{2}{3}</style>\n"
-      "<h1>{0}</h1>\n<div class=\"outcome {1}\">{1}{4}</div>\n<div class=\"top\">\n",
-      job, outcome, kPageStyle, kReportPageStyle, reason);
+  std::string html =
+      page_start(fmt::format("{}: {}", job, outcome), kReportPageStyle) +
+      fmt::format("<h1>{0}</h1>\n<div class=\"outcome {1}\">{1}{2}</div>\n<div class=\"top\">\n", job,
+                  outcome, reason);
   html += preview_figure(report) + "<table>\n" + facts(report) + "</table>\n</div>\n";
   html += warning_list(report) + orientation_section(report.summary.models) + layer_section(report) +
           time_section(report) + light_section(report);

@@ -274,8 +274,8 @@ class Level(ManualTest):
         daemon = self.daemon()
         result = self.level(daemon, "", "", "", "up", "-0.5", "+0.3", "", "1e9", "0.1", "")
         self.assertEqual(result.returncode, OK, result)
-        self.assertIn(b"Expected a number from -12 to 12 mm.", result.stdout)
-        self.assertIn(b"Expected a number from 0 to 5 mm.", result.stdout)
+        self.assertIn(b"Expected a number from -12 to 12.", result.stdout)
+        self.assertIn(b"Expected a number from 0 to 5.", result.stdout)
         self.assert_one_line(result.stderr, "the plate cannot go to -0.500 mm")
 
     def test_a_wrong_or_missing_configuration_is_not_touched(self):

@@ -320,7 +320,7 @@ class Report(PrintTest):
         daemon.printed("whole.stl", binary_stl(cube(20)))
         whole = read_png(daemon.file("done", "whole.preview.png")).lit_box(BRIGHTER_THAN_FAINT)
         daemon.stop()
-        # The top of the printed part is lower, since a quarter was printed. On a slow computer the picture is smaller.
+        # The top of the printed part is lower, since a quarter was printed.
         self.assertGreater(part[1], whole[1] + (whole[3] - whole[1]) // 4)
         self.assertLessEqual(abs(part[3] - whole[3]), 1)  # both have the same bottom
         for side, faint in zip(whole, all_of_it):

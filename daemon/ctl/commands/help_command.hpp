@@ -1,4 +1,4 @@
-// contourctl help: shows pages of the manual and the usage of commands.
+// contourctl help: shows the manual page and the usage of commands.
 #pragma once
 
 #include <functional>
@@ -8,15 +8,13 @@
 
 namespace contourd::ctl {
 
-// The commands' names and help texts, as the command line parser knows them.
-struct CommandHelp {
-  std::vector<std::string> names;
-  // Returns the help text of the command with these words, or an empty string if there is no such command.
-  std::function<std::string(std::span<const std::string> words)> of;
-};
+// Returns the help text of the command with these words, of contourctl itself for no words, or an empty
+// string if there is no such command.
+using HelpText = std::function<std::string(std::span<const std::string> words)>;
 
-// Shows the topic, or a list of the topics if there are no words; in a terminal through the user's pager.
-// Returns the exit code. Throws UsageError if nothing matches the words.
-int help(const std::vector<std::string>& words, const CommandHelp& commands);
+// Without words, runs man(1) for contourctl's manual page; if that is missing, prints contourctl's help text.
+// With the words of a command, prints the command's help text. Returns the exit code. Throws UsageError if
+// there is no such command, and std::system_error if man cannot be run.
+int help(const std::vector<std::string>& words, const HelpText& text_of);
 
 }  // namespace contourd::ctl

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "daemon/client/daemon_connection.hpp"
+#include "daemon/ctl/terminal/dialog.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/terminal.hpp"
 #include "daemon/system/readable.hpp"

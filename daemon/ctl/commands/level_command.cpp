@@ -5,11 +5,9 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
-#include <iostream>
-#include <optional>
 #include <string>
 #include <system_error>
 
@@ -17,6 +15,7 @@
 #include "daemon/config/config_edit.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/commands/manual_command.hpp"
+#include "daemon/ctl/terminal/dialog.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -26,33 +25,10 @@ namespace {
 using Json = DaemonConnection::Json;
 
 constexpr double kClearance_mm = 20;  // room for hands between plate and film
+constexpr std::size_t kIndent = 3;    // after the number of a step
 constexpr double kMostPaper_mm = 5, kMostGap_mm = 20;
 // Tolerance when heights of the configuration and the daemon are compared; a motor step is smaller.
 constexpr double kSame_mm = 0.02;
-
-// Asks the user. Returns nullopt on q or at the end of standard input.
-std::optional<std::string> ask(const std::string& question) {
-  fmt::print("{} ", question);
-  std::fflush(stdout);
-  std::string answer;
-  if (!std::getline(std::cin, answer) || answer == "q") return std::nullopt;
-  if (::isatty(STDIN_FILENO) == 0) fmt::print("\n");
-  return answer;
-}
-
-// Asks until the answer is a number within the limits. Returns `usual` for an empty line, and nullopt if the
-// user quits.
-std::optional<double> ask_number(const std::string& question, double usual, double least, double most) {
-  while (const std::optional<std::string> answer = ask(question)) {
-    if (answer->empty()) return usual;
-    double number = NAN;
-    const char* const end = answer->data() + answer->size();
-    const auto read = std::from_chars(answer->data() + (answer->front() == '+' ? 1 : 0), end, number);
-    if (read.ec == std::errc() && read.ptr == end && number >= least && number <= most) return number;
-    fmt::print("Expected a number from {:g} to {:g} mm.\n", least, most);
-  }
-  return std::nullopt;
-}
 
 class Level {
  public:
@@ -63,18 +39,17 @@ class Level {
     if (::access(std::filesystem::canonical(file_).parent_path().c_str(), W_OK) != 0)
       throw std::system_error(errno, std::generic_category(),
                               "cannot write into the folder of " + file_.string());
-    if (const int code = prepare(); code != kOk) return code;
-    if (const int code = press_flat(); code != kOk) return code;
-    const std::optional<double> off = measure();
-    if (!off) return give_up();
-    return store(*off);
+    try {
+      if (const int code = prepare(); code != kOk) return code;
+      if (const int code = press_flat(); code != kOk) return code;
+      return store(measure());
+    } catch (const DialogLeft&) {
+      fmt::print("\nNothing was changed.\n");
+      return kFailed;
+    }
   }
 
  private:
-  static int give_up() {
-    fmt::print("\nNothing was changed.\n");
-    return kFailed;
-  }
   int send(const char* method, const Json& parameters) {
     return control_by_hand(client_, {method, parameters}, WaitFor::Operation);
   }
@@ -88,10 +63,10 @@ class Level {
   }
 
   int prepare() {
-    fmt::print(
-        "q quits at any question; Ctrl-C also stops the plate.\n"
-        "1. Put the empty, clean vat in its place. Nothing may be on the plate or in its way.\n");
-    if (!ask("Press Enter to home the plate.")) return give_up();
+    dialog_.say("q quits at any question; Ctrl-C also stops the plate.");
+    dialog_.say("1. Put the empty, clean vat in its place. Nothing may be on the plate or in its way.",
+                kIndent);
+    (void)dialog_.ask("Press Enter to home the plate.");
     if (const int code = send("home", {{"plate_is_clear", true}}); code != kOk) return code;
     switch_height_ = height();
     if (!(std::abs(switch_height_ - configured()) <= kSame_mm)) {
@@ -109,51 +84,54 @@ class Level {
   }
 
   int press_flat() {
-    fmt::print(
-        "2. Loosen the plate's clamp, so that the plate swings freely, and lay a sheet of paper on the "
-        "film.\n");
-    if (!ask("Press Enter to move the plate down to 0 mm.")) return give_up();
+    dialog_.say(
+        "2. Loosen the plate's clamp, so that the plate swings freely, and lay a sheet of paper on the film.",
+        kIndent);
+    (void)dialog_.ask("Press Enter to move the plate down to 0 mm.");
     if (const int code = move_to(0); code != kOk) return code;
-    fmt::print("3. Press the plate flat onto the paper, and tighten the clamp.\n");
-    return ask("Press Enter when the clamp is tight.") ? kOk : give_up();
+    dialog_.say("3. Press the plate flat onto the paper, and tighten the clamp.", kIndent);
+    (void)dialog_.ask("Press Enter when the clamp is tight.");
+    return kOk;
   }
 
-  // Returns how much higher the plate is than contourd's height, mm; nullopt if the user quits.
-  std::optional<double> measure() {
-    fmt::print(
+  // Returns how much higher the plate is than contourd's height, mm.
+  double measure() {
+    dialog_.say(
         "4. Find the height at which the paper just drags when it is pulled: enter distances in mm to move "
-        "the "
-        "plate, negative for down.\n");
+        "the plate, negative for down.",
+        kIndent);
     const double most = travel();
     while (true) {
-      const auto distance = ask_number(
-          fmt::format("Now at {:.3f} mm. Move by (Enter: the paper just drags)?", height()), 0, -most, most);
-      if (!distance) return std::nullopt;
-      if (*distance == 0) break;
-      (void)send("move", {{"by_mm", *distance}, {"plate_is_clear", true}});  // send() prints a failure
+      const double distance =
+          dialog_
+              .ask_for_number(
+                  fmt::format("Now at {:.3f} mm. Move by (Enter: the paper just drags)?", height()), -most,
+                  most)
+              .value_or(0);
+      if (distance == 0) break;
+      (void)send("move", {{"by_mm", distance}, {"plate_is_clear", true}});  // send() prints a failure
     }
     const double drags_at = height();
     double gap = 0;
     if (drags_at < kSame_mm) {
-      const auto asked = ask_number("How far is the plate above the paper at 0 mm, mm (Enter: it touches)?",
-                                    0, 0, kMostGap_mm);
-      if (!asked) return std::nullopt;
-      gap = *asked;
+      const char* const question = "How far is the plate above the paper at 0 mm, mm (Enter: it touches)?";
+      gap = dialog_.ask_for_number(question, 0, kMostGap_mm).value_or(0);
     }
-    const auto paper = ask_number("How thick is the paper, mm (Enter: 0.1)?", 0.1, 0, kMostPaper_mm);
-    if (!paper) return std::nullopt;
-    return *paper + gap - drags_at;
+    const auto paper = dialog_.ask_for_number("How thick is the paper, mm (Enter: 0.1)?", 0, kMostPaper_mm);
+    return paper.value_or(0.1) + gap - drags_at;
   }
 
   int store(double off) {
     const double height = std::round((configured() + off) * 1000) / 1000;
-    fmt::print(
-        "5. z_axis.switch_height_mm changes from {:g} to {:g}: the plate is {:g} mm {} than reported.\n",
-        configured(), height, std::abs(off), off < 0 ? "lower" : "higher");
-    if (!ask(fmt::format("Press Enter to write it to {}.", printable(file_.string())))) return give_up();
+    dialog_.say(
+        fmt::format(
+            "5. z_axis.switch_height_mm changes from {:g} to {:g}: the plate is {:g} mm {} than reported.",
+            configured(), height, std::abs(off), off < 0 ? "lower" : "higher"),
+        kIndent);
+    (void)dialog_.ask(fmt::format("Press Enter to write it to {}.", file_.string()));
     set_config_number(file_, "z_axis", "switch_height_mm", height);
     if (const int code = move_to(std::min(kClearance_mm, travel())); code != kOk) return code;
-    fmt::print("Written. Apply it with: sudo systemctl reload contourd; then the plate homes again.\n");
+    dialog_.say("Written. Apply it with: sudo systemctl reload contourd; then the plate homes again.");
     return kOk;
   }
 
@@ -161,6 +139,7 @@ class Level {
   std::filesystem::path file_;
   PrinterConfig config_;
   double switch_height_ = 0;
+  Dialog dialog_;
 };
 
 }  // namespace

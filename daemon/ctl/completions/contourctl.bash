@@ -16,10 +16,6 @@ _contourctl_words() {
       contourctl queue 2>/dev/null |
         sed -nE '/^ *[0-9]+  /{s/^ *[0-9]+  (.*)\.[^.]*$/\1/;h}; /^     waits to be accepted/{x;p}'
       ;;
-    topics)
-      contourctl help 2>/dev/null | sed -n 's/^  \([a-z-]*\) .*/\1/p'
-      _contourctl_words commands
-      ;;
     resins)
       for name in /etc/contourd/resins/*.json; do
         name=${name##*/}
@@ -37,7 +33,7 @@ _contourctl() {
   if [[ $before == accept && $COMP_CWORD == 2 && $word != -* ]]; then before=asking-job; fi
   case $before in
     asking-job) words=$(_contourctl_words asking) ;;
-    help) words=$(_contourctl_words topics) ;;
+    help) words=$(_contourctl_words commands) ;;
     queue-job) words=$(_contourctl_words waiting) ;;
     preview-job)
       words=$(_contourctl_words jobs; _contourctl_words ended)

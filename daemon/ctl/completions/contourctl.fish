@@ -12,10 +12,6 @@ function __contourctl_options
     end
     contourctl $words[2] --help 2>/dev/null | grep -oE '^ +(-[a-z],)?--[a-z,-]+' | grep -oE -- '--[a-z-]+'
 end
-function __contourctl_topics
-    contourctl help 2>/dev/null | sed -n 's/^  \([a-z-]*\) .*/\1/p'
-    __contourctl_commands
-end
 function __contourctl_jobs
     contourctl status 2>/dev/null | sed -n 's/^job  *//p'
     __contourctl_waiting
@@ -55,7 +51,7 @@ end
 complete -c contourctl -n '__contourctl_before preview' -f -a '(__contourctl_jobs) (__contourctl_ended) (__contourctl_models)'
 complete -c contourctl -n '__contourctl_before accept' -f -a '(__contourctl_asking)'
 complete -c contourctl -n '__contourctl_before logs' -f -a '(__contourctl_jobs)'
-complete -c contourctl -n '__contourctl_before help' -f -a '(__contourctl_topics)'
+complete -c contourctl -n '__contourctl_before help' -f -a '(__contourctl_commands)'
 complete -c contourctl -n __contourctl_queue_command -f -a '(__contourctl_waiting)'
 complete -c contourctl -n '__contourctl_before show; and not __contourctl_queue_command' -a 'white black grid checker focus border dimensions'
 complete -c contourctl -n '__contourctl_before replaced' -f -a 'lamp film vat'

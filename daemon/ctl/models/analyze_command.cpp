@@ -14,10 +14,10 @@
 #include "core/layers/print_layers.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/models/analyze_page.hpp"
-#include "daemon/ctl/models/held_model.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/models/slice_files.hpp"
 #include "daemon/ctl/models/statistics_text.hpp"
+#include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/models/turned_facets.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/prepare/job_outlook.hpp"
@@ -26,6 +26,7 @@
 #include "daemon/prepare/print_job.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/print/layer_durations.hpp"
+#include "daemon/report/job_picture.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {
@@ -36,9 +37,6 @@ using SteadyClock = std::chrono::steady_clock;
 
 // Each layer is timed this often, and the shortest time counts, to exclude interruptions by other processes.
 constexpr int kRuns = 3;
-// Limits of the page's picture: about four megabytes of contours.
-constexpr std::int32_t kMaxPictureLayers = 500;
-constexpr std::size_t kMaxPicturePoints = 700'000;
 
 struct AnalysisSubject {
   std::unique_ptr<ContourEngine> engine;
@@ -59,11 +57,11 @@ AnalysisSubject subject_alone(const AnalyzeOptions& options) {
   if (index.turned_outwards()) subject.model.warnings.emplace_back(kTurnedOutwardsWarning);
   if (index.repairs() != MeshRepairs{}) subject.model.warnings.push_back(repair_warning(index.repairs()));
   const Bounds bounds = index.bounds();
-  HeldModel held = options.supports == SupportPolicy::Auto
-                       ? hold_model(made, {.display = options.display, .layer = options.layer_height})
-                       : lay_on_plate(made, PixelMap::true_scale(options.display, bounds.center()));
-  subject.model.layers = PrintLayers(layers_for(held.model.top(), options.layer_height)).all();
-  subject.model.top_mm = held.model.top().count();
+  SupportedModel supported =
+      options.supports == SupportPolicy::Auto
+          ? support_model(made, {.display = options.display, .layer = options.layer_height})
+          : lay_on_plate(made, PixelMap::true_scale(options.display, bounds.center()));
+  subject.model.layers = PrintLayers(layers_for(supported.model.top(), options.layer_height)).all();
   subject.layer_durations.assign(subject.model.layers.size(), options.layer_time);
   subject.model.assumed_layer_time = options.layer_time;
   subject.model.display = options.display;
@@ -74,9 +72,9 @@ AnalysisSubject subject_alone(const AnalyzeOptions& options) {
     subject.model.warnings.emplace_back(
         "the model is larger than the display: parts outside are not counted");
   }
-  subject.engine =
-      std::make_unique<ContourEngine>(held.engine(EngineSettings{options.display, options.anti_aliasing}));
-  subject.model.supports = std::move(held.supports);
+  subject.engine = std::make_unique<ContourEngine>(
+      supported.engine(EngineSettings{options.display, options.anti_aliasing}));
+  subject.model.supports = std::move(supported.supports);
   if (subject.model.supports) {
     if (std::string unheld = unheld_sentence(subject.model.supports->unheld); !unheld.empty())
       subject.model.warnings.push_back(std::move(unheld));
@@ -98,7 +96,6 @@ AnalysisSubject subject_of_printer(const AnalyzeOptions& options) {
   subject.model.warnings = std::move(job.summary.warnings);
   subject.model.layers = plan.expected_layers;
   subject.model.display = job.display;
-  subject.model.top_mm = job.summary.height_mm;
   subject.model.supports = std::move(job.summary.supports);
   subject.analysis = job.analysis;
   subject.model.size_x_mm = job.summary.models.front().size_x_mm;
@@ -151,7 +148,7 @@ class Stopwatch {
   Contours contours_;
 };
 
-AnalyzedModel analyze(AnalysisSubject subject, bool with_contours) {
+AnalyzedModel analyze(AnalysisSubject subject, bool with_picture) {
   AnalyzedModel model = std::move(subject.model);
   for (const PlateModel& each : subject.engine->models())
     model.facets += each.model->facets().size();
@@ -165,11 +162,7 @@ AnalyzedModel analyze(AnalysisSubject subject, bool with_contours) {
   for (const Nanometers middle : model.layer_middles)
     model.measurements.push_back(stopwatch.measure(middle));
   model.statistics = statistics_of(model.measurements);
-  if (with_contours) {
-    model.contours =
-        stack_contours({*subject.engine, model.supports ? model.supports->structure.get() : nullptr},
-                       model.display, model.layer_middles, {kMaxPictureLayers, kMaxPicturePoints});
-  }
+  if (with_picture) model.picture = draw_job(*subject.engine, model.supports ? &*model.supports : nullptr);
   return model;
 }
 

@@ -4,40 +4,35 @@
 
 #include <algorithm>
 #include <functional>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "daemon/ctl/models/analyze_page_text.hpp"
 #include "daemon/ctl/models/statistics_text.hpp"
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/report/html_page.hpp"
-#include "daemon/system/base64.hpp"
+#include "daemon/report/job_picture.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {
 namespace {
 
-using Json = nlohmann::ordered_json;
+constexpr std::string_view kAnalysisStyle = R"(
+body { max-width: 74rem; }
+.summary { opacity: .8; }
+h2 small { font-weight: 400; opacity: .7; font-size: .85em; margin-left: .4em; }
+.columns { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr)); gap: 0 2.5rem; }
+.plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 30rem), 1fr)); gap: 0 2.5rem; margin-bottom: 2rem; }
+.figures td, .figures th { font-variant-numeric: tabular-nums; }
+.places { display: block; max-height: 16rem; overflow-y: auto; }
+.places td, .places th { text-align: right; }
+.columns th { white-space: nowrap; }
+.plots svg text { font-size: 19px; }
+.part { width: min(100%, 34rem); margin-top: 1rem; }
+.shot .ring.void { stroke: #4db8ff; } .shot .ring.unheld { stroke: #fff; } .shot .ring:target { stroke-width: 6; }
+)";
 
 // Limit of rows in each table of islands, suction cups and resin traps: the largest are listed.
 constexpr std::size_t kMaxRows = 50;
-// Limit of contacts in the picture.
-constexpr std::size_t kMaxContacts = 5000;
-
-// Replaces each {{name}} in the template by the value of that name. Values are not searched for names.
-std::string filled(std::string_view text, const std::map<std::string, std::string, std::less<>>& values) {
-  std::string page;
-  while (true) {
-    const std::size_t begin = text.find("{{");
-    page += text.substr(0, begin);
-    if (begin == std::string_view::npos) return page;
-    const std::size_t end = text.find("}}", begin);
-    page += values.at(std::string(text.substr(begin + 2, end - begin - 2)));
-    text.remove_prefix(end + 2);
-  }
-}
 
 std::string row(const std::string& name, const std::string& value) {
   return fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, escaped(value));
@@ -96,8 +91,8 @@ std::string island_table(const AnalyzedModel& m) {
                                       : "");
   for (std::size_t i = 0; i < shown; ++i) {
     table += fmt::format(
-        "<tr "
-        "data-mark=\"{}\"><td>{}</td><td>{:.3f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.4g}</td></tr>\n",
+        "<tr><td><a href=\"#mark-{}\">{}</a></td><td>{:.3f}</td><td>{:.2f}</td><td>{:.2f}</td>"
+        "<td>{:.4g}</td></tr>\n",
         i, islands[i].layer + 1, height_mm(m, islands[i].layer), islands[i].plate_mm.x, islands[i].plate_mm.y,
         islands[i].area_mm2);
   }
@@ -136,7 +131,7 @@ std::string void_table(const AnalyzedModel& m, const VoidsShown& kind) {
   for (std::size_t i = 0; i < shown; ++i) {
     const PrintVoid& each = kind.voids[i];
     table += fmt::format(
-        "<tr data-mark=\"{}\"><td>{} to {}{}</td><td>{:.3f}</td><td>{:.2f}</td><td>{:.2f}</td>"
+        "<tr><td><a href=\"#mark-{}\">{} to {}</a>{}</td><td>{:.3f}</td><td>{:.2f}</td><td>{:.2f}</td>"
         "<td>{:.4g}</td><td>{:.4g}</td></tr>\n",
         kind.first_mark + i, each.first_layer + 1, each.last_layer + 1, each.on_plate ? ", on the plate" : "",
         height_mm(m, each.widest_layer), each.plate_mm.x, each.plate_mm.y, each.area_mm2, each.volume_mm3);
@@ -187,85 +182,42 @@ std::string correlations(const AnalyzedModel& m) {
       m.statistics.contour_time_vs_loop_count, m.statistics.contour_time_vs_intersecting_facets);
 }
 
-Json quantity(const char* name, const char* unit, std::vector<double> values) {
-  return {{"name", name}, {"unit", unit}, {"values", std::move(values)}};
+// Returns a ring in the picture around a place on the plate.
+std::string ring(const AnalyzedModel& m, const char* kind, const PreviewPlace& place,
+                 const std::string& title, const std::string& id = "") {
+  const PixelPoint at = m.picture.at(place);
+  return fmt::format(
+      "<circle class=\"ring {}\"{} cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"9\"><title>{}</title></circle>\n", kind,
+      id, at.x, at.y, escaped(title));
 }
 
-// Returns the quantities that the colours of the layers can show.
-Json quantities(const AnalyzedModel& m) {
-  const auto of = [&m](auto&& value) {
-    std::vector<double> values;
-    for (const std::int32_t layer : m.contours.layers)
-      values.push_back(static_cast<double>(value(static_cast<std::size_t>(layer))));
-    return values;
-  };
-  const auto& layers = m.measurements;
-  return {
-      quantity("Contour time", "ms", of([&](std::size_t i) { return layers[i].contour_ms; })),
-      quantity("Slicing time", "ms", of([&](std::size_t i) { return layers[i].slicing_ms; })),
-      quantity("Total time", "ms", of([&](std::size_t i) { return layers[i].total_ms(); })),
-      quantity("Intersecting facets", "", of([&](std::size_t i) { return layers[i].intersecting_facets; })),
-      quantity("Contour loops", "", of([&](std::size_t i) { return layers[i].loop_count; })),
-      quantity("Exposed area", "mm²", of([&](std::size_t i) { return m.findings.area_mm2[i]; }))};
-}
-
-// Returns an array [cause, x, y, z, load, held] for each contact.
-Json contacts_json(const AnalyzedModel& m) {
-  Json contacts = Json::array();
-  if (!m.supports) return contacts;
-  const auto add = [&contacts](const SupportContact& contact, bool held) {
-    if (contacts.size() >= kMaxContacts) return;
-    contacts.push_back(
-        {name_of(contact.cause), contact.place.x, contact.place.y, contact.place.z, contact.load_mm2, held});
-  };
-  for (const UnheldPlace& place : m.supports->unheld)
-    add(place.contact, false);
-  for (const SupportContact& contact : m.supports->contacts)
-    add(contact, true);
-  return contacts;
-}
-
-Json picture_data(const AnalyzedModel& m) {
-  const ContourStack& stack = m.contours;
-  std::vector<double> heights;
-  for (const std::int32_t layer : stack.layers)
-    heights.push_back(height_mm(m, layer));
-  Json islands = Json::array();
+// Returns the picture of the part: the places of the tables and those that are not held in rings, and the
+// contacts of supports as dots.
+std::string marked_picture(const AnalyzedModel& m) {
+  const Supports* const supports = m.supports ? &*m.supports : nullptr;
+  std::string rings;
+  std::size_t mark = 0;
+  const auto id_of = [](std::size_t number) { return fmt::format(" id=\"mark-{}\"", number); };
   for (const Island& island : islands_by_size(m)) {
-    islands.push_back({island.layer + 1, island.plate_mm.x, island.plate_mm.y, height_mm(m, island.layer),
-                       island.area_mm2});
+    if (mark < kMaxRows) {
+      rings += ring(m, "island", {island.plate_mm.x, island.plate_mm.y, height_mm(m, island.layer)},
+                    fmt::format("island, layer {}", island.layer + 1), id_of(mark));
+    }
+    ++mark;
   }
-  Json voids = Json::array();
   for (const VoidsShown& kind : voids_shown(m)) {
-    for (const PrintVoid& each : kind.voids) {
-      voids.push_back({each.widest_layer + 1, each.plate_mm.x, each.plate_mm.y,
-                       height_mm(m, each.widest_layer), each.area_mm2});
+    for (std::size_t i = 0; i < std::min(kind.voids.size(), kMaxRows); ++i) {
+      const PrintVoid& each = kind.voids[i];
+      rings +=
+          ring(m, "void", {each.plate_mm.x, each.plate_mm.y, height_mm(m, each.widest_layer)},
+               fmt::format("{}, layer {}", kind.title, each.widest_layer + 1), id_of(kind.first_mark + i));
     }
   }
-  return {{"layers", stack.layers},
-          {"heights_mm", heights},
-          {"top_mm", m.top_mm},
-          {"min_mm", {stack.min_x_mm, stack.min_y_mm}},
-          {"size_mm", stack.size_mm},
-          {"quantities", quantities(m)},
-          {"islands", islands},
-          {"voids", voids},
-          {"contacts", contacts_json(m)},
-          {"loops", base64(stack.words)},
-          {"support_loops", base64(stack.support_words)}};
-}
-
-// Escapes JSON for the content of a script element, so that it cannot end the element.
-std::string json_in_html(const Json& json) {
-  std::string safe;
-  for (const char c : json.dump(-1, ' ', false, Json::error_handler_t::replace)) {
-    if (c == '<') {
-      safe += "\\u003c";
-    } else {
-      safe += c;
-    }
+  for (const UnheldPlace& place : supports != nullptr ? supports->unheld : std::vector<UnheldPlace>()) {
+    const PlatePoint& at = place.contact.place;
+    rings += ring(m, "unheld", {at.x, at.y, at.z}, "not held: " + place.why);
   }
-  return safe;
+  return picture_figure(encode_picture(m.picture, supports), "The part as printed, shaded", rings);
 }
 
 }  // namespace
@@ -280,16 +232,16 @@ std::string layer_time_text(const AnalyzedModel& model) {
 }
 
 std::string analysis_page(const AnalyzedModel& model) {
-  return filled(analyze_page_html, {{"name", escaped(model.name)},
-                                    {"style", std::string(kPageStyle) + std::string(analyze_page_style)},
-                                    {"summary", escaped(findings_line(model.findings))},
-                                    {"facts", facts(model)},
-                                    {"islands", island_table(model)},
-                                    {"voids", void_tables(model)},
-                                    {"plots", plots(model)},
-                                    {"correlations", correlations(model)},
-                                    {"data", json_in_html(picture_data(model))},
-                                    {"script", std::string(analyze_page_script)}});
+  const std::string name = escaped(model.name);
+  return page_start(name + ": analysis", kAnalysisStyle) +
+         fmt::format("<h1>{}</h1>\n<div class=\"summary\">{}</div>\n", name,
+                     escaped(findings_line(model.findings))) +
+         marked_picture(model) +
+         fmt::format(
+             "<div class=\"columns\">\n<div>\n<h2>The print</h2>\n<table>\n{}</table>\n</div>\n<div>\n"
+             "<h2>Normalized correlation</h2>\n<table class=\"figures\">\n{}</table>\n{}{}</div>\n</div>\n"
+             "<div class=\"plots\">\n{}</div>\n</html>\n",
+             facts(model), correlations(model), island_table(model), void_tables(model), plots(model));
 }
 
 }  // namespace contourd::ctl

@@ -1,5 +1,5 @@
-// The page of `contourctl analyze --html`: figures, the thesis's plots and correlations, and the stacked
-// contours as a picture that can be rotated. One self-contained file. Thread-safe.
+// The page of `contourctl analyze --html`: a picture of the part with marked places, figures, and the
+// thesis's plots and correlations. One self-contained file. Thread-safe.
 #pragma once
 
 #include <optional>
@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/analysis/print_analysis.hpp"
+#include "core/image/preview.hpp"
 #include "core/layers/layer_statistics.hpp"
 #include "core/support/supports.hpp"
-#include "daemon/ctl/models/contour_stack.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd::ctl {
@@ -19,7 +19,6 @@ struct AnalyzedModel {
   std::string name;
   std::size_t facets = 0;
   double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;  // as printed
-  double top_mm = 0;                                   // height of the top above the plate
   DisplayGeometry display;
   std::optional<Supports> supports;            // nullopt: not wanted
   std::vector<Nanometers> layers;              // thicknesses, from the plate up
@@ -29,7 +28,7 @@ struct AnalyzedModel {
   PrintFindings findings;
   std::vector<LayerMeasurement> measurements;  // by layer; z above the plate
   LayerStatistics statistics;
-  ContourStack contours;
+  Preview picture;  // for the page
 };
 
 // Returns the time of all layers and its source, as text.

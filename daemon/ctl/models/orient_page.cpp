@@ -45,14 +45,9 @@ Mask picture_of(std::span<const Facet> facets, const Direction& up) {
 
 std::string orientation_page(const std::string& name, const ModelOrientation& orientation,
                              std::span<const Mask> pictures) {
-  std::string html = fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n"
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
-      "'unsafe-inline'; base-uri 'none'; form-action 'none'\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>{0}: orientations</title>\n<style>{1}{2}</style>\n<h1>{0}</h1>\n<p>{3}</p>\n<div "
-      "class=\"ways\">\n",
-      escaped(name), kPageStyle, kStyle, describe(orientation));
+  std::string html =
+      page_start(fmt::format("{}: orientations", escaped(name)), kStyle) +
+      fmt::format("<h1>{}</h1>\n<p>{}</p>\n<div class=\"ways\">\n", escaped(name), describe(orientation));
   const std::span<const OrientationFigures> told = told_of(orientation.choice);
   for (std::size_t i = 0; i < told.size(); ++i)
     html += figure(told[i], pictures[i], i == 0);

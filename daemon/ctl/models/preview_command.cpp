@@ -11,7 +11,6 @@
 #include "core/image/preview.hpp"
 #include "daemon/client/control_defaults.hpp"
 #include "daemon/config/printer_config.hpp"
-#include "daemon/ctl/models/job_picture.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/models/spooled_job.hpp"
 #include "daemon/ctl/models/statistics_text.hpp"
@@ -20,6 +19,7 @@
 #include "daemon/json/config_error.hpp"
 #include "daemon/json/profile_file.hpp"
 #include "daemon/prepare/job_content.hpp"
+#include "daemon/report/job_picture.hpp"
 #include "daemon/system/memory_room.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -134,7 +134,7 @@ NotedPicture shaded_job(const PreviewSubject& subject, const PreparedJob& job) {
                                ? fmt::format("{} models, {:.6g} mm high", parts, summary.height_mm)
                                : fmt::format("{}{}", parts > 1 ? fmt::format("{} of ", parts) : "",
                                              size_text(first.size_x_mm, first.size_y_mm, first.size_z_mm));
-  return {draw_job_picture(summary, *job.plan.engine),
+  return {draw_job(*job.plan.engine, summary.supports ? &*summary.supports : nullptr).picture,
           fmt::format("{}: {}, layers {}", subject.title, what, layers_text(job.plan.expected_layers))};
 }
 

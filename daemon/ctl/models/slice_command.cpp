@@ -15,12 +15,12 @@
 #include "core/formats/model_reader.hpp"
 #include "core/layers/layer_statistics.hpp"
 #include "core/layers/print_layers.hpp"
-#include "daemon/ctl/models/held_model.hpp"
 #include "daemon/ctl/models/layer_folder.hpp"
 #include "daemon/ctl/models/mask_files.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/models/slice_files.hpp"
 #include "daemon/ctl/models/statistics_text.hpp"
+#include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/models/turned_facets.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/prepare/mesh_repair_text.hpp"
@@ -43,12 +43,12 @@ PixelMap map_for(const SliceOptions& options, const Bounds& bounds) {
                      : PixelMap::true_scale(options.engine.display, bounds.center());
 }
 
-HeldModel stand(const std::shared_ptr<const HeightIndex>& model, const SliceOptions& options) {
+SupportedModel stand(const std::shared_ptr<const HeightIndex>& model, const SliceOptions& options) {
   if (!options.supports) return lay_on_plate(model, map_for(options, model->bounds()));
-  HoldingOptions holding{.display = options.engine.display};
-  if (options.layer_height) holding.layer = *options.layer_height;
-  if (options.adaptive) holding.layer = options.adaptive->thickest;
-  return hold_model(model, holding);
+  SupportingOptions supporting{.display = options.engine.display};
+  if (options.layer_height) supporting.layer = *options.layer_height;
+  if (options.adaptive) supporting.layer = options.adaptive->thickest;
+  return support_model(model, supporting);
 }
 
 Mask read_uniformity_mask(const std::filesystem::path& path, const DisplayGeometry& display) {
@@ -92,17 +92,17 @@ Json cracks_json(const LayerCracks& cracks) {
 }
 
 // Adds the supports of the whole print, if there are any.
-void add_supports(const HeldModel& held, Json& json) {
-  if (held.supports) json["supports"] = supports_summary_json(counts_of(*held.supports));
+void add_supports(const SupportedModel& supported, Json& json) {
+  if (supported.supports) json["supports"] = supports_summary_json(counts_of(*supported.supports));
 }
-void print_supports(const HeldModel& held) {
-  if (held.supports) fmt::print("supports     {}\n", supports_line(counts_of(*held.supports)));
+void print_supports(const SupportedModel& supported) {
+  if (supported.supports) fmt::print("supports     {}\n", supports_line(counts_of(*supported.supports)));
 }
 
-int slice_at_height(const SliceOptions& options, const HeldModel& held) {
-  const std::shared_ptr<const HeightIndex>& model = held.model.model;
+int slice_at_height(const SliceOptions& options, const SupportedModel& supported) {
+  const std::shared_ptr<const HeightIndex>& model = supported.model.model;
   const Millimeters z = *options.z;
-  if (!held.supports) warn_if_beside_model(z, model->bounds());
+  if (!supported.supports) warn_if_beside_model(z, model->bounds());
   Section section;
   slice_at(*model, z, section);
   Contours contours;
@@ -111,7 +111,7 @@ int slice_at_height(const SliceOptions& options, const HeldModel& held) {
   const double perimeter = perimeter_mm(contours);
   if (options.mask) {
     warn_if_larger_than_display(options, model->bounds());
-    write_mask(*options.mask, held.engine(options.engine).mask_at_z(z));
+    write_mask(*options.mask, supported.engine(options.engine).mask_at_z(z));
   }
   if (options.json) {
     Json json{{"z_mm", z.count()},
@@ -121,7 +121,7 @@ int slice_at_height(const SliceOptions& options, const HeldModel& held) {
     json.update(cracks_json(contours.cracks));
     json["area_mm2"] = area;
     json["perimeter_mm"] = perimeter;
-    add_supports(held, json);
+    add_supports(supported, json);
     fmt::print("{}\n", json.dump(2));
     return kOk;
   }
@@ -131,7 +131,7 @@ int slice_at_height(const SliceOptions& options, const HeldModel& held) {
              contours.cracks.open_chains, contours.cracks.turned_chains, contours.cracks.gaps_closed,
              contours.cracks.widest_gap.count());
   fmt::print("area         {:.6g} mm2\nperimeter    {:.6g} mm\n", area, perimeter);
-  print_supports(held);
+  print_supports(supported);
   return kOk;
 }
 
@@ -206,8 +206,9 @@ Json cracked_layers_json(std::span<const LayerCracks> layers) {
   return list;
 }
 
-void report_measurements(const SliceOptions& options, const HeldModel& held, const MeasuredLayers& measured) {
-  const std::size_t facets = held.model.model->facets().size();
+void report_measurements(const SliceOptions& options, const SupportedModel& supported,
+                         const MeasuredLayers& measured) {
+  const std::size_t facets = supported.model.model->facets().size();
   const auto& measurements = measured.measurements;
   const LayerStatistics statistics = statistics_of(measurements);
   if (options.csv) {
@@ -218,7 +219,7 @@ void report_measurements(const SliceOptions& options, const HeldModel& held, con
   }
   if (!options.json) {
     fmt::print("facets {}, layers {}\n", facets, measurements.size());
-    print_supports(held);
+    print_supports(supported);
     fmt::print("\n");
     return print_statistics(statistics);
   }
@@ -226,12 +227,12 @@ void report_measurements(const SliceOptions& options, const HeldModel& held, con
   json.update(statistics_json(statistics));
   json.update(cracks_json(total_of(measured.cracks)));
   json["cracked_layer_list"] = cracked_layers_json(measured.cracks);
-  add_supports(held, json);
+  add_supports(supported, json);
   fmt::print("{}\n", json.dump(2));
 }
 
-int slice_layers(const SliceOptions& options, const HeldModel& held) {
-  const StandingModel& standing = held.model;
+int slice_layers(const SliceOptions& options, const SupportedModel& supported) {
+  const StandingModel& standing = supported.model;
   const std::shared_ptr<const HeightIndex>& model = standing.model;
   const std::vector<Nanometers> layers = layer_middles(options, standing);
   if (layers.empty()) {
@@ -245,12 +246,12 @@ int slice_layers(const SliceOptions& options, const HeldModel& held) {
   std::vector<LayerCracks> cracks;
   if (options.csv || options.contours || options.json || !options.masks) {
     MeasuredLayers measured = measure_layers(options, standing, layers);
-    report_measurements(options, held, measured);
+    report_measurements(options, supported, measured);
     cracks = std::move(measured.cracks);
   }
   if (options.masks) {
     warn_if_larger_than_display(options, model->bounds());
-    cracks = write_masks(*options.masks, layers, [&] { return held.engine(options.engine); });
+    cracks = write_masks(*options.masks, layers, [&] { return supported.engine(options.engine); });
     if (!options.json)
       fmt::print("{} in {}\n", count_of(layers.size(), "mask", "masks"), options.masks->string());
   }
@@ -270,9 +271,9 @@ int slice(SliceOptions options) {
   if (model->turned_outwards()) fmt::print(stderr, "contourctl: warning: {}\n", kTurnedOutwardsWarning);
   if (model->repairs() != MeshRepairs{})
     fmt::print(stderr, "contourctl: warning: {}\n", repair_warning(model->repairs()));
-  const HeldModel held = stand(model, options);
-  warn_of_unheld(held);
-  return options.z ? slice_at_height(options, held) : slice_layers(options, held);
+  const SupportedModel supported = stand(model, options);
+  warn_of_unheld(supported);
+  return options.z ? slice_at_height(options, supported) : slice_layers(options, supported);
 }
 
 }  // namespace contourd::ctl

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "core/support/support_mesh.hpp"
-#include "daemon/ctl/models/held_model.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/models/slice_files.hpp"
+#include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/models/turned_facets.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/prepare/supports_text.hpp"
@@ -59,27 +59,27 @@ void move(Facet& facet, double x, double y, double z) {
   }
 }
 
-std::vector<Facet> facets_of(const HeldModel& held, bool with_model) {
-  const Bounds& bounds = held.model.model->bounds();
+std::vector<Facet> facets_of(const SupportedModel& supported, bool with_model) {
+  const Bounds& bounds = supported.model.model->bounds();
   std::vector<Facet> facets;
-  if (held.supports->structure) facets = support_mesh(held.supports->structure->primitives());
+  if (supported.supports->structure) facets = support_mesh(supported.supports->structure->primitives());
   const Point middle = bounds.center();
   for (Facet& facet : facets)
     move(facet, middle.x, middle.y, 0);
   if (!with_model) return facets;
-  const double lift = held.model.elevation.lift(bounds).count();
-  for (Facet facet : held.model.model->facets()) {
+  const double lift = supported.model.elevation.lift(bounds).count();
+  for (Facet facet : supported.model.model->facets()) {
     move(facet, 0, 0, lift);
     facets.push_back(facet);
   }
   return facets;
 }
 
-void print_text(const HeldModel& held) {
-  const Supports& supports = *held.supports;
+void print_text(const SupportedModel& supported) {
+  const Supports& supports = *supported.supports;
   const SupportCounts counts = counts_of(supports);
   fmt::print("supports   {}\n", supports_line(counts));
-  fmt::print("lift       {:.6g} mm\n", to_millimeters(held.model.elevation.above_plate()).count());
+  fmt::print("lift       {:.6g} mm\n", to_millimeters(supported.model.elevation.above_plate()).count());
   for (std::size_t i = 0; i < std::min(kMostLines, supports.contacts.size()); ++i) {
     const SupportContact& contact = supports.contacts[i];
     fmt::print("{:<10} at {:.2f}, {:.2f} mm, {:.2f} mm above the plate, holds {:.3g} mm2\n",
@@ -99,15 +99,15 @@ int support(const SupportOptions& options) {
   std::vector<Facet> facets = read_model(options.model).facets;
   turn_facets(facets, options.up, options.scale.value_or(1));
   scale_facets(facets, options.scale);
-  const HeldModel held = hold_model(std::make_shared<const HeightIndex>(std::move(facets)),
-                                    {.display = options.display, .layer = options.layer_height});
-  if (options.stl) write_text(*options.stl, binary_stl(facets_of(held, options.with_model)));
+  const SupportedModel supported = support_model(std::make_shared<const HeightIndex>(std::move(facets)),
+                                                 {.display = options.display, .layer = options.layer_height});
+  if (options.stl) write_text(*options.stl, binary_stl(facets_of(supported, options.with_model)));
   if (options.json) {
-    Json json = supports_json(*held.supports);
-    json["lift_mm"] = to_millimeters(held.model.elevation.above_plate()).count();
+    Json json = supports_json(*supported.supports);
+    json["lift_mm"] = to_millimeters(supported.model.elevation.above_plate()).count();
     fmt::print("{}\n", json.dump(2));
   } else {
-    print_text(held);
+    print_text(supported);
   }
   return kOk;
 }

@@ -316,7 +316,7 @@ class Checks {
   }
 
   const SetupChecks& with_;
-  SetupDialog& dialog_;
+  Dialog& dialog_;
   Answers& answers_;
   std::map<std::string, std::string>& outcomes_;
   SetupDaemon daemon_;

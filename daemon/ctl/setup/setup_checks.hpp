@@ -5,15 +5,15 @@
 #include <filesystem>
 #include <functional>
 
-#include "daemon/ctl/setup/setup_dialog.hpp"
 #include "daemon/ctl/setup/setup_record.hpp"
 #include "daemon/ctl/terminal/client.hpp"
+#include "daemon/ctl/terminal/dialog.hpp"
 
 namespace contourd::ctl {
 
 struct SetupChecks {
   const ClientOptions& client;
-  SetupDialog& dialog;
+  Dialog& dialog;
   SetupRecord& record;
   std::filesystem::path config;
   std::function<void()> keep;  // saves the record
@@ -23,7 +23,7 @@ struct SetupChecks {
 };
 
 // Makes the checks that have not been passed yet, in their order; each can be skipped. At the end, lists the
-// skipped checks and how to make them later. Blocks. Throws SetupLeft.
+// skipped checks and how to make them later. Blocks. Throws DialogLeft.
 void check_printer(const SetupChecks& checks);
 
 // Notes in the record that contourd must restart to read the new configuration.

@@ -95,7 +95,7 @@ class Setup {
       dialog_.say("  " + line, 4);
     try {
       return options_.non_interactive ? decide() : lead();
-    } catch (const SetupLeft&) {
+    } catch (const DialogLeft&) {
       fmt::print("\n");
       dialog_.say(record_.answers.empty()
                       ? "Quit without answers."

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "daemon/client/daemon_connection.hpp"
-#include "daemon/ctl/setup/setup_dialog.hpp"
 #include "daemon/ctl/terminal/client.hpp"
+#include "daemon/ctl/terminal/dialog.hpp"
 
 namespace contourd::ctl {
 
@@ -17,7 +17,7 @@ class SetupDaemon {
   using Json = DaemonConnection::Json;
 
   // Both references must outlive this object.
-  SetupDaemon(const ClientOptions& client, SetupDialog& dialog) : client_(client), dialog_(dialog) {}
+  SetupDaemon(const ClientOptions& client, Dialog& dialog) : client_(client), dialog_(dialog) {}
 
   // Restarts contourd with this configuration: by systemd if the file is the service's, else by asking the
   // user. Returns true once a new contourd with this printer name answers, and false if the user skips that.
@@ -46,7 +46,7 @@ class SetupDaemon {
   bool answers_as(const std::string& name);
 
   const ClientOptions& client_;
-  SetupDialog& dialog_;
+  Dialog& dialog_;
 };
 
 }  // namespace contourd::ctl

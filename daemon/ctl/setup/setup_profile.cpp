@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/contract/expects.hpp"
+#include "daemon/ctl/terminal/dialog.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/contract/expects.hpp"
+#include "daemon/ctl/terminal/dialog.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/system/readable.hpp"
 #include "hw/gpio/gpio_axis_config.hpp"
@@ -478,6 +479,14 @@ std::vector<Question> all_questions() {
 }
 
 }  // namespace
+
+double number_in(const Answers& answers, const std::string& key) {
+  const auto answer = answers.find(key);
+  expects(answer != answers.end(), "the question has been answered");
+  const std::optional<double> number = number_of(answer->second);
+  expects(number.has_value(), "the answer is a number");
+  return *number;
+}
 
 std::span<const Question> questions() {
   static const std::vector<Question> all = all_questions();

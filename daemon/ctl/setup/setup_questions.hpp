@@ -9,9 +9,15 @@
 #include <string_view>
 
 #include "daemon/ctl/setup/machine_devices.hpp"
-#include "daemon/ctl/setup/setup_answers.hpp"
 
 namespace contourd::ctl {
+
+// The user's answers, by the keys of their questions. Valid answers have the form that Question::take()
+// returns.
+using Answers = std::map<std::string, std::string>;
+
+// Returns the answer as a number. REQUIRES: the question has been answered with a number.
+[[nodiscard]] double number_in(const Answers& answers, const std::string& key);
 
 // The facts that are known when a question is asked.
 struct SetupFacts {

@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "daemon/ctl/setup/setup_questions.hpp"
 #include "daemon/json/json_document.hpp"
 #include "daemon/system/durable_file.hpp"
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "daemon/ctl/setup/setup_answers.hpp"
+#include "daemon/ctl/setup/setup_questions.hpp"
 
 namespace contourd::ctl {
 

@@ -9,18 +9,21 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
+#include <deque>
+#include <fstream>
 #include <memory>
 #include <span>
 #include <system_error>
 
+#include "core/contract/expects.hpp"
 #include "core/formats/model_reader.hpp"
 #include "daemon/ctl/submit/foreign_folder.hpp"
 #include "daemon/ctl/submit/spool_submission.hpp"
 #include "daemon/ctl/submit/submit_command.hpp"
-#include "daemon/ctl/submit/taken_files.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/json/json_document.hpp"
 #include "daemon/system/base64.hpp"
+#include "daemon/system/durable_file.hpp"
 #include "daemon/system/readable.hpp"
 #include "daemon/system/regular_file.hpp"
 
@@ -75,6 +78,38 @@ void look_at(const FileDescriptor& model, std::uint64_t bytes, const std::string
   (void)outline_of_model(file.get(), bytes, path);
   if (::lseek(model.get(), 0, SEEK_SET) != 0) throw std::system_error(errno, std::generic_category());
 }
+
+// The record of files that were taken from USB sticks: a text file with one mark per line, the latest last.
+// The oldest marks are dropped.
+class TakenFiles {
+ public:
+  // Reads the file; a file that cannot be read counts as empty.
+  explicit TakenFiles(const fs::path& path) : path_(fs::absolute(path)) {
+    std::ifstream file(path_);
+    for (std::string line; marks_.size() < kMost && std::getline(file, line);)
+      marks_.push_back(line);
+  }
+
+  [[nodiscard]] bool contains(const std::string& mark) const {
+    return std::ranges::find(marks_, mark) != marks_.end();
+  }
+  // Adds a mark and writes the file to disk. Throws std::system_error. REQUIRES: the mark has no line break.
+  void add(const std::string& mark) {
+    expects(mark.find('\n') == std::string::npos, "a mark is one line");
+    marks_.push_back(mark);
+    if (marks_.size() > kMost) marks_.pop_front();
+    std::string text;
+    for (const std::string& each : marks_)
+      text += each + '\n';
+    write_durably(path_, text);
+  }
+
+ private:
+  static constexpr std::size_t kMost = 5'000;
+
+  fs::path path_;
+  std::deque<std::string> marks_;
+};
 
 class Offer {
  public:

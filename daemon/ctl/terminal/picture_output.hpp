@@ -20,8 +20,7 @@ struct NotedPicture {
 // terminal. Throws OutputError and UsageError.
 void check_picture_output(const std::optional<std::filesystem::path>& output);
 
-// Writes or draws the picture; a file appears completely or not at all. Throws OutputError, and the
-// exceptions of find_picture_terminal().
+// Writes or draws the picture; a file appears completely or not at all. Throws OutputError.
 void put_out(const NotedPicture& picture, const std::optional<std::filesystem::path>& output);
 
 }  // namespace contourd::ctl

@@ -1,12 +1,7 @@
-// The terminal in which contourctl runs: its properties, its size, single keys, and signals while its modes
-// are changed.
+// The terminal in which contourctl runs: its properties, its size, and signals while its modes are changed.
 #pragma once
 
-#include <termios.h>
-
 #include <csignal>
-#include <optional>
-#include <string>
 #include <string_view>
 
 #include "hw/file_descriptor.hpp"
@@ -51,38 +46,6 @@ class HeldSignals {
  private:
   FileDescriptor waiting_;
   sigset_t before_{};
-};
-
-// A key: a character, or an arrow.
-enum class Arrow { Up, Down };
-struct Key {
-  char character = 0;  // 0: an arrow, or a key that has no meaning here
-  std::optional<Arrow> arrow;
-};
-
-// Removes the first key from the bytes that a terminal sent, and returns it. Returns nullopt if there is
-// none.
-[[nodiscard]] std::optional<Key> take_key(std::string_view& sent);
-
-// During its lifetime, standard input delivers each key at once, without echo, and Ctrl-C as a character.
-// SIGTERM, SIGHUP and SIGINT set ended() instead of ending the program, so that the destructor can restore
-// the terminal. At most one object at a time. Throws UsageError if standard input or output is not a
-// terminal; `what` begins the message.
-class KeyInput {
- public:
-  explicit KeyInput(std::string_view what);
-  ~KeyInput();
-  KeyInput(const KeyInput&) = delete;
-  KeyInput& operator=(const KeyInput&) = delete;
-
-  // Waits for keys or until `other` is readable. Returns the typed bytes, possibly none.
-  [[nodiscard]] std::string wait(int other);
-  // True after a signal, or if the terminal is gone.
-  [[nodiscard]] bool ended() const;
-
- private:
-  termios before_{};
-  bool closed_ = false;
 };
 
 }  // namespace contourd::ctl

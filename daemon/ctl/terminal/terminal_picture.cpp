@@ -2,23 +2,16 @@
 
 #include <fmt/format.h>
 #include <poll.h>
-#include <sixel.h>
 #include <sys/ioctl.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <bitset>
 #include <cerrno>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <memory>
-#include <new>
-#include <stdexcept>
 #include <vector>
 
 #include "core/contract/expects.hpp"
@@ -28,102 +21,8 @@
 namespace contourd::ctl {
 namespace {
 
-using SteadyClock = std::chrono::steady_clock;
-
-// --- properties of the terminal
-
-constexpr auto kLongestAnswer = std::chrono::seconds(1);
-constexpr std::size_t kMostSent = 4096;
 constexpr int kFewestRows = 6;
-constexpr int kMostColumns = 1000, kMostRows = 500, kLargestCell = 100;
-
-// True if both are the same terminal, even if one of them was opened as /dev/tty.
-bool is_one_terminal(int one, int other) {
-  unsigned one_device = 0, other_device = 0;
-  return ::ioctl(one, TIOCGDEV, &one_device) == 0 && ::ioctl(other, TIOCGDEV, &other_device) == 0 &&
-         one_device == other_device;
-}
-
-// During its lifetime, standard input delivers each byte at once, without echo.
-class RawInput {
- public:
-  RawInput() : valid_(::tcgetattr(STDIN_FILENO, &before_) == 0) {
-    if (!valid_) return;
-    termios raw = before_;
-    raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-    raw.c_cc[VMIN] = 0;
-    raw.c_cc[VTIME] = 0;
-    valid_ = ::tcsetattr(STDIN_FILENO, TCSANOW, &raw) == 0;
-  }
-  ~RawInput() {
-    if (valid_) (void)::tcsetattr(STDIN_FILENO, TCSANOW, &before_);
-  }
-  RawInput(const RawInput&) = delete;
-  RawInput& operator=(const RawInput&) = delete;
-
-  [[nodiscard]] bool valid() const { return valid_; }
-
- private:
-  termios before_{};
-  bool valid_;
-};
-
-enum class Waited { Ready, Late, Signal };
-
-// Waits until the descriptor is ready or a signal is pending; at most until the deadline if there is one.
-Waited wait_for(int descriptor, short event, const HeldSignals& signals,
-                std::optional<SteadyClock::time_point> deadline = std::nullopt) {
-  std::array polled{pollfd{descriptor, event, 0}, pollfd{signals.descriptor(), POLLIN, 0}};
-  int milliseconds = -1;
-  if (deadline) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(*deadline - SteadyClock::now()).count();
-    milliseconds = static_cast<int>(std::max<decltype(left)>(left, 0));
-  }
-  if (::poll(polled.data(), polled.size(), milliseconds) <= 0) return Waited::Late;
-  return polled[1].revents != 0 ? Waited::Signal : Waited::Ready;
-}
-
-bool is_typed_ahead() {
-  pollfd keys{STDIN_FILENO, POLLIN, 0};
-  return ::poll(&keys, 1, 0) != 0;
-}
-
-// Reads the terminal's answer byte by byte, so that keys typed after the answer stay unread.
-std::optional<bool> read_answer(const HeldSignals& signals, SteadyClock::time_point deadline) {
-  std::string sent;
-  while (sent.size() < kMostSent && wait_for(STDIN_FILENO, POLLIN, signals, deadline) == Waited::Ready) {
-    char byte = 0;
-    if (::read(STDIN_FILENO, &byte, 1) != 1) break;
-    sent += byte;
-    if (byte != 'c') continue;
-    if (const std::optional<bool> answer = sixels_in_answer(sent)) return answer;
-  }
-  return std::nullopt;
-}
-
-bool has_sixels() {
-  constexpr std::string_view kPrimaryDeviceAttributes = "\x1B[c";
-  if (!is_one_terminal(STDIN_FILENO, STDOUT_FILENO) || !in_foreground()) return false;
-  const FileDescriptor out = open_output_without_waiting();
-  if (!out.valid()) return false;
-  const HeldSignals signals;
-  const RawInput input;
-  if (!input.valid() || is_typed_ahead()) return false;
-  const auto deadline = SteadyClock::now() + kLongestAnswer;
-  if (wait_for(out.get(), POLLOUT, signals, deadline) != Waited::Ready) return false;
-  if (::write(out.get(), kPrimaryDeviceAttributes.data(), kPrimaryDeviceAttributes.size()) !=
-      static_cast<ssize_t>(kPrimaryDeviceAttributes.size()))
-    return false;
-  const std::optional<bool> answer = read_answer(signals, deadline);
-  // Discards an incomplete answer, so that no other program reads it as input.
-  if (!answer) (void)::tcflush(STDIN_FILENO, TCIFLUSH);
-  return answer.value_or(false);
-}
-
-PictureInk ink_of_terminal() {
-  if (!knows_sequences() || !wants_colors()) return PictureInk::Characters;
-  return has_sixels() ? PictureInk::Sixels : line_ink();
-}
+constexpr int kMostColumns = 1000, kMostRows = 500;
 
 // --- light
 
@@ -204,22 +103,11 @@ class Resampler {
 
 // --- size
 
-struct Size {
-  double width = 0, height = 0;
-};
-
-// Returns the room in square pixels. A character is twice as high as wide.
-Size room_on(const PictureTerminal& terminal) {
-  if (terminal.ink == PictureInk::Sixels)
-    return {static_cast<double>(terminal.columns) * terminal.cell_width,
-            static_cast<double>(terminal.rows) * terminal.cell_height};
-  return {static_cast<double>(terminal.columns), 2.0 * terminal.rows};
-}
-
 // Returns the largest scale that fits. Above 1 it is a whole number, so that all pixels get the same size.
 double scale_of(const MaskArea& area, const PictureTerminal& terminal) {
-  const Size room = room_on(terminal);
-  const double scale = std::min(room.width / area.width, room.height / area.height);
+  // A character is twice as high as wide.
+  const double width = terminal.columns, height = 2.0 * terminal.rows;
+  const double scale = std::min(width / area.width, height / area.height);
   return scale > 1 ? std::floor(scale) : scale;
 }
 
@@ -290,52 +178,6 @@ std::string draw_half_blocks(const Raster& raster, PictureInk ink) {
   return text;
 }
 
-template <auto release>
-struct Release {
-  template <typename Object>
-  void operator()(Object* object) const {
-    release(object);
-  }
-};
-
-void require_sixels(SIXELSTATUS status) {
-  if (SIXEL_FAILED(status))
-    throw std::runtime_error(fmt::format("cannot encode sixels: {}", sixel_helper_format_error(status)));
-}
-
-// Draws sixels, with the greys that occur as the palette.
-std::string draw_sixels(Raster raster) {
-  std::bitset<256> used;
-  for (const std::uint8_t grey : raster.greys)
-    used.set(grey);
-  std::array<std::uint8_t, 256> number{};
-  std::vector<std::uint8_t> palette;
-  for (std::size_t grey = 0; grey < used.size(); ++grey) {
-    if (!used[grey]) continue;
-    number[grey] = static_cast<std::uint8_t>(palette.size() / 3);
-    palette.insert(palette.end(), 3, static_cast<std::uint8_t>(grey));
-  }
-  for (std::uint8_t& grey : raster.greys)
-    grey = number[grey];
-  std::string text;
-  const auto take = [](char* data, int size, void* to) {
-    static_cast<std::string*>(to)->append(data, static_cast<std::size_t>(size));
-    return size;
-  };
-  sixel_output_t* made_output = nullptr;
-  require_sixels(sixel_output_new(&made_output, take, &text, nullptr));
-  const std::unique_ptr<sixel_output_t, Release<sixel_output_unref>> output(made_output);
-  sixel_dither_t* made_colors = nullptr;
-  require_sixels(sixel_dither_new(&made_colors, static_cast<int>(palette.size() / 3), nullptr));
-  const std::unique_ptr<sixel_dither_t, Release<sixel_dither_unref>> colors(made_colors);
-  sixel_dither_set_palette(colors.get(), palette.data());
-  sixel_dither_set_pixelformat(colors.get(), SIXEL_PIXELFORMAT_PAL8);
-  constexpr int kUnusedDepth = 8;
-  require_sixels(sixel_encode(raster.greys.data(), raster.width, raster.height, kUnusedDepth, colors.get(),
-                              output.get()));
-  return text + '\n';
-}
-
 // --- standard output
 
 [[noreturn]] void fail_to_write(int error) {
@@ -344,18 +186,18 @@ std::string draw_sixels(Raster raster) {
 
 // Ends an incomplete picture. Waits at most 500 ms for the terminal.
 void end_drawing(int out) {
-  // Ends a device control string and resets colours.
-  constexpr std::string_view kBackToText = "\x1B\\\x1B[0m\n";
+  constexpr std::string_view kPlainLine = "\x1B[0m\n";
   constexpr int kPatienceMs = 500;
   pollfd room{out, POLLOUT, 0};
-  if (::poll(&room, 1, kPatienceMs) > 0) (void)!::write(out, kBackToText.data(), kBackToText.size());
+  if (::poll(&room, 1, kPatienceMs) > 0) (void)!::write(out, kPlainLine.data(), kPlainLine.size());
 }
 
 // Writes the picture. Returns false if a signal came meanwhile.
 bool write_unless_interrupted(int out, std::string_view picture) {
   const HeldSignals signals;
   while (!picture.empty()) {
-    if (wait_for(out, POLLOUT, signals) == Waited::Signal) {
+    std::array polled{pollfd{out, POLLOUT, 0}, pollfd{signals.descriptor(), POLLIN, 0}};
+    if (::poll(polled.data(), polled.size(), -1) > 0 && polled[1].revents != 0) {
       end_drawing(out);
       return false;
     }
@@ -368,7 +210,7 @@ bool write_unless_interrupted(int out, std::string_view picture) {
 
 }  // namespace
 
-PictureInk line_ink() {
+PictureInk picture_ink() {
   if (!knows_sequences() || !wants_colors()) return PictureInk::Characters;
   const char* const colors = std::getenv("COLORTERM");
   const std::string_view word = colors != nullptr ? colors : "";
@@ -377,40 +219,18 @@ PictureInk line_ink() {
 
 PictureTerminal find_picture_terminal() {
   PictureTerminal terminal;
-  terminal.ink = ink_of_terminal();
+  terminal.ink = picture_ink();
   winsize size{};
   if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0 || size.ws_row == 0) return terminal;
   terminal.columns = std::min<int>(size.ws_col, kMostColumns);
   constexpr int kPrompt = 1;  // row for the shell's prompt
   terminal.rows = std::clamp(size.ws_row - kPrompt, kFewestRows, kMostRows);
-  if (size.ws_xpixel >= size.ws_col && size.ws_ypixel >= size.ws_row) {
-    terminal.cell_width = std::min(size.ws_xpixel / size.ws_col, kLargestCell);
-    terminal.cell_height = std::min(size.ws_ypixel / size.ws_row, kLargestCell);
-  }
   return terminal;
 }
 
 void leave_lines(PictureTerminal& terminal, std::size_t lines) {
   const auto some = static_cast<int>(std::min<std::size_t>(lines, kMostRows));
   terminal.rows = std::max(terminal.rows - some, kFewestRows);
-}
-
-std::optional<bool> sixels_in_answer(std::string_view sent) {
-  constexpr std::string_view kBegin = "\x1B[?", kSixels = "4";
-  for (std::size_t at = sent.find(kBegin); at != std::string_view::npos; at = sent.find(kBegin, at + 1)) {
-    std::string_view answer = sent.substr(at + kBegin.size());
-    const std::size_t end = answer.find_first_not_of("0123456789;");
-    if (end == std::string_view::npos || answer[end] != 'c') continue;
-    answer = answer.substr(0, end);
-    // The first number is the terminal's class (4 would be a VT132), so it is skipped.
-    bool found = false;
-    for (std::size_t next = answer.find(';'); next != std::string_view::npos; next = answer.find(';')) {
-      answer.remove_prefix(next + 1);
-      found = found || answer.substr(0, answer.find(';')) == kSixels;
-    }
-    return found;
-  }
-  return std::nullopt;
 }
 
 MaskArea whole_of(const Mask& mask) {
@@ -452,17 +272,9 @@ std::string draw_picture(const Mask& mask, const MaskArea& area, const PictureTe
               area.width <= mask.width().count() - area.left &&
               area.height <= mask.height().count() - area.top,
           "the area is inside the mask and has pixels");
-  Raster raster = scaled_for(mask, area, terminal);
-  switch (terminal.ink) {
-    case PictureInk::Sixels:
-      return draw_sixels(std::move(raster));
-    case PictureInk::TrueColor:
-    case PictureInk::Greys:
-      return draw_half_blocks(raster, terminal.ink);
-    case PictureInk::Characters:
-      break;
-  }
-  return draw_characters(raster);
+  const Raster raster = scaled_for(mask, area, terminal);
+  return terminal.ink == PictureInk::Characters ? draw_characters(raster)
+                                                : draw_half_blocks(raster, terminal.ink);
 }
 
 void print_picture(std::string_view picture) {

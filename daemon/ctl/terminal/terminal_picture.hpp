@@ -1,10 +1,9 @@
-// Draws a mask or another grey picture in a terminal, by the best means that the terminal supports. Greys are
+// Draws a mask or another grey picture in a terminal, as half blocks: two pixels per character. Greys are
 // sRGB values: a smaller picture averages linear light. Not thread-safe.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -13,7 +12,6 @@
 namespace contourd::ctl {
 
 enum class PictureInk {
-  Sixels,      // pixels, in up to 256 greys
   TrueColor,   // two pixels per character, in 256 greys
   Greys,       // two pixels per character, in the 26 greys of a terminal with 256 colours
   Characters,  // one pixel per character of matching density; no control sequences
@@ -22,22 +20,15 @@ enum class PictureInk {
 // Properties of a terminal. Sizes are limited to plausible values, whatever the terminal reports.
 struct PictureTerminal {
   PictureInk ink = PictureInk::Characters;
-  int columns = 80, rows = 40;            // room for the picture
-  int cell_width = 10, cell_height = 20;  // pixels of a character, for sixels
+  int columns = 80, rows = 40;  // room for the picture
 };
 
-// Returns the properties of standard output's terminal. If standard input is the same terminal, asks it
-// whether it supports sixels, which takes a second if it does not answer; earlier input stays unread. The
-// terminal's modes are restored, even if a signal ends the program meanwhile. Throws std::system_error.
+// Returns the ink that standard output's terminal supports, according to TERM, COLORTERM and NO_COLOR.
+[[nodiscard]] PictureInk picture_ink();
+// Returns the properties of standard output's terminal.
 [[nodiscard]] PictureTerminal find_picture_terminal();
-// Returns the best ink for a view that consists of lines: no sixels. Does not query the terminal.
-[[nodiscard]] PictureInk line_ink();
 // Reserves lines for text above the picture, but leaves a minimum for the picture.
 void leave_lines(PictureTerminal& terminal, std::size_t lines);
-
-// Finds a terminal's answer to Primary Device Attributes (DA1) in the bytes that it sent. Returns true if the
-// answer includes sixels, and nullopt if there is no complete answer yet.
-[[nodiscard]] std::optional<bool> sixels_in_answer(std::string_view sent);
 
 // A part of a mask, in pixels.
 struct MaskArea {
@@ -53,13 +44,12 @@ struct MaskArea {
 [[nodiscard]] MaskArea area_to_show(const Mask& mask, const PictureTerminal& terminal);
 
 // Draws the area as large as the terminal allows; enlarges only by whole factors. Returns complete lines.
-// Throws std::runtime_error if sixels cannot be encoded. REQUIRES: the area is inside the mask and has
-// pixels.
+// REQUIRES: the area is inside the mask and has pixels.
 [[nodiscard]] std::string draw_picture(const Mask& mask, const MaskArea& area,
                                        const PictureTerminal& terminal);
 
 // Prints the picture to standard output. If a signal ends or stops the program meanwhile, the terminal is
-// first switched back to text; after a stop, the picture is drawn again. Throws OutputError.
+// first reset to plain text; after a stop, the picture is drawn again. Throws OutputError.
 void print_picture(std::string_view picture);
 
 }  // namespace contourd::ctl

@@ -193,7 +193,7 @@ class ScreenWatch {
   WatchEnd& end_;
   std::unique_ptr<DaemonConnection> connection_;  // null: lost
   WatchedPrinter printer_;
-  WatchedMask mask_{line_ink()};
+  WatchedMask mask_{picture_ink()};
   Json last_job_;
   std::string why_lost_;
   SteadyClock::time_point lost_at_{}, status_at_ = SteadyClock::now();

@@ -1,6 +1,5 @@
 // Checks that the headers of core/image enforce their requirements.
 
-#include "core/image/part_picture.hpp"
 #include "core/image/run_deflater.hpp"
 #include "core/image/thumbnail.hpp"
 #include "tests/broken_contract.hpp"
@@ -33,20 +32,4 @@ TEST_CASE("A thumbnail needs a box within the mask") {
   CHECK(broken({3, 0, 3, 5}, 5) == outside);
   CHECK(broken({0, 0, 10, 5}, 0) == "a thumbnail has pixels");
   CHECK(broken({0, 0, 10, 5}, 1).empty());
-}
-
-TEST_CASE("A picture of a part takes only masks of its box' size, and no more than masks()") {
-  const auto made = [](const PartPicture::Box& box, std::int32_t side) {
-    return contract_broken_by([&] { (void)PartPicture(box, Pixels{side}); });
-  };
-  CHECK(made({Pixels{0}, Pixels{1}, 1}, 9) == "the box holds something");
-  CHECK(made({Pixels{1}, Pixels{1}, 0}, 9) == "the box holds something");
-  CHECK(made({Pixels{1}, Pixels{1}, 1}, 0) == "a picture has pixels");
-  PartPicture picture({Pixels{3}, Pixels{4}, 1}, Pixels{9});
-  CHECK(contract_broken_by([&] { picture.add(Mask(Pixels{4}, Pixels{3})); }) ==
-        "the mask is as large as the box");
-  while (picture.next_height() < 1)
-    picture.add(Mask(Pixels{3}, Pixels{4}));
-  CHECK(contract_broken_by([&] { picture.add(Mask(Pixels{3}, Pixels{4})); }) ==
-        "there are at most masks() of them");
 }

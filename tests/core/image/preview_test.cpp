@@ -131,14 +131,33 @@ TEST_CASE("A turned facet is as bright as a sound one") {
 TEST_CASE("A preview of moved parts equals one of the model they form together") {
   const models::Facets cube = models::box({10, 10, 10}, {12, 12, 12}),
                        post = models::box({-7, 0, -3}, {-6, 1, 1});
-  const PreviewPart parts[]{{cube, -11, -11, -10}, {post, 10.5, 1.5, 3}, {cube, -7, -11, -10}};
+  const PreviewPart parts[]{{cube, {-11, -11, -10}}, {post, {10.5, 1.5, 3}}, {cube, {-7, -11, -10}}};
   models::Facets together = models::box({-1, -1, 0}, {1, 1, 2});
   for (const auto& more : {models::box({3.5F, 1.5F, 0}, {4.5F, 2.5F, 4}), models::box({3, -1, 0}, {5, 1, 2})})
     together.insert(together.end(), more.begin(), more.end());
   for (const double top : {0.0, 1.5, 4.0}) {
     const Mask expected = render_preview(together, Millimeters{top}, Pixels{120}, Pixels{90});
-    CHECK(render_preview(parts, Millimeters{top}, Pixels{120}, Pixels{90}) == expected);
+    CHECK(render_preview(parts, Millimeters{top}, Pixels{120}, Pixels{90}).picture == expected);
     CHECK((expected.lit_pixels() > 0) == true);
+  }
+}
+
+TEST_CASE("A place of a moved part is found where it is drawn, and pixels of supports have odd values") {
+  const models::Facets box = models::box({0, 0, 0}, {3, 2, 1});
+  const PreviewPart parts[]{{box, {10, 20, 5}}, {box, {10, 20, 2}, true}};
+  for (const int height : {120, 40}) {
+    const Preview preview = render_preview(parts, kAll, Pixels{150}, Pixels{height});
+    // The outline's leftmost, lowest and rightmost corners: of both boxes, of the support, of both.
+    const Extent extent = lit_extent(preview.picture);
+    CHECK(std::abs(preview.at({10, 20, 2}).x - extent.left) <= 1);
+    CHECK(std::abs(preview.at({13, 20, 2}).y - (extent.bottom + 1)) <= 1);
+    CHECK(std::abs(preview.at({13, 22, 5}).x - (extent.right + 1)) <= 1);
+    CHECK(std::abs(preview.at({10, 22, 6}).y - extent.top) <= 1);
+    const double middle = preview.at({10, 20, 4}).y;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < 150; ++x)
+        if (const int grey = grey_at(preview.picture, x, y); grey != 0 && std::abs(x - extent.left) < 2)
+          CHECK((grey % 2 == 1) == (y > middle));
   }
 }
 

@@ -1,5 +1,6 @@
 #include "daemon/jobs/print_archivist.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -74,9 +75,9 @@ TEST_CASE("A finished print is in done/ with its report, page and picture") {
 
 TEST_CASE("The picture shows the printed part of a model at the model's height above the plate") {
   // Ten layers, up to 1 mm above the plate: the whole model if it stands on the plate.
-  const auto lit_in_picture = [](Elevation elevation) {
+  const auto brightest_in_picture = [](Elevation elevation) {
     ArchivistFixture fixture;
-    EndedPrint print = fixture.ended(PrintOutcome::Done, "", elevation);
+    EndedPrint print = fixture.ended(PrintOutcome::Canceled, "", elevation);
     for (int i = 0; i < 10; ++i) {
       LayerRecord& layer = print.report.layers.emplace_back();
       layer.layer = i;
@@ -86,11 +87,12 @@ TEST_CASE("The picture shows the printed part of a model at the model's height a
       layer.complete = true;
     }
     CHECK(fixture.file(std::move(print)).troubles.empty());
-    return read_png(fixture.folder.path() / "spool/done/part.preview.png").lit_pixels();
+    const Mask picture = read_png(fixture.folder.path() / "spool/failed/part.preview.png");
+    return int{*std::ranges::max_element(picture.pixels())};
   };
-  CHECK(lit_in_picture({}) > 0);
-  CHECK(lit_in_picture(Elevation(Nanometers{500'000})) > 0);
-  CHECK(lit_in_picture(Elevation(Nanometers{1'100'000})) == 0);
+  CHECK(brightest_in_picture({}) > 150);
+  CHECK(brightest_in_picture(Elevation(Nanometers{500'000})) > 150);
+  CHECK(brightest_in_picture(Elevation(Nanometers{1'100'000})) < 100);  // all of it is faint
 }
 
 TEST_CASE("A failure to write the report is reported, and the job is filed without it") {

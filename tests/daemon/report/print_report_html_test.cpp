@@ -101,9 +101,9 @@ TEST_CASE("The page of a print with everything that can go wrong stays below the
   report.stops.interruptions.assign(PrintStops::kMost, {7, 1s, std::string(5000, '<')});
   report.stops.pauses.assign(PrintStops::kMost, {7, 1s, 1s});
   report.stops.more_pauses = 4000;
-  report.preview = PartPreview{
-      Pixels{720}, encode_png(noise(Pixels{720})),
-      std::vector<PartPreview::Contact>(kMostContacts, {{719.99, 719.99}, ContactCause::Overhang})};
+  report.preview =
+      JobPicture{Pixels{720}, encode_png(noise(Pixels{720})),
+                 std::vector<JobPicture::Contact>(kMostContacts, {{719.99, 719.99}, ContactCause::Overhang})};
   for (std::size_t i = 0; i < kMaxLayerPictures; ++i)
     report.layer_pictures.push_back(picture_of(static_cast<std::int32_t>(i), noise(kLayerPictureSide)));
   const std::string page = report_as_html(report);
@@ -117,7 +117,7 @@ TEST_CASE("The page of a print with everything that can go wrong stays below the
 
 TEST_CASE("The picture of a part shows the contacts of its supports with their causes") {
   PrintReport report = report_of(3);
-  report.preview = PartPreview{Pixels{720}, encode_png(noise(Pixels{720})), {}};
+  report.preview = JobPicture{Pixels{720}, encode_png(noise(Pixels{720})), {}};
   CHECK(testing::occurrences(report_as_html(report), "class=\"contacts\"") == 0);
   report.preview->contacts = {{{100.26, 200}, ContactCause::Island},
                               {{300, 400}, ContactCause::Peel},

@@ -1,5 +1,6 @@
 #include "daemon/ctl/setup/setup_questions.hpp"
 
+#include "daemon/ctl/terminal/dialog.hpp"
 #include "tests/catch.hpp"
 
 using namespace contourd::ctl;

@@ -161,18 +161,6 @@ TEST_CASE("A small picture is enlarged by whole factors") {
                                  "    \u2588\u2588\u2588\u2588", "    \u2588\u2588\u2588\u2588"});
 }
 
-TEST_CASE("Sixels fill the room, with a palette of the greys that occur") {
-  const std::string text = drawn({{0, 255}, {128, 255}}, PictureInk::Sixels, 1, 1);
-  CHECK(text.starts_with(
-      "\x1BPq\"1;1;10;10#0;2;0;0;0#1;2;50;50;50#2;2;100;100;100#"));  // five times, 10x20 a cell
-  CHECK(text.ends_with("\x1B\\\n"));
-  const Mask mask = picture_with(1920, 1080, {10, 10, 500, 500});
-  PictureTerminal terminal = terminal_of(PictureInk::Sixels, 80, 24);
-  CHECK(draw_picture(mask, whole_of(mask), terminal).starts_with("\x1BPq\"1;1;800;450#"));
-  terminal.cell_width = 7;
-  CHECK(draw_picture(mask, {0, 0, 1080, 1080}, terminal).starts_with("\x1BPq\"1;1;480;480#"));
-}
-
 TEST_CASE("The lit area is shown with a margin if this makes it larger") {
   const PictureTerminal terminal = terminal_of(PictureInk::Characters, 80, 40);
   CHECK(area_to_show(picture_with(1920, 1080, {900, 500, 100, 50}), terminal) == MaskArea{893, 493, 114, 64});
@@ -204,22 +192,6 @@ TEST_CASE("Text above a picture reduces its rows down to a minimum") {
   CHECK(terminal.rows == 20);
   leave_lines(terminal, 1'000'000'000);
   CHECK(terminal.rows == 6);
-}
-
-TEST_CASE("Support of sixels is read from a terminal's answer") {
-  CHECK(sixels_in_answer("\x1B[?62;4;22c") == true);
-  CHECK(sixels_in_answer("\x1B[?63;1;2;4c") == true);
-  CHECK(sixels_in_answer("\x1B[?1;2c") == false);
-  CHECK(sixels_in_answer("\x1B[?6c") == false);
-  CHECK(sixels_in_answer("\x1B[?4;6c") == false);  // a VT132
-  CHECK(sixels_in_answer("\x1B[?62;14;44;40c") == false);
-  CHECK(sixels_in_answer("xy\x1B[A\x1B[?\x1B[?62;4c") == true);
-  CHECK(sixels_in_answer("\x1B[?62;4u\x1B[?1;2c") == false);  // the first is another answer
-  CHECK(sixels_in_answer("\x1B[?c") == false);
-  CHECK(sixels_in_answer("\x1B[?;;;4;c") == true);
-  for (const char* none :
-       {"", "c", "abc", "\x1B", "\x1B[?", "\x1B[?62;4", "\x1B[62;4c", "\x1B[>0;95;0c", "\x1B[?62 4c"})
-    CHECK_FALSE(sixels_in_answer(none));
 }
 
 TEST_CASE("A drawn area must be inside the mask and have pixels") {

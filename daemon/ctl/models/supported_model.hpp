@@ -11,28 +11,29 @@
 
 namespace contourd::ctl {
 
-struct HeldModel {
+struct SupportedModel {
   PlateModel model;                  // one copy
   std::optional<Supports> supports;  // nullopt: not wanted
 
   [[nodiscard]] ContourEngine engine(const EngineSettings& settings) const;
 };
 
-struct HoldingOptions {
+struct SupportingOptions {
   DisplayGeometry display;
   Nanometers layer{50'000};  // the model is lifted by whole layers
   SupportSettings settings{};
 };
 
 // Prepares a model with supports. Does not move it in x or y. Blocks: see make_supports().
-[[nodiscard]] HeldModel hold_model(std::shared_ptr<const HeightIndex> model, const HoldingOptions& options);
+[[nodiscard]] SupportedModel support_model(std::shared_ptr<const HeightIndex> model,
+                                           const SupportingOptions& options);
 // Prepares a model without supports.
-[[nodiscard]] HeldModel lay_on_plate(std::shared_ptr<const HeightIndex> model, const PixelMap& map);
+[[nodiscard]] SupportedModel lay_on_plate(std::shared_ptr<const HeightIndex> model, const PixelMap& map);
 
 // Scales the facets if there is a factor. Throws ModelError if coordinates leave the range of numbers.
 void scale_facets(std::vector<Facet>& facets, std::optional<double> factor);
 
 // Prints a warning about places that cannot be supported, if there are any.
-void warn_of_unheld(const HeldModel& model);
+void warn_of_unheld(const SupportedModel& model);
 
 }  // namespace contourd::ctl

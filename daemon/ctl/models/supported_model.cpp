@@ -1,4 +1,4 @@
-#include "daemon/ctl/models/held_model.hpp"
+#include "daemon/ctl/models/supported_model.hpp"
 
 #include <fmt/format.h>
 
@@ -13,24 +13,25 @@
 
 namespace contourd::ctl {
 
-ContourEngine HeldModel::engine(const EngineSettings& settings) const {
+ContourEngine SupportedModel::engine(const EngineSettings& settings) const {
   return {{model}, settings, supports ? supports->structure : nullptr};
 }
 
-HeldModel lay_on_plate(std::shared_ptr<const HeightIndex> model, const PixelMap& map) {
+SupportedModel lay_on_plate(std::shared_ptr<const HeightIndex> model, const PixelMap& map) {
   return {PlateModel{{std::move(model)}, {map}}, std::nullopt};
 }
 
-HeldModel hold_model(std::shared_ptr<const HeightIndex> model, const HoldingOptions& options) {
+SupportedModel support_model(std::shared_ptr<const HeightIndex> model, const SupportingOptions& options) {
   const PixelMap map = PixelMap::true_scale(options.display, model->bounds().center());
-  HeldModel held = lay_on_plate(std::move(model), map);
-  held.model.elevation = Elevation(support_lift(*held.model.model, options.settings, options.layer));
-  if (held.model.top() > kHighestSweep) {
+  SupportedModel supported = lay_on_plate(std::move(model), map);
+  supported.model.elevation =
+      Elevation(support_lift(*supported.model.model, options.settings, options.layer));
+  if (supported.model.top() > kHighestSweep) {
     throw ModelError(fmt::format("the model is {:.0f} mm high: supports are possible up to {:.0f} mm",
-                                 held.model.top().count(), kHighestSweep.count()));
+                                 supported.model.top().count(), kHighestSweep.count()));
   }
-  held.supports = make_supports({{held.model}, options.display, options.settings}).value();
-  return held;
+  supported.supports = make_supports({{supported.model}, options.display, options.settings}).value();
+  return supported;
 }
 
 void scale_facets(std::vector<Facet>& facets, std::optional<double> factor) {
@@ -43,7 +44,7 @@ void scale_facets(std::vector<Facet>& facets, std::optional<double> factor) {
     throw ModelError("the model is too large: its coordinates leave the range of numbers");
 }
 
-void warn_of_unheld(const HeldModel& model) {
+void warn_of_unheld(const SupportedModel& model) {
   if (!model.supports) return;
   if (const std::string sentence = unheld_sentence(model.supports->unheld); !sentence.empty())
     fmt::print(stderr, "contourctl: warning: {}\n", sentence);
