@@ -275,7 +275,7 @@ void PrinterService::handle_event(const MachineEvent& event) {
     context_.log.write(bad ? LogLevel::Warning : LogLevel::Info, "machine", printable(event.what));
   for (const std::string& warning : event.warnings)
     context_.log.warning("machine", printable(warning));
-  if (event.owner_decides) hold_.hold(event.what);
+  if (event.needs_user) hold_.hold(event.what);
   if (print.state() == PrintState::Idle) context_.supervisor.status(readiness());
   notify("machine", ControlServer::Delivery::Lossy);
   scheduler_.run_soon();
