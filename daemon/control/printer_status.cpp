@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "core/contract/expects.hpp"
-#include "daemon/prepare/overrides_text.hpp"
+#include "daemon/prepare/job_summary.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/spool/spool_folders.hpp"
 

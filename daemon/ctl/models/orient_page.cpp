@@ -53,7 +53,7 @@ std::string orientation_page(const std::string& name, const ModelOrientation& or
       "<title>{0}: orientations</title>\n<style>{1}{2}</style>\n<h1>{0}</h1>\n<p>{3}</p>\n<div "
       "class=\"ways\">\n",
       escaped(name), kPageStyle, kStyle, describe(orientation));
-  const std::span<const OrientationFigures> told = told_of(orientation.choice);
+  const std::span<const OrientationFigures> told = reported(orientation.choice);
   for (std::size_t i = 0; i < told.size(); ++i)
     html += figure(told[i], pictures[i], i == 0);
   return html + "</div>\n</html>\n";
