@@ -128,7 +128,7 @@ PrinterMetrics PrinterStatus::metrics() const {
                          .plate_occupied = parts_.hold.plate_occupant().has_value(),
                          .queued = parts_.queue.jobs().size(),
                          .ended = parts_.history.counts(),
-                         .lit = {},
+                         .lit = parts_.job.lit(),
                          .late_steps = context_.machine.z_axis().late_steps().count};
   if (parts_.job.job() != nullptr && print.state() != PrintState::Idle) {
     const JobSummary& summary = parts_.job.job()->prepared->summary;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tests/catch.hpp"
-#include "tests/daemon/jobs/small_display.hpp"
+#include "tests/daemon/print/box_print.hpp"
 #include "tests/models/models.hpp"
 
 using namespace contourd;
