@@ -19,7 +19,7 @@ struct MachineEvent {
   Kind kind = Kind::Fault;
   std::string what;  // one sentence, with the line, connector or port
   // True if the emergency stop was pressed or released: nothing moves until the user allows it.
-  bool owner_decides = false;
+  bool needs_user = false;
   // Problems of a device that has come back and works in spite of them, one sentence each.
   std::vector<std::string> warnings{};
 };

@@ -244,8 +244,8 @@ void SimulatedPrinter::on_event(std::function<void(const MachineEvent&)> call) {
   on_event_ = std::move(call);
 }
 
-void SimulatedPrinter::report(MachineEvent::Kind kind, const std::string& what, bool owner_decides) {
-  if (on_event_) on_event_({kind, what, owner_decides});
+void SimulatedPrinter::report(MachineEvent::Kind kind, const std::string& what, bool needs_user) {
+  if (on_event_) on_event_({kind, what, needs_user});
 }
 
 std::string SimulatedPrinter::why_not_ready() const {

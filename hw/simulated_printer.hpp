@@ -44,7 +44,7 @@ class SimulatedPrinter final : public Machine {
   class Screen;
   class Lamp;
 
-  void report(MachineEvent::Kind kind, const std::string& what, bool owner_decides = false);
+  void report(MachineEvent::Kind kind, const std::string& what, bool needs_user = false);
   void light_switched(bool on);
 
   Clock& clock_;

@@ -93,26 +93,26 @@ class PrinterMachine {
 };
 
 // Keeps the computer awake while a real machine prints.
-class PrintWake {
+class PrintWake final : private SleepingPrint {
  public:
   PrintWake(EventLoop& loop, Clock& clock, Machine& machine, PrinterService& service, const Log& log)
-      : login_(loop),
-        inhibitor_(login_, clock,
-                   {.interrupt =
-                        [&service] {
-                          service.handle_event({.kind = MachineEvent::Kind::Interlock,
-                                                .what = "the computer is about to be suspended"});
-                        },
-                    .dark = [&machine] { return machine.projector().light_off_unconfirmed().empty(); },
-                    .unguarded =
-                        [&log](const std::string& why) {
-                          log.info("machine", fmt::format("the computer may be suspended during a print: {}",
-                                                          printable(why)));
-                        }}) {
+      : machine_(machine), service_(service), log_(log), login_(loop), inhibitor_(login_, clock, *this) {
     service.on_printing([this](bool prints) { inhibitor_.hold(prints); });
   }
 
  private:
+  void interrupt() override {
+    service_.handle_event(
+        {.kind = MachineEvent::Kind::Interlock, .what = "the computer is about to be suspended"});
+  }
+  [[nodiscard]] bool dark() const override { return machine_.projector().light_off_unconfirmed().empty(); }
+  void unguarded(const std::string& why) override {
+    log_.info("machine", fmt::format("the computer may be suspended during a print: {}", printable(why)));
+  }
+
+  Machine& machine_;
+  PrinterService& service_;
+  const Log& log_;
   LoginBus login_;
   SleepInhibitor inhibitor_;
 };

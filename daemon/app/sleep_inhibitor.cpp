@@ -4,8 +4,8 @@
 
 namespace contourd {
 
-SleepInhibitor::SleepInhibitor(SleepAuthority& authority, Clock& clock, Print print)
-    : authority_(authority), clock_(clock), print_(std::move(print)) {
+SleepInhibitor::SleepInhibitor(SleepAuthority& authority, Clock& clock, SleepingPrint& print)
+    : authority_(authority), clock_(clock), print_(print) {
   authority_.on_sleep([this](bool asleep) {
     if (asleep) return sleep();
     look_.reset();

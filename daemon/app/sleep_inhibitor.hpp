@@ -33,15 +33,23 @@ class SleepAuthority {
   virtual void on_sleep(std::function<void(bool asleep)> call) = 0;
 };
 
+// The print that sleep would disturb.
+class SleepingPrint {
+ public:
+  virtual ~SleepingPrint() = default;
+
+  // Reports that the computer is about to sleep.
+  virtual void interrupt() = 0;
+  // True if no light is on.
+  [[nodiscard]] virtual bool dark() const = 0;
+  // Reports, once, that no lock is granted.
+  virtual void unguarded(const std::string& why) = 0;
+};
+
 class SleepInhibitor {
  public:
-  struct Print {
-    std::function<void()> interrupt;                    // called when the computer is about to sleep
-    std::function<bool()> dark;                         // returns true if no light is on
-    std::function<void(const std::string&)> unguarded;  // called once if no lock is granted, with the reason
-  };
-  // Authority and clock must outlive the inhibitor.
-  SleepInhibitor(SleepAuthority& authority, Clock& clock, Print print);
+  // All arguments must outlive the inhibitor.
+  SleepInhibitor(SleepAuthority& authority, Clock& clock, SleepingPrint& print);
 
   // Takes the locks if a print runs (`wanted`), else releases them.
   void hold(bool wanted);
@@ -57,9 +65,9 @@ class SleepInhibitor {
 
   SleepAuthority& authority_;
   Clock& clock_;
-  Print print_;
+  SleepingPrint& print_;
   bool wanted_ = false;
-  bool reported_ = false;  // `unguarded` was called
+  bool reported_ = false;  // unguarded() was called
   int pending_ = 0;        // requests without an answer yet
   FileDescriptor block_, delay_;
   std::unique_ptr<Timer> look_;

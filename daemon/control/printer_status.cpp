@@ -4,7 +4,7 @@
 #include <chrono>
 
 #include "core/contract/expects.hpp"
-#include "daemon/prepare/overrides_text.hpp"
+#include "daemon/prepare/job_summary.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/spool/spool_folders.hpp"
 
@@ -125,7 +125,7 @@ PrinterMetrics PrinterStatus::metrics() const {
                          .plate_occupied = parts_.hold.plate_occupant().has_value(),
                          .queued = parts_.queue.jobs().size(),
                          .ended = parts_.history.counts(),
-                         .lit = {},
+                         .lit = parts_.job.lit(),
                          .late_steps = context_.machine.z_axis().late_steps().count};
   if (parts_.job.job() != nullptr && print.under_way()) {
     const JobSummary& summary = parts_.job.job()->prepared->summary;

@@ -39,7 +39,6 @@ class PrinterStatus {
   PrinterStatus(const PrinterContext& context, const Parts& parts) : context_(context), parts_(parts) {}
 
   [[nodiscard]] Json status() const;
-  // Returns all metrics except `lit`.
   [[nodiscard]] PrinterMetrics metrics() const;
   // Returns the waiting jobs in their order, with the details of the first ones, or only of job `number`
   // (from 0), and the files that are still arriving. REQUIRES: there is a job with that number.

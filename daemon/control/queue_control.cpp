@@ -30,10 +30,10 @@ std::string job_of(const Json& given) {
 // Returns the place, counted from 0.
 std::size_t place_in(const Json& given) {
   const auto to = given.find("to");
-  if (to != given.end() && *to == "last") return PrintQueue::kMostInOrder;
-  if (to == given.end() || !to->is_number_integer() || *to < 1 || *to > PrintQueue::kMostInOrder)
+  if (to != given.end() && *to == "last") return PrintQueue::kMaxInOrder;
+  if (to == given.end() || !to->is_number_integer() || *to < 1 || *to > PrintQueue::kMaxInOrder)
     throw InvalidParameters(
-        fmt::format("to must be a place from 1 to {}, or \"last\"", PrintQueue::kMostInOrder));
+        fmt::format("to must be a place from 1 to {}, or \"last\"", PrintQueue::kMaxInOrder));
   return to->get<std::size_t>() - 1;
 }
 
@@ -71,9 +71,9 @@ Json QueueControl::remove(const Json& given, const ControlCaller& caller) {
 Json QueueControl::move(const Json& given) {
   const std::size_t from = number_of(job_of(given));
   const std::size_t to = std::min(place_in(given), queue_.jobs().size() - 1);
-  if (std::max(from, to) >= PrintQueue::kMostInOrder)
+  if (std::max(from, to) >= PrintQueue::kMaxInOrder)
     throw ControlRefusal(fmt::format("only the first {} jobs can be moved, and only among themselves",
-                                     PrintQueue::kMostInOrder));
+                                     PrintQueue::kMaxInOrder));
   queue_.move(std::string(queue_.jobs()[from].file), to);
   return status_.queue();
 }

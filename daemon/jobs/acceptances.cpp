@@ -19,7 +19,8 @@ void Acceptances::load(Lines lines) {
 void Acceptances::add(const std::string& content, const std::vector<std::string>& findings) {
   for (const std::string& finding : findings)
     if (!has(content, finding)) lines_.push_back(fmt::format("{} {}", content, finding));
-  if (lines_.size() > kMost) lines_.erase(lines_.begin(), lines_.end() - static_cast<std::ptrdiff_t>(kMost));
+  if (lines_.size() > kMaxLines)
+    lines_.erase(lines_.begin(), lines_.end() - static_cast<std::ptrdiff_t>(kMaxLines));
   keeper_.keep(lines_);
 }
 

@@ -3,9 +3,7 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "daemon/jobs/record_keeper.hpp"
@@ -16,9 +14,8 @@ namespace contourd {
 class Acceptances {
  public:
   using Lines = RecordKeeper::Lines;
-  // For `keep` and `failed` see RecordKeeper.
-  Acceptances(RecordKeeper::Keep keep, std::function<void(const std::string& trouble)> failed)
-      : keeper_(std::move(keep), std::move(failed)) {}
+  // Checks and log must outlive the acceptances.
+  Acceptances(JobChecks& checks, const Log& log) : keeper_(checks, JobChecks::Record::Accepted, log) {}
 
   // Restores the acceptances that the last process saved.
   void load(Lines lines);
@@ -30,7 +27,7 @@ class Acceptances {
   [[nodiscard]] bool has(const std::string& content, const std::string& finding) const;
 
   // Number of findings that are kept; the oldest are forgotten first.
-  static constexpr std::size_t kMost = 1'000;
+  static constexpr std::size_t kMaxLines = 1'000;
 
  private:
   RecordKeeper keeper_;

@@ -2,12 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <system_error>
 #include <utility>
 
 #include "core/contract/expects.hpp"
-#include "daemon/jobs/job_figures.hpp"
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/print/print_modes.hpp"
@@ -49,27 +50,71 @@ PrintReport report_of(CurrentJob::State& job) {
   return report;
 }
 
+// Returns the figures of a print under way. Its interruptions and late steps are known only at its end.
+JobFigures figures_of(const JobSummary& summary, const std::vector<LayerRecord>& layers,
+                      Duration print_time) {
+  JobFigures figures{.resin = summary.resin.name,
+                     .settings = describe_settings(summary),
+                     .warnings = summary.warnings,
+                     .height_mm = summary.height_mm,
+                     .layers = summary.layers.count,
+                     .layers_exposed = layers_exposed(layers),
+                     .print_time_s = in_seconds(print_time)};
+  Duration lit{}, asked{}, most_over{};
+  double volume_mm3 = 0;
+  for (const LayerRecord& layer : layers) {
+    lit += layer.exposure_most;
+    asked += layer.exposure_asked;
+    most_over = std::max(most_over, layer.exposure_most - layer.exposure_asked);
+    volume_mm3 += layer.area_mm2 * to_millimeters(layer.thickness).count();
+  }
+  constexpr double kMm3PerMl = 1000;
+  if (!layers.empty()) figures.layer_height_um = to_millimeters(layers.front().thickness).count() * 1000;
+  figures.lit_s = in_seconds(lit);
+  figures.light_asked_s = in_seconds(asked);
+  figures.most_light_over_ms = milliseconds(most_over);
+  figures.resin_ml = volume_mm3 / kMm3PerMl;
+  return figures;
+}
+
+// Returns the figures of a print that is over.
+JobFigures figures_of(const PrintReport& report) {
+  JobFigures figures = figures_of(report.summary, report.layers, report.print_time);
+  if (report.findings) {
+    for (const std::string& warning : warnings_about(*report.findings))
+      figures.warnings.push_back(warning);
+  }
+  figures.interruptions =
+      static_cast<std::int64_t>(report.stops.interruptions.size() + report.stops.more_interruptions);
+  figures.late_steps = static_cast<std::int64_t>(report.late_steps);
+  return figures;
+}
+
 }  // namespace
 
 CurrentJob::CurrentJob(const PrinterContext& context, Spool& spool, JobReader& reader, QueueHold& hold,
-                       JobObserver& observer)
+                       HistoryWorker& history, JobObserver& observer)
     : context_(context),
       spool_(spool),
       reader_(reader),
       hold_(hold),
+      history_(history),
       observer_(observer),
       log_(context.log),
       print_(make_print_mode(context.machine, context.clock, *this)),
       analyst_(context.loop),
-      archivist_(context.loop, spool) {}
+      archivist_(context.loop, spool) {
+  context_.loop.on_turn_over([this](const EventLoop::Turn& turn) {
+    if (print_->light_may_be_on()) add_lit_turn(turn);
+  });
+}
+
+CurrentJob::~CurrentJob() {
+  context_.loop.on_turn_over(nullptr);
+}
 
 bool CurrentJob::finishing() const {
   return job_ && job_->prepared && !print_->under_way();
-}
-
-JobFigures CurrentJob::figures() const {
-  expects(job_ && job_->record, "a print is under way");
-  return figures_of(job_->prepared->summary, job_->record->layers(), job_->record->elapsed());
 }
 
 void CurrentJob::add_lit_turn(const EventLoop::Turn& turn) {
@@ -81,6 +126,7 @@ void CurrentJob::add_lit_turn(const EventLoop::Turn& turn) {
 void CurrentJob::begin(ClaimedJob job) {
   expects(!job_, "there is no job yet");
   job_.emplace(std::move(job));
+  job_->key = history_.begin(name());
   read();
   // The program that copied the file may not have synced it, and after a power cut it would be empty. Synced
   // after the preparation, so that the first mask does not wait for the disk.
@@ -92,22 +138,19 @@ void CurrentJob::read() {
                [this](ReadJob result) { was_read(std::move(result)); });
 }
 
-bool CurrentJob::read_later(const JobRefusal& refusal) {
-  if (!refusal.for_now || job_->cancel_wanted || stopping_) return false;
-  if (++job_->readings >= kMaxReadings) return false;
-  read_timer_ =
-      context_.loop.at(std::chrono::steady_clock::now() + kReadingInterval, "a job's timer", [this] {
-        if (job_) read();
-      });
-  return true;
-}
-
 void CurrentJob::was_read(ReadJob result) {
+  const bool unwanted = job_->cancel_wanted || stopping_;
   if (const auto* refusal = std::get_if<JobRefusal>(&result)) {
-    if (!read_later(*refusal)) refuse("failed", refusal->reason);
+    if (unwanted || !refusal->for_now || ++job_->readings >= kMaxReadings)
+      return refuse("failed", refusal->reason);
+    // There was too little memory; more may be free soon.
+    const TimePoint later = std::chrono::steady_clock::now() + kReadingInterval;
+    read_timer_ = context_.loop.at(later, "a job's timer", [this] {
+      if (job_) read();
+    });
     return;
   }
-  if (job_->cancel_wanted || stopping_ || std::holds_alternative<ReadingGivenUp>(result))
+  if (unwanted || std::holds_alternative<ReadingGivenUp>(result))
     return refuse("cancelled", "cancelled before it started");
   auto& prepared = std::get<PreparedJob>(result);
   if (const std::string why = why_unheld(prepared); !why.empty() && !job_->claimed.unheld_accepted)
@@ -122,18 +165,14 @@ void CurrentJob::refuse(const std::string& outcome, const std::string& reason) {
   log_.refused(name, reason);
   file_job(spool_, context_.log, job_->claimed.files, Spool::Folder::Failed, reason + "\n");
   job_.reset();
-  observer_.job_ended({name, outcome, reason});
+  EndedJob ended{name, outcome, reason};
+  history_.end(ended);
+  observer_.job_ended(std::move(ended));
 }
 
 void CurrentJob::cancel() {
   expects(job_.has_value(), "there is a job");
-  if (job_->prepared)
-    print_->cancel();
-  else
-    give_up_reading();
-}
-
-void CurrentJob::give_up_reading() {
+  if (job_->prepared) return print_->cancel();
   job_->cancel_wanted = true;
   reader_.give_up_reading();
 }
@@ -146,6 +185,7 @@ void CurrentJob::stop(const std::string& reason) {
 void CurrentJob::give_back() {
   expects(job_ && !job_->record, "there is a job that has not begun");
   const std::string name = this->name();
+  history_.forget();
   try {
     spool_.give_back(job_->claimed.files);
     context_.log.info(
@@ -208,10 +248,12 @@ void CurrentJob::state_changed(const PrintState& state) {
 
 void CurrentJob::layer_done(const LayerRecord& layer) {
   job_->record->add(layer);
+  lit_ += layer.exposure_most;
   const JobSummary& summary = job_->prepared->summary;
   log_.layer(name(), summary, layer, context_.machine.display().frame());
   context_.supervisor.status(
       fmt::format("Printing {}, layer {} of {}", printable(name()), layer.layer + 1, summary.layers.count));
+  history_.note([&] { return figures_of(summary, job_->record->layers(), job_->record->elapsed()); });
   observer_.job_changed("layer");
 }
 
@@ -236,7 +278,7 @@ void CurrentJob::print_ended(PrintOutcome outcome, const std::string& reason, Pr
   report.outcome = outcome;
   report.reason = reason;
   log_.ended(report);
-  archivist_.record(name(), {outcome, reason, job_->claimed.key});
+  archivist_.record(name(), {outcome, reason, job_->key});
   job_->over = EndedPrint{job_->claimed.files, std::move(report), std::move(plan.engine)};
   // A fault of the machine would hit the next job too, which begins with a motion. A print that was stopped
   // with contourd has left its part in the way.
@@ -258,7 +300,7 @@ void CurrentJob::file() {
   print.report.findings = std::move(job_->findings);
   job_->ended = {name(), std::string(name_of(print.report.outcome)), print.report.reason, job_->analysis,
                  figures_of(print.report)};
-  print.noted = observer_.print_over(job_->ended);
+  print.noted = history_.end(job_->ended);
   archivist_.file(std::move(print), [this](const FiledPrint& done) { filed(done); });
 }
 
@@ -268,7 +310,6 @@ void CurrentJob::filed(const FiledPrint& print) {
     context_.log.error("spool", fmt::format("{}: {}", printable(name), printable(trouble)), job_fields(name));
   EndedJob ended = std::move(job_->ended);
   job_.reset();
-  observer_.memory_freed();
   if (!print.moved) hold_.add_unfiled(print.files, PrintEnd{print.outcome, print.reason});
   ended.reports = print.reports;
   observer_.job_ended(std::move(ended));

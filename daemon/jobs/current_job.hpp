@@ -1,23 +1,20 @@
 // The current job, from its claim to its end: has it read, printed and analyzed, records what happens to it,
-// and has it filed. Event loop's thread only.
-//
-// It has many functions: one for each step of a job.
+// also in the history, and has it filed. Event loop's thread only.
 #pragma once
 
-#include <future>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "core/contract/expects.hpp"
-#include "daemon/history/job_history.hpp"
-#include "daemon/jobs/claimed_job.hpp"
+#include "daemon/history/history_worker.hpp"
 #include "daemon/jobs/job_reader.hpp"
 #include "daemon/jobs/print_analyst.hpp"
 #include "daemon/jobs/print_archivist.hpp"
 #include "daemon/jobs/print_log.hpp"
 #include "daemon/jobs/printer_context.hpp"
+#include "daemon/jobs/printer_use.hpp"
 #include "daemon/jobs/queue_hold.hpp"
 #include "daemon/print/print_mode.hpp"
 #include "daemon/report/print_record.hpp"
@@ -29,9 +26,6 @@ namespace contourd {
 // called back from there.
 class JobObserver {
  public:
-  JobObserver() = default;
-  JobObserver(const JobObserver&) = delete;
-  JobObserver& operator=(const JobObserver&) = delete;
   virtual ~JobObserver() = default;
 
   // Reports a new state of the print, before anything else is done about it.
@@ -41,12 +35,7 @@ class JobObserver {
   // Reports that the light, which may have been on until now, is confirmed off; or that the print ends
   // without a confirmation.
   virtual void light_gone() = 0;
-  // Reports that a print's memory was freed.
-  virtual void memory_freed() = 0;
-  // Reports that the print is over, and sets the job's times. The filing of the job waits for a moment until
-  // the returned future is ready.
-  virtual std::shared_future<void> print_over(EndedJob& job) = 0;
-  // Reports that the job has ended and another may begin.
+  // Reports that the job has ended, its memory is freed, and another may begin.
   virtual void job_ended(EndedJob job) = 0;
   // Reports that a stop of contourd may have nothing more to wait for.
   virtual void may_stop() = 0;
@@ -58,8 +47,9 @@ class CurrentJob final : private PrintObserver {
     explicit State(ClaimedJob job) : claimed(std::move(job)) {}
 
     ClaimedJob claimed;
-    std::optional<PreparedJob> prepared;  // nullopt while it is being read; its plan moves to the print mode
-    std::optional<PrintRecord> record;    // nullopt before its print begins
+    std::int64_t key = 0;                   // in the history (EndedJob)
+    std::optional<PreparedJob> prepared;    // nullopt while it is being read; its plan moves to the print mode
+    std::optional<PrintRecord> record;      // nullopt before its print begins
     std::optional<PrintFindings> findings;  // nullopt while the analysis is under way
     nlohmann::ordered_json analysis;        // the findings in short; null while there are none
     std::optional<EndedPrint> over;         // set when the print is over, until its analysis is too
@@ -70,7 +60,8 @@ class CurrentJob final : private PrintObserver {
 
   // All arguments must outlive this object.
   CurrentJob(const PrinterContext& context, Spool& spool, JobReader& reader, QueueHold& hold,
-             JobObserver& observer);
+             HistoryWorker& history, JobObserver& observer);
+  ~CurrentJob() override;
 
   // Reads the job, then prints it. REQUIRES: there is no current job.
   void begin(ClaimedJob job);
@@ -83,11 +74,6 @@ class CurrentJob final : private PrintObserver {
   void give_back();
   // Files a print that is over and waits only for its analysis. Does nothing if there is none.
   void stop_analysis();
-  // Adds a turn of the loop during which the light was on; the report contains the longest.
-  void add_lit_turn(const EventLoop::Turn& turn);
-
-  // Returns what the print has used so far. REQUIRES: a print under way.
-  [[nodiscard]] JobFigures figures() const;
 
   // Returns the current job; nullptr if there is none.
   [[nodiscard]] const State* job() const { return job_ ? &*job_ : nullptr; }
@@ -98,6 +84,8 @@ class CurrentJob final : private PrintObserver {
   }
   // True if its print is over and not filed yet.
   [[nodiscard]] bool finishing() const;
+  // Returns an upper bound of the light in all prints so far.
+  [[nodiscard]] Duration lit() const { return lit_; }
   // True while the archivist files it.
   [[nodiscard]] bool is_being_filed() const { return archivist_.busy(); }
   [[nodiscard]] PrintMode& print() { return *print_; }
@@ -111,11 +99,9 @@ class CurrentJob final : private PrintObserver {
   void light_gone() override;
   void print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan plan) override;
 
+  // Adds a turn of the loop during which the light was on; the report contains the longest.
+  void add_lit_turn(const EventLoop::Turn& turn);
   void read();
-  void give_up_reading();
-  // Has the job read again soon if there was too little memory, which may be free by then; returns false
-  // otherwise.
-  [[nodiscard]] bool read_later(const JobRefusal& refusal);
   void was_read(ReadJob result);
   // Moves the job to failed/ and reports its end.
   void refuse(const std::string& outcome, const std::string& reason);
@@ -128,12 +114,14 @@ class CurrentJob final : private PrintObserver {
   Spool& spool_;
   JobReader& reader_;
   QueueHold& hold_;
+  HistoryWorker& history_;
   JobObserver& observer_;
   PrintLog log_;
   std::unique_ptr<PrintMode> print_;
   PrintAnalyst analyst_;
   PrintArchivist archivist_;
   std::optional<State> job_;
+  Duration lit_{};
   bool stopping_ = false;
   EventLoop::SourcePtr read_timer_;
 };

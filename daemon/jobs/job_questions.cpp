@@ -6,7 +6,6 @@
 #include <cctype>
 #include <utility>
 
-#include "core/contract/expects.hpp"
 #include "daemon/spool/spool_folders.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -29,28 +28,10 @@ std::string shell_word(const std::string& name) {
 
 }  // namespace
 
-JobQuestions::JobQuestions(const Log& log, Calls calls)
-    : calls_(std::move(calls)), acceptances_(calls_.keep_accepted, [&log](const std::string& trouble) {
-        log.warning(
-            "accepted",
-            fmt::format("cannot save what was accepted; it must be confirmed again after a restart: {}",
-                        printable(trouble)));
-      }) {}
-
-void JobQuestions::analyze(const std::string& file, JobReader::Keep keep,
-                           std::function<void(const JobAnalysisOutcome&)> done) const {
-  expects(wanted(), "jobs are analyzed before they begin");
-  calls_.analyze(file, keep, std::move(done));
-}
-
 std::vector<std::string> JobQuestions::about(const AnalyzedJob& job) const {
-  std::vector<std::string> asked = calls_.asked(job.analysis);
+  std::vector<std::string> asked = asked_findings(job.analysis, config_);
   std::erase_if(asked, [&](const std::string& finding) { return acceptances_.has(job.content, finding); });
   return asked;
-}
-
-void JobQuestions::accept(const AnalyzedJob& job, const std::vector<std::string>& findings) {
-  acceptances_.add(job.content, findings);
 }
 
 bool JobQuestions::knows(const std::optional<AnalyzedJob>& job, const JobFiles& files,

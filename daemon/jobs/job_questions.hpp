@@ -2,48 +2,33 @@
 // printer's file names, and some that always do), and which of them were accepted. Event loop's thread only.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "daemon/config/printer_config.hpp"
 #include "daemon/jobs/acceptances.hpp"
-#include "daemon/jobs/job_reader.hpp"
-#include "daemon/system/log.hpp"
+#include "daemon/prepare/preprint_analysis.hpp"
 
 namespace contourd {
 
 class JobQuestions {
  public:
-  struct Calls {
-    // Analyzes all layers of incoming/`file`, and calls `done` from the loop: see JobReader::analyze(). Empty
-    // if ask_before names no findings.
-    std::function<void(const std::string& file, JobReader::Keep keep,
-                       std::function<void(const JobAnalysisOutcome&)> done)>
-        analyze{};
-    // Returns the findings that need confirmation.
-    std::function<std::vector<std::string>(const PreprintAnalysis&)> asked{};
-    RecordKeeper::Keep keep_accepted{};
-    // Reports that a job began or stopped waiting for confirmation.
-    std::function<void()> changed{};
-  };
-  // The log must outlive the questions.
-  JobQuestions(const Log& log, Calls calls);
+  // All arguments must outlive the questions.
+  JobQuestions(const PrinterConfig& config, JobChecks& checks, const Log& log)
+      : config_(config), acceptances_(checks, log) {}
 
   // True if all layers of every job are analyzed before it begins, because ask_before names findings.
-  [[nodiscard]] bool wanted() const { return static_cast<bool>(calls_.analyze); }
+  [[nodiscard]] bool wanted() const { return !config_.ask_before.empty(); }
   // Restores the acceptances that the last process saved.
   void load_accepted(std::vector<std::string> lines) { acceptances_.load(std::move(lines)); }
 
-  // Starts an analysis: see Calls::analyze. REQUIRES: wanted().
-  void analyze(const std::string& file, JobReader::Keep keep,
-               std::function<void(const JobAnalysisOutcome&)> done) const;
   // Returns the job's findings that need confirmation and were not accepted yet.
   [[nodiscard]] std::vector<std::string> about(const AnalyzedJob& job) const;
-  void tell_change() const { calls_.changed(); }
   // Records that a user accepted these findings.
-  void accept(const AnalyzedJob& job, const std::vector<std::string>& findings);
-
+  void accept(const AnalyzedJob& job, const std::vector<std::string>& findings) {
+    acceptances_.add(job.content, findings);
+  }
   // True if a user has accepted this finding for the job's present content.
   [[nodiscard]] bool has_accepted(const std::optional<AnalyzedJob>& job, const std::string& finding) const {
     return job && acceptances_.has(job->content, finding);
@@ -61,7 +46,7 @@ class JobQuestions {
   void ended();
 
  private:
-  Calls calls_;
+  const PrinterConfig& config_;
   Acceptances acceptances_;
   std::string begun_;  // the content of the job that has begun
 };

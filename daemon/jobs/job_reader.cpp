@@ -21,7 +21,7 @@ constexpr const char* kReadingRecord = "reading";
 
 }  // namespace
 
-JobReader::JobReader(const PrinterConfig& config, const Spool& spool, EventLoop& loop)
+JobReader::JobReader(const PrinterConfig& config, Spool& spool, EventLoop& loop)
     : config_(config),
       spool_(spool),
       record_(state_folder_path(config.spool_folder) / kReadingRecord),
@@ -167,6 +167,15 @@ void JobReader::forget(const std::string& file) {
         return true;
       },
       [](bool) {});
+}
+
+void JobReader::save(Record record, const std::vector<std::string>& lines,
+                     std::function<void(const std::string&)> done) {
+  spool_.keep(
+      [record, lines](const StateRecords& records) {
+        record == Record::Order ? records.keep_queue_order(lines) : records.keep_accepted(lines);
+      },
+      std::move(done));
 }
 
 void JobReader::sync(const JobFiles& files) {

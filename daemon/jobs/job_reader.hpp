@@ -1,5 +1,6 @@
 // Reads jobs on a thread of its own, one after the other: the job whose turn has come, to print it, and
-// waiting jobs, to find their mistakes early. Event loop's thread only.
+// waiting jobs, to find their mistakes early. Leaves other work on waiting jobs to the spool. Event loop's
+// thread only.
 #pragma once
 
 #include <functional>
@@ -8,13 +9,14 @@
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "daemon/config/printer_config.hpp"
+#include "daemon/jobs/job_checks.hpp"
 #include "daemon/jobs/prepared_job_cache.hpp"
-#include "daemon/prepare/job_outlook.hpp"
 #include "daemon/prepare/job_settings.hpp"
-#include "daemon/prepare/preprint_analysis.hpp"
 #include "daemon/prepare/print_job.hpp"
 #include "daemon/spool/reading_record.hpp"
 #include "daemon/spool/spool.hpp"
@@ -22,27 +24,15 @@
 
 namespace contourd {
 
-struct JobRefusal {
-  std::string reason;
-  bool for_now = false;   // true if there may be enough memory later
-  std::string profile{};  // problem of the resin profile, for which the job is not refused; or empty
-};
-// A reading that was given up: for a job whose turn has come, or because no one needs its result any more.
-struct ReadingGivenUp {};
 using ReadJob = std::variant<PreparedJob, JobRefusal, ReadingGivenUp>;
-// Result of the check of a waiting job.
-using CheckedJob = std::variant<JobOutlook, JobRefusal, ReadingGivenUp>;
-using JobAnalysisOutcome = std::variant<AnalyzedJob, JobRefusal, ReadingGivenUp>;
 
-class JobReader {
+class JobReader final : public JobChecks {
  public:
   // All arguments must outlive the reader. Finds out what the last process was reading when it ended.
-  JobReader(const PrinterConfig& config, const Spool& spool, EventLoop& loop);
+  JobReader(const PrinterConfig& config, Spool& spool, EventLoop& loop);
   // Blocks for at most one layer's mask or one step of a search for supports, and for a file that is being
   // read.
-  ~JobReader();
-  JobReader(const JobReader&) = delete;
-  JobReader& operator=(const JobReader&) = delete;
+  ~JobReader() override;
 
   // Prepares a job in printing/, or takes the preparation that its check has cached if nothing has changed
   // since; then calls `done` from the loop. Without settings, the ticket is read to find out what is wrong
@@ -51,16 +41,15 @@ class JobReader {
             std::function<void(ReadJob)> done);
   // Ends the last read() soon, at the next point where it can be interrupted.
   void give_up_reading() { reading_.request_stop(); }
-  // Prepares incoming/`file`: `done` gets the reason for a refusal, or the job's outlook. At most one
-  // prepared job is cached, until another job is read or a check needs its memory. The check ends early on
-  // read(), on forget() of this file, and on a check of another file with Keep::Prepared.
-  enum class Keep { Nothing, Prepared };
-  void check(const std::string& file, Keep keep, std::function<void(const CheckedJob&)> done);
-  // Analyzes all layers of incoming/`file`, which takes as long as computing their masks. Caches the job and
-  // ends early as check() does. One analysis at a time.
-  void analyze(const std::string& file, Keep keep, std::function<void(const JobAnalysisOutcome&)> done);
-  // Discards the cached preparation of incoming/`file`, and ends its check or analysis early.
-  void forget(const std::string& file);
+  void check(const std::string& file, Keep keep, std::function<void(const CheckedJob&)> done) override;
+  void analyze(const std::string& file, Keep keep,
+               std::function<void(const JobAnalysisOutcome&)> done) override;
+  void forget(const std::string& file) override;
+  void reject(const std::string& file, const std::string& reason, Spool::Rejected done) override {
+    spool_.reject(file, reason, std::move(done));
+  }
+  void save(Record record, const std::vector<std::string>& lines,
+            std::function<void(const std::string& trouble)> done) override;
   // Has the contents of the job's files written to the disk, after the current reading.
   void sync(const JobFiles& files);
 
@@ -98,7 +87,7 @@ class JobReader {
   [[nodiscard]] ReadJob take_or_read(const JobFiles& files, const std::stop_token& stop);
 
   const PrinterConfig& config_;
-  const Spool& spool_;
+  Spool& spool_;
   ReadingRecord record_;
   std::stop_source reading_;  // for the last read()
   Inspections inspections_;

@@ -14,15 +14,11 @@ namespace {
 using namespace std::chrono_literals;
 
 // Time until a failed disk operation is retried.
-constexpr Duration kClaimRetryInterval = 30s;
+constexpr Duration kRetryInterval = 30s;
 // Time until an unusable resin profile is read again; shorter, because a user may be fixing it right now.
 constexpr Duration kProfileInterval = 5s;
 
 }  // namespace
-
-JobScheduler::JobScheduler(const PrinterContext& context, Spool& spool, PrintQueue& queue, QueueHold& hold,
-                           Calls calls)
-    : context_(context), spool_(spool), queue_(queue), hold_(hold), calls_(std::move(calls)) {}
 
 void JobScheduler::run_soon() {
   timer_ = context_.loop.at(std::chrono::steady_clock::now(), "the queue", [this] { run(); });
@@ -41,36 +37,37 @@ void JobScheduler::retry_later(Duration wait) {
 
 void JobScheduler::run() {
   try {
-    const bool try_again = hold_.failed() && !calls_.prints();
+    const bool try_again = hold_.failed() && !use_.prints();
     if (hold_.due() || try_again) hold_.keep();
+    if (hold_.failed()) run_later(kRetryInterval);
     take_what_is_due();
   } catch (const std::system_error& error) {
     // The spool's disk is gone or full; the queue waits for it.
     const std::string trouble = fmt::format("the spool cannot be used: {}", printable(error.what()));
     if (std::exchange(waiting_for_, trouble) != trouble) context_.log.error("spool", trouble);
-    retry_later(kClaimRetryInterval);
+    retry_later(kRetryInterval);
   }
 }
 
 void JobScheduler::take_what_is_due() {
   if (stopped_) return;
-  const bool has_job = calls_.has_job();
+  const bool has_job = use_.has_job();
   const std::string reason = has_job || queue_.empty() ? "" : reason_to_wait();
   // The reason of a job that waits for confirmation is already logged.
   if (std::exchange(waiting_for_, reason) != reason && !reason.empty() && queue_.has_first()) {
-    context_.log.info("waiting", fmt::format("{} waits: {}", printable(queue_.jobs()[queue_.first()].file),
-                                             printable(reason)));
+    context_.log.info("waiting",
+                      fmt::format("{} waits: {}", printable(queue_.next().file), printable(reason)));
   }
   if (queue_.empty()) return;
   if (!has_job && reason.empty()) return claim_next();
-  if (queue_.has_first()) queue_.keep_first_waiting();
+  if (queue_.has_first()) queue_.next().waited = true;
   // Polled, because no event reports free disk space or a fixed profile.
-  if (!reason.empty()) retry_later(waits_for_profile() ? kProfileInterval : kClaimRetryInterval);
+  if (!reason.empty()) retry_later(waits_for_profile() ? kProfileInterval : kRetryInterval);
   queue_.check_next();
 }
 
 std::string JobScheduler::reason_to_wait() const {
-  if (calls_.controlled_by_hand()) return "the printer is controlled by hand; \"contourctl stop\" ends that";
+  if (use_.controlled_by_hand()) return "the printer is controlled by hand; \"contourctl stop\" ends that";
   if (std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty()) return not_ready;
   if (std::string reason = hold_.reason_to_wait(); !reason.empty()) return reason;
   if (std::string trouble = spool_.trouble(); !trouble.empty()) return trouble;
@@ -85,45 +82,40 @@ std::string JobScheduler::reason_to_wait() const {
 }
 
 bool JobScheduler::waits_for_profile() const {
-  return queue_.has_first() && queue_.jobs()[queue_.first()].analysis == WaitingJob::Analysis::Blocked;
+  return queue_.has_first() && queue_.next().analysis == WaitingJob::Analysis::Blocked;
 }
 
 void JobScheduler::claim_next() {
   // The end of the check, of the rejection or of the copy leads here again.
   if (!queue_.first_may_begin() || copying_) return;
-  WaitingJob job = queue_.take_first();
+  WaitingJob& job = queue_.next();
   // The file is being rewritten; it arrives again when it is complete.
   if (spool_.is_unfinished(job.file)) {
-    spool_.wait_for(job.file);
+    spool_.wait_for(queue_.take_first().file);
     return run_soon();
   }
-  CopiedJob claimed{std::move(job), std::nullopt};
+  std::optional<JobSettings> settings;
   JobFiles files;
   try {
-    claimed.settings = settings_of(claimed.job);
-    if (is_checked_first(claimed)) {
-      queue_.put_first(std::move(claimed.job));
-      return queue_.check_next();
-    }
-    const JobFiles there = spool_.files_of(Spool::Folder::Incoming, claimed.job.file);
-    if (spool_.is_waiting(claimed.job.file) &&
-        !queue_.questions().knows(claimed.job.analyzed, there, claimed.settings)) {
-      claimed.job.check_again();
-      queue_.put_first(std::move(claimed.job));
+    settings = settings_of(job);
+    if (is_checked_first(job, settings)) return queue_.check_next();
+    const JobFiles there = spool_.files_of(Spool::Folder::Incoming, job.file);
+    if (spool_.is_waiting(job.file) && !queue_.questions().knows(job.analyzed, there, settings)) {
+      job.check_again();
       return run_soon();
     }
-    files = spool_.begin(claimed.job.file);
+    files = spool_.begin(job.file);
   } catch (const ProfileTrouble& trouble) {
-    return wait_for_profile(std::move(claimed.job), trouble.sentence());
+    return wait_for_profile(job, trouble.sentence());
   } catch (const std::system_error& error) {
-    return not_claimed(std::move(claimed), error);
+    return not_claimed(job, std::move(settings), error);
   }
-  begin(std::move(claimed), files);
+  begin({queue_.take_first(), std::move(settings)}, files);
 }
 
-bool JobScheduler::is_checked_first(const CopiedJob& claimed) const {
-  const bool supported = claimed.settings && claimed.settings->supports == SupportPolicy::Auto;
-  return supported && claimed.job.check == WaitingJob::Check::Wanted && spool_.is_waiting(claimed.job.file);
+bool JobScheduler::is_checked_first(const WaitingJob& job, const std::optional<JobSettings>& settings) const {
+  const bool supported = settings && settings->supports == SupportPolicy::Auto;
+  return supported && job.check == WaitingJob::Check::Wanted && spool_.is_waiting(job.file);
 }
 
 std::optional<JobSettings> JobScheduler::settings_of(const WaitingJob& job) const {
@@ -139,23 +131,20 @@ std::optional<JobSettings> JobScheduler::settings_of(const WaitingJob& job) cons
   }
 }
 
-void JobScheduler::begin(CopiedJob claimed, const JobFiles& files) {
-  const WaitingJob& job = claimed.job;
-  queue_.claimed(job.file);
+void JobScheduler::begin(TakenJob taken, const JobFiles& files) {
+  const WaitingJob& job = taken.job;
   const bool unheld_accepted = queue_.questions().has_accepted(job.analyzed, std::string(kUnheldPlaces));
-  queue_.questions().begun(job.analyzed);
-  // The new next job waits for this one, whatever happens to the queue until it ends.
-  if (queue_.has_first()) queue_.keep_first_waiting();
-  calls_.begin({.files = files,
-                .settings = std::move(claimed.settings),
-                .turn_came = job.waited ? std::chrono::steady_clock::now() : job.arrived,
-                .unheld_accepted = unheld_accepted});
+  queue_.begun(job);
+  use_.begin({.files = files,
+              .settings = std::move(taken.settings),
+              .turn_came = job.waited ? std::chrono::steady_clock::now() : job.arrived,
+              .unheld_accepted = unheld_accepted});
   // The next job is analyzed during the print.
   if (queue_.questions().wanted()) run_soon();
 }
 
 // Keeps the job waiting and polls the profile, because no event reports that a user has fixed it.
-void JobScheduler::wait_for_profile(WaitingJob job, const std::string& why) {
+void JobScheduler::wait_for_profile(WaitingJob& job, const std::string& why) {
   const std::string trouble = fmt::format("{}; the queue continues when the profile is fixed", why);
   if (std::exchange(job.trouble, trouble) != trouble)
     context_.log.error("profile", fmt::format("{} waits: {}", printable(job.file), printable(trouble)),
@@ -163,23 +152,23 @@ void JobScheduler::wait_for_profile(WaitingJob job, const std::string& why) {
   waiting_for_ = trouble;
   job.waited = true;
   job.check = WaitingJob::Check::Passed;  // as far as it can be checked now
-  queue_.put_first(std::move(job));
   run_later(kProfileInterval);
   queue_.check_next();
 }
 
 // Retries until the job is removed, because no event reports that the disk works again.
-void JobScheduler::not_claimed(CopiedJob claimed, const std::system_error& error) {
-  WaitingJob& job = claimed.job;
+void JobScheduler::not_claimed(WaitingJob& job, std::optional<JobSettings> settings,
+                               const std::system_error& error) {
   if (!spool_.is_waiting(job.file)) {
-    queue_.claimed(job.file);
-    tell_withdrawn(context_.log, job.file);
+    const std::string file = queue_.take_first().file;
+    queue_.withdrawn(file);
+    log_withdrawn(context_.log, file);
     return run_soon();
   }
-  if (Spool::is_immovable(error.code())) return copy(std::move(claimed), error.code().message());
+  if (Spool::is_immovable(error.code()))
+    return copy({queue_.take_first(), std::move(settings)}, error.code().message());
   note_trouble(job, fmt::format("{} cannot be claimed: {}", printable(job.file), printable(error.what())));
-  queue_.put_first(std::move(job));
-  retry_later(kClaimRetryInterval);
+  retry_later(kRetryInterval);
 }
 
 void JobScheduler::note_trouble(WaitingJob& job, const std::string& trouble) {
@@ -189,39 +178,38 @@ void JobScheduler::note_trouble(WaitingJob& job, const std::string& trouble) {
   job.waited = true;
 }
 
-void JobScheduler::copy(CopiedJob job, const std::string& why) {
+void JobScheduler::copy(TakenJob job, const std::string& why) {
   copying_ = std::move(job);
   spool_.begin_with_copy(copying_->job.file, [this, why](const Spool::Copy& copy) { copied(copy, why); });
 }
 
 void JobScheduler::copied(const Spool::Copy& copy, const std::string& why) {
-  CopiedJob claimed = std::move(*copying_);
-  copying_.reset();
+  TakenJob taken = *std::exchange(copying_, std::nullopt);
   if (copy.job) {
-    const std::string& file = claimed.job.file;
+    const std::string& file = taken.job.file;
     context_.log.warning(
         "copied",
         fmt::format("{}: printing a copy, because it cannot be moved: {}{}", printable(file), why,
                     copy.job->original.empty() ? "" : "; the original in incoming may be deleted"),
         file_fields(file));
-    begin(std::move(claimed), *copy.job);
+    begin(std::move(taken), *copy.job);
   } else if (!copy.unreadable.empty()) {
-    queue_.put_first(std::move(claimed.job));
+    queue_.put_first(std::move(taken.job));
     queue_.refuse_first(refusal_text(copy.unreadable));
   } else {
-    not_copied(std::move(claimed.job), copy.trouble);
+    not_copied(std::move(taken.job), copy.trouble);
   }
-  calls_.copy_over();
+  use_.may_stop();
 }
 
 void JobScheduler::not_copied(WaitingJob job, const std::string& trouble) {
   note_trouble(job, fmt::format("{} cannot be copied: {}", printable(job.file), printable(trouble)));
   // A problem with this job alone must not keep the others waiting.
   queue_.put_last(std::move(job));
-  if (queue_.jobs()[queue_.first()].trouble.empty())
+  if (queue_.next().trouble.empty())
     run_soon();
   else
-    retry_later(kClaimRetryInterval);
+    retry_later(kRetryInterval);
 }
 
 }  // namespace contourd

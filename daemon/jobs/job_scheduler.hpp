@@ -3,14 +3,13 @@
 // only.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <system_error>
 
-#include "daemon/jobs/claimed_job.hpp"
 #include "daemon/jobs/print_queue.hpp"
 #include "daemon/jobs/printer_context.hpp"
+#include "daemon/jobs/printer_use.hpp"
 #include "daemon/jobs/queue_hold.hpp"
 #include "daemon/spool/spool.hpp"
 
@@ -18,15 +17,10 @@ namespace contourd {
 
 class JobScheduler {
  public:
-  struct Calls {
-    std::function<bool()> has_job;  // true if a job is claimed and not filed yet
-    std::function<bool()> prints;   // true if a job prints or the light may be on: disk writes are postponed
-    std::function<bool()> controlled_by_hand;
-    std::function<void(ClaimedJob)> begin;
-    std::function<void()> copy_over;  // reports that copying() has become false
-  };
   // All must outlive the scheduler.
-  JobScheduler(const PrinterContext& context, Spool& spool, PrintQueue& queue, QueueHold& hold, Calls calls);
+  JobScheduler(const PrinterContext& context, Spool& spool, PrintQueue& queue, QueueHold& hold,
+               PrinterUse& use)
+      : context_(context), spool_(spool), queue_(queue), hold_(hold), use_(use) {}
 
   // Does what is due: saves the hold's records, begins the next job, or starts the check of a waiting one.
   // Must not be called from inside the print process.
@@ -42,8 +36,8 @@ class JobScheduler {
   [[nodiscard]] bool copying() const { return copying_.has_value(); }
 
  private:
-  // A job taken from the queue to be claimed. While its files are copied, no other list contains it.
-  struct CopiedJob {
+  // A job taken from the queue. While its files are copied, no other list contains it.
+  struct TakenJob {
     WaitingJob job;
     std::optional<JobSettings> settings;
   };
@@ -56,26 +50,27 @@ class JobScheduler {
   void claim_next();
   // True if the job must be checked before it begins: a user may have to accept places that cannot be held,
   // and only the preparation finds them.
-  [[nodiscard]] bool is_checked_first(const CopiedJob& claimed) const;
+  [[nodiscard]] bool is_checked_first(const WaitingJob& job,
+                                      const std::optional<JobSettings>& settings) const;
   // Returns the job's settings; nullopt if its ticket is a reason to refuse the job. Throws ProfileTrouble if
   // the queue has to wait for the profile.
   [[nodiscard]] std::optional<JobSettings> settings_of(const WaitingJob& job) const;
-  void wait_for_profile(WaitingJob job, const std::string& why);
-  void not_claimed(CopiedJob claimed, const std::system_error& error);
-  // Logs `trouble` once, and marks the job as waiting; the caller puts it back into the queue.
+  void wait_for_profile(WaitingJob& job, const std::string& why);
+  void not_claimed(WaitingJob& job, std::optional<JobSettings> settings, const std::system_error& error);
+  // Logs `trouble` once, and marks the job as waiting.
   void note_trouble(WaitingJob& job, const std::string& trouble);
-  void copy(CopiedJob job, const std::string& why);
+  void copy(TakenJob job, const std::string& why);
   void copied(const Spool::Copy& copy, const std::string& why);
   void not_copied(WaitingJob job, const std::string& trouble);
-  void begin(CopiedJob claimed, const JobFiles& files);
+  void begin(TakenJob taken, const JobFiles& files);
 
   const PrinterContext& context_;
   Spool& spool_;
   PrintQueue& queue_;
   QueueHold& hold_;
-  Calls calls_;
+  PrinterUse& use_;
   std::string waiting_for_;  // already logged
-  std::optional<CopiedJob> copying_;
+  std::optional<TakenJob> copying_;
   bool stopped_ = false;
   EventLoop::SourcePtr timer_;
 };

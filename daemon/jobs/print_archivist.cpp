@@ -148,8 +148,18 @@ std::string reason_text(const PrintEnd& end) {
   return "";
 }
 
+EndedJob ended_job(const PrintEnd& end) {
+  const auto now = std::chrono::system_clock::now();
+  return {.name = end.job,
+          .outcome = std::string(name_of(end.outcome)),
+          .reason = end.reason,
+          .began = now,
+          .ended = now,
+          .key = end.key};
+}
+
 // An unreadable record counts as no record.
-std::optional<RecordedEnd> last_recorded_end(const Spool& spool) {
+std::optional<PrintEnd> last_recorded_end(const Spool& spool) {
   const auto record = nlohmann::json::parse(spool.records().end_of_print(), nullptr, false);
   if (!record.is_object()) return std::nullopt;
   const auto text = [&](const char* key) {
@@ -159,13 +169,13 @@ std::optional<RecordedEnd> last_recorded_end(const Spool& spool) {
   const std::optional<PrintOutcome> outcome = outcome_called(text("outcome"));
   const auto key = record.find("key");
   if (!outcome || key == record.end() || !key->is_number_integer()) return std::nullopt;
-  return RecordedEnd{text("job"), {*outcome, text("reason"), key->get<std::int64_t>()}};
+  return PrintEnd{*outcome, text("reason"), key->get<std::int64_t>(), text("job")};
 }
 
 std::optional<PrintEnd> recorded_end(const Spool& spool, const std::string& job) {
-  const std::optional<RecordedEnd> last = last_recorded_end(spool);
-  if (!last || last->job != as_recorded(job)) return std::nullopt;
-  return last->end;
+  std::optional<PrintEnd> last = last_recorded_end(spool);
+  if (last && last->job != as_recorded(job)) last.reset();
+  return last;
 }
 
 }  // namespace contourd

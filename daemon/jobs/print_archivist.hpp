@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/engine/contour_engine.hpp"
+#include "daemon/history/job_history.hpp"
 #include "daemon/report/print_report.hpp"
 #include "daemon/spool/spool.hpp"
 #include "daemon/system/worker.hpp"
@@ -38,7 +39,10 @@ struct PrintEnd {
   PrintOutcome outcome = PrintOutcome::Failed;
   std::string reason;
   std::int64_t key = 0;  // in the history (EndedJob); 0 if unknown
+  std::string job{};     // its name; printable if it was read from a record
 };
+// Returns the end of a job for the history, with the present time.
+[[nodiscard]] EndedJob ended_job(const PrintEnd& end);
 
 class PrintArchivist {
  public:
@@ -66,12 +70,8 @@ class PrintArchivist {
 // Returns the text of the reason file; empty if there is none.
 [[nodiscard]] std::string reason_text(const PrintEnd& end);
 
-struct RecordedEnd {
-  std::string job;  // printable
-  PrintEnd end;
-};
 // Returns the end of a print that was recorded last; nullopt if there is no record. Blocks.
-[[nodiscard]] std::optional<RecordedEnd> last_recorded_end(const Spool& spool);
+[[nodiscard]] std::optional<PrintEnd> last_recorded_end(const Spool& spool);
 
 // Returns how the print of a job in printing/ ended, if only its filing is missing; nullopt otherwise.
 // Blocks.

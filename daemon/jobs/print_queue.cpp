@@ -18,7 +18,14 @@ namespace contourd {
 namespace {
 
 // Number of times that a rewrite may interrupt the checks of a job before the job loses its place.
-constexpr int kMostInterruptions = 3;
+constexpr int kMaxInterruptions = 3;
+
+// Returns the refusal if the job is refused for good; nullptr otherwise.
+template <typename Found>
+const JobRefusal* final_refusal(const Found& found) {
+  const auto* const refusal = std::get_if<JobRefusal>(&found);
+  return refusal != nullptr && !refusal->for_now && refusal->profile.empty() ? refusal : nullptr;
+}
 
 void log_question(const Log& log, const WaitingJob& job) {
   const std::string file = printable(job.file);
@@ -41,17 +48,6 @@ void WaitingJob::check_again() {
   analyze_again();
 }
 
-PrintQueue::PrintQueue(const Log& log, Calls calls)
-    : log_(log),
-      calls_(std::move(calls)),
-      order_(calls_.keep_order,
-             [&log](const std::string& trouble) {
-               log.warning("queue",
-                           fmt::format("cannot save the order of the queue; a restart will lose it: {}",
-                                       printable(trouble)));
-             }),
-      questions_(log, calls_.questions) {}
-
 PrintQueue::Position PrintQueue::find(const std::string& file) {
   return std::ranges::find(jobs_, file, &WaitingJob::file);
 }
@@ -70,8 +66,8 @@ void PrintQueue::arrived(const std::string& file) {
     const bool interrupted = queued->is_looked_at();
     job.interruptions = queued->interruptions + (interrupted ? 1 : 0);
     *queued = std::move(job);
-    calls_.forget(file);
-    if (interrupted && queued->interruptions > kMostInterruptions) move_to_end(queued);
+    checks_.forget(file);
+    if (interrupted && queued->interruptions > kMaxInterruptions) move_to_end(queued);
   } else {
     const std::size_t place =
         order_.place_of(file, jobs_, [](const WaitingJob& each) { return std::string_view(each.file); });
@@ -79,14 +75,14 @@ void PrintQueue::arrived(const std::string& file) {
     log_.info("queued", fmt::format("{}: arrived, number {} in the queue", printable(file), place + 1),
               file_fields(file));
   }
-  calls_.changed();
+  observer_.queue_changed();
 }
 
 // Moves a job that keeps changing to the end: the others would wait for it for ever.
 void PrintQueue::move_to_end(const Position& queued) {
   WaitingJob job = std::move(*queued);
   jobs_.erase(queued);
-  if (job.interruptions == kMostInterruptions + 1 && !jobs_.empty())
+  if (job.interruptions == kMaxInterruptions + 1 && !jobs_.empty())
     log_.warning("moved",
                  fmt::format("{}: keeps changing while being read; moved to the end of the queue",
                              printable(job.file)),
@@ -110,9 +106,9 @@ void PrintQueue::remove_withdrawn(const Position& job) {
   const std::string file = job->file;
   jobs_.erase(job);
   order_.remove(file);
-  calls_.forget(file);
-  tell_withdrawn(log_, file);
-  calls_.changed();
+  checks_.forget(file);
+  log_withdrawn(log_, file);
+  observer_.queue_changed();
 }
 
 void PrintQueue::check_next() {
@@ -120,23 +116,25 @@ void PrintQueue::check_next() {
   if (wanted == jobs_.end()) return analyze_next();
   wanted->check = WaitingJob::Check::Running;
   const std::uint64_t number = wanted->check_number = ++checks_begun_;
-  const auto keep = wanted == jobs_.begin() + static_cast<std::ptrdiff_t>(first()) ? JobReader::Keep::Prepared
-                                                                                   : JobReader::Keep::Nothing;
-  calls_.check(wanted->file, keep, [this, file = wanted->file, number](const CheckedJob& found) {
+  checks_.check(wanted->file, keep_for(wanted), [this, file = wanted->file, number](const CheckedJob& found) {
     checked(file, number, found);
   });
+}
+
+// Only the next job is worth the memory of its preparation.
+JobChecks::Keep PrintQueue::keep_for(const Position& job) {
+  return job - jobs_.begin() == static_cast<std::ptrdiff_t>(first()) ? JobChecks::Keep::Prepared
+                                                                     : JobChecks::Keep::Nothing;
 }
 
 void PrintQueue::checked(const std::string& file, std::uint64_t number, const CheckedJob& found) {
   const Position job = find(file);
   // If the job is gone or was rewritten meanwhile, the result is about another file.
   if (job != jobs_.end() && job->check == WaitingJob::Check::Running && job->check_number == number) {
-    const auto* const refusal = std::get_if<JobRefusal>(&found);
-    if (refusal != nullptr && !refusal->for_now && refusal->profile.empty())
-      return leave(*job, refusal->reason, Leaving::Refused);
+    if (const auto* const refusal = final_refusal(found)) return reject(*job, refusal->reason);
     note_check(*job, found);
   }
-  calls_.changed();
+  observer_.queue_changed();
 }
 
 // Stores the result of a check for a job that stays in the queue.
@@ -182,35 +180,29 @@ void PrintQueue::analyze_next() {
   using Check = WaitingJob::Check;
   using Analysis = WaitingJob::Analysis;
   if (!questions_.wanted()) return;
-  const bool busy = std::ranges::any_of(jobs_, [](const WaitingJob& job) {
-    return job.check == Check::Running || job.analysis == Analysis::Running;
-  });
-  if (busy) return;
+  if (std::ranges::any_of(jobs_, &WaitingJob::is_looked_at)) return;
   const Position wanted = std::ranges::find_if(jobs_, [](const WaitingJob& job) {
     return job.check == Check::Passed && job.analysis == Analysis::Wanted;
   });
   if (wanted == jobs_.end()) return;
   wanted->analysis = Analysis::Running;
   const std::uint64_t number = wanted->check_number = ++checks_begun_;
-  const auto keep = wanted == jobs_.begin() + static_cast<std::ptrdiff_t>(first()) ? JobReader::Keep::Prepared
-                                                                                   : JobReader::Keep::Nothing;
-  questions_.analyze(wanted->file, keep,
-                     [this, file = wanted->file, number](const JobAnalysisOutcome& found) {
-                       analyzed(file, number, found);
-                     });
+  checks_.analyze(wanted->file, keep_for(wanted),
+                  [this, file = wanted->file, number](const JobAnalysisOutcome& found) {
+                    analyzed(file, number, found);
+                  });
 }
 
 void PrintQueue::analyzed(const std::string& file, std::uint64_t number, const JobAnalysisOutcome& found) {
   const Position job = find(file);
   if (job != jobs_.end() && job->analysis == WaitingJob::Analysis::Running && job->check_number == number) {
     job->analysis = WaitingJob::Analysis::Wanted;
-    const auto* const refusal = std::get_if<JobRefusal>(&found);
-    const bool is_leaving = job->check == WaitingJob::Check::Refused;
-    if (refusal != nullptr && !refusal->for_now && refusal->profile.empty() && !is_leaving)
-      return leave(*job, refusal->reason, Leaving::Refused);
-    if (!is_leaving) note_analysis(*job, found);
+    if (job->check != WaitingJob::Check::Refused) {
+      if (const auto* const refusal = final_refusal(found)) return reject(*job, refusal->reason);
+      note_analysis(*job, found);
+    }
   }
-  calls_.changed();
+  observer_.queue_changed();
 }
 
 // Stores the result of an analysis for a job that stays in the queue.
@@ -234,7 +226,7 @@ void PrintQueue::note_question(WaitingJob& job, const AnalyzedJob& analyzed) {
   job.analyzed = analyzed;
   if (job.asks.empty()) return;
   log_question(log_, job);
-  questions_.tell_change();
+  observer_.question_changed();
 }
 
 void PrintQueue::accept(const std::string& file, const std::string& who) {
@@ -246,8 +238,8 @@ void PrintQueue::accept(const std::string& file, const std::string& who) {
             file_fields(file));
   job->asks.clear();
   job->waited = true;
-  questions_.tell_change();
-  calls_.changed();
+  observer_.question_changed();
+  observer_.queue_changed();
 }
 
 std::size_t PrintQueue::first() const {
@@ -269,13 +261,24 @@ bool PrintQueue::first_may_begin() const {
   return jobs_[first()].check != WaitingJob::Check::Running && rejections_ == 0;
 }
 
+WaitingJob& PrintQueue::next() {
+  expects(has_first(), "a job waits");
+  return jobs_[first()];
+}
+
 WaitingJob PrintQueue::take_first() {
   expects(has_first(), "a job waits");
   const std::size_t place = first();
-  WaitingJob job = std::move(jobs_[place]);
+  WaitingJob job = std::move(next());
   job.taken_from = place;
   jobs_.erase(jobs_.begin() + static_cast<std::ptrdiff_t>(place));
   return job;
+}
+
+void PrintQueue::begun(const WaitingJob& job) {
+  order_.remove(job.file);
+  questions_.begun(job.analyzed);
+  if (has_first()) next().waited = true;
 }
 
 void PrintQueue::put_first(WaitingJob job) {
@@ -285,20 +288,20 @@ void PrintQueue::put_first(WaitingJob job) {
 
 void PrintQueue::put_last(WaitingJob job) {
   order_.remove(job.file);
-  calls_.forget(job.file);
+  checks_.forget(job.file);
   jobs_.push_back(std::move(job));
 }
 
 void PrintQueue::refuse_first(const std::string& reason) {
   expects(has_first(), "a job waits");
-  leave(jobs_[first()], reason, Leaving::Refused);
+  reject(next(), reason);
 }
 
 void PrintQueue::remove(const std::string& file, const std::string& reason) {
   const Position job = find(file);
   expects(job != jobs_.end() && job->check != WaitingJob::Check::Refused, "the job waits");
-  calls_.forget(file);
-  leave(*job, reason, Leaving::Removed);
+  checks_.forget(file);
+  reject(*job, reason, true);
 }
 
 void PrintQueue::move(const std::string& file, std::size_t to) {
@@ -306,7 +309,7 @@ void PrintQueue::move(const std::string& file, std::size_t to) {
   expects(job != jobs_.end(), "the job waits");
   const auto from = static_cast<std::size_t>(job - jobs_.begin());
   to = std::min(to, jobs_.size() - 1);
-  expects(std::max(from, to) < kMostInOrder, "the places are among the first");
+  expects(std::max(from, to) < kMaxInOrder, "the places are among the first");
   if (from == to) return;
   std::vector<std::string_view> first;
   for (std::size_t i = 0; i <= std::max(from, to); ++i)
@@ -319,17 +322,16 @@ void PrintQueue::move(const std::string& file, std::size_t to) {
   jobs_.insert(jobs_.begin() + static_cast<std::ptrdiff_t>(to), std::move(moved));
   log_.info("moved", fmt::format("{}: number {} in the queue now", printable(file), to + 1),
             file_fields(file));
-  calls_.changed();
+  observer_.queue_changed();
 }
 
-void PrintQueue::leave(WaitingJob& job, const std::string& reason, Leaving how) {
+void PrintQueue::reject(WaitingJob& job, const std::string& reason, bool removed) {
   job.check = WaitingJob::Check::Refused;
   ++rejections_;
-  calls_.reject(
+  checks_.reject(
       job.file, reason + "\n",
-      [this, reject = Reject{job.file, reason, how}](Spool::Rejection rejection, const std::string& trouble) {
-        rejected(reject, rejection, trouble);
-      });
+      [this, reject = Reject{job.file, reason, removed}](
+          Spool::Rejection rejection, const std::string& trouble) { rejected(reject, rejection, trouble); });
 }
 
 void PrintQueue::rejected(const Reject& reject, Spool::Rejection rejection, const std::string& trouble) {
@@ -338,7 +340,7 @@ void PrintQueue::rejected(const Reject& reject, Spool::Rejection rejection, cons
     return each.file == reject.file && each.check == WaitingJob::Check::Refused;
   });
   if (rejection == Spool::Rejection::Unfinished) {
-    if (reject.how == Leaving::Removed)
+    if (reject.removed)
       log_.warning(
           "removed",
           fmt::format("{}: stays in the queue, because it is being rewritten", printable(reject.file)),
@@ -350,8 +352,8 @@ void PrintQueue::rejected(const Reject& reject, Spool::Rejection rejection, cons
     order_.remove(reject.file);
   }
   log_rejection(reject, rejection, trouble);
-  (reject.how == Leaving::Refused ? calls_.refused : calls_.removed)(reject.file, reject.reason);
-  calls_.changed();
+  observer_.job_refused({job_name_of(reject.file), reject.removed ? "cancelled" : "failed", reject.reason});
+  observer_.queue_changed();
 }
 
 // Keeps the job, which is being rewritten; it is checked again when it is complete.
@@ -362,15 +364,14 @@ void PrintQueue::not_rejected(const Position& job) {
     if (job->seen_again) job->analyze_again();
     job->seen_again = false;
   }
-  calls_.changed();
+  observer_.queue_changed();
 }
 
 void PrintQueue::log_rejection(const Reject& job, Spool::Rejection rejection,
                                const std::string& trouble) const {
   const std::string file = printable(job.file);
-  const bool removed = job.how == Leaving::Removed;
-  const std::string_view event = removed ? "removed" : "refused";
-  log_.write(removed ? LogLevel::Info : LogLevel::Error, event, fmt::format("{}: {}", file, job.reason),
+  const std::string_view event = job.removed ? "removed" : "refused";
+  log_.write(job.removed ? LogLevel::Info : LogLevel::Error, event, fmt::format("{}: {}", file, job.reason),
              file_fields(job.file));
   if (rejection == Spool::Rejection::LeftThere)
     log_.warning(event,
@@ -384,7 +385,7 @@ LogFields file_fields(const std::string& file) {
   return job_fields(job_name_of(file));
 }
 
-void tell_withdrawn(const Log& log, const std::string& file) {
+void log_withdrawn(const Log& log, const std::string& file) {
   log.info("withdrawn", fmt::format("{}: removed from incoming by a user", printable(file)),
            file_fields(file));
 }

@@ -9,18 +9,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "core/contract/expects.hpp"
+#include "daemon/history/job_history.hpp"
+#include "daemon/jobs/job_checks.hpp"
 #include "daemon/jobs/job_questions.hpp"
-#include "daemon/jobs/job_reader.hpp"
 #include "daemon/jobs/queue_order.hpp"
-#include "daemon/prepare/job_settings.hpp"
-#include "daemon/spool/spool.hpp"
 #include "daemon/system/log.hpp"
 #include "hw/clock.hpp"
 
@@ -48,8 +45,9 @@ struct WaitingJob {
   // Set while the job is being moved to failed/: its file disappeared (removed by a user or moved by the
   // spool), or a complete file arrived again.
   bool withdrawn = false, seen_again = false;
-  std::string postponed{};              // why the check was postponed, already logged; else empty
-  bool waited = false;                  // true if it did not begin at once: another print, the plate, ...
+  std::string postponed{};  // why the check was postponed, already logged; else empty
+  // True if it did not begin at once: the time to its first light then counts from the end of its wait.
+  bool waited = false;
   std::string trouble{};                // why it cannot be claimed or analyzed, already logged
   std::optional<JobOutlook> outlook{};  // result of its check; nullopt before it, or if it found a mistake
   std::size_t taken_from = 0;           // place from which take_first() took it
@@ -63,32 +61,32 @@ struct WaitingJob {
   void check_again();
 };
 
+// Observer of the queue.
+class QueueObserver {
+ public:
+  virtual ~QueueObserver() = default;
+
+  // Reports that something in the queue may be due now.
+  virtual void queue_changed() = 0;
+  // Reports that a job began or stopped waiting for confirmation.
+  virtual void question_changed() = 0;
+  // Reports that a job was refused, or removed by a user ("cancelled"), before its turn: it is in failed/, or
+  // stays in incoming/ for good.
+  virtual void job_refused(EndedJob job) = 0;
+};
+
 class PrintQueue {
  public:
-  struct Calls {
-    // Reads incoming/`file`, and calls `done` from the loop: see JobReader::check(). Only the next job is
-    // checked with Keep::Prepared.
-    std::function<void(const std::string& file, JobReader::Keep keep,
-                       std::function<void(const CheckedJob&)> done)>
-        check;
-    // Discards the cached preparation of incoming/`file`.
-    std::function<void(const std::string& file)> forget;
-    // Moves the job to failed/ with a reason file, and calls `done` from the loop: see Spool::reject().
-    std::function<void(const std::string& file, const std::string& reason, Spool::Rejected done)> reject;
-    // Reports that something in the queue may be due now.
-    std::function<void()> changed;
-    // Reports that a job was refused: it is in failed/, or stays in incoming/ for good.
-    std::function<void(const std::string& file, const std::string& reason)> refused;
-    // Reports that a job was removed by a user; its files are as for refused().
-    std::function<void(const std::string& file, const std::string& reason)> removed;
-    QueueOrder::Keep keep_order;
-    JobQuestions::Calls questions{};
-  };
-  // The log must outlive the queue.
-  PrintQueue(const Log& log, Calls calls);
+  // All arguments must outlive the queue.
+  PrintQueue(const PrinterConfig& config, JobChecks& checks, QueueObserver& observer, const Log& log)
+      : log_(log),
+        checks_(checks),
+        observer_(observer),
+        order_(checks, log),
+        questions_(config, checks, log) {}
 
   // Number of places at the front of the queue within which jobs can be moved.
-  static constexpr std::size_t kMostInOrder = 1'000;
+  static constexpr std::size_t kMaxInOrder = 1'000;
 
   // Restores the order that the last process saved. Must be called before any job arrives.
   void load_order(std::vector<std::string> files) { order_.load(std::move(files)); }
@@ -115,21 +113,18 @@ class PrintQueue {
   [[nodiscard]] std::size_t first() const;
   // Returns why the next job must not begin before its analysis; empty if it may. REQUIRES: has_first().
   [[nodiscard]] std::string first_unanalyzed() const;
-  // False while the next job is being checked, or any refused job is being moved; changed() is called when
+  // False while the next job is being checked, or any refused job is being moved; the observer learns when
   // that ends. REQUIRES: has_first().
   [[nodiscard]] bool first_may_begin() const;
 
-  // Notes that the next job does not begin at once: the time to its first light then counts from the end of
-  // its wait. REQUIRES: has_first().
-  void keep_first_waiting() {
-    expects(has_first(), "a job waits");
-    jobs_[first()].waited = true;
-  }
-  // Removes the next job from the queue and returns it. The saved order keeps its place until claimed() or
-  // put_last(). REQUIRES: has_first().
+  // Returns the next job, to note that it does not begin at once, and why. REQUIRES: has_first().
+  [[nodiscard]] WaitingJob& next();
+  // Removes the next job from the queue and returns it. The saved order keeps its place until begun(),
+  // withdrawn() or put_last(). REQUIRES: has_first().
   [[nodiscard]] WaitingJob take_first();
-  // Removes a job that take_first() returned, and that will not come back, from the saved order.
-  void claimed(const std::string& file) { order_.remove(file); }
+  // Notes that a job from take_first() begins. Its acceptances are kept until its end, see JobQuestions. The
+  // new next job waits for this one.
+  void begun(const WaitingJob& job);
   // Moves the next job to failed/ with this reason. REQUIRES: has_first().
   void refuse_first(const std::string& reason);
 
@@ -149,15 +144,14 @@ class PrintQueue {
   // in the queue, and not already on its way to failed/.
   void remove(const std::string& file, const std::string& reason);
   // Moves the job to the place `to`, counted from 0; to the end if there are fewer jobs. REQUIRES: the job is
-  // in the queue; neither its place nor `to` is beyond kMostInOrder.
+  // in the queue; neither its place nor `to` is beyond kMaxInOrder.
   void move(const std::string& file, std::size_t to);
 
  private:
-  enum class Leaving { Refused, Removed };
-
   using Position = std::deque<WaitingJob>::iterator;
 
   [[nodiscard]] Position find(const std::string& file);
+  [[nodiscard]] JobChecks::Keep keep_for(const Position& job);
   void checked(const std::string& file, std::uint64_t number, const CheckedJob& found);
   void note_check(WaitingJob& job, const CheckedJob& found);
   void postpone(WaitingJob& job, const std::string& why);
@@ -165,11 +159,12 @@ class PrintQueue {
   void analyzed(const std::string& file, std::uint64_t number, const JobAnalysisOutcome& found);
   void note_analysis(WaitingJob& job, const JobAnalysisOutcome& found);
   void note_question(WaitingJob& job, const AnalyzedJob& analyzed);
-  void leave(WaitingJob& job, const std::string& reason, Leaving how);
+  // A job that is being moved to failed/.
   struct Reject {
     std::string file, reason;
-    Leaving how;
+    bool removed = false;  // by a user
   };
+  void reject(WaitingJob& job, const std::string& reason, bool removed = false);
   void rejected(const Reject& job, Spool::Rejection rejection, const std::string& trouble);
   void not_rejected(const Position& job);
   void log_rejection(const Reject& job, Spool::Rejection rejection, const std::string& trouble) const;
@@ -177,7 +172,8 @@ class PrintQueue {
   void remove_withdrawn(const Position& job);
 
   const Log& log_;
-  Calls calls_;
+  JobChecks& checks_;
+  QueueObserver& observer_;
   std::deque<WaitingJob> jobs_;
   QueueOrder order_;
   JobQuestions questions_;
@@ -188,6 +184,6 @@ class PrintQueue {
 // Returns the log fields of an entry about a file in incoming/.
 [[nodiscard]] LogFields file_fields(const std::string& file);
 // Logs that incoming/`file` is gone.
-void tell_withdrawn(const Log& log, const std::string& file);
+void log_withdrawn(const Log& log, const std::string& file);
 
 }  // namespace contourd

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <system_error>
 #include <utility>
 
@@ -10,39 +9,26 @@
 #include "daemon/system/readable.hpp"
 
 namespace contourd {
-namespace {
-
-using namespace std::chrono_literals;
-
-// Time until a failed attempt to save the records is repeated.
-constexpr Duration kRecordRetryInterval = 30s;
-
-}  // namespace
-
-QueueHold::QueueHold(const PrinterContext& context, Spool& spool, Calls calls)
-    : context_(context),
-      spool_(spool),
-      calls_(std::move(calls)),
-      unfiled_(spool, context.log, calls_.filed) {}
-
 void QueueHold::load() {
   plate_occupant_ = spool_.records().plate_occupant();
   reason_ = spool_.records().hold();
 }
 
-std::vector<QueueHold::LeftJob> QueueHold::adopt_left_jobs(
+std::vector<EndedJob> QueueHold::adopt_left_jobs(
     const std::function<bool(const JobFiles&)>& ended_in_reading) {
-  std::vector<LeftJob> left;
+  std::vector<EndedJob> left;
   for (const JobFiles& files : spool_.interrupted()) {
+    PrintEnd end{PrintOutcome::Failed, std::string(kEndedAProcess)};
     // The print had not begun.
     if (plate_occupant_ != files.name && ended_in_reading(files)) {
-      left.push_back({files.name, {PrintOutcome::Failed, std::string(kEndedAProcess)}});
-      unfiled_.add_left(files, left.back().end);
+      unfiled_.add_left(files, end);
       context_.log.error("refused", fmt::format("{}: {}", printable(files.name), kEndedAProcess),
                          job_fields(files.name));
     } else {
-      left.push_back({files.name, adopt(files, recorded_end(spool_, files.name))});
+      end = adopt(files, recorded_end(spool_, files.name));
     }
+    end.job = files.name;
+    left.push_back(ended_job(end));
   }
   // If nothing is left in printing/, the print in the last record is filed.
   if (unfiled_.empty())
@@ -114,7 +100,7 @@ std::string QueueHold::reason_to_wait() const {
 }
 
 void QueueHold::keep() {
-  due_ = calls_.light_may_be_on();
+  due_ = use_.light_may_be_on();
   if (!due_) try_to_keep();
 }
 
@@ -127,13 +113,11 @@ void QueueHold::try_to_keep() {
     unfiled_.file_all();
   } catch (const std::system_error& error) {
     trouble = error.what();
-    retry_timer_ = context_.loop.at(std::chrono::steady_clock::now() + kRecordRetryInterval,
-                                    "the queue's timer", calls_.retry);
   }
   if (std::exchange(trouble_, trouble) == trouble || trouble.empty()) return;
   context_.log.error(
       "spool", fmt::format("cannot save the state for the next start; will retry: {}", printable(trouble)));
-  unfiled_.tell_they_stay();
+  unfiled_.log_that_they_stay();
 }
 
 }  // namespace contourd

@@ -16,27 +16,16 @@ namespace contourd {
 
 class QueueHold {
  public:
-  struct Calls {
-    // True while the light may be on. The disk is not waited for then; records are saved when it is dark.
-    std::function<bool()> light_may_be_on;
-    // Called some time after saving the records failed. The callee has to call keep() again.
-    std::function<void()> retry;
-    // Reports a job that the last process left in printing/ and that is filed now.
-    std::function<void(const EndedJob&)> filed{};
-  };
-  // Context and spool must outlive the hold.
-  QueueHold(const PrinterContext& context, Spool& spool, Calls calls);
+  // All must outlive the hold.
+  QueueHold(const PrinterContext& context, Spool& spool, PrinterUse& use)
+      : context_(context), spool_(spool), use_(use), unfiled_(spool, context.log, use) {}
 
   // Restores what the last process recorded.
   void load();
-  struct LeftJob {
-    std::string name;
-    PrintEnd end;
-  };
   // Takes over the jobs that the last process left in printing/, and returns them with their ends. A print
   // that did not end holds the queue, and its part is on the plate. `ended_in_reading` returns true for a job
   // that had not begun and whose reading ended that process.
-  std::vector<LeftJob> adopt_left_jobs(const std::function<bool(const JobFiles&)>& ended_in_reading);
+  std::vector<EndedJob> adopt_left_jobs(const std::function<bool(const JobFiles&)>& ended_in_reading);
 
   // Lets no job begin until release(), even if the plate is clear. If the queue is held already, the first
   // reason stays.
@@ -58,8 +47,8 @@ class QueueHold {
   // Returns why no job may begin: the hold, else an unfiled job, else the plate; empty if one may.
   [[nodiscard]] std::string reason_to_wait() const;
 
-  // Saves the records for the next start, then files the unfiled jobs; later if the light may be on. Failures
-  // are retried.
+  // Saves the records for the next start, then files the unfiled jobs. The disk is not waited for while the
+  // light may be on: the scheduler calls this again when it is dark, and after a failure.
   void keep();
   // True if keep() waits until the light is off.
   [[nodiscard]] bool due() const { return due_; }
@@ -73,12 +62,11 @@ class QueueHold {
 
   const PrinterContext& context_;
   Spool& spool_;
-  Calls calls_;
+  PrinterUse& use_;
   UnfiledJobs unfiled_;
   std::optional<std::string> reason_, plate_occupant_;
   std::string trouble_;  // why saving or filing failed; empty if all is on the disk
   bool due_ = false;
-  EventLoop::SourcePtr retry_timer_;
 };
 
 }  // namespace contourd

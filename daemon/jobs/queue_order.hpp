@@ -7,7 +7,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,10 +20,8 @@ namespace contourd {
 class QueueOrder {
  public:
   using Names = RecordKeeper::Lines;
-  using Keep = RecordKeeper::Keep;
-  // For `keep` and `failed` see RecordKeeper.
-  QueueOrder(Keep keep, std::function<void(const std::string& trouble)> failed)
-      : keeper_(std::move(keep), std::move(failed)) {}
+  // Checks and log must outlive the order.
+  QueueOrder(JobChecks& checks, const Log& log) : keeper_(checks, JobChecks::Record::Order, log) {}
 
   // Restores the order that the last process saved.
   void load(Names names) {

@@ -2,21 +2,21 @@
 // only.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "daemon/jobs/job_checks.hpp"
+#include "daemon/system/log.hpp"
 
 namespace contourd {
 
 class RecordKeeper {
  public:
   using Lines = std::vector<std::string>;
-  // Writes these lines to the disk, and calls `done` from the loop with the error; empty on success.
-  using Keep = std::function<void(const Lines& lines, std::function<void(const std::string& trouble)> done)>;
-  // `failed` is called with the error if a write fails, once for the same error.
-  RecordKeeper(Keep keep, std::function<void(const std::string& trouble)> failed)
-      : keep_(std::move(keep)), failed_(std::move(failed)) {}
+  // Checks and log must outlive the keeper. The same error is logged once.
+  RecordKeeper(JobChecks& checks, JobChecks::Record record, const Log& log)
+      : checks_(checks), record_(record), log_(log) {}
 
   // Sets the lines that the last process saved.
   void load(Lines lines) { wanted_ = kept_ = std::move(lines); }
@@ -25,12 +25,14 @@ class RecordKeeper {
 
  private:
   void keep_now();
+  void note_trouble(const std::string& trouble);
 
-  Keep keep_;
-  std::function<void(const std::string&)> failed_;
+  JobChecks& checks_;
+  JobChecks::Record record_;
+  const Log& log_;
   Lines wanted_, kept_;
   bool keeping_ = false;
-  std::string trouble_;  // already reported
+  std::string trouble_;  // already logged
 };
 
 }  // namespace contourd

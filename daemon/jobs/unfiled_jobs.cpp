@@ -15,7 +15,7 @@ constexpr const char* kInterrupted =
 
 void UnfiledJobs::file_all() {
   while (!jobs_.empty()) {
-    const auto& [files, end, report] = jobs_.back();
+    const auto& [files, end, left] = jobs_.back();
     const Spool::Folder folder = end ? folder_for(end->outcome) : Spool::Folder::Failed;
     move_job(spool_, log_, files, folder,
              end ? reason_text(*end)
@@ -25,18 +25,18 @@ void UnfiledJobs::file_all() {
         "interrupted",
         fmt::format("{}: moved to {}", printable(files.name), spool_.folder(folder).filename().string()),
         job_fields(files.name));
-    if (report && filed_) {
-      const PrintEnd how = end.value_or(PrintEnd{PrintOutcome::Failed, kInterrupted});
-      filed_(EndedJob{.name = files.name,
-                      .outcome = std::string(name_of(how.outcome)),
-                      .reason = how.reason,
-                      .reports = spool_.reports_of(folder, files.name)});
+    if (left) {
+      PrintEnd how = end.value_or(PrintEnd{PrintOutcome::Failed, kInterrupted});
+      how.job = files.name;
+      EndedJob ended = ended_job(how);
+      ended.reports = spool_.reports_of(folder, files.name);
+      use_.left_job_filed(ended);
     }
     jobs_.pop_back();
   }
 }
 
-void UnfiledJobs::tell_they_stay() const {
+void UnfiledJobs::log_that_they_stay() const {
   for (const Job& job : jobs_)
     log_.error("spool",
                fmt::format("{}: stays in printing until the state is saved", printable(job.files.name)),

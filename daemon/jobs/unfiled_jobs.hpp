@@ -2,15 +2,13 @@
 // accept them. Event loop's thread only.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/contract/expects.hpp"
-#include "daemon/history/job_history.hpp"
 #include "daemon/jobs/print_archivist.hpp"
+#include "daemon/jobs/printer_use.hpp"
 #include "daemon/spool/spool.hpp"
 #include "daemon/system/log.hpp"
 
@@ -18,10 +16,8 @@ namespace contourd {
 
 class UnfiledJobs {
  public:
-  using Filed = std::function<void(const EndedJob&)>;
-  // Spool and log must outlive this object. `filed` is called for each job whose end was not reported before.
-  UnfiledJobs(const Spool& spool, const Log& log, Filed filed)
-      : spool_(spool), log_(log), filed_(std::move(filed)) {}
+  // All must outlive this object.
+  UnfiledJobs(const Spool& spool, const Log& log, PrinterUse& use) : spool_(spool), log_(log), use_(use) {}
 
   // Adds a job that another process left. `end` is nullopt if its print was interrupted.
   void add_left(const JobFiles& files, const std::optional<PrintEnd>& end) {
@@ -41,18 +37,18 @@ class UnfiledJobs {
   // failed. Throws std::system_error; the remaining jobs then stay in printing/.
   void file_all();
   // Logs for each job that it stays in printing/ until the disk accepts it.
-  void tell_they_stay() const;
+  void log_that_they_stay() const;
 
  private:
   struct Job {
     JobFiles files;
     std::optional<PrintEnd> end;
-    bool report = false;  // true if filed_ is called for it
+    bool left = false;  // by another process: its end was not reported before
   };
 
   const Spool& spool_;
   const Log& log_;
-  Filed filed_;
+  PrinterUse& use_;
   std::vector<Job> jobs_;
 };
 

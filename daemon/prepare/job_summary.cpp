@@ -4,11 +4,25 @@
 
 #include <chrono>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
-#include "daemon/prepare/overrides_text.hpp"
+#include "daemon/json/config_error.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd {
+namespace {
+
+// Returns "exposure_ms 4000 instead of 3000, lift_mm 8 instead of 6"; empty if nothing is overridden.
+std::string describe_overrides(const OverriddenSettings& overridden) {
+  std::string text;
+  for (const OverriddenSetting& each : overridden) {
+    text += text.empty() ? "" : ", ";
+    text += std::string(each.setting) + " " + decimal(each.asked) + " instead of " + decimal(each.profile);
+  }
+  return text;
+}
+
+}  // namespace
 
 std::string describe_correction(const JobSummary& summary) {
   const Compensation& c = summary.resin.compensation;
@@ -47,8 +61,15 @@ std::string describe_settings(const JobSummary& summary) {
       "; lift {:g} mm at {:g} mm/s, retract at {:g} mm/s; wait {:g} ms before exposure, {:g} ms after",
       to_millimeters(resin.lift).count(), resin.lift_speed.count(), resin.retract_speed.count(),
       milliseconds(resin.settle), milliseconds(resin.rest));
-  if (!summary.overridden.empty()) text += "; by its ticket: " + describe(summary.overridden);
+  if (!summary.overridden.empty()) text += "; by its ticket: " + describe_overrides(summary.overridden);
   return text;
+}
+
+nlohmann::ordered_json overrides_json(const OverriddenSettings& overridden) {
+  auto list = nlohmann::ordered_json::array();
+  for (const OverriddenSetting& each : overridden)
+    list.push_back({{"setting", each.setting}, {"asked", each.asked}, {"profile", each.profile}});
+  return list;
 }
 
 }  // namespace contourd

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -69,5 +70,8 @@ struct JobSummary {
 // Returns the settings that the job is printed with, for a person: "standard: exposure 3000 ms, ...".
 // Settings from the ticket are named at the end.
 [[nodiscard]] std::string describe_settings(const JobSummary& summary);
+
+// Returns the overridden settings as a list of objects: setting, asked, profile.
+[[nodiscard]] nlohmann::ordered_json overrides_json(const OverriddenSettings& overridden);
 
 }  // namespace contourd

@@ -19,6 +19,20 @@ bool needs_any(const Supports& supports) {
   return !supports.contacts.empty() || !supports.unheld.empty();
 }
 
+Arrangement arranged(const PlateToHold& plate, Millimeters gap) {
+  Arrangement arrangement = arrange(plate.models, plate.volume, gap);
+  check_arrangement(plate.models, arrangement, plate.volume, plate.layer);
+  return arrangement;
+}
+
+std::optional<Supports> supports_of(const PlateToHold& plate, const Arrangement& arrangement,
+                                    const std::stop_token& stop) {
+  const DisplayGeometry& display = plate.volume.display;
+  SupportRequest request{stand_on_plate(plate.models, arrangement, display), display, plate.settings};
+  plate.content.require_room_for_supports(request.models, display);
+  return make_supports(request, stop);
+}
+
 }  // namespace
 
 void lift_models(std::vector<ModelToPlace>& models, const SupportSettings& settings, Nanometers layer,
@@ -50,32 +64,19 @@ std::vector<PlateModel> stand_on_plate(const std::vector<ModelToPlace>& models,
   return standing;
 }
 
-std::optional<Supports> PlateHolding::supports_of(const Arrangement& arrangement,
-                                                  const std::stop_token& stop) const {
-  SupportRequest request{stand_on_plate(models_, arrangement, volume_.display), volume_.display, settings_};
-  content_.require_room_for_supports(request.models, volume_.display);
-  return make_supports(request, stop);
-}
-
-std::optional<HeldPlate> PlateHolding::hold(Nanometers layer, const std::stop_token& stop) const {
+std::optional<HeldPlate> hold_plate(const PlateToHold& plate, const std::stop_token& stop) {
   const bool lifted = std::ranges::any_of(
-      models_, [](const ModelToPlace& model) { return model.elevation.above_plate() > Nanometers{}; });
-  const auto arranged = [&](Millimeters gap) {
-    Arrangement arrangement = arrange(models_, volume_, gap);
-    check_arrangement(models_, arrangement, volume_, layer);
-    return arrangement;
-  };
-  HeldPlate held{arranged(lifted ? gap_for(settings_) : kCopyGap), {}};
-  std::optional<Supports> supports = supports_of(held.arrangement, stop);
-  if (!supports) return std::nullopt;
-  if (needs_any(*supports) && !lifted) {
-    Arrangement wide = arranged(gap_for(settings_));
+      plate.models, [](const ModelToPlace& model) { return model.elevation.above_plate() > Nanometers{}; });
+  HeldPlate held{arranged(plate, lifted ? gap_for(plate.settings) : kCopyGap), {}};
+  std::optional<Supports> supports = supports_of(plate, held.arrangement, stop);
+  if (supports && needs_any(*supports) && !lifted) {
+    Arrangement wide = arranged(plate, gap_for(plate.settings));
     if (wide != held.arrangement) {
       held.arrangement = std::move(wide);
-      supports = supports_of(held.arrangement, stop);
-      if (!supports) return std::nullopt;
+      supports = supports_of(plate, held.arrangement, stop);
     }
   }
+  if (!supports) return std::nullopt;
   held.supports = std::move(*supports);
   return held;
 }

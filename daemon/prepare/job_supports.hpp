@@ -23,29 +23,18 @@ struct HeldPlate {
   Supports supports;
 };
 
-// Arranges and supports the models of a plate.
-class PlateHolding {
- public:
-  // All arguments must outlive this object.
-  PlateHolding(const std::vector<ModelToPlace>& models, const BuildVolume& volume,
-               const SupportSettings& settings, const JobContent& content)
-      : models_(models), volume_(volume), settings_(settings), content_(content) {}
-
-  // Arranges the models and generates their supports; nullopt if `stop` was requested. If no model needs
-  // supports, the arrangement is the same as without; otherwise there is room for feet between all models.
-  // `layer`, the thinnest layer, is the step in height of the search for collisions. Throws JobRefused as
-  // arrange() and check_arrangement() do, and JobTooLarge. Blocks as make_supports() does.
-  [[nodiscard]] std::optional<HeldPlate> hold(Nanometers layer, const std::stop_token& stop) const;
-
- private:
-  [[nodiscard]] std::optional<Supports> supports_of(const Arrangement& arrangement,
-                                                    const std::stop_token& stop) const;
-
-  const std::vector<ModelToPlace>& models_;
-  const BuildVolume& volume_;
-  const SupportSettings& settings_;
-  const JobContent& content_;
+// Models to arrange and support on a plate.
+struct PlateToHold {
+  const std::vector<ModelToPlace>& models;
+  const BuildVolume& volume;
+  const SupportSettings& settings;
+  const JobContent& content;
+  Nanometers layer;  // the thinnest; the step in height of the search for collisions
 };
+// Arranges the models and generates their supports; nullopt if `stop` was requested. If no model needs
+// supports, the arrangement is the same as without; otherwise there is room for feet between all models.
+// Throws JobRefused as arrange() and check_arrangement() do, and JobTooLarge. Blocks as make_supports() does.
+[[nodiscard]] std::optional<HeldPlate> hold_plate(const PlateToHold& plate, const std::stop_token& stop);
 
 // Returns the models and their copies in the form that the engine takes.
 [[nodiscard]] std::vector<PlateModel> stand_on_plate(const std::vector<ModelToPlace>& models,

@@ -79,13 +79,13 @@ std::string describe(const ModelOrientation& orientation) {
                      describe(choice.chosen()), describe(*drawn));
 }
 
-std::span<const OrientationFigures> told_of(const OrientationChoice& choice) {
-  return std::span(choice.ranked).first(std::min(choice.ranked.size(), kAlternativesTold));
+std::span<const OrientationFigures> reported(const OrientationChoice& choice) {
+  return std::span(choice.ranked).first(std::min(choice.ranked.size(), kMaxReported));
 }
 
 Json orientation_json(const ModelOrientation& orientation) {
   Json alternatives = Json::array();
-  for (const OrientationFigures& figures : told_of(orientation.choice))
+  for (const OrientationFigures& figures : reported(orientation.choice))
     alternatives.push_back(figures_json(figures));
   return {{"preset", name_of(orientation.preset)},
           {"as_drawn", orientation.choice.as_drawn()},

@@ -47,10 +47,10 @@ struct OrientationLimits {
 // Returns the direction, rounded to thousandths: "0.354, -0.661, 0.661".
 [[nodiscard]] std::string text_of(const Direction& up);
 
-inline constexpr std::size_t kAlternativesTold = 8;
-// Returns the figures of the chosen direction and of the next best ones, at most kAlternativesTold in all.
-[[nodiscard]] std::span<const OrientationFigures> told_of(const OrientationChoice& choice);
-// Returns the choice with the figures of told_of().
+inline constexpr std::size_t kMaxReported = 8;
+// Returns the figures of the chosen direction and of the next best ones, at most kMaxReported in all.
+[[nodiscard]] std::span<const OrientationFigures> reported(const OrientationChoice& choice);
+// Returns the choice with the figures of reported().
 [[nodiscard]] nlohmann::ordered_json orientation_json(const ModelOrientation& orientation);
 
 }  // namespace contourd

@@ -6,7 +6,8 @@
 
 #include "core/geometry/facet.hpp"
 #include "core/model/placement.hpp"
-#include "daemon/config/job_ticket.hpp"
+#include "daemon/prepare/job_settings.hpp"
+#include "daemon/prepare/plate_arrangement.hpp"
 
 namespace contourd {
 
@@ -15,5 +16,9 @@ namespace contourd {
 void turn_and_scale(std::span<Facet> facets, const ModelTicket& ticket, const Scale& shrinkage);
 // Scales the facets.
 void enlarge(std::span<Facet> facets, const Scale& scale);
+// Turns and scales the facets of a model; with `fit`, to the size at which it fills the volume. Returns the
+// scale without the resin's shrinkage.
+Scale turn_to_size(std::span<Facet> facets, const ModelTicket& ticket, const BuildVolume& volume,
+                   const JobSettings& settings);
 
 }  // namespace contourd

@@ -195,4 +195,23 @@ void check_arrangement(const std::vector<ModelToPlace>& models, const Arrangemen
   }
 }
 
+std::string growth_warning(const std::vector<ModelToPlace>& models, const Arrangement& arrangement,
+                           const BuildVolume& volume, Micrometers growth) {
+  const double growth_mm = to_millimeters(growth).count();
+  double beyond = 0;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    const Bounds& bounds = models[i].model->bounds();
+    for (const Point& center : arrangement[i]) {
+      const double reach_x = std::fabs(center.x) + bounds.size_x() / 2;
+      const double reach_y = std::fabs(center.y) + bounds.size_y() / 2;
+      beyond = std::max(
+          {beyond, reach_x + growth_mm - volume.width_mm() / 2, reach_y + growth_mm - volume.depth_mm() / 2});
+    }
+  }
+  if (growth_mm <= 0 || beyond <= kRoundingMm) return "";
+  return fmt::format(
+      "the resin's growth_um moves contours {:.0f} um beyond the display, where they are cut off",
+      beyond * 1000);
+}
+
 }  // namespace contourd

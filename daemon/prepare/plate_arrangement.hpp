@@ -54,4 +54,10 @@ using Arrangement = std::vector<std::vector<Point>>;
 void check_arrangement(const std::vector<ModelToPlace>& models, const Arrangement& arrangement,
                        const BuildVolume& volume, Nanometers layer);
 
+// Returns a warning if contours that are moved outwards by `growth` reach over the edge of the display; else
+// an empty text. A part that fills the display is not refused for some micrometres.
+[[nodiscard]] std::string growth_warning(const std::vector<ModelToPlace>& models,
+                                         const Arrangement& arrangement, const BuildVolume& volume,
+                                         Micrometers growth);
+
 }  // namespace contourd

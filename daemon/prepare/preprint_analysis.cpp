@@ -13,23 +13,17 @@
 namespace contourd {
 namespace {
 
-bool has_guesses(const ModelSummary& model) {
-  return model.repairs.has_guesses();
-}
 bool has_unheld_places(const JobSummary& job) {
   return job.supports && !job.supports->unheld.empty();
 }
-bool is_open(const ModelSummary& model) {
-  return !model.mesh.watertight;
-}
 
 // Limits of the warnings, since every request for the queue sends them all.
-constexpr std::size_t kMostWarnings = 20, kLongestWarning = 500;
+constexpr std::size_t kMaxWarnings = 20, kLongestWarning = 500;
 
 void bound(std::vector<std::string>& warnings) {
   const std::size_t all = warnings.size();
-  if (all > kMostWarnings) {
-    warnings.resize(kMostWarnings - 1);
+  if (all > kMaxWarnings) {
+    warnings.resize(kMaxWarnings - 1);
     warnings.push_back(fmt::format("and {} more warnings", all - warnings.size()));
   }
   for (std::string& warning : warnings)
@@ -67,9 +61,9 @@ PreprintAnalysis preprint_analysis_of(const JobSummary& job, const PrintFindings
   note(findings.resin_trap_count > 0, "resin_traps");
   note(tiny, "tiny_first_layer");
   note(findings.cracks.open_chains > 0 || findings.cracks.turned_chains > 0 ||
-           std::ranges::any_of(job.models, has_guesses),
+           std::ranges::any_of(job.models, &MeshRepairs::has_guesses, &ModelSummary::repairs),
        "cracks");
-  note(std::ranges::any_of(job.models, is_open), "not_watertight");
+  note(!std::ranges::all_of(job.models, &MeshReport::watertight, &ModelSummary::mesh), "not_watertight");
   note(!findings.empty_layers.empty(), "empty_layers");
   note(!findings.abandoned_layers.empty(), "abandoned_layers");
   if (tiny)

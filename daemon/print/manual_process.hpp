@@ -58,6 +58,8 @@ class ManualProcess final : private MachineProcess<ManualTransition> {
   void give_way();
 
   using MachineProcess::state;
+  // True if an operation is under way or a picture is shown.
+  [[nodiscard]] bool in_use() const { return state() != ManualState::Idle || !picture().empty(); }
   // True from the light-on command until the light is confirmed off.
   [[nodiscard]] bool light_may_be_on() const { return light_asked_; }
   // Returns the number of operations that have begun.

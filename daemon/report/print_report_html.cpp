@@ -159,7 +159,7 @@ std::string orientation_section(const std::vector<ModelSummary>& models) {
     ++tables;
     html += fmt::format("<h2>Ways up{}</h2>\n<table id=\"ways-up-{}\">\n",
                         model.file.empty() ? "" : ": " + escaped(model.file), tables);
-    for (const OrientationFigures& each : told_of(model.orientation->choice))
+    for (const OrientationFigures& each : reported(model.orientation->choice))
       html += row(text_of(each.up), describe(each));
     html += "</table>\n";
   }

@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/prepare/job_summary.hpp"
 #include "daemon/prepare/mesh_repair_text.hpp"
-#include "daemon/prepare/overrides_text.hpp"
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/system/readable.hpp"

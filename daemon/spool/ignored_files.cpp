@@ -67,9 +67,6 @@ std::string_view sentence_for(WhyIgnored why) {
   return "its name is not one of an STL file: put NAME.stl, its ticket NAME.json, or a plate's folder here";
 }
 
-IgnoredFiles::IgnoredFiles(EventLoop& loop, Telling tell, Duration settled)
-    : loop_(loop), tell_(std::move(tell)), settled_after_(settled) {}
-
 void IgnoredFiles::saw(const std::string& file, WhyIgnored why) {
   if (const auto known = settled_.find(file); known != settled_.end() && known->second == why) return;
   forget(file);
@@ -112,7 +109,7 @@ void IgnoredFiles::settle_some() {
     settle(file, why);
   }
   if (!by_change_.empty()) return wait();
-  if (unnamed_ > 0) tell_.more(unnamed_);
+  if (unnamed_ > 0) observer_.more_ignored(unnamed_);
   named_ = unnamed_ = 0;
 }
 
@@ -123,7 +120,7 @@ void IgnoredFiles::settle(const std::string& file, WhyIgnored why) {
     return;
   }
   ++named_;
-  tell_.one(file, why);
+  observer_.ignored(file, why);
 }
 
 }  // namespace contourd

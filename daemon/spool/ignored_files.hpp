@@ -4,7 +4,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -33,15 +32,22 @@ enum class WhyIgnored {
 // Returns a sentence that says why the file is ignored and what to put there instead.
 [[nodiscard]] std::string_view sentence_for(WhyIgnored why);
 
+// Receives the reports about ignored files.
+class IgnoredFilesObserver {
+ public:
+  virtual ~IgnoredFilesObserver() = default;
+
+  // Called when incoming/`file` will not be printed as it is.
+  virtual void ignored(const std::string& file, WhyIgnored why) = 0;
+  // Called with the number of further ignored files, which are not reported by name.
+  virtual void more_ignored(std::size_t files) = 0;
+};
+
 class IgnoredFiles {
  public:
-  // Reports the first files of many by name, then the number of further ones.
-  struct Telling {
-    std::function<void(const std::string& file, WhyIgnored why)> one;
-    std::function<void(std::size_t files)> more;
-  };
-  // A file is reported after it has been unchanged for `settled`.
-  IgnoredFiles(EventLoop& loop, Telling tell, Duration settled = std::chrono::seconds{5});
+  // A file is reported after it has been unchanged for `settled`. Loop and observer must outlive the object.
+  IgnoredFiles(EventLoop& loop, IgnoredFilesObserver& observer, Duration settled = std::chrono::seconds{5})
+      : loop_(loop), observer_(observer), settled_after_(settled) {}
 
   // Notes that the file exists, is new or has changed, and is ignored.
   void saw(const std::string& file, WhyIgnored why);
@@ -63,7 +69,7 @@ class IgnoredFiles {
   void settle(const std::string& file, WhyIgnored why);
 
   EventLoop& loop_;
-  Telling tell_;
+  IgnoredFilesObserver& observer_;
   Duration settled_after_;
   std::map<std::string, WhyIgnored> settled_;
   std::map<std::string, Unsettled> unsettled_;

@@ -21,9 +21,6 @@ constexpr Duration kMissingFolderInterval = 3s;
 
 }  // namespace
 
-IncomingFolder::IncomingFolder(std::filesystem::path path, EventLoop& loop, Worker& disk, Calls calls)
-    : path_(std::move(path)), loop_(loop), disk_(disk), calls_(std::move(calls)) {}
-
 void IncomingFolder::watch_by(int inotify) {
   inotify_ = inotify;
   const Opened opened = open();
@@ -35,7 +32,7 @@ void IncomingFolder::watch_by(int inotify) {
 IncomingFolder::Opened IncomingFolder::open() const noexcept {
   Opened opened;
   try {
-    calls_.make();
+    observer_.make_folder();
     opened.folder = FileDescriptor(::open(path_.c_str(), O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
     struct stat status {};
     if (!opened.folder.valid() || ::fstat(opened.folder.get(), &status) != 0)
@@ -59,7 +56,7 @@ void IncomingFolder::watch_anew() {
   watch_again_timer_.reset();
   look_timer_.reset();
   if (watch_ >= 0) (void)::inotify_rm_watch(inotify_, std::exchange(watch_, -1));
-  calls_.left();
+  observer_.folder_left();
   if (std::exchange(opening_, true)) return;
   disk_.run([this] { return open(); }, [this](const Opened& opened) { watch_or_retry(opened); });
 }
@@ -70,13 +67,13 @@ void IncomingFolder::watch_or_retry(const Opened& opened) {
     if (!opened.trouble.empty()) throw std::runtime_error(opened.trouble);
     watch(opened);
   } catch (const std::runtime_error& error) {
-    if (!std::exchange(missing_, true)) calls_.not_there(error.what());
+    if (!std::exchange(missing_, true)) observer_.folder_lost(error.what());
     watch_again_timer_ = loop_.at(std::chrono::steady_clock::now() + kFolderRetryInterval,
                                   "the spool's timer", [this] { watch_anew(); });
     return;
   }
   missing_ = false;
-  calls_.replaced();
+  observer_.folder_replaced();
   look_later();
 }
 

@@ -6,8 +6,8 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <string>
+#include <utility>
 
 #include "daemon/system/event_loop.hpp"
 #include "daemon/system/worker.hpp"
@@ -19,17 +19,26 @@ namespace contourd {
 inline constexpr std::uint32_t kFolderChanges =
     IN_CREATE | IN_CLOSE_WRITE | IN_MOVED_TO | IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR;
 
+// Makes the folder, and receives reports of the watch.
+class IncomingFolderObserver {
+ public:
+  virtual ~IncomingFolderObserver() = default;
+
+  // Makes the folder if it does not exist. Called by any thread, one at a time. Throws std::runtime_error.
+  virtual void make_folder() = 0;
+  // Called when the folder is no longer watched.
+  virtual void folder_left() = 0;
+  // Called when another folder is watched.
+  virtual void folder_replaced() = 0;
+  // Called when no folder can be watched, which is retried.
+  virtual void folder_lost(const std::string& why) = 0;
+};
+
 class IncomingFolder {
  public:
-  struct Calls {
-    // Makes the folder if it does not exist; called by any thread, one at a time; throws std::runtime_error.
-    std::function<void()> make;
-    std::function<void()> left;                             // the folder is no longer watched
-    std::function<void()> replaced;                         // another folder is watched
-    std::function<void(const std::string& why)> not_there;  // no folder can be watched; this is retried
-  };
-  // The loop, the disk and the inotify descriptor must outlive the object.
-  IncomingFolder(std::filesystem::path path, EventLoop& loop, Worker& disk, Calls calls);
+  // All arguments and the inotify descriptor must outlive the object.
+  IncomingFolder(std::filesystem::path path, EventLoop& loop, Worker& disk, IncomingFolderObserver& observer)
+      : path_(std::move(path)), loop_(loop), disk_(disk), observer_(observer) {}
 
   // Watches the folder by this inotify descriptor. Throws std::runtime_error.
   void watch_by(int inotify);
@@ -59,7 +68,7 @@ class IncomingFolder {
   std::filesystem::path path_;
   EventLoop& loop_;
   Worker& disk_;
-  Calls calls_;
+  IncomingFolderObserver& observer_;
   int inotify_ = -1, watch_ = -1;
   Identity identity_;
   bool opening_ = false;

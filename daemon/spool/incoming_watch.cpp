@@ -33,21 +33,12 @@ IncomingWatch::IncomingWatch(const SpoolFolders& folders, const CopiedOriginals&
                              SpoolObserver& observer)
     : folders_(folders),
       copied_(copied),
+      make_folders_(std::move(make_folders)),
       loop_(loop),
       disk_(disk),
       observer_(observer),
-      ignored_(loop,
-               {.one = [this](const std::string& file, WhyIgnored why) { observer_.ignored(file, why); },
-                .more = [this](std::size_t files) { observer_.more_ignored(files); }}),
-      folder_(folders.path(SpoolFolder::Incoming), loop, disk,
-              {.make = std::move(make_folders),
-               .left = [this] { stop_watching_plates(); },
-               .replaced =
-                   [this] {
-                     observer_.incoming_replaced();
-                     consider_all();
-                   },
-               .not_there = [this](const std::string& why) { observer_.incoming_lost(why); }}) {}
+      ignored_(loop, observer),
+      folder_(folders.path(SpoolFolder::Incoming), loop, disk, *this) {}
 
 void IncomingWatch::open() {
   inotify_ = FileDescriptor(::inotify_init1(IN_CLOEXEC | IN_NONBLOCK));
@@ -77,9 +68,14 @@ void IncomingWatch::stop_watching_plate(const std::string& file) {
   watch_of_plate_.erase(watch);
 }
 
-void IncomingWatch::stop_watching_plates() {
+void IncomingWatch::folder_left() {
   while (!watch_of_plate_.empty())
     stop_watching_plate(std::string(watch_of_plate_.begin()->first));
+}
+
+void IncomingWatch::folder_replaced() {
+  observer_.incoming_replaced();
+  consider_all();
 }
 
 // --- events

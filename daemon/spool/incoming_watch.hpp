@@ -26,12 +26,12 @@
 namespace contourd {
 
 // Receives reports of the models and plates in incoming/.
-class SpoolObserver {
+class SpoolObserver : public IgnoredFilesObserver {
  public:
   SpoolObserver() = default;
   SpoolObserver(const SpoolObserver&) = delete;
   SpoolObserver& operator=(const SpoolObserver&) = delete;
-  virtual ~SpoolObserver() = default;
+  ~SpoolObserver() override = default;
 
   // Called when incoming/`file` is complete: closed by its writer, or moved in; a plate with all its files.
   // Called again when the file or its ticket was written again, or its ticket was removed.
@@ -41,17 +41,13 @@ class SpoolObserver {
   // Called when the set of files that the plate incoming/`file` lacks has changed. Its plate.json names them,
   // and the plate cannot be printed without them.
   virtual void plate_waits(const std::string& file, const std::vector<std::string>& missing) = 0;
-  // Called when incoming/`file` will not be printed as it is.
-  virtual void ignored(const std::string& file, WhyIgnored why) = 0;
-  // Called with the number of further ignored files, which are not reported by name.
-  virtual void more_ignored(std::size_t files) = 0;
   // Called when incoming/ cannot be watched, with the reason: no job arrives until it can.
   virtual void incoming_lost(const std::string& why) = 0;
   // Called when another folder has become incoming/ and is now watched.
   virtual void incoming_replaced() = 0;
 };
 
-class IncomingWatch {
+class IncomingWatch final : private IncomingFolderObserver {
  public:
   // `make_folders` makes incoming/ and the spool's other folders if they do not exist; it is called by any
   // thread, one at a time, and throws std::runtime_error.
@@ -83,6 +79,11 @@ class IncomingWatch {
   void remove_original(const std::string& file) { originals_.erase(file); }
 
  private:
+  void make_folder() override { make_folders_(); }
+  void folder_left() override;
+  void folder_replaced() override;
+  void folder_lost(const std::string& why) override { observer_.incoming_lost(why); }
+
   struct Candidate {
     std::uintmax_t bytes = 0;  // a plate's files together
     int unchanged_looks = 0;   // counts the timer's looks only, since events may come in bursts
@@ -100,7 +101,6 @@ class IncomingWatch {
   // Returns false if the kernel has no watches left.
   [[nodiscard]] bool watch_plate(const std::string& file);
   void stop_watching_plate(const std::string& file);
-  void stop_watching_plates();
   void read_events();
   void take_event(const inotify_event& event);
   void consider_models_of(const std::string& ticket);
@@ -123,6 +123,7 @@ class IncomingWatch {
 
   const SpoolFolders& folders_;
   const CopiedOriginals& copied_;
+  std::function<void()> make_folders_;
   EventLoop& loop_;
   Worker& disk_;
   SpoolObserver& observer_;

@@ -12,7 +12,7 @@ namespace contourd {
 struct AxisFault {
   HomingResult homing = HomingResult::Fault;  // the result of a homing that it ends
   std::string what;                           // one sentence, with the line
-  bool owner_decides = false;                 // the emergency stop: nothing moves until the operator decides
+  bool needs_user = false;                    // the emergency stop: nothing moves until the operator decides
 };
 
 [[nodiscard]] inline std::string describe(const GpioLineConfig& line) {

@@ -89,7 +89,7 @@ void AxisInterlocks::blocked() {
   wiring_.fail(
       {.what = (readable ? "the emergency stop is pressed (" : "the emergency stop cannot be read (") +
                describe(config_.emergency_stop->line) + ")",
-       .owner_decides = true});
+       .needs_user = true});
 }
 
 std::string AxisInterlocks::loss() const {

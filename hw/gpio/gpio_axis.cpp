@@ -200,7 +200,7 @@ void GpioAxis::end_move(MoveResult result) {
 void GpioAxis::fail(const AxisFault& fault) {
   if (moving()) drive_.halt();
   // The callback may abort the motion; then there is no answer left to give.
-  report({MachineEvent::Kind::Fault, fault.what, fault.owner_decides});
+  report({MachineEvent::Kind::Fault, fault.what, fault.needs_user});
   if (homing_.under_way()) return homing_.failed(fault.homing);
   if (move_done_) end_move(MoveResult::Fault);
 }

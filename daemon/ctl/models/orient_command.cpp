@@ -49,7 +49,7 @@ void print_table(const ModelOrientation& orientation) {
   fmt::print("{}\n\n", describe(orientation));
   fmt::print("{:<24}{:>7}{:>10}{:>13}{:>12}{:>14}\n", "up", "score", "contacts", "supports ml", "height mm",
              "largest mm2");
-  for (const OrientationFigures& each : told_of(orientation.choice)) {
+  for (const OrientationFigures& each : reported(orientation.choice)) {
     std::string notes;
     if (each.up == Direction{0, 0, 1}) notes += "  as drawn";
     if (each.stands) notes += "  stands";
@@ -63,7 +63,7 @@ void print_table(const ModelOrientation& orientation) {
 
 std::vector<Mask> pictures_of(const std::vector<Facet>& facets, const ModelOrientation& orientation) {
   std::vector<Mask> pictures;
-  for (const OrientationFigures& each : told_of(orientation.choice))
+  for (const OrientationFigures& each : reported(orientation.choice))
     pictures.push_back(picture_of(facets, each.up));
   return pictures;
 }

@@ -48,7 +48,7 @@ std::string orientation_page(const std::string& name, const ModelOrientation& or
   std::string html =
       page_start(fmt::format("{}: orientations", escaped(name)), kStyle) +
       fmt::format("<h1>{}</h1>\n<p>{}</p>\n<div class=\"ways\">\n", escaped(name), describe(orientation));
-  const std::span<const OrientationFigures> told = told_of(orientation.choice);
+  const std::span<const OrientationFigures> told = reported(orientation.choice);
   for (std::size_t i = 0; i < told.size(); ++i)
     html += figure(told[i], pictures[i], i == 0);
   return html + "</div>\n</html>\n";

@@ -14,7 +14,8 @@ namespace contourd::ctl {
 // printed.
 [[nodiscard]] Mask picture_of(std::span<const Facet> facets, const Direction& up);
 
-// Returns the page as HTML. `name`: the model's file name; `pictures`: one for each orientation of told_of().
+// Returns the page as HTML. `name`: the model's file name; `pictures`: one for each orientation of
+// reported().
 [[nodiscard]] std::string orientation_page(const std::string& name, const ModelOrientation& orientation,
                                            std::span<const Mask> pictures);
 

@@ -8,65 +8,20 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "daemon/config/printer_config.hpp"
-#include "daemon/system/event_loop.hpp"
-#include "hw/simulated_printer.hpp"
-#include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
+#include "tests/daemon/jobs/printer_fixture.hpp"
 #include "tests/daemon/print/late_machine.hpp"
-#include "tests/temporary_folder.hpp"
 
 namespace fs = std::filesystem;
 
 namespace {
-
-// A tetrahedron 1 mm high.
-constexpr const char* kModel = R"(solid tetrahedron
-facet normal 0 0 0
-outer loop
-vertex 0 0 0
-vertex 0 5 0
-vertex 5 0 0
-endloop
-endfacet
-facet normal 0 0 0
-outer loop
-vertex 0 0 0
-vertex 5 0 0
-vertex 0 0 1
-endloop
-endfacet
-facet normal 0 0 0
-outer loop
-vertex 0 0 0
-vertex 0 0 1
-vertex 0 5 0
-endloop
-endfacet
-facet normal 0 0 0
-outer loop
-vertex 5 0 0
-vertex 0 5 0
-vertex 0 0 1
-endloop
-endfacet
-endsolid tetrahedron
-)";
 
 constexpr const char* kInvalidModel = "no model";
 
 // A printer in a temporary folder, with a machine that the test can manipulate. Its clock skips all waiting.
 class PrinterServiceFixture {
  public:
-  PrinterServiceFixture() {
-    config = load_printer_config(fs::path(CONTOURD_CONFIG_DIR) / "simulated.json");
-    config.spool_folder = folder.path() / "spool";
-    config.control_socket = folder.path() / "control.sock";
-    config.wait_for_plate_cleared = false;
-    config.min_free_disk_bytes = 0;
-    config.simulated.display.masks.reset();
-    config.supports = SupportPolicy::Off;
-  }
+  PrinterServiceFixture() { config.wait_for_plate_cleared = false; }
 
   void start() {
     machine = std::make_unique<SimulatedPrinter>(clock, config.simulated);
@@ -81,8 +36,10 @@ class PrinterServiceFixture {
     machine.reset();
   }
 
-  void drop(const std::string& name, const char* text = kModel) {
-    const fs::path staging = folder.write(name, text);
+  // Puts a model 1 mm high, or a file with this text, into incoming/.
+  void drop(const std::string& name, const char* text = nullptr) {
+    const fs::path staging = folder.write(name, text == nullptr ? "" : text);
+    if (text == nullptr) models::write_binary_stl(staging, models::box({0, 0, 0}, {5, 5, 1}));
     fs::rename(staging, config.spool_folder / "incoming" / name);
   }
   [[nodiscard]] nlohmann::json report_of(const std::string& job) const {
@@ -114,7 +71,7 @@ class PrinterServiceFixture {
   }
 
   testing::TemporaryFolder folder;
-  PrinterConfig config;
+  PrinterConfig config = testing::simulated_config(folder.path());
   EventLoop loop;
   VirtualClock clock;
   Log log{loop};

@@ -43,18 +43,17 @@ class FakeAuthority final : public SleepAuthority {
   std::array<FileDescriptor, 2> locks;
 };
 
-struct SleepInhibitorFixture {
+struct SleepInhibitorFixture : SleepingPrint {
   FakeAuthority authority;
   VirtualClock clock;
   int interruptions = 0;
-  bool dark = false;
+  bool is_dark = false;
   std::vector<std::string> reported;
-  SleepInhibitor inhibitor{authority,
-                           clock,
-                           {.interrupt = [this] { ++interruptions; },
-                            .dark = [this] { return dark; },
-                            .unguarded = [this](const std::string& why) { reported.push_back(why); }}};
+  SleepInhibitor inhibitor{authority, clock, *this};
 
+  void interrupt() override { ++interruptions; }
+  [[nodiscard]] bool dark() const override { return is_dark; }
+  void unguarded(const std::string& why) override { reported.push_back(why); }
   [[nodiscard]] bool block() const { return authority.held(SleepAuthority::Lock::Block); }
   [[nodiscard]] bool delay() const { return authority.held(SleepAuthority::Lock::Delay); }
 };
@@ -96,7 +95,7 @@ TEST_CASE("Sleep is delayed until the light of the interrupted print is off") {
   CHECK(fixture.delay());
   REQUIRE(fixture.clock.run_next());
   CHECK(fixture.delay());
-  fixture.dark = true;
+  fixture.is_dark = true;
   REQUIRE(fixture.clock.run_next());
   CHECK_FALSE(fixture.delay());
 

@@ -1,7 +1,7 @@
 #include "daemon/control/manual_control.hpp"
 
 #include "tests/catch.hpp"
-#include "tests/daemon/jobs/current_job_fixture.hpp"
+#include "tests/daemon/control/control_fixture.hpp"
 
 using Json = ManualControl::Json;
 
@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint64_t kFirst = 7, kOther = 8;
 
-class ManualControlFixture : public testing::CurrentJobFixture {
+class ManualControlFixture : public testing::ControlFixture {
  public:
   // Calls the method and returns why it is refused; empty if it is not.
   std::string refusal_of(const std::string& method, const Json& parameters = Json::object(),
@@ -29,7 +29,7 @@ class ManualControlFixture : public testing::CurrentJobFixture {
   }
   // Advances the machine's time to the state; the loop does not run.
   bool run_machine_to(ManualState state) {
-    while (process.state() != state) {
+    while (manual.state() != state) {
       if (!clock.run_next()) return false;
     }
     return true;
@@ -39,31 +39,8 @@ class ManualControlFixture : public testing::CurrentJobFixture {
     REQUIRE(run_machine_to(ManualState::Idle));
   }
 
-  PrintQueue queue{
-      log.log,
-      {.check = [](const std::string&, JobReader::Keep, const auto& done) { done(JobOutlook{}); },
-       .forget = [](const std::string&) {},
-       .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
-       .changed = [] {},
-       .refused = [](const std::string&, const std::string&) {},
-       .removed = [](const std::string&, const std::string&) {},
-       .keep_order = [](const QueueOrder::Names&, const auto&) {}}};
-  JobScheduler scheduler{context,
-                         spool,
-                         queue,
-                         hold,
-                         {.has_job = [this] { return job.job() != nullptr; },
-                          .prints = [this] { return job.print().under_way(); },
-                          .controlled_by_hand = [] { return false; },
-                          .begin = [](const ClaimedJob&) {},
-                          .copy_over = [] {}}};
-  JobHistory history;
-  ManualProcess process{machine, clock, [] {}};
-  ReminderConfig reminder_config;
-  Reminders reminders{reminder_config};
-  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history, process, reminders}};
   Worker worker{loop, "test"};
-  ManualControl control{context, {hold, job, scheduler, status}, process, worker};
+  ManualControl control{context, {hold, job, scheduler, status}, manual, worker};
   ControlMethods methods = control.methods();
   Json reply;
 };
@@ -86,7 +63,7 @@ TEST_CASE("Manual control is refused while a job is running") {
     CAPTURE(name);
     CHECK(fixture.refusal_of(name).starts_with("part is being printed: "));
   }
-  CHECK(fixture.process.operations() == 0);
+  CHECK(fixture.manual.operations() == 0);
 }
 
 TEST_CASE("A move needs a known height, one target within the travel, and a speed within the axis' range") {
@@ -101,7 +78,7 @@ TEST_CASE("A move needs a known height, one target within the travel, and a spee
         "the plate cannot go to -1.000 mm: it is at 0.000 mm and goes from 0 to 160 mm");
   CHECK(fixture.refusal_of("move", {{"to_mm", 5}, {"speed_mm_s", 0}})
             .starts_with("speed_mm_s must be a number from 0.01 to "));
-  CHECK(fixture.process.operations() == 1);
+  CHECK(fixture.manual.operations() == 1);
   CHECK(fixture.refusal_of("move", {{"to_mm", 5}}).empty());
   CHECK(fixture.reply["manual"]["state"] == "moving");
   CHECK(fixture.reply["manual"]["operations"] == 2);
@@ -122,13 +99,13 @@ TEST_CASE(
   for (const double distance : {2.1, -2.1})
     CHECK(fixture.refusal_of("move", {{"unhomed", true}, {"by_mm", distance}}) ==
           "by_mm must be a number from -2 to 2 mm without a known position");
-  CHECK(fixture.process.operations() == 0);
+  CHECK(fixture.manual.operations() == 0);
   CHECK(fixture.refusal_of("move", {{"unhomed", true}, {"by_mm", 2}}).empty());
   CHECK(fixture.reply["manual"]["state"] == "moving");
   const TimePoint begun = fixture.clock.now();
   REQUIRE(fixture.run_machine_to(ManualState::Idle));
   CHECK(fixture.clock.now() - begun >= std::chrono::seconds{2});
-  CHECK(fixture.process.problem().empty());
+  CHECK(fixture.manual.problem().empty());
   // The direction of down is unknown, so both are refused.
   fixture.hold.set_plate_occupant("gear");
   for (const int distance : {1, -1}) {
@@ -203,15 +180,15 @@ TEST_CASE("A manual operation ends with the connection that began it, not with a
   REQUIRE(fixture.refusal_of("show", {{"pattern", "grid"}}, kOther).empty());
   REQUIRE(fixture.refusal_of("move", {{"to_mm", 100}}).empty());
   fixture.control.disconnected(kOther);
-  CHECK(fixture.process.picture().empty());
-  CHECK(fixture.process.state() == ManualState::Moving);
+  CHECK(fixture.manual.picture().empty());
+  CHECK(fixture.manual.state() == ManualState::Moving);
   fixture.control.disconnected(kFirst);
-  CHECK(fixture.process.state() == ManualState::Braking);
+  CHECK(fixture.manual.state() == ManualState::Braking);
   REQUIRE(fixture.run_machine_to(ManualState::Idle));
   // The first connection no longer owns the operation of another one.
   REQUIRE(fixture.refusal_of("home", Json::object(), kOther).empty());
   fixture.control.disconnected(kFirst);
-  CHECK(fixture.process.state() == ManualState::Homing);
+  CHECK(fixture.manual.state() == ManualState::Homing);
 }
 
 TEST_CASE("Stop ends a motion and the picture, from any connection") {
@@ -239,7 +216,7 @@ TEST_CASE("An unknown pattern or power is refused with a list of the valid value
   CHECK(fixture.refusal_of("show", {{"pattern", "grid"}, {"seconds", 601}}) ==
         "seconds must be a number from 0.001 to 600 s");
   CHECK(fixture.refusal_of("projector", {{"power", "of"}}) == "power must be one of on, off");
-  CHECK(fixture.process.operations() == 0);
+  CHECK(fixture.manual.operations() == 0);
 }
 
 TEST_CASE("The status contains the projector's state after the projector has answered") {
@@ -262,5 +239,5 @@ TEST_CASE("The current inputs are reported, even while the plate moves") {
   REQUIRE(fixture.refusal_of("inputs").empty());
   CHECK(fixture.reply["inputs"][0]["active"] == true);
   CHECK(fixture.reply["inputs"][0]["edges"] == 3);
-  CHECK(fixture.process.state() == ManualState::Moving);
+  CHECK(fixture.manual.state() == ManualState::Moving);
 }

@@ -1,14 +1,17 @@
 #include "daemon/control/printer_control.hpp"
 
 #include "tests/catch.hpp"
-#include "tests/daemon/jobs/current_job_fixture.hpp"
+#include "tests/daemon/control/control_fixture.hpp"
 
 using Json = PrinterControl::Json;
 
 namespace {
 
-class PrinterControlFixture : public testing::CurrentJobFixture {
+class PrinterControlFixture : public testing::ControlFixture {
  public:
+  PrinterControlFixture() {
+    queue_observer.on_change = [this] { scheduler.run(); };
+  }
   // Calls the method and returns why it is refused; empty if it is not.
   std::string refusal_of(const std::string& method) {
     try {
@@ -38,29 +41,6 @@ class PrinterControlFixture : public testing::CurrentJobFixture {
     queue.arrived(file);
   }
 
-  PrintQueue queue{
-      log.log,
-      {.check = [](const std::string&, JobReader::Keep, const auto& done) { done(JobOutlook{}); },
-       .forget = [](const std::string&) {},
-       .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
-       .changed = [this] { scheduler.run(); },
-       .refused = [](const std::string&, const std::string&) {},
-       .removed = [](const std::string&, const std::string&) {},
-       .keep_order = [](const QueueOrder::Names&, const auto&) {}}};
-  JobScheduler scheduler{context,
-                         spool,
-                         queue,
-                         hold,
-                         {.has_job = [this] { return job.job() != nullptr; },
-                          .prints = [this] { return job.print().under_way(); },
-                          .controlled_by_hand = [] { return false; },
-                          .begin = [this](ClaimedJob claimed) { job.begin(std::move(claimed)); },
-                          .copy_over = [] {}}};
-  JobHistory history;
-  ManualProcess manual{machine, clock, [] {}};
-  ReminderConfig reminder_config;
-  Reminders reminders{reminder_config};
-  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history, manual, reminders}};
   PrinterControl control{context, hold, job, scheduler, status};
   ControlMethods methods = control.methods();
   Json reply;

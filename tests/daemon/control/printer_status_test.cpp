@@ -1,37 +1,13 @@
 #include "daemon/control/printer_status.hpp"
 
 #include "tests/catch.hpp"
-#include "tests/daemon/jobs/current_job_fixture.hpp"
+#include "tests/daemon/control/control_fixture.hpp"
 
 namespace {
 
-class PrinterStatusFixture : public testing::CurrentJobFixture {
+class PrinterStatusFixture : public testing::ControlFixture {
  public:
-  PrintQueue queue{log.log,
-                   {.check =
-                        [](const std::string&, JobReader::Keep, const auto& done) {
-                          done(JobRefusal{"it takes 900 MB", true});
-                        },
-                    .forget = [](const std::string&) {},
-                    .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
-                    .changed = [] {},
-                    .refused = [](const std::string&, const std::string&) {},
-                    .removed = [](const std::string&, const std::string&) {},
-                    .keep_order = [](const QueueOrder::Names&, const auto&) {}}};
-  JobScheduler scheduler{context,
-                         spool,
-                         queue,
-                         hold,
-                         {.has_job = [] { return true; },
-                          .prints = [] { return true; },
-                          .controlled_by_hand = [] { return false; },
-                          .begin = [](const ClaimedJob&) {},
-                          .copy_over = [] {}}};
-  JobHistory history;
-  ManualProcess manual{machine, clock, [] {}};
-  ReminderConfig reminder_config;
-  Reminders reminders{reminder_config};
-  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history, manual, reminders}};
+  PrinterStatusFixture() { checks.check_result = JobRefusal{"it takes 900 MB", true}; }
 };
 
 }  // namespace

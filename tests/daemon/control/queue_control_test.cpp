@@ -2,16 +2,23 @@
 
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
-#include "tests/daemon/jobs/current_job_fixture.hpp"
+#include "tests/daemon/control/control_fixture.hpp"
 
 using Json = QueueControl::Json;
-using Names = std::vector<std::string>;
+using testing::Names;
 
 namespace {
 
-class QueueControlFixture : public testing::CurrentJobFixture {
+class QueueControlFixture : public testing::ControlFixture {
  public:
-  explicit QueueControlFixture(const Names& files = {}, bool asks = false) : asking(asks) {
+  // With `asks`, the islands and cracks of a job need confirmation.
+  explicit QueueControlFixture(const Names& files = {}, bool asks = false) {
+    checks.check_result = JobOutlook{.bytes = 84, .resin = "grey", .layers = 7};
+    checks.saves_end = true;
+    checks.analysis_result = [this](const std::string& file) {
+      return AnalyzedJob{{.resin_ml = 1.5, .findings = findings, .warnings = findings}, file, {}};
+    };
+    if (asks) config.ask_before = {"islands", "cracks"};
     for (const std::string& file : files)
       queue.arrived(file);
   }
@@ -29,54 +36,7 @@ class QueueControlFixture : public testing::CurrentJobFixture {
   }
   [[nodiscard]] Names order() { return call("queue")["queue"].get<Names>(); }
 
-  Names rejected;  // "FILE: REASON"
-  bool asking;
-  // Findings of each job; its analysis ends at once.
-  Names findings;
-  PrintQueue::Calls queue_calls() {
-    PrintQueue::Calls calls{
-        .check =
-            [](const std::string&, JobReader::Keep, const std::function<void(const CheckedJob&)>& done) {
-              JobOutlook outlook{.bytes = 84, .resin = "grey", .layers = 7};
-              done(std::move(outlook));
-            },
-        .forget = [](const std::string&) {},
-        .reject = [this](const std::string& file, const std::string& reason,
-                         const Spool::Rejected&) { rejected.push_back(file + ": " + reason); },
-        .changed = [] {},
-        .refused = [](const std::string&, const std::string&) {},
-        .removed = [](const std::string&, const std::string&) {},
-        .keep_order = [](const QueueOrder::Names&, const auto&) {}};
-    if (!asking) return calls;
-    calls.questions.analyze = [this](const std::string& file, JobReader::Keep,
-                                     const std::function<void(const JobAnalysisOutcome&)>& done) {
-      AnalyzedJob found;
-      found.analysis.resin_ml = 1.5;
-      found.analysis.findings = findings;
-      found.analysis.warnings = findings;
-      found.content = file;
-      done(found);
-    };
-    calls.questions.changed = [] {};
-    calls.questions.asked = [](const PreprintAnalysis& analysis) { return analysis.findings; };
-    calls.questions.keep_accepted = [](const Acceptances::Lines&, const auto& done) { done(""); };
-    return calls;
-  }
-  PrintQueue queue{log.log, queue_calls()};
-  JobScheduler scheduler{context,
-                         spool,
-                         queue,
-                         hold,
-                         {.has_job = [] { return true; },
-                          .prints = [] { return true; },
-                          .controlled_by_hand = [] { return false; },
-                          .begin = [](const ClaimedJob&) {},
-                          .copy_over = [] {}}};
-  JobHistory history;
-  ManualProcess manual{machine, clock, [] {}};
-  ReminderConfig reminder_config;
-  Reminders reminders{reminder_config};
-  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history, manual, reminders}};
+  Names findings;  // of each job; its analysis ends at once
   QueueControl control{queue, job, status};
   ControlMethods methods = control.methods();
 };
@@ -160,7 +120,9 @@ TEST_CASE("Only the first thousand jobs can be moved, and only among themselves"
 TEST_CASE("A removed job goes to failed once, with the user who removed it") {
   QueueControlFixture fixture({"a.stl", "b.stl"});
   const Json reply = fixture.call("queue_remove", {{"job", "a"}});
-  CHECK(fixture.rejected == Names{"a.stl: removed from the queue by user root (0)\n"});
+  REQUIRE(fixture.checks.rejections.size() == 1);
+  CHECK(fixture.checks.rejections[0].file == "a.stl");
+  CHECK(fixture.checks.rejections[0].reason == "removed from the queue by user root (0)\n");
   CHECK(reply["jobs"][0]["state"] == "leaving");
   CHECK(fixture.refusal_of("queue_remove", {{"job", "a"}}) == R"("a.stl" is already being moved to failed)");
 }
@@ -180,7 +142,7 @@ TEST_CASE("Invalid jobs and places are refused as parameters and change nothing"
   CHECK_THROWS_AS(fixture.call("queue_move", {{"job", "b"}}), InvalidParameters);
   CHECK_THROWS_AS(fixture.call("queue_remove"), InvalidParameters);
   CHECK(fixture.order() == Names{"a.stl", "b.stl"});
-  CHECK(fixture.rejected.empty());
+  CHECK(fixture.checks.rejections.empty());
 }
 
 TEST_CASE("Only methods that change the queue are logged") {

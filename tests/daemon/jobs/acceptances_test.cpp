@@ -3,23 +3,20 @@
 #include <filesystem>
 
 #include "tests/catch.hpp"
+#include "tests/daemon/jobs/fake_printer.hpp"
+#include "tests/daemon/jobs/printer_fixture.hpp"
 #include "tests/daemon/spool/spool_fixture.hpp"
 
-using Lines = Acceptances::Lines;
 namespace fs = std::filesystem;
 
 namespace {
 
 class AcceptancesFixture {
  public:
-  std::vector<Lines> kept;
-  std::function<void(const std::string&)> answer;  // ends the last save
-  std::vector<std::string> troubles;
-  Acceptances acceptances{[this](const Lines& lines, auto done) {
-                            kept.push_back(lines);
-                            answer = std::move(done);
-                          },
-                          [this](const std::string& trouble) { troubles.push_back(trouble); }};
+  EventLoop loop;
+  testing::LogText log{loop};
+  testing::FakeChecks work;
+  Acceptances acceptances{work, log.log};
 };
 
 class ContentMarkFixture : public testing::SpoolFixture {
@@ -49,28 +46,30 @@ TEST_CASE("Acceptances are saved for the next process, one write at a time and t
   fixture.acceptances.add("a1", {"islands"});
   fixture.acceptances.add("a2", {"islands"});
   fixture.acceptances.remove("a0");
-  REQUIRE(fixture.kept.size() == 1);
-  CHECK(fixture.kept.back() == Lines{"a0 islands", "a1 islands"});
-  fixture.answer("");
-  REQUIRE(fixture.kept.size() == 2);
-  CHECK(fixture.kept.back() == Lines{"a1 islands", "a2 islands"});
-  fixture.answer("");
-  CHECK(fixture.kept.size() == 2);
+  REQUIRE(fixture.work.saved.size() == 1);
+  CHECK(fixture.work.saved.back() == Names{"a0 islands", "a1 islands"});
+  fixture.work.save_done("");
+  REQUIRE(fixture.work.saved.size() == 2);
+  CHECK(fixture.work.saved.back() == Names{"a1 islands", "a2 islands"});
+  fixture.work.save_done("");
+  CHECK(fixture.work.saved.size() == 2);
 }
 
 TEST_CASE("A failure to save an acceptance is reported once") {
   AcceptancesFixture fixture;
   for (const char* content : {"a", "b", "c"}) {
     fixture.acceptances.add(content, {"islands"});
-    fixture.answer("no room");
+    fixture.work.save_done("no room");
   }
-  CHECK(fixture.kept.size() == 3);
-  CHECK(fixture.troubles == std::vector<std::string>{"no room"});
+  CHECK(fixture.work.saved.size() == 3);
+  CHECK(
+      fixture.log.count("warning: cannot save what was accepted; it must be confirmed again after a restart: "
+                        "no room") == 1);
 }
 
 TEST_CASE("The oldest acceptance is forgotten beyond a thousand") {
   AcceptancesFixture fixture;
-  for (int i = 0; i <= static_cast<int>(Acceptances::kMost); ++i)
+  for (int i = 0; i <= static_cast<int>(Acceptances::kMaxLines); ++i)
     fixture.acceptances.add(std::to_string(i), {"islands"});
   CHECK_FALSE(fixture.acceptances.has("0", "islands"));
   CHECK(fixture.acceptances.has("1", "islands"));

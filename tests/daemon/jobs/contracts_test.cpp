@@ -5,6 +5,7 @@
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/current_job_fixture.hpp"
+#include "tests/daemon/jobs/fake_printer.hpp"
 
 namespace {
 
@@ -26,15 +27,12 @@ TEST_CASE("CurrentJob begins one job at a time, and ends or returns only a job t
 TEST_CASE("PrintQueue has a next job only while a job waits") {
   EventLoop loop;
   testing::LogText log{loop};
-  PrintQueue queue(log.log, {.check = [](const std::string&, JobReader::Keep, const auto&) {},
-                             .forget = [](const std::string&) {},
-                             .reject = [](const std::string&, const std::string&, const auto&) {},
-                             .changed = [] {},
-                             .refused = [](const std::string&, const std::string&) {},
-                             .removed = [](const std::string&, const std::string&) {},
-                             .keep_order = [](const QueueOrder::Names&, const auto&) {}});
+  PrinterConfig config;
+  testing::FakeChecks work;
+  testing::FakeQueueObserver observer;
+  PrintQueue queue(config, work, observer, log.log);
   CHECK(contract_broken_by([&] { (void)queue.first_may_begin(); }) == kWaits);
-  CHECK(contract_broken_by([&] { queue.keep_first_waiting(); }) == kWaits);
+  CHECK(contract_broken_by([&] { (void)queue.next(); }) == kWaits);
   CHECK(contract_broken_by([&] { (void)queue.take_first(); }) == kWaits);
   CHECK(contract_broken_by([&] { queue.refuse_first("no"); }) == kWaits);
   CHECK(contract_broken_by([&] { queue.remove("part.stl", "no"); }) == "the job waits");
@@ -48,6 +46,7 @@ TEST_CASE("PrintQueue has a next job only while a job waits") {
 
 TEST_CASE("UnfiledJobs has a last job only if it has any") {
   testing::PrinterFixture fixture;
-  const UnfiledJobs jobs(fixture.spool, fixture.log.log, nullptr);
+  testing::FakePrinter printer;
+  const UnfiledJobs jobs(fixture.spool, fixture.log.log, printer);
   CHECK(contract_broken_by([&] { (void)jobs.last(); }) == kJob);
 }

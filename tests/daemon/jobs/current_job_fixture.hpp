@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "daemon/jobs/current_job.hpp"
+#include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 
 namespace contourd::testing {
 
-class CurrentJobFixture : public PrinterFixture, private JobObserver {
+class CurrentJobFixture : public PrinterFixture, private JobObserver, private PrinterUse {
  public:
   CurrentJobFixture() { hold.load(); }
 
@@ -19,7 +20,7 @@ class CurrentJobFixture : public PrinterFixture, private JobObserver {
   void begin(const std::string& file = "part.stl") {
     if (!has("incoming/" + file)) put(Spool::Folder::Incoming, file);
     const JobFiles files = spool.begin(file);
-    job.begin({files, read_settings(files, config), std::chrono::steady_clock::now()});
+    begin(ClaimedJob{files, read_settings(files, config), std::chrono::steady_clock::now()});
   }
   // Runs until the job has ended; calls `look` after every step.
   bool run_to_end(const std::function<void()>& look = [] {}) {
@@ -38,16 +39,25 @@ class CurrentJobFixture : public PrinterFixture, private JobObserver {
   }
   void job_changed(const std::string& what) override { events.push_back("changed: " + what); }
   void light_gone() override { events.emplace_back("light gone"); }
-  void memory_freed() override { events.emplace_back("memory freed"); }
-  std::shared_future<void> print_over(EndedJob& /*job*/) override { return {}; }
-  void job_ended(EndedJob end) override { ended.push_back(std::move(end)); }
+  void job_ended(EndedJob end) override {
+    CHECK(job.job() == nullptr);  // its memory is freed
+    ended.push_back(std::move(end));
+  }
   void may_stop() override { events.emplace_back("may stop"); }
 
+  [[nodiscard]] bool has_job() const override { return job.job() != nullptr; }
+  [[nodiscard]] bool prints() const override { return job.print().under_way(); }
+  [[nodiscard]] bool light_may_be_on() const override { return job.print().light_may_be_on(); }
+  [[nodiscard]] bool controlled_by_hand() const override { return false; }
+  void begin(ClaimedJob claimed) override { job.begin(std::move(claimed)); }
+  void left_job_filed(const EndedJob& /*job*/) override {}
+
  public:
+  PrinterUse& use = *this;
   JobReader reader{config, spool, loop};
-  QueueHold hold{
-      context, spool, {.light_may_be_on = [this] { return job.print().light_may_be_on(); }, .retry = [] {}}};
-  CurrentJob job{context, spool, reader, hold, *this};
+  QueueHold hold{context, spool, use};
+  HistoryWorker past{loop, log.log, folder.path() / "history.sqlite"};
+  CurrentJob job{context, spool, reader, hold, past, *this};
 };
 
 }  // namespace contourd::testing

@@ -1,6 +1,7 @@
 #include "daemon/jobs/incoming_router.hpp"
 
 #include "tests/catch.hpp"
+#include "tests/daemon/jobs/fake_printer.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 
 namespace {
@@ -9,14 +10,10 @@ class RouterFixture {
  public:
   EventLoop loop;
   testing::LogText text{loop};
-  PrintQueue queue{text.log,
-                   {.check = [](const std::string&, JobReader::Keep, const auto&) {},
-                    .forget = [](const std::string&) {},
-                    .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
-                    .changed = [] {},
-                    .refused = [](const std::string&, const std::string&) {},
-                    .removed = [](const std::string&, const std::string&) {},
-                    .keep_order = [](const QueueOrder::Names&, const auto&) {}}};
+  PrinterConfig config;
+  testing::FakeChecks work;
+  testing::FakeQueueObserver observer;
+  PrintQueue queue{config, work, observer, text.log};
   IncomingRouter router{text.log, queue};
 };
 

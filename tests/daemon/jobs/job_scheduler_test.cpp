@@ -3,9 +3,9 @@
 #include <filesystem>
 
 #include "tests/catch.hpp"
+#include "tests/daemon/jobs/fake_printer.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 
-using Names = std::vector<std::string>;
 namespace fs = std::filesystem;
 
 namespace {
@@ -13,85 +13,65 @@ namespace {
 // A scheduler whose jobs and checks end when a test ends them.
 class SchedulerFixture : public testing::PrinterFixture {
  public:
-  // With `asks`, every finding of an analysis needs confirmation.
-  explicit SchedulerFixture(bool asks = false) : asking(asks) { hold.load(); }
+  SchedulerFixture() {
+    queue_observer.on_change = [this] { scheduler.run(); };
+    hold.load();
+  }
 
   void arrive(const std::string& file) {
     put(Spool::Folder::Incoming, file);
     queue.arrived(file);
   }
   void end_job() {
-    has_job = false;
+    printer.job = false;
     scheduler.run();
   }
   [[nodiscard]] Names begun() const {
     Names names;
-    for (const ClaimedJob& job : jobs)
+    for (const ClaimedJob& job : printer.jobs)
       names.push_back(job.files.name);
     return names;
   }
-
-  bool has_job = false, lit = false, by_hand = false;
-  std::vector<ClaimedJob> jobs;
-  Names checked;
-  QueueHold hold{
-      context, spool, {.light_may_be_on = [this] { return lit; }, .retry = [this] { scheduler.run(); }}};
-  bool asking;
-  std::function<void(const CheckedJob&)> check_done;  // ends the last check
-  // Returns the outlook of the job as it is now, with places that cannot be held.
-  [[nodiscard]] JobOutlook unheld(const std::string& file) const {
+  [[nodiscard]] Names checked() const {
+    Names files;
+    for (const auto& check : work.checks)
+      files.push_back(check.file);
+    return files;
+  }
+  // Returns an analysis of the job as it is now, with these findings.
+  [[nodiscard]] AnalyzedJob analysis(const std::string& file, const Names& findings) const {
     const JobFiles files = spool.files_of(Spool::Folder::Incoming, file);
+    return {{.resin_ml = {}, .findings = findings, .warnings = {}},
+            content_mark(files),
+            read_settings(files, config)};
+  }
+  void end_check(const CheckedJob& found) { work.checks.back().done(found); }
+  // Ends the last check: the job has places that cannot be held.
+  void find_unheld(const std::string& file) {
     JobOutlook outlook;
-    outlook.question = AnalyzedJob{{.resin_ml = {}, .findings = {"unheld_places"}, .warnings = {}},
-                                   content_mark(files),
-                                   read_settings(files, config)};
-    return outlook;
+    outlook.question = analysis(file, {"unheld_places"});
+    end_check(outlook);
   }
-  std::vector<std::function<void(const JobAnalysisOutcome&)>>
-      analyses;  // ends each analysis, in the order of their start
-  // Ends the last analysis with these findings of the job as it is now.
+  // Ends the last analysis with these findings.
   void find(const std::string& file, const Names& findings) {
-    const JobFiles files = spool.files_of(Spool::Folder::Incoming, file);
-    PreprintAnalysis analysis;
-    analysis.findings = findings;
-    analyses.back()(AnalyzedJob{analysis, content_mark(files), read_settings(files, config)});
+    work.analyses.back().done(analysis(file, findings));
   }
-  PrintQueue::Calls queue_calls() {
-    PrintQueue::Calls calls{.check =
-                                [this](const std::string& file, JobReader::Keep, const auto& done) {
-                                  checked.push_back(file);
-                                  if (asking) return done(JobOutlook{});
-                                  check_done = done;
-                                },
-                            .forget = [](const std::string&) {},
-                            .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
-                            .changed = [this] { scheduler.run(); },
-                            .refused = [](const std::string&, const std::string&) {},
-                            .removed = [](const std::string&, const std::string&) {},
-                            .keep_order = [](const QueueOrder::Names&, const auto&) {}};
-    calls.questions.changed = [] {};
-    calls.questions.asked = [](const PreprintAnalysis& analysis) { return analysis.findings; };
-    calls.questions.keep_accepted = [](const Acceptances::Lines&, const auto& done) { done(""); };
-    if (!asking) return calls;
-    calls.questions.analyze = [this](const std::string&, JobReader::Keep, const auto& done) {
-      analyses.push_back(done);
-    };
-    return calls;
+
+  testing::FakePrinter printer;
+  testing::FakeChecks work;
+  testing::FakeQueueObserver queue_observer;
+  QueueHold hold{context, spool, printer};
+  PrintQueue queue{config, work, queue_observer, log.log};
+  JobScheduler scheduler{context, spool, queue, hold, printer};
+};
+
+// A scheduler with ask_before for islands, whose checks succeed at once.
+class AskingSchedulerFixture : public SchedulerFixture {
+ public:
+  AskingSchedulerFixture() {
+    config.ask_before = {"islands"};
+    work.check_result = JobOutlook{};
   }
-  PrintQueue queue{log.log, queue_calls()};
-  JobScheduler scheduler{context,
-                         spool,
-                         queue,
-                         hold,
-                         {.has_job = [this] { return has_job; },
-                          .prints = [this] { return has_job; },
-                          .controlled_by_hand = [this] { return by_hand; },
-                          .begin =
-                              [this](ClaimedJob job) {
-                                has_job = true;
-                                jobs.push_back(std::move(job));
-                              },
-                          .copy_over = [] {}}};
 };
 
 }  // namespace
@@ -101,9 +81,9 @@ TEST_CASE("A job that arrives at an idle printer begins at once, in printing/ an
   fixture.arrive("part.stl");
   CHECK(fixture.begun() == Names{"part"});
   CHECK(fixture.has("printing/part.stl"));
-  CHECK(fixture.jobs[0].settings);
+  CHECK(fixture.printer.jobs[0].settings);
   CHECK(fixture.scheduler.waiting_for().empty());
-  CHECK(fixture.checked.empty());
+  CHECK(fixture.checked().empty());
 }
 
 TEST_CASE("A job with supports is checked before it begins, because it may need confirmation") {
@@ -111,30 +91,30 @@ TEST_CASE("A job with supports is checked before it begins, because it may need 
   fixture.config.supports = SupportPolicy::Auto;
   fixture.arrive("part.stl");
   CHECK(fixture.begun().empty());
-  REQUIRE(fixture.checked == Names{"part.stl"});
+  REQUIRE(fixture.checked() == Names{"part.stl"});
   CHECK(fixture.has("incoming/part.stl"));
   SECTION("all places are held") {
-    fixture.check_done(JobOutlook{});
+    fixture.end_check(JobOutlook{});
     CHECK(fixture.begun() == Names{"part"});
-    CHECK_FALSE(fixture.jobs[0].unheld_accepted);
+    CHECK_FALSE(fixture.printer.jobs[0].unheld_accepted);
   }
   SECTION("places that cannot be held are accepted") {
-    fixture.check_done(fixture.unheld("part.stl"));
+    fixture.find_unheld("part.stl");
     CHECK(fixture.begun().empty());
     fixture.arrive("other.stl");
-    fixture.check_done(JobOutlook{});
+    fixture.end_check(JobOutlook{});
     CHECK(fixture.begun() == Names{"other"});
     fixture.queue.accept("part.stl", "user me");
     fixture.end_job();
     REQUIRE(fixture.begun() == Names{"other", "part"});
-    CHECK(fixture.jobs[1].unheld_accepted);
+    CHECK(fixture.printer.jobs[1].unheld_accepted);
   }
   SECTION("the job has changed since it was accepted") {
-    fixture.check_done(fixture.unheld("part.stl"));
+    fixture.find_unheld("part.stl");
     fixture.put_text(Spool::Folder::Incoming, "part.json", "{}");
     fixture.queue.accept("part.stl", "user me");
     CHECK(fixture.begun().empty());
-    CHECK(fixture.run_until([&] { return fixture.checked == Names{"part.stl", "part.stl"}; }));
+    CHECK(fixture.run_until([&] { return fixture.checked() == Names{"part.stl", "part.stl"}; }));
   }
 }
 
@@ -143,7 +123,7 @@ TEST_CASE("Jobs begin one after the other, in the order of the queue") {
   for (const char* file : {"b.stl", "a.stl", "c.stl"})
     fixture.arrive(file);
   CHECK(fixture.begun() == Names{"b"});
-  CHECK(fixture.checked == Names{"a.stl", "c.stl"});
+  CHECK(fixture.checked() == Names{"a.stl", "c.stl"});
 }
 
 TEST_CASE("The time to the first light counts from the arrival, or from the end of the wait") {
@@ -153,23 +133,23 @@ TEST_CASE("The time to the first light counts from the arrival, or from the end 
   fixture.arrive("two.stl");
   const TimePoint end_of_wait = std::chrono::steady_clock::now();
   (void)fixture.queue.take_first();  // it is still being checked
-  CHECK(fixture.jobs[0].turn_came <= between);
+  CHECK(fixture.printer.jobs[0].turn_came <= between);
   fixture.queue.put_last({.file = "two.stl", .arrived = between, .waited = true});
   fixture.end_job();
-  REQUIRE(fixture.jobs.size() == 2);
-  CHECK(fixture.jobs[1].turn_came >= end_of_wait);
+  REQUIRE(fixture.printer.jobs.size() == 2);
+  CHECK(fixture.printer.jobs[1].turn_came >= end_of_wait);
 }
 
 TEST_CASE("A job that becomes the next one when another begins has waited") {
   SchedulerFixture fixture;
-  fixture.has_job = true;
+  fixture.printer.job = true;
   fixture.put(Spool::Folder::Incoming, "one.stl");
   fixture.put(Spool::Folder::Incoming, "two.stl");
   fixture.queue.put_last({.file = "one.stl", .arrived = {}});
   fixture.queue.put_last({.file = "two.stl", .arrived = {}});
-  fixture.has_job = false;
+  fixture.printer.job = false;
   fixture.scheduler.run_soon();
-  CHECK(fixture.run_until([&] { return fixture.has_job; }));
+  CHECK(fixture.run_until([&] { return fixture.printer.job; }));
   CHECK(fixture.begun() == Names{"one"});
   CHECK(fixture.queue.jobs().front().waited);
 }
@@ -190,7 +170,7 @@ TEST_CASE("A job waits for the machine first, then for the hold, then for the di
   CHECK(fixture.scheduler.waiting_for().starts_with("the spool's disk has "));
   fixture.config.min_free_disk_bytes = 0;
   CHECK(fixture.begun().empty());
-  CHECK(fixture.checked == Names{"part.stl"});
+  CHECK(fixture.checked() == Names{"part.stl"});
 }
 
 TEST_CASE("The reason why a job waits is logged once") {
@@ -204,7 +184,7 @@ TEST_CASE("The reason why a job waits is logged once") {
 
 TEST_CASE("A job that is gone when its turn comes is logged as removed, and the next one begins") {
   SchedulerFixture fixture;
-  fixture.has_job = true;
+  fixture.printer.job = true;
   fixture.queue.arrived("gone.stl");
   fixture.queue.arrived("gone-too.stl");
   fixture.put(Spool::Folder::Incoming, "part.stl");
@@ -214,9 +194,9 @@ TEST_CASE("A job that is gone when its turn comes is logged as removed, and the 
   gone.check = gone_too.check = WaitingJob::Check::Passed;
   fixture.queue.put_first(std::move(gone_too));
   fixture.queue.put_first(std::move(gone));
-  fixture.has_job = false;
+  fixture.printer.job = false;
   fixture.scheduler.run_soon();
-  CHECK(fixture.run_until([&] { return fixture.has_job; }));
+  CHECK(fixture.run_until([&] { return fixture.printer.job; }));
   CHECK(fixture.begun() == Names{"part"});
   CHECK(fixture.log.has("gone.stl: removed from incoming by a user"));
   CHECK(fixture.log.has("gone-too.stl: removed from incoming by a user"));
@@ -243,7 +223,7 @@ TEST_CASE("A job waits for a broken profile, and the others are checked meanwhil
   CHECK(fixture.scheduler.waiting_for().ends_with("; the queue continues when the profile is fixed"));
   CHECK(fixture.has("incoming/part.stl"));
   fixture.arrive("other.stl");
-  CHECK(fixture.checked == Names{"other.stl"});
+  CHECK(fixture.checked() == Names{"other.stl"});
   fixture.config.resin = resin;
   fixture.scheduler.run();
   CHECK(fixture.begun() == Names{"part"});
@@ -255,24 +235,24 @@ TEST_CASE("A job with an invalid ticket begins, because its reading says why it 
   fixture.put_text(Spool::Folder::Incoming, "part.json", "no ticket");
   fixture.arrive("part.stl");
   REQUIRE(fixture.begun() == Names{"part"});
-  CHECK_FALSE(fixture.jobs[0].settings);
+  CHECK_FALSE(fixture.printer.jobs[0].settings);
 }
 
 TEST_CASE("A job whose name is taken gets a number after its name") {
   SchedulerFixture fixture;
   fixture.put(Spool::Folder::Done, "part.stl");
   fixture.arrive("part.stl");
-  REQUIRE(fixture.jobs.size() == 1);
-  CHECK(fixture.jobs[0].files.name != "part");
+  REQUIRE(fixture.printer.jobs.size() == 1);
+  CHECK(fixture.printer.jobs[0].files.name != "part");
   CHECK(fixture.has("done/part.stl"));
 }
 
 TEST_CASE("No job begins after a stop, but records are saved") {
   SchedulerFixture fixture;
   fixture.scheduler.stop();
-  fixture.lit = true;
+  fixture.printer.lit = true;
   fixture.hold.hold("part failed");
-  fixture.lit = false;
+  fixture.printer.lit = false;
   fixture.arrive("part.stl");
   CHECK(fixture.begun().empty());
   CHECK(fixture.has("incoming/part.stl"));
@@ -286,7 +266,7 @@ TEST_CASE("A failed save is retried when nothing is printed") {
   fixture.hold.hold("part failed");
   REQUIRE(fixture.hold.failed());
   fs::remove_all(obstacle);
-  fixture.has_job = true;
+  fixture.printer.job = true;
   fixture.scheduler.run();
   CHECK(fixture.hold.failed());
   fixture.end_job();
@@ -295,36 +275,36 @@ TEST_CASE("A failed save is retried when nothing is printed") {
 
 TEST_CASE("No job begins while the printer is controlled by hand, and the reason is reported") {
   SchedulerFixture fixture;
-  fixture.by_hand = true;
+  fixture.printer.by_hand = true;
   fixture.arrive("part.stl");
   CHECK(fixture.begun().empty());
   CHECK(fixture.scheduler.waiting_for() ==
         "the printer is controlled by hand; \"contourctl stop\" ends that");
-  fixture.by_hand = false;
+  fixture.printer.by_hand = false;
   fixture.scheduler.run();
   CHECK(fixture.scheduler.waiting_for().empty());
 }
 
 TEST_CASE("With ask_before a job is analyzed first, and begins if nothing is found") {
-  SchedulerFixture fixture(true);
+  AskingSchedulerFixture fixture;
   fixture.arrive("part.stl");
   CHECK(fixture.begun().empty());
   CHECK(fixture.scheduler.waiting_for() == "its layers must be analyzed first, as ask_before requires");
-  REQUIRE(fixture.analyses.size() == 1);
+  REQUIRE(fixture.work.analyses.size() == 1);
   fixture.find("part.stl", {});
   CHECK(fixture.begun() == Names{"part"});
   CHECK(fixture.scheduler.waiting_for().empty());
 }
 
 TEST_CASE("Jobs after one that waits for confirmation begin in their order, and it is next when accepted") {
-  SchedulerFixture fixture(true);
+  AskingSchedulerFixture fixture;
   for (const char* file : {"a.stl", "b.stl", "c.stl"})
     fixture.arrive(file);
   fixture.find("a.stl", {"islands"});
   CHECK(fixture.begun().empty());
   fixture.find("b.stl", {});
   CHECK(fixture.begun() == Names{"b"});
-  CHECK(fixture.run_until([&] { return fixture.analyses.size() == 3; }));  // during the print
+  CHECK(fixture.run_until([&] { return fixture.work.analyses.size() == 3; }));  // during the print
   fixture.find("c.stl", {});
   fixture.queue.accept("a.stl", "user me");
   fixture.end_job();
@@ -335,7 +315,7 @@ TEST_CASE("Jobs after one that waits for confirmation begin in their order, and 
 
 TEST_CASE(
     "When all jobs wait for confirmation, the queue names the command that accepts, and continues after it") {
-  SchedulerFixture fixture(true);
+  AskingSchedulerFixture fixture;
   fixture.arrive("part.stl");
   fixture.find("part.stl", {"islands"});
   CHECK(fixture.begun().empty());
@@ -346,17 +326,17 @@ TEST_CASE(
 }
 
 TEST_CASE("A job that is being analyzed keeps the jobs after it waiting") {
-  SchedulerFixture fixture(true);
+  AskingSchedulerFixture fixture;
   fixture.arrive("a.stl");
   fixture.arrive("b.stl");
-  REQUIRE(fixture.analyses.size() == 1);
+  REQUIRE(fixture.work.analyses.size() == 1);
   fixture.scheduler.run();
   CHECK(fixture.begun().empty());
 }
 
 TEST_CASE("A job that has changed since its analysis is analyzed again") {
-  SchedulerFixture fixture(true);
-  fixture.has_job = true;
+  AskingSchedulerFixture fixture;
+  fixture.printer.job = true;
   fixture.arrive("part.stl");
   fixture.find("part.stl", {});
   SECTION("its model has changed") {
@@ -366,10 +346,10 @@ TEST_CASE("A job that has changed since its analysis is analyzed again") {
   SECTION("it has got a ticket") {
     fixture.put_text(Spool::Folder::Incoming, "part.json", R"({"copies": 2})");
   }
-  fixture.has_job = false;
+  fixture.printer.job = false;
   fixture.scheduler.run();
   CHECK(fixture.begun().empty());
-  CHECK(fixture.run_until([&] { return fixture.analyses.size() == 2; }));
+  CHECK(fixture.run_until([&] { return fixture.work.analyses.size() == 2; }));
   fixture.find("part.stl", {});
   CHECK(fixture.begun() == Names{"part"});
 }

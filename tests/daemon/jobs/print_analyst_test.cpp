@@ -1,7 +1,7 @@
 #include "daemon/jobs/print_analyst.hpp"
 
 #include "tests/catch.hpp"
-#include "tests/daemon/jobs/small_display.hpp"
+#include "tests/daemon/print/box_print.hpp"
 #include "tests/models/models.hpp"
 
 namespace {

@@ -9,7 +9,7 @@
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
-#include "tests/daemon/jobs/small_display.hpp"
+#include "tests/daemon/print/box_print.hpp"
 #include "tests/models/models.hpp"
 #include "tests/temporary_folder.hpp"
 

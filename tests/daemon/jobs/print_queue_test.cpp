@@ -1,25 +1,18 @@
 #include "daemon/jobs/print_queue.hpp"
 
 #include "tests/catch.hpp"
+#include "tests/daemon/jobs/fake_printer.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 
-using Names = std::vector<std::string>;
 using Check = WaitingJob::Check;
+using Keep = JobChecks::Keep;
 
 namespace {
 
 // A queue whose checks and refusals end when a test ends them.
 class QueueFixture {
  public:
-  struct RunningCheck {
-    std::string file;
-    JobReader::Keep keep;
-    std::function<void(const CheckedJob&)> done;
-  };
-  struct RunningRejection {
-    std::string file, reason;
-    Spool::Rejected done;
-  };
+  explicit QueueFixture(const Names& ask_before = {}) { config.ask_before = ask_before; }
 
   void arrive(const Names& files) {
     for (const std::string& file : files)
@@ -28,7 +21,7 @@ class QueueFixture {
   // Lets the next check refuse its job, whose files are then on their way to failed/.
   void begin_to_refuse(const std::string& reason) {
     queue.check_next();
-    checks.back().done(JobRefusal{reason});
+    work.checks.back().done(JobRefusal{reason});
   }
   [[nodiscard]] Names order() const {
     Names files;
@@ -39,47 +32,21 @@ class QueueFixture {
 
   EventLoop loop;
   testing::LogText log{loop};
-  std::vector<RunningCheck> checks;
-  std::vector<RunningRejection> rejections;
-  Names forgotten;
-  Names reported;           // "changed", "refused FILE: REASON" or "removed FILE: REASON"
-  std::vector<Names> kept;  // saved orders
-  std::function<void(const std::string&)> order_kept;  // ends the last save
-  PrintQueue queue{log.log,
-                   {.check =
-                        [this](const std::string& file, JobReader::Keep keep, auto done) {
-                          checks.push_back({file, keep, std::move(done)});
-                        },
-                    .forget = [this](const std::string& file) { forgotten.push_back(file); },
-                    .reject =
-                        [this](const std::string& file, const std::string& reason, Spool::Rejected done) {
-                          rejections.push_back({file, reason, std::move(done)});
-                        },
-                    .changed = [this] { reported.emplace_back("changed"); },
-                    .refused =
-                        [this](const std::string& file, const std::string& reason) {
-                          reported.push_back("refused " + file + ": " + reason);
-                        },
-                    .removed =
-                        [this](const std::string& file, const std::string& reason) {
-                          reported.push_back("removed " + file + ": " + reason);
-                        },
-                    .keep_order =
-                        [this](const QueueOrder::Names& names, auto done) {
-                          kept.push_back(names);
-                          order_kept = std::move(done);
-                        }}};
+  PrinterConfig config;
+  testing::FakeChecks work;
+  testing::FakeQueueObserver observer;
+  Names& reported = observer.reported;
+  PrintQueue queue{config, work, observer, log.log};
 };
 
 // A queue with ask_before for islands and cracks. The checks succeed at once; find() sets the findings of an
 // analysis.
-class AskingQueueFixture {
+class AskingQueueFixture : public QueueFixture {
  public:
-  struct RunningAnalysis {
-    std::string file;
-    JobReader::Keep keep;
-    std::function<void(const JobAnalysisOutcome&)> done;
-  };
+  AskingQueueFixture() : QueueFixture({"islands", "cracks"}) {
+    work.check_result = JobOutlook{};
+    work.saves_end = true;
+  }
 
   void arrive(const Names& files) {
     for (const std::string& file : files) {
@@ -90,72 +57,20 @@ class AskingQueueFixture {
   }
   // Ends the analysis under way with these findings.
   void find(const Names& findings, const std::string& content = "a1") {
-    REQUIRE_FALSE(analyses.empty());
+    REQUIRE_FALSE(work.analyses.empty());
     PreprintAnalysis analysis;
     analysis.findings = findings;
     for (const std::string& each : findings)
       analysis.warnings.push_back("it has " + each);
-    analyses.back().done(AnalyzedJob{analysis, content, {}});
+    work.analyses.back().done(AnalyzedJob{analysis, content, {}});
   }
   // Analyzes one job after the other in the queue's order, each with its findings.
   void analyze(const std::vector<Names>& findings) {
     for (const Names& each : findings) {
       queue.check_next();
-      find(each, std::to_string(analyses.size()));
+      find(each, std::to_string(work.analyses.size()));
     }
   }
-
-  // Returns the calls of a queue without ask_before, whose checks end with `outlook`.
-  [[nodiscard]] PrintQueue::Calls calls_without_analysis(const JobOutlook& outlook) {
-    PrintQueue::Calls calls{
-        .check = [outlook](const std::string&, JobReader::Keep, const auto& done) { done(outlook); },
-        .forget = [](const std::string&) {},
-        .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
-        .changed = [] {},
-        .refused = [](const std::string&, const std::string&) {},
-        .removed = [](const std::string&, const std::string&) {},
-        .keep_order = [](const QueueOrder::Names&, const auto&) {}};
-    calls.questions.asked = [](const PreprintAnalysis& analysis) { return analysis.findings; };
-    calls.questions.keep_accepted = [](const Acceptances::Lines&, const auto& done) { done(""); };
-    calls.questions.changed = [] {};
-    return calls;
-  }
-
-  EventLoop loop;
-  testing::LogText log{loop};
-  std::vector<RunningAnalysis> analyses;
-  std::vector<Acceptances::Lines> kept;
-  Names refused;
-  bool check_ends = true;
-  int question_changes = 0;
-  PrintQueue queue{log.log,
-                   {.check =
-                        [this](const std::string&, JobReader::Keep, const auto& done) {
-                          if (check_ends) done(JobOutlook{});
-                        },
-                    .forget = [](const std::string&) {},
-                    .reject = [this](const std::string& file, const std::string& reason,
-                                     const Spool::Rejected&) { refused.push_back(file + ": " + reason); },
-                    .changed = [] {},
-                    .refused = [](const std::string&, const std::string&) {},
-                    .removed = [](const std::string&, const std::string&) {},
-                    .keep_order = [](const QueueOrder::Names&, const auto&) {},
-                    .questions = {.analyze =
-                                      [this](const std::string& file, JobReader::Keep keep, auto done) {
-                                        analyses.push_back({file, keep, std::move(done)});
-                                      },
-                                  .asked =
-                                      [](const PreprintAnalysis& analysis) {
-                                        Names asked = analysis.findings;
-                                        std::erase(asked, "empty_layers");
-                                        return asked;
-                                      },
-                                  .keep_accepted =
-                                      [this](const Acceptances::Lines& lines, const auto& done) {
-                                        kept.push_back(lines);
-                                        done("");
-                                      },
-                                  .changed = [this] { ++question_changes; }}}};
 };
 
 }  // namespace
@@ -174,17 +89,17 @@ TEST_CASE("A check that was given up is repeated") {
   QueueFixture fixture;
   fixture.arrive({"a.stl"});
   fixture.queue.check_next();
-  fixture.checks[0].done(ReadingGivenUp{});
+  fixture.work.checks[0].done(ReadingGivenUp{});
   CHECK(fixture.queue.jobs().front().check == Check::Wanted);
   fixture.queue.check_next();
-  CHECK(fixture.checks.size() == 2);
+  CHECK(fixture.work.checks.size() == 2);
 }
 
 TEST_CASE("A rewritten job keeps its place and is checked again") {
   QueueFixture fixture;
   fixture.arrive({"a.stl", "b.stl"});
   fixture.queue.check_next();
-  fixture.checks[0].done(JobOutlook{});
+  fixture.work.checks[0].done(JobOutlook{});
   REQUIRE(fixture.queue.jobs().front().check == Check::Passed);
   fixture.queue.arrived("a.stl");
   CHECK(fixture.order() == Names{"a.stl", "b.stl"});
@@ -198,7 +113,7 @@ TEST_CASE("A job that keeps changing while being read moves to the end of the qu
   const auto interrupt = [&](int times) {
     for (int i = 0; i < times; ++i) {
       fixture.queue.check_next();
-      REQUIRE(fixture.checks.back().file == "a.stl");
+      REQUIRE(fixture.work.checks.back().file == "a.stl");
       fixture.queue.arrived("a.stl");
       // A second write, while no check is running, does not count as an interruption.
       fixture.queue.arrived("a.stl");
@@ -210,7 +125,7 @@ TEST_CASE("A job that keeps changing while being read moves to the end of the qu
   CHECK(fixture.order() == Names{"b.stl", "c.stl", "a.stl"});
   CHECK(fixture.log.count("a.stl: keeps changing while being read; moved to the end of the queue") == 1);
   fixture.queue.check_next();
-  CHECK(fixture.checks.back().file == "b.stl");
+  CHECK(fixture.work.checks.back().file == "b.stl");
   // It stays in the queue after the others have begun.
   CHECK(fixture.queue.take_first().file == "b.stl");
   CHECK(fixture.queue.take_first().file == "c.stl");
@@ -236,9 +151,9 @@ TEST_CASE("Each call checks the first unchecked job, so that each job is checked
   fixture.arrive({"a.stl", "b.stl"});
   for (int i = 0; i < 3; ++i)
     fixture.queue.check_next();
-  REQUIRE(fixture.checks.size() == 2);
-  CHECK(fixture.checks[0].file == "a.stl");
-  CHECK(fixture.checks[1].file == "b.stl");
+  REQUIRE(fixture.work.checks.size() == 2);
+  CHECK(fixture.work.checks[0].file == "a.stl");
+  CHECK(fixture.work.checks[1].file == "b.stl");
 }
 
 TEST_CASE("Only the check of the next job keeps the prepared job") {
@@ -246,21 +161,21 @@ TEST_CASE("Only the check of the next job keeps the prepared job") {
   fixture.arrive({"a.stl", "b.stl"});
   fixture.queue.check_next();
   fixture.queue.check_next();
-  REQUIRE(fixture.checks.size() == 2);
-  CHECK(fixture.checks[0].keep == JobReader::Keep::Prepared);
-  CHECK(fixture.checks[1].keep == JobReader::Keep::Nothing);
+  REQUIRE(fixture.work.checks.size() == 2);
+  CHECK(fixture.work.checks[0].keep == Keep::Prepared);
+  CHECK(fixture.work.checks[1].keep == Keep::Nothing);
 }
 
 TEST_CASE("The cached preparation of a job that is rewritten, removed or put last is discarded") {
   QueueFixture fixture;
   fixture.arrive({"a.stl", "b.stl"});
-  CHECK(fixture.forgotten.empty());
+  CHECK(fixture.work.forgotten.empty());
   fixture.queue.arrived("a.stl");
-  CHECK(fixture.forgotten == Names{"a.stl"});
+  CHECK(fixture.work.forgotten == Names{"a.stl"});
   fixture.queue.put_last(fixture.queue.take_first());
-  CHECK(fixture.forgotten == Names{"a.stl", "a.stl"});
+  CHECK(fixture.work.forgotten == Names{"a.stl", "a.stl"});
   fixture.queue.withdrawn("b.stl");
-  CHECK(fixture.forgotten == Names{"a.stl", "a.stl", "b.stl"});
+  CHECK(fixture.work.forgotten == Names{"a.stl", "a.stl", "b.stl"});
 }
 
 TEST_CASE("The result of a check is ignored if the file was rewritten meanwhile") {
@@ -268,8 +183,8 @@ TEST_CASE("The result of a check is ignored if the file was rewritten meanwhile"
   fixture.arrive({"a.stl"});
   fixture.queue.check_next();
   fixture.queue.arrived("a.stl");
-  fixture.checks[0].done(JobRefusal{"no model"});
-  CHECK(fixture.rejections.empty());
+  fixture.work.checks[0].done(JobRefusal{"no model"});
+  CHECK(fixture.work.rejections.empty());
   CHECK(fixture.queue.jobs().front().check == Check::Wanted);
 }
 
@@ -279,11 +194,11 @@ TEST_CASE("The result of a check is ignored if the rewritten file is already bei
   fixture.queue.check_next();
   fixture.queue.arrived("a.stl");
   fixture.queue.check_next();
-  REQUIRE(fixture.checks.size() == 2);
-  fixture.checks[0].done(JobRefusal{"no model"});
-  CHECK(fixture.rejections.empty());
+  REQUIRE(fixture.work.checks.size() == 2);
+  fixture.work.checks[0].done(JobRefusal{"no model"});
+  CHECK(fixture.work.rejections.empty());
   CHECK(fixture.queue.jobs().front().check == Check::Running);
-  fixture.checks[1].done(JobOutlook{});
+  fixture.work.checks[1].done(JobOutlook{});
   CHECK(fixture.queue.jobs().front().check == Check::Passed);
 }
 
@@ -293,8 +208,8 @@ TEST_CASE("The result of a check is ignored if the job is gone") {
   fixture.queue.check_next();
   fixture.queue.withdrawn("a.stl");
   fixture.reported.clear();
-  fixture.checks[0].done(JobRefusal{"no model"});
-  CHECK(fixture.rejections.empty());
+  fixture.work.checks[0].done(JobRefusal{"no model"});
+  CHECK(fixture.work.rejections.empty());
   CHECK(fixture.reported == Names{"changed"});
 }
 
@@ -314,14 +229,14 @@ TEST_CASE("A refused job stays until its files are in failed/, and is reported b
   QueueFixture fixture;
   fixture.arrive({"a.stl", "b.stl"});
   fixture.begin_to_refuse("no model");
-  REQUIRE(fixture.rejections.size() == 1);
-  CHECK(fixture.rejections[0].reason == "no model\n");
+  REQUIRE(fixture.work.rejections.size() == 1);
+  CHECK(fixture.work.rejections[0].reason == "no model\n");
   CHECK(fixture.order() == Names{"a.stl", "b.stl"});
   CHECK_FALSE(fixture.log.has("no model"));
   fixture.reported.clear();
-  fixture.rejections[0].done(Spool::Rejection::Filed, "");
+  fixture.work.rejections[0].done(Spool::Rejection::Filed, "");
   CHECK(fixture.order() == Names{"b.stl"});
-  CHECK(fixture.reported == Names{"refused a.stl: no model", "changed"});
+  CHECK(fixture.reported == Names{"a failed: no model", "changed"});
   CHECK(fixture.log.has("error: a.stl: no model"));
 }
 
@@ -331,7 +246,7 @@ TEST_CASE("A file that the spool moves to failed/ is not logged as removed by a 
   fixture.begin_to_refuse("no model");
   fixture.queue.withdrawn("a.stl");
   CHECK(fixture.order() == Names{"a.stl"});
-  fixture.rejections[0].done(Spool::Rejection::Filed, "");
+  fixture.work.rejections[0].done(Spool::Rejection::Filed, "");
   CHECK(fixture.order().empty());
   CHECK_FALSE(fixture.log.has("removed from incoming"));
 }
@@ -342,7 +257,7 @@ TEST_CASE("A job that a user removes during its refusal leaves the queue") {
   fixture.begin_to_refuse("no model");
   fixture.queue.withdrawn("a.stl");
   fixture.reported.clear();
-  fixture.rejections[0].done(Spool::Rejection::Unfinished, "");
+  fixture.work.rejections[0].done(Spool::Rejection::Unfinished, "");
   CHECK(fixture.order() == Names{"b.stl"});
   CHECK(fixture.log.has("a.stl: removed from incoming by a user"));
   CHECK(fixture.reported == Names{"changed"});
@@ -353,7 +268,7 @@ TEST_CASE("A job that a user rewrites during its refusal keeps its place") {
   fixture.arrive({"a.stl", "b.stl"});
   fixture.begin_to_refuse("no model");
   fixture.reported.clear();
-  fixture.rejections[0].done(Spool::Rejection::Unfinished, "");
+  fixture.work.rejections[0].done(Spool::Rejection::Unfinished, "");
   CHECK(fixture.order() == Names{"a.stl", "b.stl"});
   CHECK(fixture.reported == Names{"changed"});
   CHECK_FALSE(fixture.log.has("no model"));
@@ -366,19 +281,19 @@ TEST_CASE("A file that arrives again during its refusal went to failed/ or was r
   fixture.queue.arrived("a.stl");
   SECTION("it went to failed/, and no user removed it") {
     fixture.queue.withdrawn("a.stl");
-    fixture.rejections[0].done(Spool::Rejection::Filed, "");
+    fixture.work.rejections[0].done(Spool::Rejection::Filed, "");
     CHECK(fixture.order().empty());
     CHECK_FALSE(fixture.log.has("removed from incoming"));
   }
   SECTION("it was rewritten, and is checked") {
-    fixture.rejections[0].done(Spool::Rejection::Unfinished, "");
+    fixture.work.rejections[0].done(Spool::Rejection::Unfinished, "");
     fixture.queue.check_next();
-    CHECK(fixture.checks.size() == 2);
+    CHECK(fixture.work.checks.size() == 2);
   }
   SECTION("a user removed it before") {
     fixture.queue.withdrawn("a.stl");
     fixture.queue.arrived("a.stl");
-    fixture.rejections[0].done(Spool::Rejection::Unfinished, "");
+    fixture.work.rejections[0].done(Spool::Rejection::Unfinished, "");
     CHECK(fixture.order() == Names{"a.stl"});
     CHECK_FALSE(fixture.log.has("removed from incoming"));
   }
@@ -388,7 +303,7 @@ TEST_CASE("A file that arrives after the refusal of another with its name is a n
   QueueFixture fixture;
   fixture.arrive({"a.stl"});
   fixture.begin_to_refuse("no model");
-  fixture.rejections[0].done(Spool::Rejection::Filed, "");
+  fixture.work.rejections[0].done(Spool::Rejection::Filed, "");
   fixture.queue.arrived("a.stl");
   CHECK(fixture.order() == Names{"a.stl"});
   CHECK(fixture.queue.first_may_begin());
@@ -399,12 +314,12 @@ TEST_CASE("A refused job whose files cannot be moved leaves the queue, and the l
   fixture.arrive({"a.stl"});
   fixture.begin_to_refuse("no model");
   SECTION("its files may be deleted") {
-    fixture.rejections[0].done(Spool::Rejection::LeftThere, "");
+    fixture.work.rejections[0].done(Spool::Rejection::LeftThere, "");
     CHECK(
         fixture.log.has("warning: a.stl: stays in incoming, because it cannot be moved; it may be deleted"));
   }
   SECTION("the move has failed") {
-    fixture.rejections[0].done(Spool::Rejection::Impossible, "no room");
+    fixture.work.rejections[0].done(Spool::Rejection::Impossible, "no room");
     CHECK(fixture.log.has("error: a.stl: cannot be moved to failed: no room"));
   }
   CHECK(fixture.order().empty());
@@ -415,15 +330,15 @@ TEST_CASE("A job for which memory is short is logged once, and checked again lat
   fixture.arrive({"a.stl"});
   for (const char* why : {"it takes 900 MB", "it takes 901 MB"}) {
     fixture.queue.check_next();
-    fixture.checks.back().done(JobRefusal{why, true});
+    fixture.work.checks.back().done(JobRefusal{why, true});
     CHECK(fixture.queue.jobs().front().postponed == why);
     fixture.queue.check_next();  // starts no check before check_postponed()
     fixture.queue.check_postponed();
   }
-  CHECK(fixture.checks.size() == 2);
+  CHECK(fixture.work.checks.size() == 2);
   CHECK(fixture.log.count("a.stl: will be read later") == 1);
   fixture.queue.check_next();
-  fixture.checks.back().done(JobOutlook{});
+  fixture.work.checks.back().done(JobOutlook{});
   CHECK(fixture.queue.jobs().front().postponed.empty());
   CHECK(fixture.queue.jobs().front().check == Check::Passed);
 }
@@ -432,8 +347,8 @@ TEST_CASE("A job is not refused because its resin profile is broken") {
   QueueFixture fixture;
   fixture.arrive({"a.stl"});
   fixture.queue.check_next();
-  fixture.checks[0].done(JobRefusal{"the profile is broken", false, "standard.json: it is broken"});
-  CHECK(fixture.rejections.empty());
+  fixture.work.checks[0].done(JobRefusal{"the profile is broken", false, "standard.json: it is broken"});
+  CHECK(fixture.work.rejections.empty());
   CHECK(fixture.log.has("warning: a.stl: standard.json: it is broken"));
   CHECK(fixture.queue.jobs().front().check == Check::Passed);
 }
@@ -444,12 +359,12 @@ TEST_CASE("The first job does not begin during its check, nor while any job is b
   CHECK(fixture.queue.first_may_begin());
   fixture.queue.check_next();
   CHECK_FALSE(fixture.queue.first_may_begin());
-  fixture.checks[0].done(JobOutlook{});
+  fixture.work.checks[0].done(JobOutlook{});
   CHECK(fixture.queue.first_may_begin());
   fixture.begin_to_refuse("no model");
-  CHECK(fixture.rejections[0].file == "b.stl");
+  CHECK(fixture.work.rejections[0].file == "b.stl");
   CHECK_FALSE(fixture.queue.first_may_begin());
-  fixture.rejections[0].done(Spool::Rejection::Filed, "");
+  fixture.work.rejections[0].done(Spool::Rejection::Filed, "");
   CHECK(fixture.queue.first_may_begin());
 }
 
@@ -459,17 +374,17 @@ TEST_CASE("A job can be moved to any place, and the order is saved up to its old
   fixture.reported.clear();
   fixture.queue.move("c.stl", 0);
   CHECK(fixture.order() == Names{"c.stl", "a.stl", "b.stl", "d.stl"});
-  CHECK(fixture.kept.back() == Names{"c.stl", "a.stl", "b.stl"});
+  CHECK(fixture.work.saved.back() == Names{"c.stl", "a.stl", "b.stl"});
   CHECK(fixture.reported == Names{"changed"});
   CHECK(fixture.log.has("info: c.stl: number 1 in the queue now"));
-  fixture.order_kept("");
+  fixture.work.save_done("");
   fixture.queue.move("a.stl", 99);
   CHECK(fixture.order() == Names{"c.stl", "b.stl", "d.stl", "a.stl"});
-  CHECK(fixture.kept.back() == fixture.order());
-  fixture.order_kept("");
+  CHECK(fixture.work.saved.back() == fixture.order());
+  fixture.work.save_done("");
   fixture.queue.move("b.stl", 2);
   CHECK(fixture.order() == Names{"c.stl", "d.stl", "b.stl", "a.stl"});
-  CHECK(fixture.kept.back() == fixture.order());
+  CHECK(fixture.work.saved.back() == fixture.order());
 }
 
 TEST_CASE("Moving a job to its own place changes nothing") {
@@ -477,7 +392,7 @@ TEST_CASE("Moving a job to its own place changes nothing") {
   fixture.arrive({"a.stl", "b.stl"});
   fixture.reported.clear();
   fixture.queue.move("b.stl", 1);
-  CHECK(fixture.kept.empty());
+  CHECK(fixture.work.saved.empty());
   CHECK(fixture.reported.empty());
 }
 
@@ -487,37 +402,37 @@ TEST_CASE("The order is saved one write at a time, and the latest one is written
   fixture.queue.move("c.stl", 0);
   fixture.queue.move("b.stl", 0);
   fixture.queue.move("a.stl", 0);
-  CHECK(fixture.kept.size() == 1);
-  fixture.order_kept("");
-  REQUIRE(fixture.kept.size() == 2);
-  CHECK(fixture.kept.back() == Names{"a.stl", "b.stl", "c.stl"});
-  fixture.order_kept("");
-  CHECK(fixture.kept.size() == 2);
+  CHECK(fixture.work.saved.size() == 1);
+  fixture.work.save_done("");
+  REQUIRE(fixture.work.saved.size() == 2);
+  CHECK(fixture.work.saved.back() == Names{"a.stl", "b.stl", "c.stl"});
+  fixture.work.save_done("");
+  CHECK(fixture.work.saved.size() == 2);
 }
 
 TEST_CASE("A job that has left the queue is removed from the saved order") {
   QueueFixture fixture;
   fixture.arrive({"a.stl", "b.stl", "c.stl", "d.stl"});
   fixture.queue.move("d.stl", 0);
-  fixture.order_kept("");
+  fixture.work.save_done("");
   SECTION("claimed") {
     const WaitingJob job = fixture.queue.take_first();
-    CHECK(fixture.kept.size() == 1);
-    fixture.queue.claimed(job.file);
-    CHECK(fixture.kept.back() == Names{"a.stl", "b.stl", "c.stl"});
+    CHECK(fixture.work.saved.size() == 1);
+    fixture.queue.begun(job);
+    CHECK(fixture.work.saved.back() == Names{"a.stl", "b.stl", "c.stl"});
   }
   SECTION("put last") {
     fixture.queue.put_last(fixture.queue.take_first());
-    CHECK(fixture.kept.back() == Names{"a.stl", "b.stl", "c.stl"});
+    CHECK(fixture.work.saved.back() == Names{"a.stl", "b.stl", "c.stl"});
   }
   SECTION("removed") {
     fixture.queue.withdrawn("b.stl");
-    CHECK(fixture.kept.back() == Names{"d.stl", "a.stl", "c.stl"});
+    CHECK(fixture.work.saved.back() == Names{"d.stl", "a.stl", "c.stl"});
   }
   SECTION("refused") {
     fixture.queue.refuse_first("no");
-    fixture.rejections.back().done(Spool::Rejection::Filed, "");
-    CHECK(fixture.kept.back() == Names{"a.stl", "b.stl", "c.stl"});
+    fixture.work.rejections.back().done(Spool::Rejection::Filed, "");
+    CHECK(fixture.work.saved.back() == Names{"a.stl", "b.stl", "c.stl"});
   }
 }
 
@@ -527,7 +442,7 @@ TEST_CASE("A job that could not be claimed keeps its place") {
   fixture.queue.move("b.stl", 0);
   fixture.queue.put_first(fixture.queue.take_first());
   CHECK(fixture.order() == Names{"b.stl", "a.stl"});
-  CHECK(fixture.kept.size() == 1);
+  CHECK(fixture.work.saved.size() == 1);
 }
 
 TEST_CASE(
@@ -537,10 +452,10 @@ TEST_CASE(
   fixture.arrive({"a.stl", "new.stl", "b.stl", "c.stl"});
   CHECK(fixture.order() == Names{"c.stl", "a.stl", "b.stl", "new.stl"});
   CHECK(fixture.log.has("info: c.stl: arrived, number 1 in the queue"));
-  CHECK(fixture.kept.empty());
+  CHECK(fixture.work.saved.empty());
   fixture.queue.move("new.stl", 1);
   CHECK(fixture.order() == Names{"c.stl", "new.stl", "a.stl", "b.stl"});
-  CHECK(fixture.kept.back() == Names{"c.stl", "gone.stl", "new.stl", "a.stl", "b.stl"});
+  CHECK(fixture.work.saved.back() == Names{"c.stl", "gone.stl", "new.stl", "a.stl", "b.stl"});
   fixture.queue.arrived("gone.stl");
   CHECK(fixture.order() == Names{"c.stl", "gone.stl", "new.stl", "a.stl", "b.stl"});
 }
@@ -550,9 +465,9 @@ TEST_CASE("A failure to save the order is logged once, and the next order is tri
   fixture.arrive({"a.stl", "b.stl"});
   for (int i = 0; i < 3; ++i) {
     fixture.queue.move("b.stl", i == 1 ? 1 : 0);
-    fixture.order_kept("no room");
+    fixture.work.save_done("no room");
   }
-  CHECK(fixture.kept.size() == 3);
+  CHECK(fixture.work.saved.size() == 3);
   CHECK(fixture.log.count("warning: cannot save the order of the queue; a restart will lose it: no room") ==
         1);
 }
@@ -564,16 +479,16 @@ TEST_CASE(
   fixture.queue.check_next();
   fixture.reported.clear();
   fixture.queue.remove("a.stl", "removed by me");
-  CHECK(fixture.forgotten == Names{"a.stl"});
+  CHECK(fixture.work.forgotten == Names{"a.stl"});
   CHECK(fixture.order() == Names{"a.stl", "b.stl"});
   CHECK_FALSE(fixture.queue.first_may_begin());
-  fixture.checks[0].done(JobRefusal{"no model"});  // ignored
-  REQUIRE(fixture.rejections.size() == 1);
-  CHECK(fixture.rejections[0].reason == "removed by me\n");
+  fixture.work.checks[0].done(JobRefusal{"no model"});  // ignored
+  REQUIRE(fixture.work.rejections.size() == 1);
+  CHECK(fixture.work.rejections[0].reason == "removed by me\n");
   fixture.reported.clear();
-  fixture.rejections[0].done(Spool::Rejection::Filed, "");
+  fixture.work.rejections[0].done(Spool::Rejection::Filed, "");
   CHECK(fixture.order() == Names{"b.stl"});
-  CHECK(fixture.reported == Names{"removed a.stl: removed by me", "changed"});
+  CHECK(fixture.reported == Names{"a cancelled: removed by me", "changed"});
   CHECK(fixture.log.has("info: a.stl: removed by me"));
 }
 
@@ -582,7 +497,7 @@ TEST_CASE("A job that is being rewritten is not removed, and the log says so") {
   fixture.arrive({"a.stl"});
   fixture.queue.remove("a.stl", "removed by me");
   fixture.queue.arrived("a.stl");
-  fixture.rejections[0].done(Spool::Rejection::Unfinished, "");
+  fixture.work.rejections[0].done(Spool::Rejection::Unfinished, "");
   CHECK(fixture.order() == Names{"a.stl"});
   CHECK(fixture.queue.jobs().front().check == Check::Wanted);
   CHECK(fixture.log.has("warning: a.stl: stays in the queue, because it is being rewritten"));
@@ -592,7 +507,7 @@ TEST_CASE("The result of a check is valid until the file is rewritten") {
   QueueFixture fixture;
   fixture.arrive({"a.stl"});
   fixture.queue.check_next();
-  fixture.checks[0].done(JobOutlook{.layers = 7});
+  fixture.work.checks[0].done(JobOutlook{.layers = 7});
   REQUIRE(fixture.queue.jobs().front().outlook);
   CHECK(fixture.queue.jobs().front().outlook->layers == 7);
   fixture.queue.arrived("a.stl");
@@ -609,27 +524,27 @@ TEST_CASE("Without ask_before no job is analyzed") {
 
 TEST_CASE("Jobs are analyzed one at a time after all checks, and only the next one is kept") {
   AskingQueueFixture fixture;
-  fixture.check_ends = false;
+  fixture.work.check_result.reset();
   fixture.arrive({"a.stl"});
   fixture.queue.check_next();
-  CHECK(fixture.analyses.empty());
-  fixture.check_ends = true;
+  CHECK(fixture.work.analyses.empty());
+  fixture.work.check_result = JobOutlook{};
   fixture.arrive({"b.stl", "c.stl"});
-  CHECK(fixture.analyses.empty());  // the check of a.stl has not ended
+  CHECK(fixture.work.analyses.empty());  // the check of a.stl has not ended
   fixture.queue.arrived("a.stl");
   fixture.queue.check_next();
   for (int i = 0; i < 3; ++i)
     fixture.queue.check_next();
-  REQUIRE(fixture.analyses.size() == 1);
-  CHECK(fixture.analyses[0].file == "a.stl");
-  CHECK(fixture.analyses[0].keep == JobReader::Keep::Prepared);
+  REQUIRE(fixture.work.analyses.size() == 1);
+  CHECK(fixture.work.analyses[0].file == "a.stl");
+  CHECK(fixture.work.analyses[0].keep == Keep::Prepared);
   CHECK(fixture.queue.first_unanalyzed() == "its layers must be analyzed first, as ask_before requires");
   fixture.find({});
   CHECK(fixture.queue.first_unanalyzed().empty());
   fixture.queue.check_next();
-  REQUIRE(fixture.analyses.size() == 2);
-  CHECK(fixture.analyses[1].file == "b.stl");
-  CHECK(fixture.analyses[1].keep == JobReader::Keep::Nothing);
+  REQUIRE(fixture.work.analyses.size() == 2);
+  CHECK(fixture.work.analyses[1].file == "b.stl");
+  CHECK(fixture.work.analyses[1].keep == Keep::Nothing);
 }
 
 TEST_CASE("A job that waits for confirmation is skipped and keeps its place") {
@@ -656,9 +571,9 @@ TEST_CASE("An accepted job is the next one again, and the log says who accepted 
   fixture.analyze({{"islands"}, {}});
   fixture.queue.accept("a.stl", "user me");
   CHECK(fixture.queue.first() == 0);
-  CHECK(fixture.question_changes == 2);  // the question, then its acceptance
+  CHECK(fixture.observer.question_changes == 2);  // the question, then its acceptance
   CHECK(fixture.log.has("info: a.stl: accepted by user me with islands"));
-  CHECK(fixture.kept == std::vector<Acceptances::Lines>{{"1 islands"}});
+  CHECK(fixture.work.saved == std::vector<Names>{{"1 islands"}});
 }
 
 TEST_CASE(
@@ -681,15 +596,16 @@ TEST_CASE("A checked job with places that cannot be held waits for confirmation"
   JobOutlook outlook;
   outlook.question =
       AnalyzedJob{{.resin_ml = {}, .findings = {"unheld_places"}, .warnings = {"1 place"}}, "a1", {}};
+  fixture.work.check_result = outlook;
   SECTION("without ask_before") {
-    PrintQueue queue(fixture.log.log, fixture.calls_without_analysis(outlook));
-    queue.arrived("a.stl");
-    queue.check_next();
+    fixture.config.ask_before.clear();
+    const PrintQueue& queue = fixture.queue;
+    fixture.arrive({"a.stl"});
     CHECK_FALSE(queue.has_first());
     CHECK(queue.jobs()[0].asks == Names{"unheld_places"});
     CHECK(fixture.log.has("warning: a.stl waits: unheld places; run \"contourctl accept a\""));
     CHECK(fixture.log.has("warning: a.stl: 1 place"));
-    queue.accept("a.stl", "user me");
+    fixture.queue.accept("a.stl", "user me");
     CHECK(queue.has_first());
     CHECK(queue.questions().has_accepted(queue.jobs()[0].analyzed, "unheld_places"));
   }
@@ -707,22 +623,22 @@ TEST_CASE("Acceptances are forgotten when the job ends, not when it begins") {
   fixture.find({"islands"}, "a1");
   fixture.queue.accept("a.stl", "user me");
   fixture.queue.questions().begun(fixture.queue.take_first().analyzed);
-  CHECK(fixture.kept.back() == Acceptances::Lines{"a1 islands"});
+  CHECK(fixture.work.saved.back() == Names{"a1 islands"});
   fixture.queue.questions().ended();
-  CHECK(fixture.kept.back().empty());
+  CHECK(fixture.work.saved.back().empty());
 }
 
 TEST_CASE(
     "A job that is rewritten during its analysis, or while it waits for confirmation, is analyzed again") {
   AskingQueueFixture fixture;
   fixture.arrive({"a.stl"});
-  const auto late = fixture.analyses[0].done;
+  const auto late = fixture.work.analyses[0].done;
   fixture.queue.arrived("a.stl");
   late(AnalyzedJob{});
   CHECK_FALSE(fixture.queue.jobs()[0].analyzed);
   fixture.queue.check_next();
   fixture.queue.check_next();
-  REQUIRE(fixture.analyses.size() == 2);
+  REQUIRE(fixture.work.analyses.size() == 2);
   fixture.find({"islands"});
   CHECK_FALSE(fixture.queue.has_first());
   fixture.queue.arrived("a.stl");
@@ -733,33 +649,35 @@ TEST_CASE(
 TEST_CASE("An analysis that was given up is repeated, and one that finds a mistake refuses the job") {
   AskingQueueFixture fixture;
   fixture.arrive({"a.stl"});
-  fixture.analyses[0].done(ReadingGivenUp{});
+  fixture.work.analyses[0].done(ReadingGivenUp{});
   fixture.queue.check_next();
-  REQUIRE(fixture.analyses.size() == 2);
-  fixture.analyses[1].done(JobRefusal{"no model"});
-  CHECK(fixture.refused == Names{"a.stl: no model\n"});
+  REQUIRE(fixture.work.analyses.size() == 2);
+  fixture.work.analyses[1].done(JobRefusal{"no model"});
+  REQUIRE(fixture.work.rejections.size() == 1);
+  CHECK(fixture.work.rejections[0].file == "a.stl");
+  CHECK(fixture.work.rejections[0].reason == "no model\n");
 }
 
 TEST_CASE("Without enough memory, or with a broken profile, a job is analyzed later") {
   AskingQueueFixture fixture;
   fixture.arrive({"a.stl"});
   SECTION("not enough memory") {
-    fixture.analyses[0].done(JobRefusal{"100 MB", true});
+    fixture.work.analyses[0].done(JobRefusal{"100 MB", true});
     CHECK(fixture.queue.jobs()[0].check == Check::Postponed);
     CHECK(fixture.queue.first_unanalyzed() == "100 MB");
   }
   SECTION("a broken profile") {
-    fixture.analyses[0].done(JobRefusal{"wrong", false, "the resin profile x cannot be used"});
+    fixture.work.analyses[0].done(JobRefusal{"wrong", false, "the resin profile x cannot be used"});
     CHECK(fixture.queue.jobs()[0].analysis == WaitingJob::Analysis::Blocked);
     CHECK(fixture.queue.first_unanalyzed() ==
           "the resin profile x cannot be used; the queue continues when the profile is fixed");
   }
   fixture.queue.check_next();
-  CHECK(fixture.analyses.size() == 1);
+  CHECK(fixture.work.analyses.size() == 1);
   fixture.queue.check_postponed();
   fixture.queue.check_next();
   fixture.queue.check_next();
-  REQUIRE(fixture.analyses.size() == 2);
+  REQUIRE(fixture.work.analyses.size() == 2);
   fixture.find({});
   CHECK(fixture.queue.first_unanalyzed().empty());
 }

@@ -4,6 +4,7 @@
 
 #include "daemon/spool/reading_record.hpp"
 #include "tests/catch.hpp"
+#include "tests/daemon/jobs/fake_printer.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 
 namespace fs = std::filesystem;
@@ -16,9 +17,7 @@ class QueueHoldFixture : public testing::PrinterFixture {
 
   // Replaces the hold by one of a process that starts now.
   void restart() {
-    hold = std::make_unique<QueueHold>(
-        context, spool,
-        QueueHold::Calls{.light_may_be_on = [this] { return lit; }, .retry = [this] { ++retries; }});
+    hold = std::make_unique<QueueHold>(context, spool, printer);
     hold->load();
   }
   void adopt_left_jobs(bool ended_in_reading = false) {
@@ -28,8 +27,7 @@ class QueueHoldFixture : public testing::PrinterFixture {
   void obstruct(const std::string& record) const { fs::create_directories(state() / record / "full"); }
   void remove_obstacle(const std::string& record) const { fs::remove_all(state() / record); }
 
-  bool lit = false;
-  int retries = 0;
+  testing::FakePrinter printer;
   std::unique_ptr<QueueHold> hold;
 };
 
@@ -66,11 +64,11 @@ TEST_CASE("The queue is held for the first reason, which is logged once") {
 
 TEST_CASE("Records are saved when the light is off") {
   QueueHoldFixture fixture;
-  fixture.lit = true;
+  fixture.printer.lit = true;
   fixture.hold->hold("the emergency stop");
   CHECK(fixture.hold->due());
   CHECK_FALSE(fixture.has_record(kHeld));
-  fixture.lit = false;
+  fixture.printer.lit = false;
   fixture.hold->keep();
   CHECK_FALSE(fixture.hold->due());
   CHECK(fixture.has_record(kHeld));
@@ -78,7 +76,7 @@ TEST_CASE("Records are saved when the light is off") {
 
 TEST_CASE("The plate's occupant is on the disk at once, even if the light is on") {
   QueueHoldFixture fixture;
-  fixture.lit = true;
+  fixture.printer.lit = true;
   fixture.hold->set_plate_occupant("part");
   CHECK(fixture.has_record(kOccupied));
   fixture.hold->set_plate_occupant(std::nullopt);

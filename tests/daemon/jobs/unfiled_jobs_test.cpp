@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "tests/catch.hpp"
+#include "tests/daemon/jobs/fake_printer.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 
 namespace fs = std::filesystem;
@@ -16,8 +17,9 @@ class UnfiledJobsFixture : public testing::PrinterFixture {
     jobs.add_left(spool.files_of(Spool::Folder::Printing, name + ".stl"), end);
   }
 
-  std::vector<EndedJob> reported;
-  UnfiledJobs jobs{spool, log.log, [this](const EndedJob& job) { reported.push_back(job); }};
+  testing::FakePrinter printer;
+  std::vector<EndedJob>& reported = printer.left;
+  UnfiledJobs jobs{spool, log.log, printer};
 };
 
 }  // namespace

@@ -51,7 +51,7 @@ TEST_CASE("The report lists the best orientations, the chosen one first") {
   const nlohmann::ordered_json json = orientation_json(orientation);
   CHECK(json["preset"] == "auto");
   CHECK(json["as_drawn"] == false);
-  REQUIRE(json["alternatives"].size() == kAlternativesTold);
+  REQUIRE(json["alternatives"].size() == kMaxReported);
   CHECK(json["alternatives"][0]["up"] == nlohmann::ordered_json{0, 0, -1});
   CHECK(json["alternatives"][0]["stands"] == true);
 }

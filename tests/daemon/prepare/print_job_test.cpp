@@ -6,8 +6,7 @@
 #include "daemon/prepare/job_memory.hpp"
 #include "daemon/prepare/support_counts.hpp"
 #include "tests/catch.hpp"
-#include "tests/daemon/config/config_fixture.hpp"
-#include "tests/models/models.hpp"
+#include "tests/daemon/prepare/print_job_fixture.hpp"
 
 namespace {
 
@@ -170,17 +169,16 @@ TEST_CASE("Fit makes the part as large as the display allows, in all three direc
   PrintJobFixture fixture;
   const PreparedJob job = fixture.prepare(kCube, R"({"fit": true})");
   // Equation 3.8: R = height - 1 pixels, for 20 mm.
-  CHECK(job.summary.models[0].scale.x == contourd::testing::Approx(1079 * 0.05 / 20).epsilon(1e-6));
-  CHECK(job.summary.models[0].size_z_mm == contourd::testing::Approx(1079 * 0.05).epsilon(1e-6));
-  CHECK(job.summary.models[0].size_x_mm ==
-        contourd::testing::Approx(job.summary.models[0].size_z_mm).epsilon(1e-6));
+  CHECK(job.summary.models[0].scale.x == testing::Approx(1079 * 0.05 / 20).epsilon(1e-6));
+  CHECK(job.summary.models[0].size_z_mm == testing::Approx(1079 * 0.05).epsilon(1e-6));
+  CHECK(job.summary.models[0].size_x_mm == testing::Approx(job.summary.models[0].size_z_mm).epsilon(1e-6));
 }
 
 TEST_CASE("Fit makes a tower no higher than the machine can print") {
   PrintJobFixture fixture;
   const PreparedJob job = fixture.prepare(models::box({0, 0, 0}, {1, 1, 100}), R"({"fit": true})");
   // 160 mm of travel less 6 mm of lift, with the rounding of float coordinates.
-  CHECK(job.summary.models[0].size_z_mm == contourd::testing::Approx(154.0).epsilon(1e-6));
+  CHECK(job.summary.models[0].size_z_mm == testing::Approx(154.0).epsilon(1e-6));
 }
 
 TEST_CASE("A rotation stands a flat box up, and it is printed from its new lowest point") {
@@ -207,34 +205,6 @@ TEST_CASE("A model that cannot be printed is refused with a sentence that has th
         "the model is too large: its coordinates leave the range of numbers");
 }
 
-TEST_CASE("A model of which nothing would be printed is refused with its size") {
-  PrintJobFixture fixture;
-  CHECK(fixture.refusal_of(models::box({0, 0, 0}, {0.02F, 0.03F, 0.5F})) ==
-        "nothing of the model would be printed: in 10 layers, no pixel of 0.05 mm reaches grey 64 of 255; it "
-        "measures 0.02 x 0.03 x 0.5 mm");
-  // The only layer is cut at a height above the model.
-  CHECK(fixture.refusal_of(models::box({0, 0, 0}, {5, 5, 0.01F})) ==
-        "nothing of the model would be printed: in 1 layer, no pixel of 0.05 mm reaches grey 64 of 255; it "
-        "measures 5 x 5 x 0.01 mm");
-  const std::string drill = R"({"drain": [
-    {"position_mm": {"x": 1, "y": 1}, "direction": {"z": 1}, "diameter_mm": 4}]})";
-  CHECK(fixture.refusal_of(models::box({0, 0, 0}, {2, 2, 2}), drill) ==
-        "nothing of the model would be printed: in 40 layers, no pixel of 0.05 mm reaches grey 64 of 255; it "
-        "measures 2 x 2 x 2 mm less its drain holes");
-  // A head of two by two pixels on a needle that is too thin to print.
-  models::Facets needle = models::box({-0.01F, -0.01F, 0}, {0.01F, 0.01F, 0.3F});
-  const models::Facets head = models::box({-0.05F, -0.05F, 0.3F}, {0.05F, 0.05F, 0.5F});
-  needle.insert(needle.end(), head.begin(), head.end());
-  CHECK(fixture.refusal_of(needle).empty());
-  // A sheet seven tenths of a pixel thick, half in each of two rows: grey 89 of 255.
-  const models::Facets sheet = models::box({-5, -0.0175F, 0}, {5, 0.0175F, 5});
-  CHECK(fixture.refusal_of(sheet).empty());
-  fixture.printer.tone.threshold = 100;
-  CHECK(fixture.refusal_of(sheet) ==
-        "nothing of the model would be printed: in 100 layers, no pixel of 0.05 mm reaches grey 100 of 255; "
-        "it measures 10 x 0.035 x 5 mm");
-}
-
 TEST_CASE("A model that its position moves over the plate's edge is refused") {
   PrintJobFixture fixture;
   CHECK(fixture.refusal_of(kCube, R"({"position_mm": {"x": 38.1, "y": 0}})")
@@ -247,34 +217,6 @@ TEST_CASE("A wrong ticket refuses the job with all of its mistakes") {
   const std::string refusal = fixture.refusal_of(kCube, R"({"copies": 0, "colour": "red"})");
   CHECK(refusal.find("/copies") != std::string::npos);
   CHECK(refusal.find("colour") != std::string::npos);
-}
-
-TEST_CASE("More layers than can be printed are refused with their number") {
-  PrintJobFixture fixture;
-  // More travel than any machine has, so that only the number of layers is wrong.
-  fixture.printer.travel = Nanometers{20'000'000'000'000};
-  fixture.resin.layer_height = fixture.resin.layer_height_min = Nanometers{1'000};
-  CHECK(fixture.refusal_of(models::box({0, 0, 0}, {5, 5, 16'384})) ==
-        "the model has 16384000 layers, at most 10000000 can be printed");
-}
-
-TEST_CASE("A layer height that the resin does not allow is refused") {
-  PrintJobFixture fixture;
-  CHECK(fixture.refusal_of(kCube, R"({"layer_height_um": 5})").find("the layer height cannot be printed") ==
-        0);
-}
-
-TEST_CASE("A model that is not watertight or is inside out is printed with a warning") {
-  PrintJobFixture fixture;
-  models::Facets open = kCube;
-  open.pop_back();
-  CHECK(fixture.prepare(open).summary.warnings.size() == 1);
-  models::Facets inverted = kCube;
-  models::invert(inverted);
-  const PreparedJob job = fixture.prepare(inverted);
-  CHECK(job.summary.warnings ==
-        std::vector<std::string>{"the model is inside out: its facets were turned outwards"});
-  CHECK(job.plan.engine->mask_at(Nanometers{1'000'000}).lit_area() == 160000.0);
 }
 
 TEST_CASE("An up direction turns a flat box as the equivalent angles do") {
@@ -295,11 +237,11 @@ TEST_CASE("Drain holes are removed from the part, and a hole that misses it refu
   for (ContourEngine* engine : {job.plan.engine.get(), job.analysis_engine.get()}) {
     // A circle with a radius of 40 pixels; counting pixel centres is accurate to a thousandth.
     CHECK(320000 - engine->mask_at(Nanometers{2'000'000}).lit_area() ==
-          contourd::testing::Approx(2 * 5026.5).epsilon(2e-3));
+          testing::Approx(2 * 5026.5).epsilon(2e-3));
     CHECK(engine->mask_at(Nanometers{6'000'000}).lit_area() == 320000);
     // 5 mm deep and 2 mm wide: 100 by 40 pixels.
     CHECK(320000 - engine->mask_at(Nanometers{10'000'000}).lit_area() ==
-          contourd::testing::Approx(2 * 4000).epsilon(0.01));
+          testing::Approx(2 * 4000).epsilon(0.01));
   }
   const std::string refusal = fixture.refusal_of(kCube, R"({"drain": [
     {"position_mm": {"x": 10, "y": 40}, "direction": {"z": 1}, "diameter_mm": 4}]})");
@@ -322,22 +264,8 @@ TEST_CASE("Fit fills the display with the part as enlarged to compensate shrinka
   PrintJobFixture fixture;
   fixture.resin.shrinkage_factors = {1, 1.25, 1};
   const PreparedJob job = fixture.prepare(kCube, R"({"fit": true})");
-  CHECK(job.summary.models[0].size_y_mm == contourd::testing::Approx(1079 * 0.05).epsilon(1e-6));
-  CHECK(job.summary.models[0].size_x_mm == contourd::testing::Approx(1079 * 0.05 / 1.25).epsilon(1e-6));
-}
-
-TEST_CASE("Adaptive layers are thin on slopes and thick on walls, within what the resin prints") {
-  PrintJobFixture fixture;
-  fixture.resin.exposure = WorkingCurve{Micrometers{150}, 9, Micrometers{60}, Micrometers{200}};
-  const PreparedJob job = fixture.prepare(models::cone(8, 8, 96), R"({"adaptive_layers": {"cusp_um": 40}})");
-  CHECK(job.summary.layers.adaptive);
-  // 40 um on a slope of nearly 45 degrees: its facets are a little less steep than the round cone.
-  CHECK(job.summary.layers.thickest == Nanometers{56'000});
-  CHECK(job.summary.layers.count == 143);
-  CHECK(job.plan.exposure(20, Nanometers{50'000}) < job.plan.exposure(20, Nanometers{100'000}));
-  CHECK(fixture.prepare(kCube, R"({"adaptive_layers": {"cusp_um": 40}})").summary.layers.count == 200);
-  CHECK(fixture.refusal_of(kCube, R"({"adaptive_layers": {"cusp_um": 40, "min_um": 10}})")
-            .find("the layer height cannot be printed") == 0);
+  CHECK(job.summary.models[0].size_y_mm == testing::Approx(1079 * 0.05).epsilon(1e-6));
+  CHECK(job.summary.models[0].size_x_mm == testing::Approx(1079 * 0.05 / 1.25).epsilon(1e-6));
 }
 
 TEST_CASE("A model that needs no supports is printed the same with supports on") {
@@ -412,47 +340,10 @@ TEST_CASE("A stopped search for supports prepares no job") {
   PrintJobFixture fixture;
   std::stop_source stop;
   stop.request_stop();
-  CHECK_FALSE(fixture.prepare_until(models::sphere(5, 32), stop.get_token()));
-  CHECK(fixture.prepare_until(models::sphere(5, 32), {}));
+  const std::string supported = R"({"supports": "auto"})";
+  CHECK_FALSE(fixture.prepare_until(models::sphere(5, 32), supported, stop.get_token()));
+  CHECK(fixture.prepare_until(models::sphere(5, 32), supported, {}));
 }
-
-TEST_CASE("Adaptive layers without a working curve are refused") {
-  PrintJobFixture fixture;
-  CHECK(fixture.refusal_of(kCube, R"({"adaptive_layers": {"cusp_um": 10}})") ==
-        "adaptive layers need a resin with a working curve: the exposure times of \"standard\" are "
-        "valid only for its layer height of 50 um");
-}
-
-namespace {
-
-// A job of a plate: its folder with models.
-class PlateFixture : public PrintJobFixture {
- public:
-  PlateFixture() { std::filesystem::create_directory(plate_); }
-
-  void add(const std::string& file, const models::Facets& facets) {
-    models::write_binary_stl(plate_ / file, facets);
-  }
-  PreparedJob prepare(const std::string& ticket) {
-    folder_.write("plate/plate.json", ticket);
-    const JobFiles files{"plate", plate_, std::nullopt, true};
-    return prepare_job(files, read_settings(files, printer), printer);
-  }
-  std::string refusal_of(const std::string& ticket) {
-    try {
-      (void)prepare(ticket);
-    } catch (const JobRefused& refusal) {
-      return refusal.what();
-    }
-    return "";
-  }
-
- private:
-  TemporaryFolder folder_;
-  std::filesystem::path plate_ = folder_.path() / "plate";
-};
-
-}  // namespace
 
 TEST_CASE("A plate's models are printed together, each with the settings of its entry") {
   PlateFixture fixture;
@@ -475,16 +366,6 @@ TEST_CASE("A plate's models are printed together, each with the settings of its 
   CHECK(job.plan.engine->contours_at(Nanometers{5'000'000}).loops.size() == 2);
 }
 
-TEST_CASE("A plate's warnings name the model") {
-  PlateFixture fixture;
-  models::Facets open = kCube;
-  open.pop_back();
-  fixture.add("open.stl", open);
-  const PreparedJob job = fixture.prepare(R"({"models": [{"file": "open.stl"}]})");
-  REQUIRE(job.summary.warnings.size() == 1);
-  CHECK(job.summary.warnings[0].find("open.stl: the model is not watertight") == 0);
-}
-
 TEST_CASE("A plate is refused with a sentence that names the faulty model") {
   PlateFixture fixture;
   fixture.add("cube.stl", kCube);
@@ -499,57 +380,6 @@ TEST_CASE("A plate is refused with a sentence that names the faulty model") {
   CHECK(fixture.refusal_of(R"({"models": [{"file": "gone.stl"}]})").find("gone.stl") != std::string::npos);
   CHECK(fixture.refusal_of(R"({"models": [{"file": "cube.stl", "colour": 1}]})").find("/models/0/colour") !=
         std::string::npos);
-}
-
-TEST_CASE("A cracked model is refused with its first open layer if the ticket refuses cracks") {
-  PrintJobFixture fixture;
-  models::Facets cracked = models::box({0, 0, 0}, {20, 20, 10});
-  models::Facets upper = models::box({5, 5, 10}, {15, 15, 20});
-  // Removes the facets of the upper box's front.
-  std::erase_if(upper, [](const Facet& facet) {
-    return std::ranges::all_of(facet.vertices, [](const Vertex& v) { return v.y == 5; });
-  });
-  cracked.insert(cracked.end(), upper.begin(), upper.end());
-  const std::string refuse = R"({"layer_height_um": 100, "cracks": "refuse"})";
-  CHECK(fixture.refusal_of(cracked, refuse) ==
-        "the model is cracked: contours do not close in 100 of 200 layers, first in layer 101 at 10.050 "
-        "mm, and the widest gap is 10.000 mm; fix the model, or print it with \"cracks\": \"repair\" in its "
-        "ticket");
-  CHECK(fixture.refusal_of(cracked, R"({"layer_height_um": 100, "cracks": "repair"})").empty());
-  CHECK(fixture.refusal_of(cracked).empty());
-  CHECK(fixture.refusal_of(kCube, refuse).empty());
-}
-
-TEST_CASE("A mesh that needs repair is refused with the repairs if the ticket refuses cracks") {
-  PrintJobFixture fixture;
-  const std::string refuse = R"({"layer_height_um": 100, "cracks": "refuse"})";
-  const auto refusal = [](const std::string& what) {
-    return "the model is cracked: its facets disagree with each other (repair: " + what +
-           "); fix the model, or print it with \"cracks\": \"repair\" in its ticket";
-  };
-  models::Facets turned = kCube, reversed = kCube, wall = kCube, doubled = kCube;
-  std::swap(turned[4].vertices[0], turned[4].vertices[1]);
-  CHECK(fixture.refusal_of(turned, refuse) == refusal("1 facet turned round"));
-  reversed.insert(reversed.end(),
-                  {turned[4], {{kCube[5].vertices[0], kCube[5].vertices[2], kCube[5].vertices[1]}}});
-  CHECK(fixture.refusal_of(reversed, refuse) == refusal("2 reversed duplicate facets removed"));
-  const Bounds bounds = bounds_of(kCube);
-  const auto x = static_cast<float>(bounds.center().x), y = static_cast<float>(bounds.center().y);
-  wall.push_back({{Vertex{x, y, 2}, Vertex{x + 3, y, 2}, Vertex{x, y, 8}}});
-  CHECK(fixture.refusal_of(wall, refuse) == refusal("1 inner wall facet removed"));
-  for (const models::Facets& dirty : {turned, reversed, wall})
-    CHECK(fixture.refusal_of(dirty).empty());
-  // Removing a duplicate is not a guess.
-  doubled.push_back(kCube[3]);
-  CHECK(fixture.refusal_of(doubled, refuse).empty());
-}
-
-TEST_CASE("Gaps within a pixel do not refuse a model") {
-  PrintJobFixture fixture;
-  models::Facets cracked = kCube;
-  for (Vertex& v : cracked[4].vertices)
-    v.y -= 0.02F;
-  CHECK(fixture.refusal_of(cracked, R"({"cracks": "refuse"})").empty());
 }
 
 TEST_CASE("A part that grows beyond the display is printed with a warning") {
@@ -645,15 +475,4 @@ TEST_CASE("Entries of a plate with the same file, turned and scaled alike, share
   CHECK(job.summary.models[1].centers.size() == 2);
   // Six copies of 8 by 8 mm and one of 10 by 10 mm.
   CHECK(job.plan.engine->mask_at(Nanometers{5'000'000}).lit_area() == (6 * 160.0 * 160 + 200.0 * 200));
-}
-
-TEST_CASE("A file that a plate names many times gives each warning once") {
-  PlateFixture fixture;
-  models::Facets open = models::box({0, 0, 0}, {5, 5, 5});
-  open.pop_back();
-  fixture.add("open.stl", open);
-  const PreparedJob job = fixture.prepare(
-      R"({"models": [{"file": "open.stl"}, {"file": "open.stl"}, {"file": "open.stl", "copies": 3}]})");
-  CHECK(job.summary.warnings.size() == 1);
-  CHECK_FALSE(job.summary.models[2].mesh.watertight);
 }

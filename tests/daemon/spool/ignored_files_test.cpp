@@ -11,8 +11,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The reports of ignored files.
-struct ReportedFiles {
+struct ReportedFiles final : IgnoredFilesObserver {
+  void ignored(const std::string& file, WhyIgnored /*why*/) override { files.push_back(file); }
+  void more_ignored(std::size_t number) override { more += number; }
+
   std::vector<std::string> files;
   std::size_t more = 0;
 };
@@ -31,11 +33,7 @@ class IgnoredFilesFixture {
 
   EventLoop loop;
   ReportedFiles reported;
-  IgnoredFiles ignored{
-      loop,
-      {.one = [this](const std::string& file, WhyIgnored) { reported.files.push_back(file); },
-       .more = [this](std::size_t files) { reported.more += files; }},
-      1s};
+  IgnoredFiles ignored{loop, reported, 1s};
 };
 
 // kLong is longer than the second after which a file settles; a change comes after kHalf, half of that

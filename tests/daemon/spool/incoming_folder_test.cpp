@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 namespace {
 
 // A watched folder and the calls that its watch makes.
-class IncomingFolderFixture {
+class IncomingFolderFixture : private IncomingFolderObserver {
  public:
   IncomingFolderFixture() {
     source_ = loop.on_ready(inotify.get(), EPOLLIN, "inotify", [this](std::uint32_t) { read_events(); });
@@ -68,19 +68,17 @@ class IncomingFolderFixture {
   int left = 0, replaced = 0;
   std::vector<std::string> errors;
   std::set<std::string> seen;  // names of files
-  IncomingFolder folder{path,
-                        loop,
-                        disk,
-                        {.make =
-                             [this] {
-                               if (!makes_it) throw std::runtime_error("the disk is full");
-                               fs::create_directories(path);
-                             },
-                         .left = [this] { ++left; },
-                         .replaced = [this] { ++replaced; },
-                         .not_there = [this](const std::string& why) { errors.push_back(why); }}};
+  IncomingFolder folder{path, loop, disk, *this};
 
  private:
+  void make_folder() override {
+    if (!makes_it) throw std::runtime_error("the disk is full");
+    fs::create_directories(path);
+  }
+  void folder_left() override { ++left; }
+  void folder_replaced() override { ++replaced; }
+  void folder_lost(const std::string& why) override { errors.push_back(why); }
+
   void read_events() {
     alignas(inotify_event) std::array<char, 4096> buffer;
     const ssize_t bytes = ::read(inotify.get(), buffer.data(), buffer.size());

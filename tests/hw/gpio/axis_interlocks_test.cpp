@@ -41,13 +41,13 @@ struct InterlocksFixture {
   AxisInterlocks::Wiring wiring() {
     return {.fail =
                 [this](const AxisFault& fault) {
-                  did.push_back((fault.owner_decides ? "owner's fault: " : "fault: ") + fault.what);
+                  did.push_back((fault.needs_user ? "user's fault: " : "fault: ") + fault.what);
                   results.push_back(fault.homing);
                 },
             .report =
                 [this](const MachineEvent& event) {
                   const char* const kind = event.kind == MachineEvent::Kind::Recovery
-                                               ? event.owner_decides ? "owner's recovery: " : "recovery: "
+                                               ? event.needs_user ? "user's recovery: " : "recovery: "
                                                : "interruption: ";
                   did.push_back(kind + event.what);
                 },
@@ -86,12 +86,12 @@ TEST_CASE_METHOD(
                         "interruption: the emergency stop was touched, or its line disturbed (line 25 "
                         "of gpiochip0)"});
   pass();
-  CHECK(told() == Words{"owner's fault: the emergency stop is pressed (line 25 of gpiochip0)"});
+  CHECK(told() == Words{"user's fault: the emergency stop is pressed (line 25 of gpiochip0)"});
   CHECK(engine.inhibited());
   CHECK(interlocks.why_not_ready() == Words{"the emergency stop is pressed"});
   set(AxisInput::EmergencyStop, false);
   pass();
-  CHECK(told() == Words{"owner's recovery: the emergency stop was released (line 25 of gpiochip0)"});
+  CHECK(told() == Words{"user's recovery: the emergency stop was released (line 25 of gpiochip0)"});
   CHECK_FALSE(engine.inhibited());
   CHECK(interlocks.why_not_ready().empty());
 }
@@ -120,7 +120,7 @@ TEST_CASE_METHOD(InterlocksFixture, "A pressed emergency stop that has blocked a
   told();
   set(AxisInput::EmergencyStop, true);
   pass();
-  CHECK(told().back() == "owner's fault: the emergency stop is pressed (line 25 of gpiochip0)");
+  CHECK(told().back() == "user's fault: the emergency stop is pressed (line 25 of gpiochip0)");
 }
 
 TEST_CASE_METHOD(
@@ -149,7 +149,7 @@ TEST_CASE_METHOD(InterlocksFixture, "A safety input that cannot be read is repor
   };
   CHECK(was_reported("interruption: the emergency stop cannot be read (line 25 of gpiochip0)"));
   CHECK(was_reported("interruption: the lid cannot be read, which counts as open (line 26 of gpiochip0)"));
-  CHECK(was_reported("owner's fault: the emergency stop cannot be read (line 25 of gpiochip0)"));
+  CHECK(was_reported("user's fault: the emergency stop cannot be read (line 25 of gpiochip0)"));
   CHECK(interlocks.why_not_ready() == Words{"the emergency stop cannot be read", "the lid cannot be read"});
 }
 

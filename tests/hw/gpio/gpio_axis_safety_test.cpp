@@ -72,8 +72,8 @@ TEST_CASE("An emergency stop slows the motor from its first edge on, and halts i
   CHECK(plant.events[0].what ==
         "the emergency stop was touched, or its line disturbed (line 5 of gpiochip0)");
   CHECK(plant.events[1].what == "the emergency stop is pressed (line 5 of gpiochip0)");
-  CHECK_FALSE(plant.events[0].owner_decides);
-  CHECK(plant.events[1].owner_decides);
+  CHECK_FALSE(plant.events[0].needs_user);
+  CHECK(plant.events[1].needs_user);
   CHECK_FALSE(plant.axis->height());
 }
 
@@ -108,7 +108,7 @@ TEST_CASE("While the emergency stop is pressed nothing moves, and after its rele
   plant.run_for(100ms);
   REQUIRE(kinds(plant) == Kinds{Kind::Recovery});
   CHECK(plant.events[0].what == "the emergency stop was released (line 5 of gpiochip0)");
-  CHECK(plant.events[0].owner_decides);  // the motor does not start by itself
+  CHECK(plant.events[0].needs_user);  // the motor does not start by itself
   CHECK(plant.axis->why_not_ready().empty());
   CHECK(plant.home() == HomingResult::Homed);
 }
@@ -135,7 +135,7 @@ TEST_CASE("A spike on the emergency stop's line stops a move, which then continu
   CHECK(plant.axis->height() == mm(20));
   CHECK(kinds(plant) == Kinds{Kind::Interlock, Kind::Recovery});
   CHECK(plant.events[1].what == "the emergency stop is not pressed (line 5 of gpiochip0)");
-  CHECK_FALSE(plant.events[1].owner_decides);
+  CHECK_FALSE(plant.events[1].needs_user);
   // The motor slows down from 5 mm/s at 50 mm/s^2, which takes a tenth of a second, and speeds up again. In
   // between one interval is that of a very slow motor.
   const auto slowest = [&] {

@@ -1,0 +1,88 @@
+#include "daemon/prepare/job_models.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "daemon/prepare/model_checks.hpp"
+#include "daemon/prepare/model_orientation.hpp"
+#include "daemon/prepare/model_turn.hpp"
+
+namespace contourd {
+namespace {
+
+// Settings for making a job's models, and the request to stop.
+struct MakingContext {
+  const JobSettings& settings;
+  const BuildVolume& volume;
+  const std::stop_token& stop;
+};
+
+OrientationLimits orientation_limits(const MakingContext& making) {
+  const ResinProfile& resin = making.settings.resin;
+  const BuildVolume& volume = making.volume;
+  return {{Millimeters{volume.width_mm()}, Millimeters{volume.depth_mm()}, Millimeters{volume.height_mm}},
+          resin.shrinkage_factors,
+          resin.orientation,
+          making.settings.supports == SupportPolicy::Off ? Millimeters{} : resin.supports.lift,
+          resin.supports.bridge};
+}
+
+// Chooses the model's orientation if its ticket leaves that to contourd, and sets it in the ticket.
+void find_up(JobContent& content, std::span<const Facet> facets, ModelTicket& ticket,
+             const MakingContext& making, ModelSummary& figures) {
+  if (!ticket.orientation || facets.empty()) return;
+  content.require_room_to_repair(facets);  // orienting takes no more memory than repairing
+  figures.orientation = find_orientation(facets, ticket, orientation_limits(making), making.stop);
+  if (figures.orientation) ticket.up = figures.orientation->choice.chosen().up;
+}
+
+// Takes the model's facets from `content`, turns and scales them, and sets `made` to their height index.
+ModelSummary make_model(JobContent& content, std::size_t number, const MakingContext& making,
+                        std::shared_ptr<const HeightIndex>& made) {
+  const auto& [given, name, file, made_as] = content.models()[number];
+  ModelTicket ticket = given;
+  ModelSummary figures;
+  figures.file = ticket.file;
+  figures.format = content.format(file);
+  figures.rotation_deg = ticket.rotation;
+  std::vector<Facet> facets = content.take_facets(number);
+  find_up(content, facets, ticket, making, figures);
+  figures.up = ticket.up;
+  figures.scale = turn_to_size(facets, ticket, making.volume, making.settings);
+  const Bounds bounds = bounds_of(facets);
+  refuse_size(bounds, name, making.volume);
+  figures.size_x_mm = bounds.size_x();
+  figures.size_y_mm = bounds.size_y();
+  figures.size_z_mm = bounds.size_z();
+  content.require_room_to_repair(facets);
+  made = std::make_shared<const HeightIndex>(std::move(facets));
+  return figures;
+}
+
+}  // namespace
+
+std::vector<ModelToPlace> make_models(JobContent& content, const JobSettings& settings,
+                                      const BuildVolume& volume, JobSummary& summary,
+                                      const std::stop_token& stop) {
+  const MakingContext making{settings, volume, stop};
+  std::vector<ModelToPlace> models;
+  for (std::size_t i = 0; i < content.models().size() && !stop.stop_requested(); ++i) {
+    const auto& [ticket, name, file, made_as] = content.models()[i];
+    // A single model without a position stands in the middle.
+    const std::optional<PlateOffset> position =
+        summary.plate ? ticket.position : ticket.position.value_or(PlateOffset{});
+    models.push_back({name, nullptr, position, ticket.copies});
+    if (made_as == i) {
+      summary.models.push_back(make_model(content, i, making, models[i].model));
+    } else {
+      models[i].model = models[made_as].model;
+      summary.models.push_back(ModelSummary(summary.models[made_as]));
+    }
+  }
+  return models;
+}
+
+}  // namespace contourd
