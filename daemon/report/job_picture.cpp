@@ -69,8 +69,11 @@ Preview draw_job(const ContourEngine& engine, const Supports* supports, Millimet
   }
   constexpr Millimeters kAll{std::numeric_limits<double>::infinity()};
   Preview preview = render_preview(parts, kAll, kJobPictureSide, kJobPictureSide);
-  if (printed < kAll)
+  if (printed <= Millimeters{}) {
+    fade(preview.picture, Mask(kJobPictureSide, kJobPictureSide));
+  } else if (printed < kAll) {
     fade(preview.picture, render_preview(parts, printed, kJobPictureSide, kJobPictureSide).picture);
+  }
   return preview;
 }
 

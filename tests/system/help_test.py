@@ -1,7 +1,6 @@
 """contourctl help: the manual page, and the usage of commands."""
 
 import os
-import unittest
 
 from harness import BAD_USAGE, OK, FolderTest, contourctl
 

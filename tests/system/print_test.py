@@ -360,7 +360,7 @@ class HeldQueue(PrintTest):
         self.assertNotIn("error", daemon.rpc("plate_cleared"))
         daemon.wait_refused("three")
         # The hold is shown even if no job waits.
-        self.assertIn("three failed", daemon.wait_status("held"))
+        self.assertIn("three failed", daemon.wait_status("held")["held"])
         self.assertIn(b"held      the queue is held: three failed", daemon.ctl("status").stdout)
         self.assertIsNone(daemon.rpc("resume")["result"]["held"])
         self.assertIn("no print", daemon.rpc("resume")["error"]["message"])

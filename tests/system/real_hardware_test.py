@@ -144,8 +144,8 @@ class LightOff(RealHardwareTest):
     def test_the_daemon_records_what_light_off_needs(self):
         daemon = self.killed()
         record = json.loads(contents(self.record()))
-        self.assertEqual(record["projector"]["port"], "/dev/tty-missing")
-        self.assertEqual(record["projector"]["table"]["commands"]["light_off"],
+        self.assertEqual(record["port"], "/dev/tty-missing")
+        self.assertEqual(record["table"]["commands"]["light_off"],
                          source_json("projectors", "optoma.json")["commands"]["light_off"])  # fmt: skip
         # Even if the configuration is simulated now, names another port, or is broken, the running daemon's record is used.
         daemon.config["hardware"] = "simulated"

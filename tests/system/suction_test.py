@@ -47,7 +47,7 @@ class Suction(FolderTest):
         page = self.path("part.html")
         self.analyze(CLOSED, "--html", page)
         text = text_of(page)
-        self.assert_words(text, 'id="cups"', 'id="traps"', 'data-mark="0"', 'data-mark="1"', '"voids":[[5,')
+        self.assert_words(text, 'id="cups"', 'id="traps"', 'href="#mark-0"', 'href="#mark-1"', 'id="mark-0"', 'id="mark-1"')
 
     def test_a_cup_that_is_dropped_waits_to_be_accepted(self):
         daemon = Daemon(self, ASKS).start()

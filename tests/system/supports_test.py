@@ -3,7 +3,6 @@
 import json
 import math
 import os
-import re
 
 from harness import BAD_DATA, BAD_USAGE, OK, Daemon, FolderTest, binary_stl, box, contents, contourctl, inside_out, read_png, text_of, wait_until
 
