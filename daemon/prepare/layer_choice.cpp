@@ -8,7 +8,6 @@
 #include <variant>
 
 #include "daemon/system/readable.hpp"
-#include "daemon/system/readable.hpp"
 
 namespace contourd {
 namespace {

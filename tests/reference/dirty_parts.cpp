@@ -1,6 +1,5 @@
 #include "tests/reference/dirty_parts.hpp"
 
-
 namespace contourd::reference {
 namespace {
 

@@ -1,6 +1,5 @@
 #include "daemon/config/printer_config.hpp"
 
-
 #include "hw/png_file.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"

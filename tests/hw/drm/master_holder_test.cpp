@@ -5,7 +5,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-
 #include "hw/file_descriptor.hpp"
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
