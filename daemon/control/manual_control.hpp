@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "daemon/control/control_method.hpp"
 #include "daemon/control/picture_upload.hpp"
@@ -38,11 +39,18 @@ class ManualControl {
   void disconnected(std::uint64_t connection);
 
  private:
+  // Returns the description of a method that moves or lights the printer.
+  [[nodiscard]] ControlMethod begins(const char* description,
+                                     Json (ManualControl::*method)(const Json&, const ControlCaller&),
+                                     std::vector<ControlParameter> parameters);
+  // Returns the description of a method that makes the printer safe; any client may call it.
+  [[nodiscard]] ControlMethod ends(const char* description, Json (ManualControl::*method)());
+  [[nodiscard]] std::vector<ControlParameter> motion_parameters(const ControlParameter& plate_is_clear) const;
   Json home(const Json& given, const ControlCaller& caller);
   Json move(const Json& given, const ControlCaller& caller);
   Json move_unhomed(const Json& given, const ControlCaller& caller);
   Json stop();
-  Json motor_off();
+  Json motor_off(const Json& given, const ControlCaller& caller);
   Json light_on(const Json& given, const ControlCaller& caller);
   Json light_off();
   std::optional<Json> show(const Json& given, const ControlCaller& caller, ControlMethod::Later later);

@@ -1,4 +1,4 @@
-#include "daemon/ctl/commands/help_command.hpp"
+#include "daemon/ctl/commands/commands.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,10 +8,15 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <iterator>
+#include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "daemon/ctl/commands/help_page_text.hpp"
 #include "daemon/ctl/commands/help_topics.hpp"
+#include "daemon/ctl/terminal/command_line.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/markdown_text.hpp"
 #include "daemon/ctl/terminal/program.hpp"
@@ -103,9 +108,16 @@ std::string see_also(Topics topics) {
   return text.empty() ? text : "\nSee also:\n\n" + text;
 }
 
-}  // namespace
+std::vector<std::string> names_of(const Command& program) {
+  std::vector<std::string> names;
+  for (const Command& each : program.commands)
+    if (!each.hidden) names.push_back(each.name);
+  return names;
+}
 
-int help(const std::vector<std::string>& words, const CommandHelp& commands) {
+// Shows the topic, or a list of the topics if there are no words; in a terminal through the user's pager.
+// Returns the exit code. Throws UsageError if nothing matches the words.
+int show_topic(const std::vector<std::string>& words, const Command& program) {
   const std::array shipped = pages();
   const HelpTopics topics(shipped);
   const std::string wanted = fmt::format("{}", fmt::join(words, " "));
@@ -113,7 +125,7 @@ int help(const std::vector<std::string>& words, const CommandHelp& commands) {
     show(list_of(topics));
     return kOk;
   }
-  const std::string command = commands.of(words);
+  const std::string command = usage_of(program, words);
   const std::vector<const HelpTopic*> found = topics.find(wanted);
   if (!command.empty()) {
     show(command + see_also(found));
@@ -122,12 +134,29 @@ int help(const std::vector<std::string>& words, const CommandHelp& commands) {
     const Topics others = topic.whole_page ? Topics() : Topics(found).subspan(1);
     show(plain_text(topic.text, columns()) + see_also(others));
   } else {
-    const std::vector<std::string> names = topics.nearest(wanted, commands.names);
+    const std::vector<std::string> names = topics.nearest(wanted, names_of(program));
     const std::string similar = names.empty() ? "" : fmt::format("similar: {}; ", fmt::join(names, ", "));
     throw UsageError(
         fmt::format("no page mentions {}; {}contourctl help lists the topics", in_quotes(wanted), similar));
   }
   return kOk;
+}
+
+}  // namespace
+
+void add_help(Command& program) {
+  Command& command = program.add("help", "Show a page of the manual or the usage of a command");
+  auto& topic = command.arguments<std::vector<std::string>>();
+  command.option("TOPIC", topic, "Page, section, word or command; without it, a list")
+      .allow_empty()
+      .suggests([&program] {
+        std::vector<std::string> topics;
+        for (const HelpPage& page : pages())
+          topics.emplace_back(page.name);
+        std::ranges::move(names_of(program), std::back_inserter(topics));
+        return topics;
+      });
+  command.run = [&program, &topic] { return show_topic(topic, program); };
 }
 
 }  // namespace contourd::ctl

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 
+#include "daemon/client/control_defaults.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/terminal.hpp"
 #include "daemon/system/readable.hpp"
@@ -33,6 +35,30 @@ bool is_value_in(const Json& object, const Json& value) {
 }
 
 }  // namespace
+
+std::filesystem::path default_socket() {
+  const char* const socket = std::getenv("CONTOURD_SOCKET");
+  return socket != nullptr ? socket : kDefaultSocket;
+}
+
+ClientOptions& add_socket_option(Command& command) {
+  auto& client = command.arguments<ClientOptions>();
+  command.option("--socket", client.socket, "Control socket of contourd (or CONTOURD_SOCKET)");
+  return client;
+}
+
+ClientOptions& add_client_options(Command& command) {
+  ClientOptions& client = add_socket_option(command);
+  command.option("--json", client.json, "Print JSON, one message per line");
+  return client;
+}
+
+void add_request(Command& parent, const char* name, const char* help, const char* method,
+                 void (*print)(const Json& result)) {
+  Command& command = parent.add(name, help);
+  const ClientOptions& client = add_client_options(command);
+  command.run = [&client, method, print] { return request(client, {method}, print); };
+}
 
 void print_status(const Json& status) {
   print_wrapped("printer   ", printable(status.value("printer", "")));
