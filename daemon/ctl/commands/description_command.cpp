@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -90,16 +91,14 @@ int complete(const Command& program, const std::vector<std::string>& words) {
 
 // Returns the word that stands for the option's value in the manual page; empty for a flag.
 std::string placeholder(const Option& option) {
+  const auto has = [&option]<typename Value>(Value*) {
+    return std::holds_alternative<Value*>(option.variable) ||
+           std::holds_alternative<std::optional<Value>*>(option.variable);
+  };
   if (option.is_flag()) return "";
   if (option.is_path()) return "FILE";
-  return std::visit(
-      [](auto* variable) -> std::string {
-        using Value = std::remove_pointer_t<decltype(variable)>;
-        if (std::is_same_v<Value, int> || std::is_same_v<Value, std::optional<int>>) return "N";
-        if (std::is_same_v<Value, double> || std::is_same_v<Value, std::optional<double>>) return "NUMBER";
-        return "TEXT";
-      },
-      option.variable);
+  if (has(static_cast<int*>(nullptr))) return "N";
+  return has(static_cast<double*>(nullptr)) ? "NUMBER" : "TEXT";
 }
 
 // Returns the option's default; empty if it has none.

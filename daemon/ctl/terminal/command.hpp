@@ -38,15 +38,23 @@ struct Option {
   Suggestions suggest{};      // empty: none
   std::string file_suffix{};  // completion offers only files with this suffix
 
-  Option& required();
-  Option& allow_empty();
-  Option& one_of(std::vector<std::string> values);
-  Option& from_to(int least, int most);
-  Option& needs(const Option& other);
-  Option& excludes(const Option& other);
-  Option& in_group(std::string name_of_group);
+  Option& required() { return set(is_required, true); }
+  Option& allow_empty() { return set(may_be_empty, true); }
+  Option& one_of(std::vector<std::string> values) { return set(choices, std::move(values)); }
+  Option& from_to(int least, int most) { return set(limits, std::pair(least, most)); }
+  Option& in_group(std::string name_of_group) { return set(group, std::move(name_of_group)); }
+  Option& needs(const Option& other) {
+    needed.push_back(&other);
+    return *this;
+  }
+  Option& excludes(const Option& other) {
+    excluded.push_back(&other);
+    return *this;
+  }
   // Makes completion offer these values, and files with the suffix, if one is given.
-  Option& suggests(Suggestions values, std::string suffix = "");
+  Option& suggests(Suggestions values, std::string suffix = "") {
+    return set(suggest, std::move(values)).set(file_suffix, std::move(suffix));
+  }
 
   [[nodiscard]] bool is_flag() const { return std::holds_alternative<bool*>(variable); }
   [[nodiscard]] bool is_positional() const { return !name.starts_with('-'); }
@@ -55,6 +63,13 @@ struct Option {
   [[nodiscard]] bool is_path() const;
   // Returns the name without the short one: "--output" of "-o,--output".
   [[nodiscard]] std::string long_name() const { return name.substr(name.find(',') + 1); }
+
+ private:
+  template <typename Field, typename Value>
+  Option& set(Field& field, Value value) {
+    field = std::move(value);
+    return *this;
+  }
 };
 
 // The program, a command, or a group of commands such as `light`.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
+#include <iterator>
 #include <system_error>
 
 #include "daemon/client/control_defaults.hpp"
@@ -25,40 +26,36 @@ Json result_of(const Request& request) {
   }
 }
 
-// Appends the names of the jobs in the list `key` whose state is `state`; empty: any state.
-void append_jobs(std::vector<std::string>& names, const Json& result, const char* key,
-                 const std::string& state = "") {
+// Returns the names of the jobs in the list `key` whose state is `state`; empty: any state.
+std::vector<std::string> jobs_in(const Json& result, const char* key, const std::string& state = "") {
+  std::vector<std::string> names;
   for (const Json& job : result.value(key, Json::array()))
     if (state.empty() || job.value("state", "") == state) names.push_back(printable(job.value("job", "")));
+  return names;
 }
 
 }  // namespace
 
 std::vector<std::string> waiting_jobs() {
-  std::vector<std::string> names;
-  append_jobs(names, result_of({"queue"}), "jobs");
-  return names;
+  return jobs_in(result_of({"queue"}), "jobs");
 }
 
 std::vector<std::string> unaccepted_jobs() {
-  std::vector<std::string> names;
-  append_jobs(names, result_of({"queue"}), "jobs", "unaccepted");
-  return names;
+  return jobs_in(result_of({"queue"}), "jobs", "unaccepted");
 }
 
 std::vector<std::string> current_jobs() {
-  std::vector<std::string> names;
+  std::vector<std::string> names = waiting_jobs();
   const Json status = result_of({"status"});
   if (const auto job = status.find("job"); job != status.end() && job->is_object())
-    names.push_back(printable(job->value("name", "")));
-  append_jobs(names, result_of({"queue"}), "jobs");
+    names.insert(names.begin(), printable(job->value("name", "")));
   return names;
 }
 
 std::vector<std::string> all_jobs() {
   constexpr int kLatest = 20;
   std::vector<std::string> names = current_jobs();
-  append_jobs(names, result_of({"history", {{"last", kLatest}}}), "ended");
+  std::ranges::move(jobs_in(result_of({"history", {{"last", kLatest}}}), "ended"), std::back_inserter(names));
   std::ranges::sort(names);
   names.erase(std::ranges::unique(names).begin(), names.end());
   return names;
