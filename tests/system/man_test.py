@@ -89,7 +89,7 @@ def entry(command):
         lines.append(".RS")
         for option in options:
             default = f"; default: {option['default']}" if option["default"] else ""
-            lines += [".TP", usage_of(option), roff(option["help"] + default) + "."]
+            lines += [".TP", usage_of(option), roff(f"{option['help']}{default}.".replace("....", "..."))]
         lines.append(".RE")
     return "".join(line + "\n" for line in lines)
 
