@@ -140,13 +140,13 @@ Json place_in_queue(const QueueArgs& args) {
 }
 
 // Adds a command about one job. Returns its arguments.
-QueueArgs& add_job_command(Command& parent, const char* name, const char* help,
+QueueArgs& add_job_command(Command& parent, ClientOptions& options, const char* name, const char* help,
                            int (*call)(const ClientOptions& client, const QueueArgs& args)) {
   Command& command = parent.add(name, help);
   auto& args = command.arguments<QueueArgs>();
   command.option("JOB", args.job, kJobHelp).required().suggests(waiting_jobs);
-  const ClientOptions& client = add_client_options(command);
-  command.run = [&client, &args, call] { return call(client, args); };
+  add_client_options(command, options);
+  command.run = [&options, &args, call] { return call(options, args); };
   return args;
 }
 
@@ -154,19 +154,21 @@ QueueArgs& add_job_command(Command& parent, const char* name, const char* help,
 
 void add_queue(Command& program) {
   Command& queue = program.add("queue", "List the waiting jobs, or show, remove or move one");
-  const ClientOptions& client = add_client_options(queue);
+  // `queue --json show JOB` is valid, too.
+  ClientOptions& client = add_client_options(queue);
   queue.run = [&client] { return request(client, {"queue"}, print_queue); };
 
-  add_job_command(queue, "show", "Show the details of a waiting job",
+  add_job_command(queue, client, "show", "Show the details of a waiting job",
                   [](const ClientOptions& options, const QueueArgs& args) {
                     return request(options, {"queue", {{"job", args.job}}}, print_waiting_job);
                   });
-  add_job_command(queue, "remove", "Remove a job from the queue; its files go to failed",
+  add_job_command(queue, client, "remove", "Remove a job from the queue; its files go to failed",
                   [](const ClientOptions& options, const QueueArgs& args) {
                     return remove_from_queue(options, args.job);
                   });
   QueueArgs& args = add_job_command(
-      queue, "move", "Move a job within the queue", [](const ClientOptions& options, const QueueArgs& moved) {
+      queue, client, "move", "Move a job within the queue",
+      [](const ClientOptions& options, const QueueArgs& moved) {
         return request(options, {"queue_move", {{"job", moved.job}, {"to", place_in_queue(moved)}}},
                        print_queue);
       });
@@ -175,7 +177,8 @@ void add_queue(Command& program) {
   move.option("--first", args.first, "Move to the start of the queue").in_group("Place");
   move.option("--last", args.last, "Move to the end of the queue").in_group("Place");
 
-  add_job_command(program, "accept", "Accept a job that is waiting for confirmation",
+  add_job_command(program, program.arguments<ClientOptions>(), "accept",
+                  "Accept a job that is waiting for confirmation",
                   [](const ClientOptions& options, const QueueArgs& accepted) {
                     return accept_job(options, accepted.job);
                   });

@@ -68,7 +68,7 @@ struct AnalyzeArgs {
 AnalyzeOptions parse_analyze(const AnalyzeArgs& args) {
   constexpr double kLongestLayerS = 3600;
   AnalyzeOptions options = args.options;
-  options.up = parse_up(args.up);
+  if (args.up) options.up = parse_up(*args.up);
   options.display = parse_display(args.display);
   options.anti_aliasing = args.anti_aliasing == "on" ? AntiAliasing::On : AntiAliasing::Off;
   options.layer_height = parse_um("--layer-height-um", args.layer_height_um, 1);

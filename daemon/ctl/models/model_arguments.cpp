@@ -26,10 +26,6 @@ UpOption parse_up(const std::string& word) {
   return up;
 }
 
-std::optional<UpOption> parse_up(const std::optional<std::string>& word) {
-  return word ? std::optional(parse_up(*word)) : std::nullopt;
-}
-
 std::vector<std::string> up_presets() {
   return {"auto", "fast", "clean", "safe"};
 }

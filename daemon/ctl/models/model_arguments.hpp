@@ -28,7 +28,6 @@ using UpOption = std::variant<OrientationPreset, Direction>;
 // Parses "auto", "fast", "clean", "safe" or "X,Y,Z". Throws UsageError for any other word, and for a
 // direction that is zero or not finite.
 [[nodiscard]] UpOption parse_up(const std::string& word);
-[[nodiscard]] std::optional<UpOption> parse_up(const std::optional<std::string>& word);
 
 // Returns the presets for completion in a shell.
 [[nodiscard]] std::vector<std::string> up_presets();

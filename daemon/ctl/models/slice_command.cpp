@@ -123,7 +123,7 @@ SliceOptions parse_slice(const SliceArgs& args) {
   check_scale(options.scale);
   // Supports have sizes in millimetres, and a picture that fills the display has no scale.
   if (options.supports && options.fit) throw UsageError("--supports auto excludes --fit");
-  options.up = parse_up(args.up);
+  if (args.up) options.up = parse_up(*args.up);
   options.engine.display = parse_display(args.display);
   options.engine.anti_aliasing = args.anti_aliasing == "on" ? AntiAliasing::On : AntiAliasing::Off;
   parse_corrections(options.engine, args);

@@ -47,7 +47,7 @@ struct SupportArgs {
 
 SupportOptions parse_support(const SupportArgs& args) {
   SupportOptions options = args.options;
-  options.up = parse_up(args.up);
+  if (args.up) options.up = parse_up(*args.up);
   options.display = parse_display(args.display);
   options.layer_height = parse_um("--layer-height-um", args.layer_height_um, 1);
   check_scale(options.scale);

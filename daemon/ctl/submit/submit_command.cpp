@@ -205,7 +205,7 @@ void add_submit(Command& program) {
   const ClientOptions& client = add_client_options(command);
   command.run = [&client, &args] {
     SubmitOptions submitted = args.options;
-    submitted.up = parse_up(args.up);
+    if (args.up) submitted.up = parse_up(*args.up);
     return submit(client, submitted);
   };
 }

@@ -18,6 +18,8 @@ namespace {
 
 using Json = DaemonConnection::Json;
 
+constexpr const char* kSocketHelp = "Control socket of contourd (or CONTOURD_SOCKET)";
+
 void print_analysis(const Json& analysis) {
   fmt::print("resin     {:.2f} ml\n", analysis.value("resin_ml", 0.0));
   for (const Json& warning : analysis["warnings"])
@@ -43,14 +45,19 @@ std::filesystem::path default_socket() {
 
 ClientOptions& add_socket_option(Command& command) {
   auto& client = command.arguments<ClientOptions>();
-  command.option("--socket", client.socket, "Control socket of contourd (or CONTOURD_SOCKET)");
+  command.option("--socket", client.socket, kSocketHelp);
   return client;
 }
 
 ClientOptions& add_client_options(Command& command) {
-  ClientOptions& client = add_socket_option(command);
-  command.option("--json", client.json, "Print JSON, one message per line");
+  auto& client = command.arguments<ClientOptions>();
+  add_client_options(command, client);
   return client;
+}
+
+void add_client_options(Command& command, ClientOptions& of_group) {
+  command.option("--socket", of_group.socket, kSocketHelp);
+  command.option("--json", of_group.json, "Print JSON, one message per line");
 }
 
 void add_request(Command& parent, const char* name, const char* help, const char* method,

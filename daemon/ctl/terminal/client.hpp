@@ -30,6 +30,8 @@ void print_status(const nlohmann::ordered_json& status);
 ClientOptions& add_socket_option(Command& command);
 // Adds --socket and --json.
 ClientOptions& add_client_options(Command& command);
+// Adds --socket and --json for the variables of the command's group, which has these options, too.
+void add_client_options(Command& command, ClientOptions& of_group);
 // Adds a command that calls a method without parameters, and prints the result.
 void add_request(Command& parent, const char* name, const char* help, const char* method,
                  void (*print)(const nlohmann::ordered_json& result) = print_status);

@@ -173,7 +173,7 @@ TEST_CASE("A closed connection is reported once, by the number that its methods 
   const TemporaryFolder folder;
   std::vector<std::uint64_t> calls, gone;
   ControlServer server(loop, folder.path() / "control.sock",
-                       {{"ask", {[&](const ControlServer::Json&, const ControlCaller& caller) {
+                       {{"ask", {.call = [&](const ControlServer::Json&, const ControlCaller& caller) {
                            calls.push_back(caller.connection);
                            return ControlServer::Json(true);
                          }}}});
