@@ -85,7 +85,8 @@ struct ControlMethod {
   [[nodiscard]] Json check(const std::string& name, const Json& params) const;
 };
 
-// Returns the parameter's value, or nullopt if it is not given. REQUIRES: ControlMethod::check() accepted it.
+// Returns the parameter's value, or nullopt if it is not given. Throws an exception of the JSON library for a
+// value of another type, which ControlMethod::check() does not accept.
 template <typename Value>
 [[nodiscard]] std::optional<Value> given_value(const nlohmann::ordered_json& parameters, const char* name) {
   const auto found = parameters.find(name);

@@ -54,6 +54,20 @@ double millimetres(Nanometers height) {
   return to_millimeters(height).count();
 }
 
+std::vector<ControlParameter> motion_parameters(const PrinterContext& context,
+                                                const ControlParameter& plate_is_clear) {
+  constexpr double kSlowest = 0.01;
+  const double travel = millimetres(context.machine.z_axis().travel());
+  const double top_speed = context.config.top_speed.value_or(context.config.travel_speed).count();
+  return {
+      ControlParameter::number("to_mm", 0, travel, "mm", "height above the film, within the axis' travel"),
+      ControlParameter::number("by_mm", -travel, travel, "mm",
+                               "distance upwards, instead of a height; with `unhomed` from -2 to 2"),
+      ControlParameter::number("speed_mm_s", kSlowest, top_speed, "mm/s",
+                               "speed, by default the configuration's travel speed"),
+      ControlParameter::flag("unhomed", "true to move slowly from an unknown position"), plate_is_clear};
+}
+
 }  // namespace
 
 ManualControl::ManualControl(const PrinterContext& context, const Parts& parts, ManualProcess& process,
@@ -72,7 +86,7 @@ ControlMethods ManualControl::methods() {
       {"home",
        begins("Homes the plate: it moves to its limit switch.", &ManualControl::home, {plate_is_clear})},
       {"move", begins("Moves the plate to a height above the film, or by a distance.", &ManualControl::move,
-                      motion_parameters(plate_is_clear))},
+                      motion_parameters(context_, plate_is_clear))},
       {"stop", ends("Ends the manual operation: the motor slows down to rest, the light goes off, the screen "
                     "is black.",
                     &ManualControl::stop)},
@@ -134,19 +148,6 @@ ControlMethod ManualControl::ends(const char* description, Json (ManualControl::
   return {.description = description,
           .call = [this, method](const Json&, const ControlCaller&) { return (this->*method)(); },
           .changes = true};
-}
-
-std::vector<ControlParameter> ManualControl::motion_parameters(const ControlParameter& plate_is_clear) const {
-  constexpr double kSlowest = 0.01;
-  const double travel = millimetres(context_.machine.z_axis().travel());
-  const double top_speed = context_.config.top_speed.value_or(context_.config.travel_speed).count();
-  return {
-      ControlParameter::number("to_mm", 0, travel, "mm", "height above the film, within the axis' travel"),
-      ControlParameter::number("by_mm", -travel, travel, "mm",
-                               "distance upwards, instead of a height; with `unhomed` from -2 to 2"),
-      ControlParameter::number("speed_mm_s", kSlowest, top_speed, "mm/s",
-                               "speed, by default the configuration's travel speed"),
-      ControlParameter::flag("unhomed", "true to move slowly from an unknown position"), plate_is_clear};
 }
 
 void ManualControl::disconnected(std::uint64_t connection) {

@@ -39,13 +39,12 @@ class ManualControl {
   void disconnected(std::uint64_t connection);
 
  private:
-  // Returns the description of a method that moves or lights the printer.
+  // Returns a method that moves or lights the printer.
   [[nodiscard]] ControlMethod begins(const char* description,
                                      Json (ManualControl::*method)(const Json&, const ControlCaller&),
                                      std::vector<ControlParameter> parameters);
-  // Returns the description of a method that makes the printer safe; any client may call it.
+  // Returns a method that makes the printer safe; every client may call it.
   [[nodiscard]] ControlMethod ends(const char* description, Json (ManualControl::*method)());
-  [[nodiscard]] std::vector<ControlParameter> motion_parameters(const ControlParameter& plate_is_clear) const;
   Json home(const Json& given, const ControlCaller& caller);
   Json move(const Json& given, const ControlCaller& caller);
   Json move_unhomed(const Json& given, const ControlCaller& caller);

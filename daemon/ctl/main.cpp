@@ -12,7 +12,7 @@
 #include "daemon/ctl/commands/commands.hpp"
 #include "daemon/ctl/models/model_commands.hpp"
 #include "daemon/ctl/setup/setup_command.hpp"
-#include "daemon/ctl/submit/submit_command.hpp"
+#include "daemon/ctl/submit/submit_commands.hpp"
 #include "daemon/ctl/terminal/command_line.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/watch/watch_command.hpp"

@@ -1,4 +1,4 @@
-#include "daemon/ctl/submit/submit_command.hpp"
+#include "daemon/ctl/submit/submit_commands.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
