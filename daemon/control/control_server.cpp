@@ -88,23 +88,6 @@ std::optional<ControlServer::Peer> peer_of(int socket) {
   return ControlServer::Peer{credentials.uid, credentials.pid, groups_of(socket, credentials.gid)};
 }
 
-// Returns the message's parameters as an object. Throws InvalidParameters if one is not in `known`.
-Json parameters_of(const Json& message, const std::vector<std::string>& known) {
-  if (!message.contains("params") || message["params"].empty()) return Json::object();
-  const std::string method = message["method"].get<std::string>();
-  if (known.empty()) throw InvalidParameters(fmt::format("the method \"{}\" takes no parameters", method));
-  const std::string names = fmt::format("{}", fmt::join(known, ", "));
-  const Json& parameters = message["params"];
-  if (!parameters.is_object())
-    throw InvalidParameters(fmt::format("the method \"{}\" takes its parameters by name: {}", method, names));
-  for (const auto& [name, value] : parameters.items()) {
-    if (std::ranges::find(known, name) == known.end())
-      throw InvalidParameters(
-          fmt::format("the method \"{}\" has no parameter \"{}\"; there are {}", method, name, names));
-  }
-  return parameters;
-}
-
 }  // namespace
 
 // One connection. Answers at most one request per turn of the event loop, and only as many as its user has
@@ -309,6 +292,9 @@ class ControlServer::Client {
 
 ControlServer::ControlServer(EventLoop& loop, std::filesystem::path socket, ControlMethods methods)
     : loop_(loop), path_(std::move(socket)), methods_(std::move(methods)) {
+  methods_["watch"].description = "Subscribes this connection to notifications.";
+  methods_["methods"] = {.description = "Reports the methods, and the valid values of their parameters.",
+                         .call = [this](const Json&, const ControlCaller&) { return describe(methods_); }};
   listen();
   listener_source_ = loop_.on_ready(listener_.get(), EPOLLIN, "the control socket",
                                     [this](std::uint32_t) { accept_client(); });
@@ -405,15 +391,15 @@ Json ControlServer::call(const Json& message, Client& client) {
   };
   const std::string name = message["method"].get<std::string>();
   const auto method = methods_.find(name);
-  if (method == methods_.end() && name != "watch") {
-    std::string known = "watch";
+  if (method == methods_.end()) {
+    std::string known;
     for (const auto& [each, unused] : methods_)
-      known += ", " + each;
+      known += (known.empty() ? "" : ", ") + each;
     return failure(kMethodNotFound, fmt::format("no method \"{}\"; there are {}", name, known));
   }
   try {
-    const Json parameters = parameters_of(
-        message, method != methods_.end() ? method->second.parameters : std::vector<std::string>{});
+    const Json parameters =
+        method->second.check(name, message.contains("params") ? message["params"] : Json());
     if (name == "watch") {
       client.watching = true;
       return Json{{"result", true}};

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <cstdint>
 #include <ctime>
 #include <string_view>
 #include <vector>
@@ -19,49 +19,17 @@ namespace {
 
 // The year 2200, which the clock's type can still represent.
 constexpr std::time_t kLatest = 7'258'118'400;
-constexpr std::array<std::string_view, 3> kOutcomes{"done", "failed", "cancelled"};
-
-std::size_t last_of(const Json& given) {
-  const auto last = given.find("last");
-  if (last == given.end()) return HistoryControl::kLongestPage;
-  if (!last->is_number_integer() || *last < 1 || *last > HistoryControl::kLongestPage)
-    throw InvalidParameters(
-        fmt::format("last must be a whole number from 1 to {}", HistoryControl::kLongestPage));
-  return last->get<std::size_t>();
-}
-
-std::optional<std::string> text_of(const Json& given, const char* name) {
-  const auto found = given.find(name);
-  if (found == given.end()) return std::nullopt;
-  if (!found->is_string() || found->get_ref<const std::string&>().empty())
-    throw InvalidParameters(fmt::format("{} must be a text that is not empty", name));
-  return found->get<std::string>();
-}
-
-std::optional<std::string> outcome_of(const Json& given) {
-  const std::optional<std::string> outcome = text_of(given, "outcome");
-  if (outcome && std::ranges::find(kOutcomes, *outcome) == kOutcomes.end())
-    throw InvalidParameters(fmt::format("outcome must be one of {}", fmt::join(kOutcomes, ", ")));
-  return outcome;
-}
+constexpr const char* kTimeInWords = "a time such as 2026-11-20T19:05:00Z";
 
 std::optional<system_clock::time_point> since_of(const Json& given) {
-  const std::optional<std::string> text = text_of(given, "since");
+  const std::optional<std::string> text = given_value<std::string>(given, "since");
   if (!text) return std::nullopt;
   std::tm time{};
   const char* const end = ::strptime(text->c_str(), "%Y-%m-%dT%H:%M:%SZ", &time);
   const std::time_t seconds = ::timegm(&time);
   if (end == nullptr || end != text->c_str() + text->size() || seconds < 0 || seconds > kLatest)
-    throw InvalidParameters("since must be a time such as 2026-11-20T19:05:00Z");
+    throw InvalidParameters(fmt::format("since must be {}", kTimeInWords));
   return system_clock::from_time_t(seconds);
-}
-
-std::optional<std::int64_t> before_of(const Json& given) {
-  const auto before = given.find("before");
-  if (before == given.end()) return std::nullopt;
-  if (!before->is_number_integer() || *before < 1)
-    throw InvalidParameters("before must be a whole number above 0, taken from the previous reply");
-  return before->get<std::int64_t>();
 }
 
 std::size_t bytes_of(const Json& json) {
@@ -110,12 +78,14 @@ constexpr double kSecondsPerHour = 3600;
 constexpr const char* kDisconnected = "the client has disconnected";
 
 WearPart part_of(const Json& given) {
-  const auto name = given.find("part");
-  const auto* const part = std::ranges::find_if(kWearParts, [&](WearPart each) {
-    return name != given.end() && name->is_string() && name->get_ref<const std::string&>() == name_of(each);
-  });
-  if (part == kWearParts.end()) throw InvalidParameters("part must be one of lamp, film, vat");
-  return *part;
+  return *std::ranges::find(kWearParts, given["part"].get<std::string>(), name_of);
+}
+
+std::vector<std::string> wear_part_names() {
+  std::vector<std::string> names;
+  for (const WearPart each : kWearParts)
+    names.emplace_back(name_of(each));
+  return names;
 }
 
 template <typename Number>
@@ -138,34 +108,49 @@ Json part_json(const WearPartUse& use, const WearLimits& limits) {
 }  // namespace
 
 ControlMethods HistoryControl::methods() {
-  ControlMethod jobs, used, replaced;
-  jobs.parameters = {"last", "before", "since", "outcome", "resin", "job", "this_run"};
-  jobs.call_later = [this](const Json& given, const ControlCaller& caller, ControlMethod::Later later) {
-    return history(given, caller, std::move(later));
-  };
-  used.call_later = [this](const Json&, const ControlCaller& caller, ControlMethod::Later later) {
-    return usage(caller, std::move(later));
-  };
-  replaced.parameters = {"part"};
-  replaced.changes = true;
-  replaced.call_later = [this](const Json& given, const ControlCaller& caller, ControlMethod::Later later) {
-    return replace(given, caller, std::move(later));
-  };
-  return {{"history", std::move(jobs)}, {"usage", std::move(used)}, {"replaced", std::move(replaced)}};
+  using Parameter = ControlParameter;
+  return {
+      {"history",
+       {.description =
+            "Reports the jobs that have ended, the latest last, from contourd's database, including "
+            "earlier runs.",
+        .parameters =
+            {Parameter::whole_number("last", 1, kLongestPage,
+                                     "maximum number of jobs, by default the largest"),
+             Parameter::whole_number("before", 1, Parameter::kMost,
+                                     "only earlier jobs: the number of this name in the previous reply")
+                 .described_as("a whole number above 0, taken from the previous reply"),
+             Parameter::text("since", "only jobs that ended at this time, in UTC, or later")
+                 .described_as(kTimeInWords),
+             Parameter::one_of("outcome", {"done", "failed", "cancelled"}, "only jobs with this outcome"),
+             Parameter::text("resin", "only jobs that were printed with this resin"),
+             Parameter::text("job", "only jobs with this text in their names"),
+             Parameter::flag("this_run", "only jobs that ended since contourd started, which needs no disk")},
+        .call_later = [this](
+                          const Json& given, const ControlCaller& caller,
+                          ControlMethod::Later later) { return history(given, caller, std::move(later)); }}},
+      {"usage",
+       {.description = "Reports the total use of all jobs so far, including interrupted jobs.",
+        .call_later = [this](const Json&, const ControlCaller& caller,
+                             ControlMethod::Later later) { return usage(caller, std::move(later)); }}},
+      {"replaced",
+       {.description = "Records that a part of the machine is new: its use counts from now on.",
+        .parameters = {Parameter::one_of("part", wear_part_names(), "the new part").needed()},
+        .changes = true,
+        .call_later = [this](const Json& given, const ControlCaller& caller, ControlMethod::Later later) {
+          return replace(given, caller, std::move(later));
+        }}}};
 }
 
 std::optional<Json> HistoryControl::history(const Json& given, const ControlCaller& caller,
                                             ControlMethod::Later later) {
-  const HistoryQuery query{.last = last_of(given),
-                           .before = before_of(given),
+  const HistoryQuery query{.last = given.value("last", kLongestPage),
+                           .before = given_value<std::int64_t>(given, "before"),
                            .since = since_of(given),
-                           .outcome = outcome_of(given),
-                           .resin = text_of(given, "resin"),
-                           .name = text_of(given, "job")};
-  if (const auto this_run = given.find("this_run"); this_run != given.end()) {
-    if (!this_run->is_boolean()) throw InvalidParameters("this_run must be true or false");
-    if (this_run->get<bool>()) return reply(recent_jobs(recent_, query), "");
-  }
+                           .outcome = given_value<std::string>(given, "outcome"),
+                           .resin = given_value<std::string>(given, "resin"),
+                           .name = given_value<std::string>(given, "job")};
+  if (given.value("this_run", false)) return reply(recent_jobs(recent_, query), "");
   worker_.list(query, caller,
                [this, query, later = std::move(later)](const std::optional<HistoryPage>& page,
                                                        const std::string& trouble) {

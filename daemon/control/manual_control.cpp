@@ -23,41 +23,21 @@ using Json = ManualControl::Json;
 namespace {
 
 constexpr double kLongestPictureS = 600;
+constexpr const char* kBytesInWords = "bytes in Base64";
 
 bool is_set(const Json& given, const char* name) {
-  const auto found = given.find(name);
-  if (found == given.end()) return false;
-  if (!found->is_boolean()) throw InvalidParameters(fmt::format("{} must be true or false", name));
-  return found->get<bool>();
-}
-
-// Returns the number, or nullopt if it is not given. Throws InvalidParameters if it is out of range.
-std::optional<double> number_in(const Json& given, const char* name, double least, double most,
-                                const char* unit) {
-  const auto found = given.find(name);
-  if (found == given.end()) return std::nullopt;
-  const double number = found->is_number() ? found->get<double>() : NAN;
-  if (!(number >= least && number <= most))
-    throw InvalidParameters(fmt::format("{} must be a number from {:g} to {:g} {}", name, least, most, unit));
-  return number;
+  return given.value(name, false);
 }
 
 Duration seconds(double number) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(number));
 }
 
-std::string text_in(const Json& given, const char* name, const std::string& wanted) {
-  const auto found = given.find(name);
-  if (found == given.end() || !found->is_string())
-    throw InvalidParameters(fmt::format("{} must be one of {}", name, wanted));
-  return found->get<std::string>();
-}
-
-std::string pattern_names() {
-  std::vector<std::string_view> names;
+std::vector<std::string> pattern_names() {
+  std::vector<std::string> names;
   for (const TestPattern pattern : kTestPatterns)
-    names.push_back(name_of(pattern));
-  return fmt::format("{}", fmt::join(names, ", "));
+    names.emplace_back(name_of(pattern));
+  return names;
 }
 
 // Returns the maximum size of a picture's PNG file in bytes: nearly uncompressed, plus metadata.
@@ -70,6 +50,20 @@ std::size_t largest_picture(const MaskDisplay& display) {
 
 double millimetres(Nanometers height) {
   return to_millimeters(height).count();
+}
+
+std::vector<ControlParameter> motion_parameters(const PrinterContext& context,
+                                                const ControlParameter& plate_is_clear) {
+  constexpr double kSlowest = 0.01;
+  const double travel = millimetres(context.machine.z_axis().travel());
+  const double top_speed = context.config.top_speed.value_or(context.config.travel_speed).count();
+  return {
+      ControlParameter::number("to_mm", 0, travel, "mm", "height above the film, within the axis' travel"),
+      ControlParameter::number("by_mm", -travel, travel, "mm",
+                               "distance upwards, instead of a height; with `unhomed` from -2 to 2"),
+      ControlParameter::number("speed_mm_s", kSlowest, top_speed, "mm/s",
+                               "speed, by default the configuration's travel speed"),
+      ControlParameter::flag("unhomed", "true to move slowly from an unknown position"), plate_is_clear};
 }
 
 }  // namespace
@@ -117,43 +111,75 @@ ManualControl::ManualControl(const PrinterContext& context, const Parts& parts, 
       upload_(largest_picture(context.machine.display())) {}
 
 ControlMethods ManualControl::methods() {
-  using Begin = Json (ManualControl::*)(const Json&, const ControlCaller&);
-  const auto begins = [this](Begin method, std::vector<std::string> parameters) {
-    return ControlMethod{
-        .call = [this, method](const Json& given,
-                               const ControlCaller& caller) { return (this->*method)(given, caller); },
-        .parameters = std::move(parameters),
-        .changes = true,
-        .needs_service_rights = true};
-  };
-  const auto ends = [this](Json (ManualControl::*method)()) {
-    return ControlMethod{
-        .call = [this, method](const Json&, const ControlCaller&) { return (this->*method)(); },
-        .changes = true};
-  };
-  ControlMethod motor_off = ends(&ManualControl::motor_off);
-  motor_off.needs_service_rights = true;
-  ControlMethod show;
-  show.parameters = {"pattern", "uploaded", "seconds"};
-  show.changes = true;
-  show.needs_service_rights = true;
-  show.call_later = [this](const Json& given, const ControlCaller& caller, ControlMethod::Later later) {
-    return this->show(given, caller, std::move(later));
-  };
-  // An upload alone changes nothing on the printer.
-  ControlMethod upload = begins(&ManualControl::upload, {"from", "data"});
-  upload.changes = false;
+  using Parameter = ControlParameter;
+  const Parameter plate_is_clear = Parameter::flag("plate_is_clear", "true if nothing is in the plate's way");
+  const double light_limit = std::chrono::duration<double>(context_.config.manual.light_limit).count();
   return {
-      {"home", begins(&ManualControl::home, {"plate_is_clear"})},
-      {"move", begins(&ManualControl::move, {"to_mm", "by_mm", "speed_mm_s", "unhomed", "plate_is_clear"})},
-      {"motor_off", motor_off},
-      {"light_on", begins(&ManualControl::light_on, {"seconds", "in_resin"})},
-      {"show", std::move(show)},
-      {"upload", std::move(upload)},
-      {"projector", begins(&ManualControl::projector, {"power"})},
-      {"light_off", ends(&ManualControl::light_off)},
-      {"stop", ends(&ManualControl::stop)},
-      {"inputs", {.call = [this](const Json&, const ControlCaller&) { return inputs(); }}}};
+      {"home",
+       begins("Homes the plate: it moves to its limit switch.", &ManualControl::home, {plate_is_clear})},
+      {"move", begins("Moves the plate to a height above the film, or by a distance.", &ManualControl::move,
+                      motion_parameters(context_, plate_is_clear))},
+      {"stop", ends("Ends the manual operation: the motor slows down to rest, the light goes off, the screen "
+                    "is black.",
+                    &ManualControl::stop)},
+      {"motor_off", begins("Turns off the motor's current. The plate's position is then unknown.",
+                           &ManualControl::motor_off, {})},
+      {"light_on",
+       begins("Turns the light on for some seconds, with the current picture.", &ManualControl::light_on,
+              {Parameter::number("seconds", 0.001, light_limit, "s",
+                                 "duration; `manual.light_limit_s` of the configuration is the limit")
+                   .needed(),
+               Parameter::flag("in_resin", "true to allow light while the plate may be in the resin")})},
+      {"light_off", ends("Turns the light off.", &ManualControl::light_off)},
+      {"show",
+       {.description = "Shows a test pattern, or the picture that this connection has uploaded.",
+        .parameters =
+            {Parameter::one_of("pattern", pattern_names(), "the pattern; needed unless `uploaded` is true"),
+             Parameter::flag("uploaded", "true for the uploaded picture, reported as `picture`"),
+             Parameter::number("seconds", 0.001, kLongestPictureS, "s", "duration, by default the longest")},
+        .changes = true,
+        .needs_service_rights = true,
+        .call_later = [this](const Json& given, const ControlCaller& caller,
+                             ControlMethod::Later later) { return show(given, caller, std::move(later)); }}},
+      // An upload alone changes nothing on the printer.
+      {"upload",
+       {.description = "Uploads a piece of a picture: a PNG file of 8-bit grey and the display's size.",
+        .parameters = {Parameter::whole_number(
+                           "from", 0, Parameter::kMost,
+                           "position of the piece: the number of bytes uploaded before; 0 "
+                           "starts a new picture")
+                           .described_as("a whole number")
+                           .needed(),
+                       Parameter::text("data", "the piece").described_as(kBytesInWords).needed()},
+        .call = [this](const Json& given, const ControlCaller& caller) { return upload(given, caller); },
+        .needs_service_rights = true}},
+      {"projector", begins("Turns the projector's power on, and waits until it is warm, or off; without "
+                           "parameters, queries the "
+                           "projector's state.",
+                           &ManualControl::projector,
+                           {Parameter::one_of("power", {"on", "off"}, "the projector's power")})},
+      {"inputs",
+       {.description =
+            "Reads the current inputs of the axis: the switches, the emergency stop, the lid and the "
+            "encoder's lines, if they are fitted.",
+        .call = [this](const Json&, const ControlCaller&) { return inputs(); }}}};
+}
+
+ControlMethod ManualControl::begins(const char* description,
+                                    Json (ManualControl::*method)(const Json&, const ControlCaller&),
+                                    std::vector<ControlParameter> parameters) {
+  return {.description = description,
+          .parameters = std::move(parameters),
+          .call = [this, method](const Json& given,
+                                 const ControlCaller& caller) { return (this->*method)(given, caller); },
+          .changes = true,
+          .needs_service_rights = true};
+}
+
+ControlMethod ManualControl::ends(const char* description, Json (ManualControl::*method)()) {
+  return {.description = description,
+          .call = [this, method](const Json&, const ControlCaller&) { return (this->*method)(); },
+          .changes = true};
 }
 
 void ManualControl::disconnected(std::uint64_t connection) {
@@ -203,11 +229,7 @@ void ManualControl::require_way_down(const Json& given) const {
 }
 
 MillimetersPerSecond ManualControl::speed_of(const Json& given) const {
-  const MillimetersPerSecond travel_speed = context_.config.travel_speed;
-  constexpr double kSlowest = 0.01;
-  const double top = context_.config.top_speed.value_or(travel_speed).count();
-  return MillimetersPerSecond{
-      number_in(given, "speed_mm_s", kSlowest, top, "mm/s").value_or(travel_speed.count())};
+  return MillimetersPerSecond{given.value("speed_mm_s", context_.config.travel_speed.count())};
 }
 
 Nanometers ManualControl::target_of(const Json& given) const {
@@ -217,8 +239,8 @@ Nanometers ManualControl::target_of(const Json& given) const {
   const std::optional<Nanometers> height = axis.height();
   if (!height) throw ControlRefusal("the plate's position is unknown: home first");
   const double top = millimetres(axis.travel()), now = millimetres(*height);
-  const double target = given.contains("to_mm") ? number_in(given, "to_mm", 0, top, "mm").value()
-                                                : now + number_in(given, "by_mm", -top, top, "mm").value();
+  const double target =
+      given.contains("to_mm") ? given["to_mm"].get<double>() : now + given["by_mm"].get<double>();
   // The rounding error is less than a step.
   constexpr double kRounding = 1e-6;
   if (target < -kRounding || target > top + kRounding)
@@ -258,15 +280,17 @@ Json ManualControl::move_unhomed(const Json& given, const ControlCaller& caller)
   require_motion_allowed();
   if (given.contains("to_mm") || given.contains("speed_mm_s") || !given.contains("by_mm"))
     throw InvalidParameters("unhomed takes by_mm, but neither to_mm nor speed_mm_s");
-  const double most = millimetres(kLongestNudge);
-  const double distance = number_in(given, "by_mm", -most, most, "mm without a known position").value();
+  const double most = millimetres(kLongestNudge), distance = given["by_mm"].get<double>();
+  if (std::abs(distance) > most)
+    throw InvalidParameters(
+        fmt::format("by_mm must be a number from {:g} to {:g} mm without a known position", -most, most));
   require_way_down(given);
   const MillimetersPerSecond slow{context_.config.homing_speed.count() / 2};
   process_.nudge(to_nanometers(Millimeters{distance}).value_or(Nanometers{}), std::min(slow, kNudgeSpeed));
   return begun_by(caller);
 }
 
-Json ManualControl::motor_off() {
+Json ManualControl::motor_off(const Json&, const ControlCaller&) {
   require_free();
   if (!context_.machine.z_axis().release())
     throw ControlRefusal("the motor stays on: no enable line is configured, or the line cannot be set");
@@ -275,10 +299,6 @@ Json ManualControl::motor_off() {
 
 Json ManualControl::light_on(const Json& given, const ControlCaller& caller) {
   require_free();
-  const std::optional<double> time =
-      number_in(given, "seconds", 0.001,
-                std::chrono::duration<double>(context_.config.manual.light_limit).count(), "s");
-  if (!time) throw InvalidParameters("light_on needs seconds");
   if (const std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty())
     throw ControlRefusal("the light stays off: " + printable(not_ready));
   const std::optional<Nanometers> height = context_.machine.z_axis().height();
@@ -290,7 +310,7 @@ Json ManualControl::light_on(const Json& given, const ControlCaller& caller) {
                     height ? fmt::format("at {:.3f} mm", millimetres(*height)) : "at an unknown height",
                     millimetres(depth)));
   }
-  process_.light_on(seconds(*time));
+  process_.light_on(seconds(given["seconds"].get<double>()));
   return begun_by(caller);
 }
 
@@ -311,16 +331,17 @@ Json ManualControl::stop() {
 std::optional<Json> ManualControl::show(const Json& given, const ControlCaller& caller,
                                         ControlMethod::Later later) {
   require_display();
-  const Duration time =
-      seconds(number_in(given, "seconds", 0.001, kLongestPictureS, "s").value_or(kLongestPictureS));
+  const Duration time = seconds(given.value("seconds", kLongestPictureS));
   if (is_set(given, "uploaded")) {
     if (given.contains("pattern")) throw InvalidParameters("show takes either pattern or uploaded");
     read_uploaded(caller, time, std::move(later));
     return std::nullopt;
   }
-  const std::string name = text_in(given, "pattern", pattern_names());
+  // Without `uploaded` the pattern is needed, and check() has accepted it if it is given.
+  const std::string name = given.value("pattern", "");
   const std::optional<TestPattern> pattern = find_test_pattern(name);
-  if (!pattern) throw InvalidParameters("pattern must be one of " + pattern_names());
+  if (!pattern)
+    throw InvalidParameters(fmt::format("pattern must be one of {}", fmt::join(pattern_names(), ", ")));
   const MaskDisplay& display = context_.machine.display();
   return present(draw_test_pattern(*pattern, display.width(), display.height(), context_.config.pixel_pitch),
                  name, time, caller);
@@ -365,13 +386,9 @@ void ManualControl::read_uploaded(const ControlCaller& caller, Duration time, Co
 
 Json ManualControl::upload(const Json& given, const ControlCaller& caller) {
   require_no_print("the printer is controlled by hand while nothing prints");
-  const auto from = given.find("from"), data = given.find("data");
-  const auto piece = data != given.end() && data->is_string()
-                         ? from_base64(data->get_ref<const std::string&>())
-                         : std::nullopt;
-  if (from == given.end() || !from->is_number_unsigned() || !piece || piece->empty())
-    throw InvalidParameters("upload needs from, a whole number, and data, bytes in Base64");
-  return {{"bytes", upload_.add(caller.connection, from->get<std::size_t>(), *piece)}};
+  const auto piece = from_base64(given["data"].get_ref<const std::string&>());
+  if (!piece) throw InvalidParameters(fmt::format("data must be {}", kBytesInWords));
+  return {{"bytes", upload_.add(caller.connection, given["from"].get<std::size_t>(), *piece)}};
 }
 
 Json ManualControl::present(Mask picture, const std::string& name, Duration time,
@@ -387,15 +404,13 @@ Json ManualControl::present(Mask picture, const std::string& name, Duration time
 
 Json ManualControl::projector(const Json& given, const ControlCaller& caller) {
   require_free();
-  const std::string power = given.contains("power") ? text_in(given, "power", "on, off") : "";
+  const std::string power = given.value("power", "");
   if (power == "on")
     process_.power_on();
   else if (power == "off")
     process_.power_off();
-  else if (power.empty())
-    process_.ask_status();
   else
-    throw InvalidParameters("power must be one of on, off");
+    process_.ask_status();
   return begun_by(caller);
 }
 

@@ -62,11 +62,17 @@ class ManualControl {
   void disconnected(std::uint64_t connection);
 
  private:
+  // Returns a method that moves or lights the printer.
+  [[nodiscard]] ControlMethod begins(const char* description,
+                                     Json (ManualControl::*method)(const Json&, const ControlCaller&),
+                                     std::vector<ControlParameter> parameters);
+  // Returns a method that makes the printer safe; every client may call it.
+  [[nodiscard]] ControlMethod ends(const char* description, Json (ManualControl::*method)());
   Json home(const Json& given, const ControlCaller& caller);
   Json move(const Json& given, const ControlCaller& caller);
   Json move_unhomed(const Json& given, const ControlCaller& caller);
   Json stop();
-  Json motor_off();
+  Json motor_off(const Json& given, const ControlCaller& caller);
   Json light_on(const Json& given, const ControlCaller& caller);
   Json light_off();
   std::optional<Json> show(const Json& given, const ControlCaller& caller, ControlMethod::Later later);

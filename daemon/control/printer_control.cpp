@@ -9,16 +9,29 @@ namespace contourd {
 using Json = PrinterControl::Json;
 
 ControlMethods PrinterControl::methods() {
-  const auto changes = [this](Json (PrinterControl::*method)()) {
+  const auto changes = [this](const char* description, Json (PrinterControl::*method)()) {
     return ControlMethod{
+        .description = description,
         .call = [this, method](const Json&, const ControlCaller&) { return (this->*method)(); },
         .changes = true};
   };
-  return {{"status", {[this](const Json&, const ControlCaller&) { return status_.status(); }}},
-          {"pause", changes(&PrinterControl::pause)},
-          {"resume", changes(&PrinterControl::resume)},
-          {"cancel", changes(&PrinterControl::cancel)},
-          {"plate_cleared", changes(&PrinterControl::plate_cleared)}};
+  return {
+      {"status",
+       {.description = "Reports the printer's current activity, the waiting jobs and the reasons.",
+        .call = [this](const Json&, const ControlCaller&) { return status_.status(); }}},
+      {"pause",
+       changes("Pauses the print after the current layer, or before the first one: the plate goes up "
+               "and the print waits.",
+               &PrinterControl::pause)},
+      {"resume", changes("Continues a paused or interrupted print, withdraws a requested pause that has not "
+                         "begun, or releases a held queue.",
+                         &PrinterControl::resume)},
+      {"cancel", changes("Ends the current print: light off, plate up, the job under `failed/`.",
+                         &PrinterControl::cancel)},
+      {"plate_cleared",
+       changes("Confirms that the plate is clear, and that the user has checked the printer if "
+               "the queue was held.",
+               &PrinterControl::plate_cleared)}};
 }
 
 Json PrinterControl::pause() {

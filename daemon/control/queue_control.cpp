@@ -21,36 +21,45 @@ namespace {
 constexpr std::size_t kMostNamed = 5;
 
 std::string job_of(const Json& given) {
-  const auto job = given.find("job");
-  if (job == given.end() || !job->is_string() || job->get_ref<const std::string&>().empty())
-    throw InvalidParameters("job must be the name of a waiting job");
-  return job->get<std::string>();
+  return given["job"].get<std::string>();
 }
 
 // Returns the place, counted from 0.
 std::size_t place_in(const Json& given) {
-  const auto to = given.find("to");
-  if (to != given.end() && *to == "last") return PrintQueue::kMaxInOrder;
-  if (to == given.end() || !to->is_number_integer() || *to < 1 || *to > PrintQueue::kMaxInOrder)
-    throw InvalidParameters(
-        fmt::format("to must be a place from 1 to {}, or \"last\"", PrintQueue::kMaxInOrder));
-  return to->get<std::size_t>() - 1;
+  return given["to"] == "last" ? PrintQueue::kMaxInOrder : given["to"].get<std::size_t>() - 1;
 }
 
 }  // namespace
 
 ControlMethods QueueControl::methods() {
-  return {{"queue", {[this](const Json& given, const ControlCaller&) { return look(given); }, {"job"}}},
+  const ControlParameter job =
+      ControlParameter::text("job",
+                             "the job: its file in `incoming/`, its name, or the printable form of either")
+          .described_as("the name of a waiting job");
+  ControlParameter place =
+      ControlParameter::whole_number("to", 1, PrintQueue::kMaxInOrder, "the new place, counted from 1")
+          .described_as(fmt::format("a place from 1 to {}, or \"last\"", PrintQueue::kMaxInOrder))
+          .needed();
+  place.words = {"last"};
+  return {{"queue",
+           {.description = "Reports the waiting jobs, or all details of one job.",
+            .parameters = {job},
+            .call = [this](const Json& given, const ControlCaller&) { return look(given); }}},
           {"queue_remove",
-           {[this](const Json& given, const ControlCaller& caller) { return remove(given, caller); },
-            {"job"},
-            true}},
+           {.description = "Removes a job from the queue: its files go to `failed/`.",
+            .parameters = {job.needed()},
+            .call = [this](const Json& given, const ControlCaller& caller) { return remove(given, caller); },
+            .changes = true}},
           {"queue_move",
-           {[this](const Json& given, const ControlCaller&) { return move(given); }, {"job", "to"}, true}},
+           {.description = "Moves a job to another place in the queue.",
+            .parameters = {job.needed(), place},
+            .call = [this](const Json& given, const ControlCaller&) { return move(given); },
+            .changes = true}},
           {"accept",
-           {[this](const Json& given, const ControlCaller& caller) { return accept(given, caller); },
-            {"job"},
-            true}}};
+           {.description = "Accepts a job that waits because of findings in its models or layers.",
+            .parameters = {job.needed()},
+            .call = [this](const Json& given, const ControlCaller& caller) { return accept(given, caller); },
+            .changes = true}}};
 }
 
 Json QueueControl::look(const Json& given) const {

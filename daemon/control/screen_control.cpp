@@ -14,30 +14,23 @@ namespace contourd {
 
 using Json = ScreenControl::Json;
 
-namespace {
-
-// Returns the number, or 0 if it is not given. Throws InvalidParameters.
-std::uint64_t number_in(const Json& given, const char* name) {
-  const auto found = given.find(name);
-  if (found == given.end()) return 0;
-  if (!found->is_number_unsigned())
-    throw InvalidParameters(fmt::format("{} must be a whole number, taken from the previous reply", name));
-  return found->get<std::uint64_t>();
-}
-
-}  // namespace
-
 ScreenControl::ScreenControl(EventLoop& loop, Worker& worker, const CurrentJob& job,
                              const ManualProcess& manual)
     : job_(job), manual_(manual), copy_(loop, worker, [this] { return subject().shown; }) {}
 
 ControlMethods ScreenControl::methods() {
-  ControlMethod mask;
-  mask.parameters = {"picture", "from"};
-  mask.call_later = [this](const Json& given, const ControlCaller&, ControlMethod::Later later) {
-    return this->mask(given, std::move(later));
+  const auto number = [](const char* name, const char* meaning) {
+    return ControlParameter::whole_number(name, 0, ControlParameter::kMost, meaning)
+        .described_as("a whole number, taken from the previous reply");
   };
-  return {{"mask", std::move(mask)}};
+  return {
+      {"mask",
+       {.description = "Returns the picture that the display shows or showed last, in pieces of a PNG file.",
+        .parameters = {number("picture", "the picture, for the next piece"),
+                       number("from", "position of the piece: the number of bytes received")},
+        .call_later = [this](const Json& given, const ControlCaller&, ControlMethod::Later later) {
+          return mask(given, std::move(later));
+        }}}};
 }
 
 // Masks of prints get even numbers and pictures shown by hand odd ones, as both are counted separately.
@@ -70,7 +63,7 @@ Json ScreenControl::reply(const ScreenCopy::Picture& picture, std::size_t from) 
 }
 
 std::optional<Json> ScreenControl::mask(const Json& given, ControlMethod::Later later) {
-  const std::uint64_t wanted = number_in(given, "picture"), from = number_in(given, "from");
+  const auto wanted = given.value("picture", std::uint64_t{0}), from = given.value("from", std::uint64_t{0});
   if (wanted != 0) {
     const std::shared_ptr<const ScreenCopy::Picture> picture = copy_.picture(wanted);
     if (!picture) throw ControlRefusal(fmt::format("picture {} is no longer kept", wanted));

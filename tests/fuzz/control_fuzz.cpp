@@ -30,22 +30,29 @@ constexpr std::string_view kLast = "{\"jsonrpc\":\"2.0\",\"method\":\"status\",\
 constexpr std::ptrdiff_t kMaxTurns = 190;
 
 ControlMethods methods() {
-  return {{"status", {[](const Json&, const ControlCaller&) {
-             return Json{{"state", "idle"}};
-           }}},
+  const ControlParameter value = ControlParameter::text("value", ""),
+                         other = ControlParameter::number("other", -1, 1, "", "");
+  return {{"status",
+           {.call =
+                [](const Json&, const ControlCaller&) {
+                  return Json{{"state", "idle"}};
+                }}},
           {"echo",
-           {[](const Json& parameters, const ControlCaller& caller) {
-              demand(caller.connection == 1, "a connection has a wrong number");
-              return parameters;
-            },
-            {"value", "other"}}},
-          {"pause", {[](const Json&, const ControlCaller&) -> Json {
+           {.parameters = {value, other},
+            .call =
+                [](const Json& parameters, const ControlCaller& caller) {
+                  demand(caller.connection == 1, "a connection has a wrong number");
+                  return parameters;
+                }}},
+          {"pause", {.call = [](const Json&, const ControlCaller&) -> Json {
              throw ControlRefusal("there is no print to pause");
            }}},
           {"set",
-           {[](const Json&, const ControlCaller&) -> Json { throw InvalidParameters("it is out of range"); },
-            {"value"}}},
-          {"fail", {[](const Json&, const ControlCaller&) -> Json {
+           {.parameters = {value},
+            .call = [](const Json&, const ControlCaller&) -> Json {
+              throw InvalidParameters("it is out of range");
+            }}},
+          {"fail", {.call = [](const Json&, const ControlCaller&) -> Json {
              throw std::runtime_error("no such \xFF thing");
            }}}};
 }

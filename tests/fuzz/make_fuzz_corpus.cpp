@@ -137,7 +137,7 @@ void write_control_inputs(const fs::path& folder) {
   for (const char* method : {"status", "pause", "fail", "watch", "none"})
     write(folder / method, "\x80" + request + method + id + "\r\n");
   write(folder / "echo",
-        "\x40" + request + R"(echo","params":{"value":[1,{"a":"\u00e9"}],"other":null},"id":"x"})" + "\n");
+        "\x40" + request + R"(echo","params":{"value":"\u00e9","other":0.5},"id":"x"})" + "\n");
   write(folder / "set",
         "\x41" + request + R"(set","params":[1],"id":null})" + "\n" + request + R"(set"})" + "\n");
   write(folder / "batch", "\x80[" + request + "status" + id + "," + request + R"(status"},7,)" + request +

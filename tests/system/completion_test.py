@@ -45,6 +45,12 @@ class Completion(FolderTest):
         self.assertEqual(self.bash("history", "--outcome", ""), ["done", "failed", "cancelled"])
         self.assertEqual(self.bash("help", "s"), ["slice", "support", "submit", "status", "stop", "show", "switches", "setup"])
         self.assertEqual(self.bash("offer", "--o"), ["--once"])
+        self.assertEqual(self.bash("submit", "--up", "f"), ["fast"])
+        # An option's value is no command, and the option after it is completed as usual.
+        self.assertEqual(self.bash("light", "on", "--seconds", "3", "--con"), ["--confirm"])
+        self.assertEqual(self.bash("slice", "--force", "--aa", ""), ["on", "off"])
+        # Commands for programs are not offered.
+        self.assertEqual(self.bash("comp"), [])
         # The shell itself completes file names.
         self.assertEqual(self.bash("submit", "part"), [])
 

@@ -8,7 +8,9 @@ import re
 import subprocess
 import sys
 
-from harness import CONTOURD, DEADLINE_S, ENDLESS, NIMBLE_RESIN, SOURCE, Daemon, FolderTest, binary_stl, box, run, wait_until
+from harness import (
+    CONTOURD, DEADLINE_S, ENDLESS, NIMBLE_RESIN, SOURCE, Daemon, FolderTest, binary_stl, box, check_generated, run, wait_until,
+)  # fmt: skip
 
 PAGE = (pathlib.Path(SOURCE) / "docs/control-api.md").read_text(encoding="utf-8")
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))  # 4 layers
@@ -41,7 +43,9 @@ def messages(text):
 
 
 METHODS = re.findall(r"^### `(\w+)`$", section("## Methods") + section("## By hand"), re.MULTILINE)
-REPLIES = {name: re.search(r"Reply:\s+(?:a\s+\[(\w+)\]|`(\w+)`)", section(f"### `{name}`")) for name in METHODS}
+# The reply's table, by the link to its heading, or the reply itself.
+REPLIES = {name: re.search(r"Reply:\s+(?:a\s+\[\w+\]\(#([\w-]+)\)|`(\w+)`)", section(f"### `{name}`")) for name in METHODS}
+TITLES = {title.lower().replace(" ", "-"): title for title in re.findall(r"^### ([A-Z].*)$", PAGE, re.MULTILINE)}
 NOTIFICATIONS = [name for name, _ in rows("## Notifications")]
 STATUS, JOB, ANALYSIS = rows("### A status"), rows("### A job"), rows("### An analysis")
 ENDED_JOB, MANUAL = rows("### An ended job"), rows("### A manual operation")
@@ -50,8 +54,7 @@ SUPPORTS = rows("### Supports")
 PAST_JOB = rows("### A job of the history")
 INPUT = rows("### An input")
 PART = rows("### A part that wears")
-TABLES = {"status": STATUS, "queue": rows("### A queue"), "history": rows("### A history"), "usage": rows("### A usage"), "reading": rows("### A reading of the inputs"),
-          "picture": rows("### A picture"), "piece": rows("### A piece")}
+METHOD, PARAMETER = rows("### A method"), rows("### A parameter")
 STATES = {name for name, _ in rows("### States")}
 CODES = {int(code) for code, _ in rows("## Errors")}
 TYPES = {"text": str, "number": (int, float), "object": dict, "list": list, "true": bool, "false": bool, "null": type(None)}
@@ -62,6 +65,18 @@ def is_of_type(value, described):
     if isinstance(value, bool):
         return bool in types
     return any(isinstance(value, each) for each in types)
+
+
+def generated(method):
+    """Returns the lines about a method that the page has from the program."""
+    is_changing, needs_rights = method["changes"], method["needs_service_rights"]
+    notes = [*(["changes the printer"] if is_changing else []), *(["needs service rights"] if needs_rights else [])]
+    lines = [method["description"] + (f" The method {' and '.join(notes)}." if notes else "")]
+    if method["parameters"]:
+        lines += ["", "| parameter | valid values | meaning |", "|---|---|---|"]
+        lines += [f"| `{each['name']}`{', needed' if each['needed'] else ''} | {each['must_be']} | {each['meaning']} |"
+                  for each in method["parameters"]]  # fmt: skip
+    return "".join(line + "\n" for line in lines)
 
 
 class ControlApiTest(FolderTest):
@@ -100,12 +115,12 @@ class ControlApiTest(FolderTest):
         self.assertIsNotNone(reply, f"{method} has no reply")
         if reply[2]:
             return self.assertEqual(result, json.loads(reply[2]))
-        if reply[1] == "status":
+        if reply[1] == "a-status":
             return self.assert_status(result)
-        self.assert_fields(result, TABLES[reply[1]])
+        self.assert_fields(result, rows(f"### {TITLES[reply[1]]}"))
         for each in result.get("inputs", ()):
             self.assert_fields(each, INPUT)
-        for job in result["jobs"] if reply[1] == "queue" else ():
+        for job in result["jobs"] if reply[1] == "a-queue" else ():
             self.assert_fields(job, WAITING)
             self.assertIn(f"`{job['state']}`", WAITING[3][2])
             if job["supports"]:
@@ -115,6 +130,10 @@ class ControlApiTest(FolderTest):
                 self.assertIn(f"`{each['setting']}`", OVERRIDE[0][2])
         for part in result.get("parts", ()):
             self.assert_fields(part, PART)
+        for each in result.get("methods", ()):
+            self.assert_fields(each, METHOD)
+            for parameter in each["parameters"]:
+                self.assert_fields(parameter, PARAMETER)
         for job in result.get("ended", ()):
             self.assert_fields(job, PAST_JOB)
 
@@ -126,16 +145,18 @@ class ControlApiTest(FolderTest):
         client = self.fast().client()
         for method in METHODS:
             with self.subTest(method):
-                documented = re.search(r"Parameters:\s+([^.]*)\.", section(f"### `{method}`"))
-                self.assertIsNotNone(documented)
-                names = re.findall(r"`(\w+)`", documented[1])
-                self.assertEqual(documented[1] == "none", not names)
+                names = re.findall(r"^\| `(\w+)`", section(f"### `{method}`"), re.MULTILINE)
                 client.send(json.dumps({"jsonrpc": "2.0", "method": method, "params": {"no": 1}, "id": method}).encode() + b"\n")
                 error = client.wait_for(lambda m, method=method: m.get("id") == method, method)["error"]
                 self.assertEqual(error["code"], -32602)
                 # The error of a method with parameters lists them.
                 _, _, listed = error["message"].partition("there are ")
-                self.assertEqual(sorted(names), sorted(listed.split(", ")) if listed else [], error["message"])
+                self.assertEqual(names, listed.split(", ") if listed else [], error["message"])
+
+    def test_the_descriptions_of_the_methods_come_from_the_program(self):
+        described = {each["name"]: generated(each) for each in self.fast().rpc("methods")["result"]["methods"]}
+        self.assertEqual(sorted(described), sorted(METHODS))
+        check_generated(self, "docs/control-api.md", "<!-- begin {} -->\n", "<!-- end -->\n", described)
 
     def test_every_reply_has_the_documented_fields(self):
         daemon = self.printing(ask_before=["islands"])
@@ -157,7 +178,10 @@ class ControlApiTest(FolderTest):
                 wait_until(lambda: daemon.status()["manual"]["height_mm"] == 0, "the plate to be at home")
             wait_until(lambda: daemon.status()["manual"]["state"] == "idle", "the manual operation to end")
             answers[method] = daemon.client().call(method, **parameters)
-        self.assertEqual(sorted(answers), sorted(METHODS))
+        for method in METHODS:
+            if method not in answers:
+                example = messages(section(f"### `{method}`"))[0]
+                answers[method] = daemon.client().call(method, **example.get("params", {}))
         for method, answer in answers.items():
             with self.subTest(method):
                 self.assertIn("result", answer)

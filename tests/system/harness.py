@@ -82,6 +82,22 @@ def skip_file(reason):
     sys.exit(0)
 
 
+def check_generated(test, path, begin, end, parts):
+    """Compares the generated parts of a page with `parts`, by name; the lines `begin`, with the name, and `end` surround a part.
+    With CONTOURD_RENEW=1 in the environment, writes the parts into the page instead."""
+    page = os.path.join(SOURCE, path)
+    text = renewed = text_of(page)
+    for name, part in parts.items():
+        before, line, rest = renewed.partition(begin.format(name))
+        test.assertTrue(line, f"{path} has no line {begin.format(name)!r}")
+        renewed = before + line + part + rest[rest.index(end):]
+    if os.environ.get("CONTOURD_RENEW"):
+        with open(page, "w", encoding="utf-8") as file:
+            file.write(renewed)
+    else:
+        test.assertEqual(text, renewed, f"{path} is out of date: run this test with CONTOURD_RENEW=1 to renew it")
+
+
 # --- models
 
 

@@ -72,7 +72,7 @@ class Refusals(FolderTest):
         before = daemon.status()
         for words, part in ((["pause"], "no print"), (["cancel"], "no print"), (["queue", "show", "part"], "part"),
                             (["queue", "remove", "part"], "part"), (["queue", "move", "part", "--last"], "part"), (["accept", "part"], "part"),
-                            (["mask"], "black"), (["move", "--to", "5"], "home first"), (["move", "--to", "5000"], "home first"),
+                            (["mask"], "black"), (["move", "--to", "5"], "home first"), (["move", "--to", "5000"], "from 0 to 12 mm"),
                             (["move", "--by", "3", "--unhomed"], "from -2 to 2 mm"), (["light", "on", "--seconds", "3600", "--confirm"], "from 0.001 to"),
                             (["light", "on", "--seconds", "1", "--confirm"], "--in-resin"), (["show", "gird"], "white, black, grid")):  # fmt: skip
             with self.subTest(words):

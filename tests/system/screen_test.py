@@ -240,8 +240,10 @@ class Upload(ScreenTest):
         self.assertIn("another connection's upload replaced it", self.refusal(client.call("show", uploaded=True)))
         self.assertIn("not a PNG file", self.refusal(other.call("show", uploaded=True)))
         self.assertIn("no picture was uploaded", self.refusal(other.call("show", uploaded=True)))
-        for wrong in ({"from": 0}, {"data": "AAAA"}, {"from": 0, "data": "A"}, {"from": 0, "data": "AA=A"}, {"from": 0, "data": ""},
-                      {"from": -1, "data": "AAAA"}, {"from": 0, "data": "AAB="}, {"from": 0, "data": "\u00e4AAA"}):  # fmt: skip
+        for wrong in ({"data": "AAAA"}, {"from": -1, "data": "AAAA"}):
+            self.assertIn("from must be a whole number", self.refusal(client.call("upload", **wrong)), wrong)
+        for wrong in ({"from": 0}, {"from": 0, "data": "A"}, {"from": 0, "data": "AA=A"}, {"from": 0, "data": ""},
+                      {"from": 0, "data": "AAB="}, {"from": 0, "data": "\u00e4AAA"}):  # fmt: skip
             self.assertIn("Base64", self.refusal(client.call("upload", **wrong)), wrong)
 
     def test_a_picture_that_exceeds_the_limit_is_discarded(self):

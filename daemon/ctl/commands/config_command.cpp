@@ -1,16 +1,20 @@
-#include "daemon/ctl/commands/config_command.hpp"
+#include "daemon/ctl/commands/commands.hpp"
 
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/contract/expects.hpp"
 #include "daemon/check/config_check.hpp"
+#include "daemon/client/control_defaults.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/json/json_document.hpp"
@@ -20,6 +24,11 @@
 
 namespace contourd::ctl {
 namespace {
+
+struct ConfigOptions {
+  std::filesystem::path file = kDefaultConfig;
+  std::string format = "printer";  // for config_schema(): one of config_formats()
+};
 
 using Pointer = nlohmann::json::json_pointer;
 
@@ -88,8 +97,6 @@ void print_differences(const nlohmann::json& value, const Pointer& place) {
              by_default != nullptr ? " (default " + text_of(*by_default) + ")" : "");
 }
 
-}  // namespace
-
 int config_check(const ConfigOptions& options) {
   return report_mistakes([&] { check_config(options.file); });
 }
@@ -121,6 +128,26 @@ std::vector<std::string> config_formats() {
   for (const auto& [name, text] : schemas())
     names.push_back(name);
   return names;
+}
+
+}  // namespace
+
+void add_config(Command& program) {
+  Command& config = program.add("config", "Check and show the printer's configuration");
+  const auto add = [&config](const char* name, const char* help, int (*call)(const ConfigOptions&)) {
+    Command& command = config.add(name, help);
+    auto& options = command.arguments<ConfigOptions>();
+    command.option("FILE", options.file, "Configuration file");
+    command.run = [&options, call] { return call(options); };
+  };
+  add("check", "List mistakes in it, as contourd --check-config does", config_check);
+  add("show", "Print it with all defaults, as JSON", config_show);
+  add("diff", "Print the values that differ from their defaults", config_diff);
+  Command& schema = config.add("schema", "Print the JSON schema of a file format");
+  auto& options = schema.arguments<ConfigOptions>();
+  schema.option("FORMAT", options.format, "File format: printer, resin, projector, ticket or plate")
+      .one_of(config_formats());
+  schema.run = [&options] { return config_schema(options); };
 }
 
 }  // namespace contourd::ctl

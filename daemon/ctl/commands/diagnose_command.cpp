@@ -1,4 +1,4 @@
-#include "daemon/ctl/commands/diagnose_command.hpp"
+#include "daemon/ctl/commands/commands.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -7,16 +7,22 @@
 #include <chrono>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
+#include <string>
 #include <system_error>
 
+#include "daemon/client/control_defaults.hpp"
 #include "daemon/client/daemon_connection.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/commands/machine_facts.hpp"
 #include "daemon/ctl/commands/private_text.hpp"
+#include "daemon/ctl/terminal/client.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/program.hpp"
+#include "daemon/ctl/terminal/suggestions.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/json/profile_file.hpp"
 #include "daemon/system/durable_file.hpp"
@@ -25,6 +31,12 @@
 
 namespace contourd::ctl {
 namespace {
+
+struct DiagnoseOptions {
+  std::optional<std::filesystem::path> output;  // nullopt: named by the time, in the working folder
+  std::filesystem::path config = kDefaultConfig;
+  std::optional<std::string> job;  // nullopt: the latest
+};
 
 namespace fs = std::filesystem;
 using Json = DaemonConnection::Json;
@@ -208,8 +220,6 @@ fs::path output_of(const DiagnoseOptions& options) {
   return fmt::format("{}-{:%Y%m%d-%H%M%S}.tar.gz", kFolder, fmt::localtime(std::time(nullptr)));
 }
 
-}  // namespace
-
 int diagnose(const ClientOptions& client, const DiagnoseOptions& options) {
   const fs::path output = output_of(options);
   // Checked early, before the slow part; write_new() checks again.
@@ -240,6 +250,19 @@ int diagnose(const ClientOptions& client, const DiagnoseOptions& options) {
       "the names of jobs\n",
       list, printable(output.string()));
   return kOk;
+}
+
+}  // namespace
+
+void add_diagnose(Command& program) {
+  Command& command = program.add("diagnose", "Collect information for a bug report in one archive");
+  auto& options = command.arguments<DiagnoseOptions>();
+  command.option("JOB", options.job, "Include the report and journal of this job (default: the latest)")
+      .suggests(all_jobs);
+  command.option("-o,--output", options.output, "Archive to create (.tar.gz); must not exist");
+  command.option("--config", options.config, "Configuration of the printer");
+  const ClientOptions& client = add_socket_option(command);
+  command.run = [&client, &options] { return diagnose(client, options); };
 }
 
 }  // namespace contourd::ctl

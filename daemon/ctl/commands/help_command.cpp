@@ -1,10 +1,12 @@
-#include "daemon/ctl/commands/help_command.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <string>
 #include <system_error>
+#include <vector>
 
+#include "daemon/ctl/commands/commands.hpp"
+#include "daemon/ctl/terminal/command_line.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/program.hpp"
 #include "daemon/json/config_error.hpp"
@@ -22,11 +24,19 @@ bool has_manual_page() {
   }
 }
 
-}  // namespace
+std::vector<std::string> names_of(const Command& program) {
+  std::vector<std::string> names;
+  for (const Command& each : program.commands)
+    if (!each.hidden) names.push_back(each.name);
+  return names;
+}
 
-int help(const std::vector<std::string>& words, const HelpText& text_of) {
+// Without words, runs man for contourctl's manual page; if that is missing, prints contourctl's help text.
+// With the words of a command, prints the command's help text. Returns the exit code. Throws UsageError if
+// there is no such command, and std::system_error if man cannot be run.
+int help(const std::vector<std::string>& words, const Command& program) {
   if (words.empty() && has_manual_page()) become_program({"man", "contourctl"});
-  const std::string text = text_of(words);
+  const std::string text = usage_of(program, words);
   if (text.empty()) {
     throw UsageError(fmt::format("there is no command {}; contourctl --help lists the commands",
                                  in_quotes(fmt::format("{}", fmt::join(words, " ")))));
@@ -34,6 +44,17 @@ int help(const std::vector<std::string>& words, const HelpText& text_of) {
   fmt::print("{}\nManual: man contourctl, man contourd, man contourd.json; guides: {}\n", text,
              CONTOURD_GUIDES);
   return kOk;
+}
+
+}  // namespace
+
+void add_help(Command& program) {
+  Command& command = program.add("help", "Show the manual page, or the usage of a command");
+  auto& words = command.arguments<std::vector<std::string>>();
+  command.option("COMMAND", words, "Show the usage of this command").allow_empty().suggests([&program] {
+    return names_of(program);
+  });
+  command.run = [&program, &words] { return help(words, program); };
 }
 
 }  // namespace contourd::ctl

@@ -1,4 +1,4 @@
-#include "daemon/ctl/commands/history_command.hpp"
+#include "daemon/ctl/commands/commands.hpp"
 
 #include <fmt/format.h>
 
@@ -9,17 +9,29 @@
 #include <cstdio>
 #include <ctime>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "daemon/client/daemon_connection.hpp"
+#include "daemon/ctl/terminal/client.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/ctl/terminal/suggestions.hpp"
 #include "daemon/ctl/terminal/terminal.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {
 namespace {
+
+struct HistoryOptions {
+  int last = 20;
+  std::string since, outcome, resin, job;
+  bool csv = false;
+};
+
+// Upper limit of HistoryOptions::last.
+constexpr int kLongestHistory = 10'000;
 
 using Json = DaemonConnection::Json;
 using std::chrono::system_clock;
@@ -185,8 +197,6 @@ void print_part(const Json& part) {
                   used("layers", "layers_limit", "layer"), used("prints", "prints_limit", "print"), since));
 }
 
-}  // namespace
-
 int history(const ClientOptions& client, const HistoryOptions& options) {
   if (client.json && options.csv) throw UsageError("--json and --csv exclude each other");
   DaemonConnection connection(client.socket);
@@ -227,6 +237,34 @@ void print_usage(const Json& usage) {
   for (const Json& part : usage["parts"])
     if (part["reminder"].is_string())
       print_wrapped("reminder  ", printable(part["reminder"].get<std::string>()));
+}
+
+}  // namespace
+
+void add_history(Command& program) {
+  Command& command = program.add("history", "List the outcomes of the latest jobs");
+  auto& options = command.arguments<HistoryOptions>();
+  command.option("--last", options.last, "Show at most N jobs").from_to(1, kLongestHistory);
+  command.option("--since", options.since, "Show jobs that ended since DATE, or in the last 7d or 12h");
+  command.option("--outcome", options.outcome, "Show jobs with this outcome")
+      .one_of({"done", "failed", "cancelled"});
+  command.option("--resin", options.resin, "Show jobs that were printed with this resin").suggests(resins);
+  command.option("--job", options.job, "Show jobs with this text in their names").suggests(all_jobs);
+  command.option("--csv", options.csv, "Print CSV, one line per job, for a spreadsheet");
+  const ClientOptions& client = add_client_options(command);
+  command.run = [&client, &options] { return history(client, options); };
+
+  add_request(program, "usage", "Show hours of light, layers and resin so far", "usage", print_usage);
+
+  Command& replaced = program.add("replaced", "Record that the lamp, the film or the vat was replaced");
+  auto& part = replaced.arguments<std::string>();
+  replaced.option("PART", part, "Replaced part: lamp, film or vat")
+      .required()
+      .one_of({"lamp", "film", "vat"});
+  const ClientOptions& replaced_client = add_client_options(replaced);
+  replaced.run = [&replaced_client, &part] {
+    return request(replaced_client, {"replaced", {{"part", part}}}, print_usage);
+  };
 }
 
 }  // namespace contourd::ctl

@@ -1,4 +1,4 @@
-#include "daemon/ctl/commands/jog_command.hpp"
+#include "daemon/ctl/commands/commands.hpp"
 
 #include <fmt/format.h>
 
@@ -11,6 +11,8 @@
 #include <string_view>
 
 #include "daemon/client/daemon_connection.hpp"
+#include "daemon/ctl/commands/manual_command.hpp"
+#include "daemon/ctl/terminal/client.hpp"
 #include "daemon/ctl/terminal/dialog.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/terminal.hpp"
@@ -18,6 +20,11 @@
 
 namespace contourd::ctl {
 namespace {
+
+struct JogOptions {
+  double light_s = 5;
+  bool plate_is_clear = false, in_resin = false;
+};
 
 using Json = DaemonConnection::Json;
 
@@ -174,8 +181,6 @@ struct LineEnd {
   }
 };
 
-}  // namespace
-
 int jog(const ClientOptions& client, const JogOptions& options) {
   KeyInput keys("jog");
   DaemonConnection connection(client.socket);
@@ -194,6 +199,18 @@ int jog(const ClientOptions& client, const JogOptions& options) {
       state.take(*message);
   }
   return kOk;
+}
+
+}  // namespace
+
+void add_jog(Command& program) {
+  Command& command = program.add("jog", "Move the plate by keys");
+  auto& options = command.arguments<JogOptions>();
+  command.option("--light-seconds", options.light_s, "Duration of the light of the key l, s");
+  command.option("--plate-is-clear", options.plate_is_clear, kPlateIsClearHelp);
+  command.option("--in-resin", options.in_resin, "Allow light while the plate may be in the resin");
+  const ClientOptions& client = add_socket_option(command);
+  command.run = [&client, &options] { return jog(client, options); };
 }
 
 }  // namespace contourd::ctl

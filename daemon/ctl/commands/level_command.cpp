@@ -1,4 +1,4 @@
-#include "daemon/ctl/commands/level_command.hpp"
+#include "daemon/ctl/commands/commands.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -8,19 +8,27 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <system_error>
 
+#include "daemon/client/control_defaults.hpp"
 #include "daemon/client/daemon_connection.hpp"
 #include "daemon/config/config_edit.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/commands/manual_command.hpp"
+#include "daemon/ctl/terminal/client.hpp"
 #include "daemon/ctl/terminal/dialog.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {
 namespace {
+
+struct LevelOptions {
+  std::filesystem::path config = kDefaultConfig;
+};
 
 using Json = DaemonConnection::Json;
 
@@ -142,10 +150,19 @@ class Level {
   Dialog dialog_;
 };
 
-}  // namespace
-
 int level(const ClientOptions& client, const LevelOptions& options) {
   return Level(client, options).run();
+}
+
+}  // namespace
+
+void add_level(Command& program) {
+  Command& command =
+      program.add("level", "Level the plate, step by step, and store the height of its switch");
+  auto& options = command.arguments<LevelOptions>();
+  command.option("--config", options.config, "Configuration of the printer");
+  const ClientOptions& client = add_socket_option(command);
+  command.run = [&client, &options] { return level(client, options); };
 }
 
 }  // namespace contourd::ctl

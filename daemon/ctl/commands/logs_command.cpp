@@ -1,18 +1,27 @@
-#include "daemon/ctl/commands/logs_command.hpp"
+#include "daemon/ctl/commands/commands.hpp"
 
 #include <fmt/format.h>
 
+#include <optional>
+#include <string>
 #include <system_error>
 #include <vector>
 
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/program.hpp"
+#include "daemon/ctl/terminal/suggestions.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/spool/spool_folders.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {
 namespace {
+
+struct LogsOptions {
+  std::optional<std::string> job;  // only lines about this job
+  std::optional<int> lines;        // at most; nullopt: all lines of a job, or the latest 100
+  bool follow = false;
+};
 
 using Words = std::vector<std::string>;
 
@@ -41,8 +50,6 @@ bool has_lines(const LogsOptions& options) {
   return !one.text.empty();
 }
 
-}  // namespace
-
 int logs(const LogsOptions& options) {
   try {
     if (!options.follow && !has_lines(options)) {
@@ -63,6 +70,18 @@ int logs(const LogsOptions& options) {
   } catch (const std::system_error& error) {
     throw DaemonError(fmt::format("cannot read the journal: {}", error.what()));
   }
+}
+
+}  // namespace
+
+void add_logs(Command& program) {
+  Command& command = program.add("logs", "Show contourd's entries in the journal");
+  auto& options = command.arguments<LogsOptions>();
+  command.option("JOB", options.job, "Show only entries about this job").suggests(current_jobs);
+  command.option("-n,--lines", options.lines, "Show the latest N lines (default without a job: 100)")
+      .from_to(1, 1'000'000);
+  command.option("-f,--follow", options.follow, "Keep printing new lines");
+  command.run = [&options] { return logs(options); };
 }
 
 }  // namespace contourd::ctl

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -16,10 +17,15 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "core/formats/model_reader.hpp"
+#include "core/image/test_pattern.hpp"
+#include "daemon/client/control_defaults.hpp"
 #include "daemon/client/daemon_connection.hpp"
 #include "daemon/config/printer_config.hpp"
+#include "daemon/ctl/commands/commands.hpp"
+#include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/system/base64.hpp"
@@ -28,6 +34,20 @@
 
 namespace contourd::ctl {
 namespace {
+
+// Arguments of all commands for manual control.
+struct ManualArgs {
+  std::optional<double> to_mm, by_mm, speed_mm_s, seconds;
+  bool plate_is_clear = false, in_resin = false, confirm = false, unhomed = false;
+};
+
+struct ShowOptions {
+  std::string what;  // a pattern's name, a PNG file, or with `at_z_mm` a model's file
+  std::optional<double> seconds;
+  std::optional<double> at_z_mm;                   // height above the plate of the mask to show
+  std::filesystem::path printer = kDefaultConfig;  // configuration for that mask
+  std::optional<std::filesystem::path> ticket;
+};
 
 using Json = DaemonConnection::Json;
 
@@ -166,13 +186,34 @@ std::optional<Json> upload(DaemonConnection& connection, std::span<const std::ui
   return std::nullopt;
 }
 
-}  // namespace
-
-int control_by_hand(const ClientOptions& options, const Request& request, WaitFor what) {
-  DaemonConnection connection(options.socket);
-  return carry_out(connection, options, request, what);
+// Returns the request with the parameters that were given.
+Request manual_request(const char* method, const ManualArgs& args) {
+  Request request{method};
+  const auto set = [&request](const char* name, const auto& value) {
+    if (value) request.parameters[name] = *value;
+  };
+  const auto set_if = [&request](const char* name, bool value) {
+    if (value) request.parameters[name] = true;
+  };
+  set("to_mm", args.to_mm);
+  set("by_mm", args.by_mm);
+  set("speed_mm_s", args.speed_mm_s);
+  set("seconds", args.seconds);
+  set_if("plate_is_clear", args.plate_is_clear);
+  set_if("in_resin", args.in_resin);
+  set_if("unhomed", args.unhomed);
+  return request;
 }
 
+// Returns the names of the test patterns.
+std::vector<std::string> pattern_names() {
+  std::vector<std::string> names;
+  for (const TestPattern pattern : kTestPatterns)
+    names.emplace_back(name_of(pattern));
+  return names;
+}
+
+// Powers the projector on and waits until its lamp is warm, or powers it off.
 int power_projector(const ClientOptions& options, bool on) {
   const int code =
       control_by_hand(options, {"projector", {{"power", on ? "on" : "off"}}}, WaitFor::Operation);
@@ -180,6 +221,7 @@ int power_projector(const ClientOptions& options, bool on) {
   return code;
 }
 
+// Shows the picture until it ends.
 int show_by_hand(const ClientOptions& options, const ShowOptions& show) {
   Request request{"show"};
   if (show.seconds) request.parameters["seconds"] = *show.seconds;
@@ -201,6 +243,8 @@ int show_by_hand(const ClientOptions& options, const ShowOptions& show) {
   return carry_out(connection, options, request, WaitFor::Picture);
 }
 
+// Turns the light on after the user has confirmed it, and waits until it is off. Throws UsageError if
+// standard input is not a terminal and `confirmed` is false.
 int light_by_hand(const ClientOptions& options, const Request& request, bool confirmed) {
   if (!confirmed) {
     if (::isatty(STDIN_FILENO) == 0)
@@ -216,6 +260,84 @@ int light_by_hand(const ClientOptions& options, const Request& request, bool con
     }
   }
   return control_by_hand(options, request, WaitFor::Operation);
+}
+
+// Adds a command that sends a request and waits.
+Command& add_by_hand(Command& parent, const char* name, const char* help, const char* method,
+                     ManualArgs& args, WaitFor what = WaitFor::Operation) {
+  Command& command = parent.add(name, help);
+  const ClientOptions& client = add_client_options(command);
+  command.run = [&client, &args, method, what] {
+    return control_by_hand(client, manual_request(method, args), what);
+  };
+  return command;
+}
+
+void add_motion(Command& program, ManualArgs& args) {
+  add_by_hand(program, "home", "Home the plate: move it to its limit switch", "home", args)
+      .option("--plate-is-clear", args.plate_is_clear, kPlateIsClearHelp);
+  Command& move = add_by_hand(program, "move", "Move the plate", "move", args);
+  const Option& to = move.option("--to", args.to_mm, "Height above the film, mm");
+  const Option& by =
+      move.option("--by", args.by_mm, "Distance upwards, mm; negative: downwards").excludes(to);
+  const Option& speed =
+      move.option("--speed", args.speed_mm_s, "Speed, mm/s (default: the configured travel speed)");
+  move.option("--unhomed", args.unhomed, "Move slowly, at most 2 mm, from an unknown position")
+      .needs(by)
+      .excludes(speed);
+  move.option("--plate-is-clear", args.plate_is_clear, kPlateIsClearHelp);
+  add_by_hand(program, "stop", "Stop manual control: motor still, light off, screen black", "stop", args,
+              WaitFor::Rest);
+  add_by_hand(program.add("motor", "Control the plate's motor"), "off", "Turn off the motor's current",
+              "motor_off", args);
+}
+
+void add_light(Command& program, ManualArgs& args) {
+  Command& light = program.add("light", "Control the projector's light");
+  Command& on = light.add("on", "Turn the light on, with the current picture");
+  on.option("--seconds", args.seconds, "Duration, s").required();
+  on.option("--confirm", args.confirm, "Do not ask whether eyes are protected");
+  on.option("--in-resin", args.in_resin, "Allow light while the plate may be in the resin");
+  const ClientOptions& client = add_client_options(on);
+  on.run = [&client, &args] { return light_by_hand(client, manual_request("light_on", args), args.confirm); };
+  add_by_hand(light, "off", "Turn the light off", "light_off", args, WaitFor::Rest);
+}
+
+void add_show(Command& program) {
+  Command& command = program.add("show", "Show a test pattern or a picture until interrupted");
+  auto& show = command.arguments<ShowOptions>();
+  command
+      .option("PATTERN", show.what,
+              "white, black, grid, checker, focus, border, dimensions; a PNG file of the display's "
+              "size; or a model file")
+      .required()
+      .suggests(pattern_names, ".png");
+  command.option("--seconds", show.seconds, "Duration, s");
+  const Option& at_z = command.option("--at-z", show.at_z_mm,
+                                      "Show the mask of a model file at this height above the plate, mm");
+  command.option("--printer", show.printer, kLikePrinterHelp).needs(at_z);
+  command.option("--ticket", show.ticket, "Ticket for the model file").needs(at_z);
+  const ClientOptions& client = add_client_options(command);
+  command.run = [&client, &show] { return show_by_hand(client, show); };
+}
+
+void add_projector(Command& program, ManualArgs& args) {
+  Command& projector = program.add("projector", "Control the projector's power");
+  add_by_hand(projector, "status", "Show the projector's state", "projector", args);
+  const auto add = [&projector](const char* name, const char* help, bool on) {
+    Command& command = projector.add(name, help);
+    const ClientOptions& client = add_client_options(command);
+    command.run = [&client, on] { return power_projector(client, on); };
+  };
+  add("on", "Turn the projector on and wait until it is warm; the light stays off", true);
+  add("off", "Turn the projector off", false);
+}
+
+}  // namespace
+
+int control_by_hand(const ClientOptions& options, const Request& request, WaitFor what) {
+  DaemonConnection connection(options.socket);
+  return carry_out(connection, options, request, what);
 }
 
 std::string describe_homing_shift(double shift_um) {
@@ -241,6 +363,14 @@ void print_manual(const Json& status) {
                                                      : "off");
   if (projector["lamp_hours"].is_number())
     fmt::print("lamp      {} h\n", projector["lamp_hours"].get<std::int64_t>());
+}
+
+void add_manual(Command& program) {
+  auto& args = program.arguments<ManualArgs>();
+  add_motion(program, args);
+  add_light(program, args);
+  add_show(program);
+  add_projector(program, args);
 }
 
 }  // namespace contourd::ctl

@@ -1,15 +1,19 @@
-#include "daemon/ctl/commands/mask_command.hpp"
+#include "daemon/ctl/commands/commands.hpp"
 
 #include <fmt/format.h>
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "daemon/client/daemon_connection.hpp"
+#include "daemon/ctl/models/model_arguments.hpp"
+#include "daemon/ctl/terminal/client.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/picture_output.hpp"
 #include "daemon/system/base64.hpp"
@@ -83,8 +87,6 @@ NotedPicture fetch_patiently(DaemonConnection& connection) {
   }
 }
 
-}  // namespace
-
 int mask(const ClientOptions& client, const std::optional<std::filesystem::path>& output) {
   check_picture_output(output);
   DaemonConnection connection(client.socket);
@@ -102,6 +104,16 @@ int mask(const ClientOptions& client, const std::optional<std::filesystem::path>
   }
   put_out(picture, output);
   return kOk;
+}
+
+}  // namespace
+
+void add_mask(Command& program) {
+  Command& command = program.add("mask", "Show the picture on the display: the mask of the current layer");
+  auto& output = command.arguments<std::optional<std::filesystem::path>>();
+  command.option("-o,--output", output, kPictureHelp);
+  const ClientOptions& client = add_socket_option(command);
+  command.run = [&client, &output] { return mask(client, output); };
 }
 
 }  // namespace contourd::ctl

@@ -1,15 +1,18 @@
-#include "daemon/ctl/commands/queue_command.hpp"
+#include "daemon/ctl/commands/commands.hpp"
 
 #include <fmt/format.h>
 
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "daemon/client/daemon_connection.hpp"
+#include "daemon/ctl/terminal/client.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/ctl/terminal/suggestions.hpp"
 #include "daemon/ctl/terminal/terminal.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/system/readable.hpp"
@@ -78,8 +81,6 @@ void print_job(const Json& job) {
   if (const std::string why = text_of(job, "waiting_for"); !why.empty()) print_wrapped("     waits: ", why);
 }
 
-}  // namespace
-
 void print_queue(const Json& waiting) {
   const Json& queue = waiting["queue"];
   const Json& jobs = waiting["jobs"];
@@ -125,6 +126,63 @@ int accept_job(const ClientOptions& options, const std::string& job) {
   if (result == kOk && !options.json)
     fmt::print("{}: accepted; it is printed when its turn comes\n", printable(job));
   return result;
+}
+
+struct QueueArgs {
+  std::string job;
+  std::optional<int> to;  // place, from 1
+  bool first = false, last = false;
+};
+
+Json place_in_queue(const QueueArgs& args) {
+  if (args.last) return "last";
+  return args.to.value_or(1);
+}
+
+// Adds a command about one job. Returns its arguments.
+QueueArgs& add_job_command(Command& parent, ClientOptions& options, const char* name, const char* help,
+                           int (*call)(const ClientOptions& client, const QueueArgs& args)) {
+  Command& command = parent.add(name, help);
+  auto& args = command.arguments<QueueArgs>();
+  command.option("JOB", args.job, kJobHelp).required().suggests(waiting_jobs);
+  add_client_options(command, options);
+  command.run = [&options, &args, call] { return call(options, args); };
+  return args;
+}
+
+}  // namespace
+
+void add_queue(Command& program) {
+  Command& queue = program.add("queue", "List the waiting jobs, or show, remove or move one");
+  // `queue --json show JOB` is valid, too.
+  ClientOptions& client = add_client_options(queue);
+  queue.run = [&client] { return request(client, {"queue"}, print_queue); };
+
+  add_job_command(queue, client, "show", "Show the details of a waiting job",
+                  [](const ClientOptions& options, const QueueArgs& args) {
+                    return request(options, {"queue", {{"job", args.job}}}, print_waiting_job);
+                  });
+  add_job_command(queue, client, "remove", "Remove a job from the queue; its files go to failed",
+                  [](const ClientOptions& options, const QueueArgs& args) {
+                    return remove_from_queue(options, args.job);
+                  });
+  QueueArgs& args = add_job_command(
+      queue, client, "move", "Move a job within the queue",
+      [](const ClientOptions& options, const QueueArgs& moved) {
+        return request(options, {"queue_move", {{"job", moved.job}, {"to", place_in_queue(moved)}}},
+                       print_queue);
+      });
+  Command& move = queue.commands.back();
+  move.option("--to", args.to, "Move to this place, counted from 1").from_to(1, 1000).in_group("Place");
+  move.option("--first", args.first, "Move to the start of the queue").in_group("Place");
+  move.option("--last", args.last, "Move to the end of the queue").in_group("Place");
+
+  add_job_command(program, program.arguments<ClientOptions>(), "accept",
+                  "Accept a job that is waiting for confirmation",
+                  [](const ClientOptions& options, const QueueArgs& accepted) {
+                    return accept_job(options, accepted.job);
+                  });
+  program.commands.back().options.front().suggests(unaccepted_jobs);
 }
 
 }  // namespace contourd::ctl

@@ -1,4 +1,4 @@
-#include "daemon/ctl/commands/switches_command.hpp"
+#include "daemon/ctl/commands/commands.hpp"
 
 #include <fmt/format.h>
 #include <chrono>
@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "daemon/client/daemon_connection.hpp"
+#include "daemon/ctl/terminal/client.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/terminal.hpp"
 #include "daemon/system/readable.hpp"
@@ -73,8 +74,6 @@ class SwitchView {
   Json shown_;
 };
 
-}  // namespace
-
 int show_switches(const ClientOptions& options, bool once) {
   DaemonConnection connection(options.socket);
   SwitchView view(options.json);
@@ -95,6 +94,16 @@ int show_switches(const ClientOptions& options, bool once) {
     // The daemon sends nothing unasked: this waits, and throws if the daemon is gone.
     (void)connection.receive_until(next + kAskInterval);
   }
+}
+
+}  // namespace
+
+void add_switches(Command& program) {
+  Command& command = program.add("switches", "Show the states of switches and other inputs, live");
+  auto& once = command.arguments<bool>();
+  command.option("--once", once, "Print the states once");
+  const ClientOptions& client = add_client_options(command);
+  command.run = [&client, &once] { return show_switches(client, once); };
 }
 
 }  // namespace contourd::ctl

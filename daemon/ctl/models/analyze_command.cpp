@@ -1,19 +1,24 @@
-#include "daemon/ctl/models/analyze_command.hpp"
+#include "daemon/ctl/models/model_commands.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 
 #include "core/analysis/print_analysis.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/layers/print_layers.hpp"
+#include "daemon/config/job_ticket.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/models/analyze_page.hpp"
+#include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/models/slice_files.hpp"
 #include "daemon/ctl/models/statistics_text.hpp"
@@ -28,9 +33,55 @@
 #include "daemon/print/layer_durations.hpp"
 #include "daemon/report/job_picture.hpp"
 #include "daemon/system/readable.hpp"
+#include "hw/clock.hpp"
 
 namespace contourd::ctl {
 namespace {
+
+struct AnalyzeOptions {
+  std::filesystem::path model;
+  bool json = false;
+  std::optional<std::filesystem::path> html;  // one self-contained page
+
+  // Configuration and ticket of a print by contourd.
+  std::optional<std::filesystem::path> printer, ticket;
+  // Without a configuration: the direction that points up, the display, and the time of each layer.
+  std::optional<UpOption> up;
+  DisplayGeometry display;
+  AntiAliasing anti_aliasing = AntiAliasing::On;
+  Nanometers layer_height{50'000};
+  Duration layer_time{};
+
+  std::optional<SupportPolicy> supports;  // nullopt: as configured; without a configuration none
+  std::optional<double> scale;            // factor for the model's size
+};
+
+// Arguments as the user typed them, before they have units.
+struct AnalyzeArgs {
+  AnalyzeOptions options;
+  double layer_height_um = 50;
+  double layer_time_s = 10;
+  DisplayArgs display;
+  std::string anti_aliasing = "on";
+  std::optional<std::string> supports, up;
+};
+
+AnalyzeOptions parse_analyze(const AnalyzeArgs& args) {
+  constexpr double kLongestLayerS = 3600;
+  AnalyzeOptions options = args.options;
+  if (args.up) options.up = parse_up(*args.up);
+  options.display = parse_display(args.display);
+  options.anti_aliasing = args.anti_aliasing == "on" ? AntiAliasing::On : AntiAliasing::Off;
+  options.layer_height = parse_um("--layer-height-um", args.layer_height_um, 1);
+  // Negated, so that NaN is refused, too.
+  if (!(args.layer_time_s >= 0 && args.layer_time_s <= kLongestLayerS))
+    throw UsageError(fmt::format("--layer-time-s {}: expected 0 to {}", args.layer_time_s, kLongestLayerS));
+  options.layer_time = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(args.layer_time_s));
+  if (args.supports) options.supports = *args.supports == "auto" ? SupportPolicy::Auto : SupportPolicy::Off;
+  check_scale(options.scale);
+  refuse_to_overwrite_model(options.model, "--html", options.html);
+  return options;
+}
 
 using Json = nlohmann::ordered_json;
 using SteadyClock = std::chrono::steady_clock;
@@ -203,8 +254,6 @@ void print_json(const AnalyzedModel& m) {
   fmt::print("{}\n", json.dump(2, ' ', true, Json::error_handler_t::replace));
 }
 
-}  // namespace
-
 int analyze(const AnalyzeOptions& options) {
   AnalysisSubject subject = options.printer ? subject_of_printer(options) : subject_alone(options);
   subject.model.name = options.model.filename().string();
@@ -216,6 +265,32 @@ int analyze(const AnalyzeOptions& options) {
     print_findings(model);
   }
   return kOk;
+}
+
+}  // namespace
+
+void add_analyze(Command& program) {
+  Command& command = program.add("analyze", "Forecast a whole print: resin, areas, islands, times");
+  auto& args = command.arguments<AnalyzeArgs>();
+  AnalyzeOptions& options = args.options;
+  command.option("MODEL", options.model, "Model file").required().allow_empty();
+  command.option("--json", options.json, "Print JSON");
+  command.option("--html", options.html, "Write a page with plots and a picture");
+  const Option& printer = command.option("--printer", options.printer, kLikePrinterHelp);
+  command.option("--ticket", options.ticket, "Ticket of the job").needs(printer);
+  command
+      .option("--supports", args.supports, "Generate supports: auto or off (default: as configured, or off)")
+      .one_of({"auto", "off"});
+  command.option("--scale", options.scale, kScaleHelp);
+  command.option("--up", args.up, kUpHelp).suggests(up_presets).excludes(printer);
+  command.option("--layer-height-um", args.layer_height_um, "Layer height, um").excludes(printer);
+  command.option("--layer-time-s", args.layer_time_s, "Time that the printer needs per layer, s")
+      .excludes(printer);
+  command.option("--display", args.display.display, "Display size in pixels, WIDTHxHEIGHT").excludes(printer);
+  command.option("--pixel-pitch-um", args.display.pixel_pitch_um, "Side of a pixel on the plate, um")
+      .excludes(printer);
+  command.option("--aa", args.anti_aliasing, kAntiAliasingHelp).one_of({"on", "off"}).excludes(printer);
+  command.run = [&args] { return analyze(parse_analyze(args)); };
 }
 
 }  // namespace contourd::ctl

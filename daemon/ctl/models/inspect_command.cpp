@@ -1,8 +1,9 @@
-#include "daemon/ctl/models/inspect_command.hpp"
+#include "daemon/ctl/models/model_commands.hpp"
 
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
@@ -17,6 +18,11 @@
 
 namespace contourd::ctl {
 namespace {
+
+struct InspectOptions {
+  std::filesystem::path model;
+  bool json = false;
+};
 
 using Json = nlohmann::ordered_json;
 
@@ -62,8 +68,6 @@ void print(const Model& model, std::string_view format, const MeshReport& report
     fmt::print("warning      {}\n", printable(warning));
 }
 
-}  // namespace
-
 int inspect(const InspectOptions& options) {
   Model model = read_model(options.model);
   const std::string_view format = outline_of_model(options.model).format;
@@ -78,6 +82,16 @@ int inspect(const InspectOptions& options) {
     print(model, format, report);
   }
   return kOk;
+}
+
+}  // namespace
+
+void add_inspect(Command& program) {
+  Command& command = program.add("inspect", "Show the contents and defects of a model file");
+  auto& options = command.arguments<InspectOptions>();
+  command.option("MODEL", options.model, "Model file").required().allow_empty();
+  command.option("--json", options.json, "Print JSON");
+  command.run = [&options] { return inspect(options); };
 }
 
 }  // namespace contourd::ctl

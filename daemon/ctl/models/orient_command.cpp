@@ -1,15 +1,20 @@
-#include "daemon/ctl/models/orient_command.hpp"
+#include "daemon/ctl/models/model_commands.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <vector>
 
+#include "core/orientation/orientation_figures.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/config/resin_profile.hpp"
 #include "daemon/ctl/models/layer_folder.hpp"
+#include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/orient_page.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/models/slice_files.hpp"
@@ -20,6 +25,33 @@
 
 namespace contourd::ctl {
 namespace {
+
+struct OrientOptions {
+  std::filesystem::path model;
+  std::optional<double> scale;
+  OrientationPreset preset = OrientationPreset::Auto;
+  // Configuration of contourd, for build volume and resin.
+  std::optional<std::filesystem::path> printer;
+  std::optional<std::filesystem::path> resin;     // profile instead of the printer's resin
+  std::optional<std::filesystem::path> html;      // one self-contained page
+  std::optional<std::filesystem::path> pictures;  // a folder of PNGs
+  bool force = false;                             // replace the pictures of an earlier call
+  bool json = false;
+};
+
+struct OrientArgs {
+  OrientOptions options;
+  std::string preset = "auto";
+};
+
+OrientOptions parse_orient(const OrientArgs& args) {
+  OrientOptions options = args.options;
+  options.preset = orientation_preset(args.preset).value_or(OrientationPreset::Auto);
+  check_scale(options.scale);
+  if (options.force && !options.pictures) throw UsageError("--force needs --pictures");
+  refuse_to_overwrite_model(options.model, "--html", options.html);
+  return options;
+}
 
 using Json = nlohmann::ordered_json;
 
@@ -78,8 +110,6 @@ void write_pictures(const std::filesystem::path& folder, std::span<const Mask> p
   }
 }
 
-}  // namespace
-
 int orient(const OrientOptions& options) {
   const OrientationLimits limits = limits_of(options);
   const std::vector<Facet> facets = read_model(options.model).facets;
@@ -102,6 +132,25 @@ int orient(const OrientOptions& options) {
     print_table(orientation);
   }
   return kOk;
+}
+
+}  // namespace
+
+void add_orient(Command& program) {
+  Command& command = program.add("orient", "Find the orientation in which a model prints best");
+  auto& args = command.arguments<OrientArgs>();
+  OrientOptions& options = args.options;
+  command.option("MODEL", options.model, "Model file").required().allow_empty();
+  command.option("--preset", args.preset, "Weights: auto (from the resin's profile), fast, clean or safe")
+      .one_of({"auto", "fast", "clean", "safe"});
+  command.option("--scale", options.scale, kScaleHelp);
+  command.option("--printer", options.printer, kLikePrinterHelp);
+  command.option("--profile", options.resin, "Resin profile, instead of the printer's resin");
+  command.option("--html", options.html, "Write a page with pictures");
+  command.option("--pictures", options.pictures, "Write one PNG picture per orientation to this folder");
+  command.option("--force", options.force, "Replace the pictures of an earlier call");
+  command.option("--json", options.json, "Print JSON");
+  command.run = [&args] { return orient(parse_orient(args)); };
 }
 
 }  // namespace contourd::ctl

@@ -1,21 +1,28 @@
-#include "daemon/ctl/models/preview_command.hpp"
+#include "daemon/ctl/models/model_commands.hpp"
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <limits>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
 #include "core/geometry/facet.hpp"
 #include "core/image/preview.hpp"
+#include "core/layers/layers.hpp"
 #include "daemon/client/control_defaults.hpp"
 #include "daemon/config/printer_config.hpp"
+#include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/models/spooled_job.hpp"
 #include "daemon/ctl/models/statistics_text.hpp"
+#include "daemon/ctl/terminal/client.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/picture_output.hpp"
+#include "daemon/ctl/terminal/suggestions.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/json/profile_file.hpp"
 #include "daemon/prepare/job_content.hpp"
@@ -25,6 +32,16 @@
 
 namespace contourd::ctl {
 namespace {
+
+struct PreviewOptions {
+  std::string subject;       // a model's file, or a job's name
+  std::optional<int> layer;  // draw this layer's mask, counted from 1; nullopt: the shaded model
+  // Configuration of the printer; nullopt: the installed one, if one is needed.
+  std::optional<std::filesystem::path> printer;
+  std::optional<std::filesystem::path> ticket;  // for a model's file
+  std::optional<std::filesystem::path> spool;   // nullopt: ask contourd
+  std::optional<std::filesystem::path> output;  // a PNG file, or "-"; nullopt: draw in the terminal
+};
 
 namespace fs = std::filesystem;
 
@@ -200,12 +217,28 @@ NotedPicture find_and_draw(const ClientOptions& client, const PreviewOptions& op
   }
 }
 
-}  // namespace
-
 int preview(const ClientOptions& client, const PreviewOptions& options) {
   check_picture_output(options.output);
   put_out(find_and_draw(client, options), options.output);
   return kOk;
+}
+
+}  // namespace
+
+void add_preview(Command& program) {
+  Command& command = program.add("preview", "Draw a model or a job of the spool");
+  auto& options = command.arguments<PreviewOptions>();
+  command.option("JOB", options.subject, "Name of a job, or model file")
+      .required()
+      .suggests(all_jobs, ".stl");
+  command.option("--layer", options.layer, "Draw the mask of this layer, counted from 1")
+      .from_to(1, kMaxLayers);
+  command.option("--printer", options.printer, kLikePrinterHelp);
+  command.option("--ticket", options.ticket, "Ticket for the model file");
+  command.option("-o,--output", options.output, kPictureHelp);
+  command.option("--spool", options.spool, kSpoolHelp);
+  const ClientOptions& client = add_socket_option(command);
+  command.run = [&client, &options] { return preview(client, options); };
 }
 
 }  // namespace contourd::ctl

@@ -1,11 +1,16 @@
-#include "daemon/ctl/models/slice_command.hpp"
+#include "daemon/ctl/models/model_commands.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -13,10 +18,12 @@
 #include "core/contour/filled_area.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/formats/model_reader.hpp"
+#include "core/layers/adaptive_layers.hpp"
 #include "core/layers/layer_statistics.hpp"
 #include "core/layers/print_layers.hpp"
 #include "daemon/ctl/models/layer_folder.hpp"
 #include "daemon/ctl/models/mask_files.hpp"
+#include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/models/slice_files.hpp"
 #include "daemon/ctl/models/statistics_text.hpp"
@@ -30,6 +37,119 @@
 
 namespace contourd::ctl {
 namespace {
+
+struct SliceOptions {
+  std::filesystem::path model;
+  bool json = false;
+  // Exactly one of these three is given: one height (in the file's coordinates), uniform layers, or adaptive
+  // layers.
+  std::optional<Millimeters> z;
+  std::optional<Nanometers> layer_height;
+  std::optional<AdaptiveLayers> adaptive;
+
+  std::optional<UpOption> up;  // applied first; z then refers to the turned model
+
+  EngineSettings engine;
+  bool fit = false;
+  bool supports = false;        // layers then count from the plate; z still refers to the file
+  std::optional<double> scale;  // factor for the model's size
+  std::optional<std::filesystem::path> uniformity;  // picture to read into engine.uniformity
+
+  std::optional<std::filesystem::path> mask;      // one PNG, with z
+  std::optional<std::filesystem::path> masks;     // a folder of PNGs, with layers
+  std::optional<std::filesystem::path> csv;       // with layers
+  std::optional<std::filesystem::path> contours;  // a folder of CSVs, with layers
+  bool force = false;                             // replace the files of an earlier slice in these folders
+};
+
+// Arguments as the user typed them, before they have units.
+struct SliceArgs {
+  SliceOptions options;
+  std::optional<double> z_mm, layer_height_um, cusp_um;
+  double min_layer_um = 25, max_layer_um = 100;
+  DisplayArgs display;
+  std::string anti_aliasing = "on", supports = "off";
+  double grow_um = 0, elephant_foot_um = 0, elephant_foot_height_um = 0, gamma = 1;
+  int threshold = 0;
+  std::optional<std::string> up;
+};
+
+// Parses the corrections of masks that a resin's and a printer's profile can set, too.
+void parse_corrections(EngineSettings& engine, const SliceArgs& args) {
+  const auto check = [](const char* name, double value, double least, double most) {
+    // Negated, so that NaN is refused, too.
+    if (!(value >= least && value <= most))
+      throw UsageError(fmt::format("{} {}: expected {} to {}", name, value, least, most));
+  };
+  check("--grow-um", args.grow_um, -500, 500);
+  check("--elephant-foot-um", args.elephant_foot_um, 0, 500);
+  check("--elephant-foot-height-um", args.elephant_foot_height_um, 0, 10000);
+  check("--gamma", args.gamma, 0.1, 10);
+  check("--threshold", args.threshold, 0, 255);
+  const auto foot_height = to_nanometers(to_millimeters(Micrometers{args.elephant_foot_height_um}));
+  engine.compensation = {Micrometers{args.grow_um}, Micrometers{args.elephant_foot_um},
+                         foot_height.value_or(Nanometers{})};
+  engine.tone = {args.gamma, static_cast<std::uint8_t>(args.threshold)};
+  if ((args.elephant_foot_um > 0) != (args.elephant_foot_height_um > 0))
+    throw UsageError("--elephant-foot-um and --elephant-foot-height-um go together");
+}
+
+void check_corrections_go_with_masks(const SliceOptions& options) {
+  const bool moves = options.engine.compensation != Compensation{};
+  const bool corrects = moves || options.engine.tone != ToneCurve{} || options.uniformity;
+  if (corrects && !options.mask && !options.masks) {
+    throw UsageError(
+        "--grow-um, --elephant-foot-um, --uniformity-mask, --gamma and --threshold change masks: they need "
+        "--mask or --masks");
+  }
+  // With --fit, a micrometre of the part is not a micrometre of the picture.
+  if (moves && options.fit) throw UsageError("--grow-um and --elephant-foot-um exclude --fit");
+}
+
+AdaptiveLayers parse_adaptive(const SliceArgs& args) {
+  const AdaptiveLayers layers{parse_um("--min-layer-um", args.min_layer_um, 1),
+                              parse_um("--max-layer-um", args.max_layer_um, 1),
+                              parse_um("--cusp-um", *args.cusp_um, 0.1)};
+  if (layers.thinnest > layers.thickest) {
+    throw UsageError(fmt::format("--min-layer-um {} is more than --max-layer-um {}", args.min_layer_um,
+                                 args.max_layer_um));
+  }
+  return layers;
+}
+
+SliceOptions parse_slice(const SliceArgs& args) {
+  SliceOptions options = args.options;
+  options.supports = args.supports == "auto";
+  check_scale(options.scale);
+  // Supports have sizes in millimetres, and a picture that fills the display has no scale.
+  if (options.supports && options.fit) throw UsageError("--supports auto excludes --fit");
+  if (args.up) options.up = parse_up(*args.up);
+  options.engine.display = parse_display(args.display);
+  options.engine.anti_aliasing = args.anti_aliasing == "on" ? AntiAliasing::On : AntiAliasing::Off;
+  parse_corrections(options.engine, args);
+  refuse_to_overwrite_model(options.model, "--mask", options.mask);
+  refuse_to_overwrite_model(options.model, "--csv", options.csv);
+  if (int{args.z_mm.has_value()} + int{args.layer_height_um.has_value()} + int{args.cusp_um.has_value()} != 1)
+    throw UsageError("slice needs exactly one of --z, --layer-height-um and --cusp-um");
+  if (args.z_mm) {
+    if (!std::isfinite(*args.z_mm))
+      throw UsageError(fmt::format("--z {}: expected a finite number", *args.z_mm));
+    options.z = Millimeters{*args.z_mm};
+    if (options.masks || options.csv || options.contours) {
+      throw UsageError("--masks, --csv and --contours need --layer-height-um or --cusp-um");
+    }
+    if (options.force) throw UsageError("--force needs --masks or --contours");
+    check_corrections_go_with_masks(options);
+    return options;
+  }
+  if (options.force && !options.masks && !options.contours)
+    throw UsageError("--force needs --masks or --contours");
+  if (options.mask) throw UsageError("--mask needs --z");
+  if (args.layer_height_um) options.layer_height = parse_um("--layer-height-um", *args.layer_height_um, 1);
+  if (args.cusp_um) options.adaptive = parse_adaptive(args);
+  check_corrections_go_with_masks(options);
+  return options;
+}
 
 using Json = nlohmann::ordered_json;
 using SteadyClock = std::chrono::steady_clock;
@@ -259,8 +379,6 @@ int slice_layers(const SliceOptions& options, const SupportedModel& supported) {
   return kOk;
 }
 
-}  // namespace
-
 int slice(SliceOptions options) {
   if (options.uniformity)
     options.engine.uniformity = read_uniformity_mask(*options.uniformity, options.engine.display);
@@ -274,6 +392,44 @@ int slice(SliceOptions options) {
   const SupportedModel supported = stand(model, options);
   warn_of_unheld(supported);
   return options.z ? slice_at_height(options, supported) : slice_layers(options, supported);
+}
+
+}  // namespace
+
+void add_slice(Command& program) {
+  Command& command = program.add("slice", "Slice a model at one height or into layers");
+  auto& args = command.arguments<SliceArgs>();
+  SliceOptions& options = args.options;
+  command.option("MODEL", options.model, "Model file").required().allow_empty();
+  command.option("--z", args.z_mm, "Height of the cut, mm, in the file's coordinates");
+  command.option("--up", args.up, kUpHelp).suggests(up_presets);
+  command.option("--layer-height-um", args.layer_height_um, "Layer height, um");
+  const Option& cusp = command.option("--cusp-um", args.cusp_um,
+                                      "Adaptive layers: maximum distance of an edge from the surface, um");
+  command.option("--min-layer-um", args.min_layer_um, "Thinnest adaptive layer, um").needs(cusp);
+  command.option("--max-layer-um", args.max_layer_um, "Thickest adaptive layer, um").needs(cusp);
+  command.option("--mask", options.mask, "Write the mask at --z to this PNG file");
+  command.option("--masks", options.masks, "Write one PNG file per layer to this folder: 0001.png ...");
+  command.option("--csv", options.csv, "Write layer measurements to this file, and FILE-summary.csv");
+  command.option("--contours", options.contours,
+                 "Write one CSV file of contour points per layer to this folder");
+  command.option("--display", args.display.display, "Display size in pixels, WIDTHxHEIGHT");
+  command.option("--pixel-pitch-um", args.display.pixel_pitch_um, "Side of a pixel on the plate, um");
+  command.option("--aa", args.anti_aliasing, kAntiAliasingHelp).one_of({"on", "off"});
+  command.option("--grow-um", args.grow_um, "Move the contours outwards, um; negative: inwards");
+  command.option("--elephant-foot-um", args.elephant_foot_um, "Move the contours inwards at the bottom, um");
+  command.option("--elephant-foot-height-um", args.elephant_foot_height_um,
+                 "Height over which the elephant foot correction fades, um");
+  command.option("--uniformity-mask", options.uniformity,
+                 "Multiply the masks by this 8-bit grey PNG file; 255 is 1");
+  command.option("--supports", args.supports, "Generate supports: auto or off").one_of({"auto", "off"});
+  command.option("--scale", options.scale, kScaleHelp);
+  command.option("--gamma", args.gamma, "Gamma of the projector, which the masks undo");
+  command.option("--threshold", args.threshold, "Make grey below this value black");
+  command.option("--force", options.force, "Replace the files of an earlier slice");
+  command.option("--fit", options.fit, "Scale the model to fill the display");
+  command.option("--json", options.json, "Print JSON");
+  command.run = [&args] { return slice(parse_slice(args)); };
 }
 
 }  // namespace contourd::ctl

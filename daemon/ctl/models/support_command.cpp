@@ -1,17 +1,20 @@
-#include "daemon/ctl/models/support_command.hpp"
+#include "daemon/ctl/models/model_commands.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/support/support_mesh.hpp"
+#include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/models/slice_files.hpp"
 #include "daemon/ctl/models/supported_model.hpp"
@@ -21,6 +24,37 @@
 
 namespace contourd::ctl {
 namespace {
+
+struct SupportOptions {
+  std::filesystem::path model;
+  bool json = false;
+  std::optional<double> scale;  // factor for the model's size
+  std::optional<UpOption> up;   // direction that points up; nullopt: as drawn
+  DisplayGeometry display;      // the model is in its middle
+  Nanometers layer_height{50'000};
+  // Binary STL file to write: x and y as in the model's file, z above the plate.
+  std::optional<std::filesystem::path> stl;
+  bool with_model = false;  // write the model to this file, too
+};
+
+// Arguments as the user typed them, before they have units.
+struct SupportArgs {
+  SupportOptions options;
+  DisplayArgs display;
+  double layer_height_um = 50;
+  std::optional<std::string> up;
+};
+
+SupportOptions parse_support(const SupportArgs& args) {
+  SupportOptions options = args.options;
+  if (args.up) options.up = parse_up(*args.up);
+  options.display = parse_display(args.display);
+  options.layer_height = parse_um("--layer-height-um", args.layer_height_um, 1);
+  check_scale(options.scale);
+  refuse_to_overwrite_model(options.model, "--stl", options.stl);
+  if (options.with_model && !options.stl) throw UsageError("--with-model needs --stl");
+  return options;
+}
 
 using Json = nlohmann::ordered_json;
 
@@ -93,8 +127,6 @@ void print_text(const SupportedModel& supported) {
     fmt::print("and {} more places that are not held\n", supports.unheld.size() - kMostLines);
 }
 
-}  // namespace
-
 int support(const SupportOptions& options) {
   std::vector<Facet> facets = read_model(options.model).facets;
   turn_facets(facets, options.up, options.scale.value_or(1));
@@ -110,6 +142,25 @@ int support(const SupportOptions& options) {
     print_text(supported);
   }
   return kOk;
+}
+
+}  // namespace
+
+void add_support(Command& program) {
+  Command& command = program.add("support", "Generate supports and report what they hold");
+  auto& args = command.arguments<SupportArgs>();
+  SupportOptions& options = args.options;
+  command.option("MODEL", options.model, "Model file").required().allow_empty();
+  command.option("--stl", options.stl, "Write the supports to this STL file");
+  command.option("--with-model", options.with_model, "Write the lifted model to the STL file, too");
+  command.option("--scale", options.scale, kScaleHelp);
+  command.option("--up", args.up, kUpHelp).suggests(up_presets);
+  command.option("--layer-height-um", args.layer_height_um,
+                 "Layer height, um; the model is lifted by whole layers");
+  command.option("--display", args.display.display, "Build area in pixels, WIDTHxHEIGHT");
+  command.option("--pixel-pitch-um", args.display.pixel_pitch_um, "Side of a pixel on the plate, um");
+  command.option("--json", options.json, "Print JSON");
+  command.run = [&args] { return support(parse_support(args)); };
 }
 
 }  // namespace contourd::ctl

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/geometry/facet.hpp"
-#include "daemon/ctl/models/up_option.hpp"
+#include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/prepare/model_orientation.hpp"
 
 namespace contourd::ctl {

@@ -6,10 +6,15 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
+#include "daemon/client/control_defaults.hpp"
 #include "daemon/config/config_edit.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/config/projector_table.hpp"
@@ -18,6 +23,7 @@
 #include "daemon/ctl/setup/setup_dialog.hpp"
 #include "daemon/ctl/setup/setup_profile.hpp"
 #include "daemon/ctl/setup/setup_record.hpp"
+#include "daemon/ctl/terminal/client.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/json/profile_file.hpp"
@@ -26,6 +32,15 @@
 
 namespace contourd::ctl {
 namespace {
+
+struct SetupOptions {
+  std::filesystem::path config = kDefaultConfig;
+  std::optional<std::filesystem::path> answers;  // JSON file with answers
+  std::vector<std::string> set;                  // KEY=VALUE
+  bool non_interactive = false;
+  bool restart = false;  // discard the answers of earlier calls
+  bool replace = false;  // replace an edited configuration without asking
+};
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
@@ -346,10 +361,26 @@ class Setup {
   SetupDialog dialog_;
 };
 
-}  // namespace
-
 int setup(const ClientOptions& client, const SetupOptions& options) {
   return Setup(client, options).run();
+}
+
+}  // namespace
+
+void add_setup(Command& program) {
+  Command& command =
+      program.add("setup", "Set up a wired printer, step by step, and write its configuration");
+  auto& options = command.arguments<SetupOptions>();
+  command.option("--config", options.config, "Configuration to write");
+  command.option("--non-interactive", options.non_interactive,
+                 "Ask nothing: use the given answers and safe suggestions");
+  command.option("--set", options.set, "Answer as KEY=VALUE; can be repeated").allow_empty();
+  command.option("--answers", options.answers, "Read answers from this JSON file");
+  command.option("--restart", options.restart, "Discard the answers of earlier calls");
+  command.option("--replace", options.replace,
+                 "Replace an edited configuration without asking (a copy is kept)");
+  const ClientOptions& client = add_socket_option(command);
+  command.run = [&client, &options] { return setup(client, options); };
 }
 
 }  // namespace contourd::ctl

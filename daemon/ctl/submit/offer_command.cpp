@@ -1,4 +1,4 @@
-#include "daemon/ctl/submit/offer_command.hpp"
+#include "daemon/ctl/submit/submit_commands.hpp"
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -10,16 +10,18 @@
 #include <cstdint>
 #include <cstdio>
 #include <deque>
+#include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <system_error>
 
 #include "core/contract/expects.hpp"
 #include "core/formats/model_reader.hpp"
 #include "daemon/ctl/submit/foreign_folder.hpp"
 #include "daemon/ctl/submit/spool_submission.hpp"
-#include "daemon/ctl/submit/submit_command.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/json/json_document.hpp"
 #include "daemon/system/base64.hpp"
@@ -29,6 +31,15 @@
 
 namespace contourd::ctl {
 namespace {
+
+struct OfferOptions {
+  std::filesystem::path folder;
+  std::optional<std::filesystem::path> spool;  // nullopt: ask contourd
+  // Record of the files taken, which are not taken again. A file is identified by `label`, path, size and
+  // time.
+  std::optional<std::filesystem::path> once;
+  std::string label;
+};
 
 namespace fs = std::filesystem;
 
@@ -237,10 +248,22 @@ class Offer {
   bool left_ = false;
 };
 
-}  // namespace
-
 int offer(const ClientOptions& client, const OfferOptions& options) {
   return Offer(client, options).run();
+}
+
+}  // namespace
+
+void add_offer(Command& program) {
+  Command& command = program.add("offer", "Add the models of an untrusted folder (a USB stick) to the queue");
+  auto& options = command.arguments<OfferOptions>();
+  command.option("FOLDER", options.folder, "Folder with models; links in it are not followed").required();
+  command.option("--spool", options.spool, kSpoolHelp);
+  const Option& once =
+      command.option("--once", options.once, "Take each file only once; keep the record in this file");
+  command.option("--label", options.label, "Name that distinguishes this folder in that record").needs(once);
+  const ClientOptions& client = add_client_options(command);
+  command.run = [&client, &options] { return offer(client, options); };
 }
 
 }  // namespace contourd::ctl

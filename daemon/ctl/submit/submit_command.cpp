@@ -1,20 +1,26 @@
-#include "daemon/ctl/submit/submit_command.hpp"
+#include "daemon/ctl/submit/submit_commands.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <variant>
+#include <vector>
 
 #include "core/formats/model_reader.hpp"
 #include "daemon/config/job_ticket.hpp"
+#include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/submit/spool_printer.hpp"
 #include "daemon/ctl/submit/spool_submission.hpp"
 #include "daemon/ctl/submit/submit_outlook.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/ctl/terminal/suggestions.hpp"
 #include "daemon/ctl/watch/watch_command.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/json/json_document.hpp"
@@ -25,6 +31,30 @@
 
 namespace contourd::ctl {
 namespace {
+
+struct SubmitOptions {
+  std::vector<std::filesystem::path> models;
+  // Keys of the tickets (config/ticket.schema.json); a value that is not given is not in the ticket.
+  std::optional<std::string> resin, supports;
+  std::optional<double> layer_height_um, scale;
+  std::optional<double> exposure_ms, bottom_exposure_ms, lift_mm, settle_ms, rest_ms;
+  std::optional<int> copies;
+  std::optional<UpOption> up;
+  bool fit = false;
+  // Ticket instead of the keys above.
+  std::optional<std::filesystem::path> ticket;
+  std::optional<std::filesystem::path> spool;  // nullopt: ask contourd
+  bool wait = false;
+  // Configuration for the check of the ticket's settings, and for the forecast of time, resin and warnings.
+  // nullopt: the installed configuration, if it can be read and names this spool.
+  std::optional<std::filesystem::path> printer;
+  bool yes = false;  // do not ask
+};
+
+struct SubmitArgs {
+  SubmitOptions options;
+  std::optional<std::string> up;  // as the user typed it
+};
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
@@ -109,20 +139,6 @@ bool is_agreed(const std::vector<ModelOutlook>& outlooks, const SubmitOptions& o
   return false;
 }
 
-}  // namespace
-
-void tell_submitted(const ClientOptions& client, const fs::path& model, const std::string& job,
-                    const Json& outlook) {
-  if (client.json) {
-    Json line{{"file", model.string()}, {"job", job}};
-    if (!outlook.is_null()) line["outlook"] = outlook;
-    fmt::print("{}\n", line.dump(-1, ' ', true, Json::error_handler_t::replace));
-  } else {
-    fmt::print("{}: job {}\n", printable(model.string()), printable(job));
-  }
-  std::fflush(stdout);
-}
-
 int submit(const ClientOptions& client, const SubmitOptions& options) {
   const std::string ticket = ticket_of(options);
   std::ranges::for_each(options.models, check_model);
@@ -142,6 +158,56 @@ int submit(const ClientOptions& client, const SubmitOptions& options) {
   for (const std::string& job : jobs)
     result = std::max(result, watch(client, job));
   return result;
+}
+
+}  // namespace
+
+void tell_submitted(const ClientOptions& client, const fs::path& model, const std::string& job,
+                    const Json& outlook) {
+  if (client.json) {
+    Json line{{"file", model.string()}, {"job", job}};
+    if (!outlook.is_null()) line["outlook"] = outlook;
+    fmt::print("{}\n", line.dump(-1, ' ', true, Json::error_handler_t::replace));
+  } else {
+    fmt::print("{}: job {}\n", printable(model.string()), printable(job));
+  }
+  std::fflush(stdout);
+}
+
+void add_submit(Command& program) {
+  Command& command = program.add("submit", "Add models to the queue");
+  auto& args = command.arguments<SubmitArgs>();
+  SubmitOptions& options = args.options;
+  command.option("FILE", options.models, "Model files").required().allow_empty();
+  const Option& ticket = command.option("--ticket", options.ticket, "Ticket for all models");
+  const auto add = [&](const char* name, auto& variable, const char* help) -> Option& {
+    return command.option(name, variable, help).excludes(ticket);
+  };
+  add("--resin", options.resin, "Name of the resin profile").suggests(resins);
+  add("--layer-height-um", options.layer_height_um, "Layer height, um");
+  add("--exposure-ms", options.exposure_ms, "Exposure of a normal layer, ms, within ticket_limits");
+  add("--bottom-exposure-ms", options.bottom_exposure_ms,
+      "Exposure of a bottom layer, ms, within ticket_limits");
+  add("--lift-mm", options.lift_mm, "Lift after an exposure, mm, within ticket_limits");
+  add("--settle-ms", options.settle_ms, "Wait before the exposure, ms, within ticket_limits");
+  add("--rest-ms", options.rest_ms, "Wait after the exposure, ms, within ticket_limits");
+  add("--copies", options.copies, "Number of copies of each model");
+  add("--up", args.up, kUpHelp).suggests(up_presets);
+  add("--supports", options.supports, "Generate supports: auto or off (default: as configured)")
+      .one_of({"auto", "off"});
+  const Option& scale = add("--scale", options.scale, kScaleHelp);
+  add("--fit", options.fit, "Scale the model to fill the display").excludes(scale);
+  command.option("--printer", options.printer,
+                 "Forecast and check the print with this printer configuration");
+  command.option("--spool", options.spool, kSpoolHelp);
+  command.option("--wait", options.wait, "Wait until all jobs have ended");
+  command.option("--yes", options.yes, "Do not ask for confirmation of warnings");
+  const ClientOptions& client = add_client_options(command);
+  command.run = [&client, &args] {
+    SubmitOptions submitted = args.options;
+    if (args.up) submitted.up = parse_up(*args.up);
+    return submit(client, submitted);
+  };
 }
 
 }  // namespace contourd::ctl

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 
+#include "daemon/client/control_defaults.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/terminal.hpp"
 #include "daemon/system/readable.hpp"
@@ -15,6 +17,8 @@ namespace contourd::ctl {
 namespace {
 
 using Json = DaemonConnection::Json;
+
+constexpr const char* kSocketHelp = "Control socket of contourd (or CONTOURD_SOCKET)";
 
 void print_analysis(const Json& analysis) {
   fmt::print("resin     {:.2f} ml\n", analysis.value("resin_ml", 0.0));
@@ -33,6 +37,35 @@ bool is_value_in(const Json& object, const Json& value) {
 }
 
 }  // namespace
+
+std::filesystem::path default_socket() {
+  const char* const socket = std::getenv("CONTOURD_SOCKET");
+  return socket != nullptr ? socket : kDefaultSocket;
+}
+
+ClientOptions& add_socket_option(Command& command) {
+  auto& client = command.arguments<ClientOptions>();
+  command.option("--socket", client.socket, kSocketHelp);
+  return client;
+}
+
+ClientOptions& add_client_options(Command& command) {
+  auto& client = command.arguments<ClientOptions>();
+  add_client_options(command, client);
+  return client;
+}
+
+void add_client_options(Command& command, ClientOptions& of_group) {
+  command.option("--socket", of_group.socket, kSocketHelp);
+  command.option("--json", of_group.json, "Print JSON, one message per line");
+}
+
+void add_request(Command& parent, const char* name, const char* help, const char* method,
+                 void (*print)(const Json& result)) {
+  Command& command = parent.add(name, help);
+  const ClientOptions& client = add_client_options(command);
+  command.run = [&client, method, print] { return request(client, {method}, print); };
+}
 
 void print_status(const Json& status) {
   print_wrapped("printer   ", printable(status.value("printer", "")));

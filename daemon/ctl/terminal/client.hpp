@@ -8,13 +8,33 @@
 #include <string>
 
 #include "daemon/client/daemon_connection.hpp"
+#include "daemon/ctl/terminal/command.hpp"
 
 namespace contourd::ctl {
 
+// Returns the socket that the environment variable CONTOURD_SOCKET names, or the installed contourd's.
+[[nodiscard]] std::filesystem::path default_socket();
+
 struct ClientOptions {
-  std::filesystem::path socket;
+  std::filesystem::path socket = default_socket();
   bool json = false;
 };
+
+// Help texts of options that several commands have.
+inline constexpr const char* kSpoolHelp = "Spool folder, if contourd is not running";
+inline constexpr const char* kJobHelp = "Name of the job, or of its file in incoming";
+
+void print_status(const nlohmann::ordered_json& status);
+
+// Adds the option --socket. Returns its value, which lives as long as the command.
+ClientOptions& add_socket_option(Command& command);
+// Adds --socket and --json.
+ClientOptions& add_client_options(Command& command);
+// Adds --socket and --json for the variables of the command's group, which has these options, too.
+void add_client_options(Command& command, ClientOptions& of_group);
+// Adds a command that calls a method without parameters, and prints the result.
+void add_request(Command& parent, const char* name, const char* help, const char* method,
+                 void (*print)(const nlohmann::ordered_json& result) = print_status);
 
 // Sends the request. Prints the result with `print`, or with --json the answer unchanged. Returns the exit
 // code.
@@ -27,7 +47,5 @@ int request(const ClientOptions& options, const Request& request,
 
 // Returns the remaining print time of the job in a status, in readable form.
 [[nodiscard]] std::string time_left(const nlohmann::ordered_json& job);
-
-void print_status(const nlohmann::ordered_json& status);
 
 }  // namespace contourd::ctl

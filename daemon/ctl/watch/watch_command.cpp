@@ -9,6 +9,7 @@
 
 #include "daemon/client/daemon_connection.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/ctl/terminal/suggestions.hpp"
 #include "daemon/ctl/watch/progress_lines.hpp"
 #include "daemon/ctl/watch/terminal_screen.hpp"
 #include "daemon/ctl/watch/watch_end.hpp"
@@ -73,6 +74,14 @@ int watch(const ClientOptions& options, const std::optional<std::string>& job) {
     fmt::print(stderr, "contourctl: {}\n", error.sentence);
     return kFailed;
   }
+}
+
+void add_watch(Command& program) {
+  Command& command = program.add("watch", "Follow the print until it ends");
+  auto& job = command.arguments<std::optional<std::string>>();
+  command.option("--job", job, "Follow until this job has ended").suggests(current_jobs);
+  const ClientOptions& client = add_client_options(command);
+  command.run = [&client, &job] { return watch(client, job); };
 }
 
 }  // namespace contourd::ctl

@@ -12,4 +12,6 @@ namespace contourd::ctl {
 // Reports a job that contourd does not know for some seconds. Returns the exit code.
 int watch(const ClientOptions& options, const std::optional<std::string>& job);
 
+void add_watch(Command& program);
+
 }  // namespace contourd::ctl

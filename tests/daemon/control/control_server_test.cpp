@@ -58,9 +58,10 @@ class ControlServerFixture {
   EventLoopWatcher watcher_{loop};
   FileDescriptor machine_{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
   std::unique_ptr<DescriptorWatcher::Watch> watch_;
-  ControlServer server_{loop, path_, {{"ask", {[this](const ControlServer::Json&, const ControlCaller&) {
-                                         return answer();
-                                       }}}}};
+  ControlServer server_{
+      loop,
+      path_,
+      {{"ask", {.call = [this](const ControlServer::Json&, const ControlCaller&) { return answer(); }}}}};
 };
 
 // Returns the reply of a method that takes "height" and "speed" and returns its parameters.
@@ -72,7 +73,10 @@ std::string reply_to(const std::string& parameters) {
     return given;
   };
   const ControlServer server(loop, folder.path() / "control.sock",
-                             {{"move", {give_back, {"height", "speed"}}}});
+                             {{"move",
+                               {.parameters = {ControlParameter::number("height", -10, 10, "mm", ""),
+                                               ControlParameter::number("speed", 1, 5, "mm/s", "")},
+                                .call = give_back}}});
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   (folder.path() / "control.sock").string().copy(address.sun_path, sizeof address.sun_path - 1);
@@ -149,6 +153,7 @@ TEST_CASE("Unknown parameters and invalid values are refused") {
         R"(the method "move" has no parameter "depth"; there are height, speed)");
   CHECK(refusal("[3]") == R"(the method "move" takes its parameters by name: height, speed)");
   CHECK(refusal(R"({"height":0})") == "a height is above 0");
+  CHECK(refusal(R"({"speed":6})") == "speed must be a number from 1 to 5 mm/s");
 }
 
 TEST_CASE("A closed connection is reported once, by the number that its methods got") {
@@ -156,7 +161,7 @@ TEST_CASE("A closed connection is reported once, by the number that its methods 
   const TemporaryFolder folder;
   std::vector<std::uint64_t> calls, gone;
   ControlServer server(loop, folder.path() / "control.sock",
-                       {{"ask", {[&](const ControlServer::Json&, const ControlCaller& caller) {
+                       {{"ask", {.call = [&](const ControlServer::Json&, const ControlCaller& caller) {
                            calls.push_back(caller.connection);
                            return ControlServer::Json(true);
                          }}}});
@@ -224,8 +229,9 @@ class DeferredAnswerFixture {
       waiting.push_back(std::move(later));
       return std::nullopt;
     };
-    return {{"later", deferred},
-            {"now", {[this](const ControlServer::Json&, const ControlCaller&) { return ++answered_now; }}}};
+    return {{"later", deferred}, {"now", {.call = [this](const ControlServer::Json&, const ControlCaller&) {
+                                    return ++answered_now;
+                                  }}}};
   }
 
   TemporaryFolder folder_;

@@ -19,8 +19,9 @@ class HistoryControlFixture : public testing::PrinterFixture {
                   const ControlCaller& caller = {}) {
     const std::size_t number = replies.size();
     replies.emplace_back();
-    const auto reply = methods.at(method).call_later(
-        parameters, caller, [this, number](std::variant<Json, ControlRefusal> later) {
+    const ControlMethod& called = methods.at(method);
+    const auto reply = called.call_later(
+        called.check(method, parameters), caller, [this, number](std::variant<Json, ControlRefusal> later) {
           const auto* const refusal = std::get_if<ControlRefusal>(&later);
           replies[number] = refusal != nullptr ? Json(refusal->what()) : std::move(std::get<Json>(later));
           answered.push_back(number);

@@ -18,8 +18,9 @@ class ManualControlFixture : public testing::ControlFixture {
       const ControlMethod& called = methods.at(method);
       // Deferred answers are tested elsewhere, with the loop.
       const ControlMethod::Later later = [](const auto&) { FAIL("later"); };
-      reply = called.call_later ? called.call_later(parameters, {connection}, later).value()
-                                : called.call(parameters, {connection});
+      const Json checked = called.check(method, parameters);
+      reply = called.call_later ? called.call_later(checked, {connection}, later).value()
+                                : called.call(checked, {connection});
     } catch (const ControlRefusal& refusal) {
       return refusal.what();
     } catch (const InvalidParameters& invalid) {
@@ -59,9 +60,13 @@ TEST_CASE("Commands that cause motion or light need service rights, and commands
 TEST_CASE("Manual control is refused while a job is running") {
   ManualControlFixture fixture;
   fixture.begin();
+  const std::map<std::string, Json> needed{{"light_on", {{"seconds", 1}}},
+                                           {"upload", {{"from", 0}, {"data", "AAAA"}}}};
   for (const auto& [name, method] : fixture.methods) {
     CAPTURE(name);
-    CHECK(fixture.refusal_of(name).starts_with("part is being printed: "));
+    const auto parameters = needed.find(name);
+    CHECK(fixture.refusal_of(name, parameters == needed.end() ? Json::object() : parameters->second)
+              .starts_with("part is being printed: "));
   }
   CHECK(fixture.manual.operations() == 0);
 }
@@ -141,7 +146,7 @@ TEST_CASE("The plate is not lowered onto a part or while the queue is held, unle
 TEST_CASE("Manual light has a time limit and needs a ready machine and a plate above the resin") {
   ManualControlFixture fixture;
   const std::string in_resin = "below 30 mm it may be in the resin; add in_resin to allow that";
-  CHECK(fixture.refusal_of("light_on") == "light_on needs seconds");
+  CHECK(fixture.refusal_of("light_on") == "seconds must be a number from 0.001 to 30 s");
   CHECK(fixture.refusal_of("light_on", {{"seconds", 31}}) == "seconds must be a number from 0.001 to 30 s");
   CHECK(fixture.refusal_of("light_on", {{"seconds", 1}}) ==
         "the light stays off: the plate is at an unknown height, and " + in_resin);

@@ -23,7 +23,8 @@ class QueueControlFixture : public testing::ControlFixture {
       queue.arrived(file);
   }
   Json call(const std::string& method, const Json& parameters = Json::object()) {
-    return methods.at(method).call(parameters, {1, 0});
+    const ControlMethod& called = methods.at(method);
+    return called.call(called.check(method, parameters), {1, 0});
   }
   // Calls the method and returns why it is refused; empty if it is not.
   std::string refusal_of(const std::string& method, const Json& parameters) {

@@ -1,4 +1,4 @@
-#include "daemon/ctl/models/up_option.hpp"
+#include "daemon/ctl/models/model_arguments.hpp"
 
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "tests/catch.hpp"

@@ -1,0 +1,155 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "daemon/ctl/commands/commands.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The state of a command line before the word that is completed.
+struct Typed {
+  const Command* command = nullptr;
+  const Option* option = nullptr;  // waits for its value
+  std::size_t positionals = 0;
+};
+
+const Option* find_option(const Command& command, std::string_view name) {
+  for (const Option& each : command.options)
+    if (each.long_name() == name || each.name.substr(0, each.name.find(',')) == name) return &each;
+  return nullptr;
+}
+
+// Returns the positional argument with this number, from 0; a list takes all further words.
+const Option* positional(const Command& command, std::size_t number) {
+  for (const Option& each : command.options) {
+    if (!each.is_positional()) continue;
+    if (number == 0 || each.is_list()) return &each;
+    --number;
+  }
+  return nullptr;
+}
+
+void take(Typed& typed, const std::string& word) {
+  if (typed.option != nullptr) {
+    typed.option = nullptr;
+  } else if (word.starts_with('-')) {
+    typed.option = find_option(*typed.command, word);
+    if (typed.option != nullptr && typed.option->is_flag()) typed.option = nullptr;
+  } else if (const Command* below = typed.command->find(word); below != nullptr && typed.positionals == 0) {
+    typed.command = below;
+  } else {
+    ++typed.positionals;
+  }
+}
+
+void offer_word(std::string_view word, std::string_view begin, std::string_view help = "") {
+  if (word.starts_with(begin)) fmt::print("{}{}{}\n", word, help.empty() ? "" : "\t", help);
+}
+
+void offer_values(const Option& option, std::string_view begin) {
+  for (const std::string& each : option.choices)
+    offer_word(each, begin);
+  if (option.suggest) {
+    for (const std::string& each : option.suggest())
+      offer_word(each, begin);
+  }
+  // No other word begins with a slash.
+  if (option.is_path() || !option.file_suffix.empty()) fmt::print("/{}\n", option.file_suffix);
+}
+
+// Prints the words that can be the last one, one per line, each with a tab and its help if there is one. A
+// line "/" stands for the names of files, and "/.stl" for the names of files with this suffix.
+int complete(const Command& program, const std::vector<std::string>& words) {
+  Typed typed{&program};
+  for (std::size_t i = 0; i + 1 < words.size(); ++i)
+    take(typed, words[i]);
+  const std::string last = words.empty() ? "" : words.back();
+  if (typed.option != nullptr) {
+    offer_values(*typed.option, last);
+  } else if (last.starts_with('-')) {
+    for (const Option& each : typed.command->options)
+      if (!each.is_positional()) offer_word(each.long_name(), last, each.help);
+    offer_word("--help", last);
+  } else if (const Option* argument = positional(*typed.command, typed.positionals); argument != nullptr) {
+    offer_values(*argument, last);
+  } else if (typed.positionals == 0) {
+    for (const Command& each : typed.command->commands)
+      if (!each.hidden) offer_word(each.name, last, each.help);
+  }
+  return kOk;
+}
+
+// Returns the word that stands for the option's value in the manual page; empty for a flag.
+std::string placeholder(const Option& option) {
+  const auto has = [&option]<typename Value>(Value*) {
+    return std::holds_alternative<Value*>(option.variable) ||
+           std::holds_alternative<std::optional<Value>*>(option.variable);
+  };
+  if (option.is_flag()) return "";
+  if (option.is_path()) return "FILE";
+  if (has(static_cast<int*>(nullptr))) return "N";
+  return has(static_cast<double*>(nullptr)) ? "NUMBER" : "TEXT";
+}
+
+// Returns the option's default; empty if it has none.
+std::string default_of(const Option& option) {
+  return std::visit(
+      [](auto* variable) -> std::string {
+        using Value = std::remove_pointer_t<decltype(variable)>;
+        if constexpr (std::is_same_v<Value, std::filesystem::path>)
+          return variable->string();
+        else if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, double> ||
+                           std::is_same_v<Value, std::string>)
+          return fmt::format("{}", *variable);
+        else
+          return "";
+      },
+      option.variable);
+}
+
+void describe(const Command& command, const std::string& words, Json& all) {
+  Json options = Json::array();
+  for (const Option& each : command.options)
+    options.push_back({{"name", each.name},
+                       {"value", placeholder(each)},
+                       {"choices", each.choices},
+                       {"required", each.is_required || !each.group.empty()},
+                       {"list", each.is_list()},
+                       {"default", default_of(each)},
+                       {"help", each.help}});
+  if (command.run)
+    all.push_back({{"command", words}, {"help", command.help}, {"options", std::move(options)}});
+  for (const Command& each : command.commands)
+    if (!each.hidden) describe(each, words + (words.empty() ? "" : " ") + each.name, all);
+}
+
+}  // namespace
+
+void add_description(Command& program) {
+  Command& completion = program.add("complete", "Print words that can follow, for completion in a shell");
+  completion.hidden = true;
+  auto& words = completion.arguments<std::vector<std::string>>();
+  completion.option("WORD", words, "Words after contourctl; the last one is completed").allow_empty();
+  completion.run = [&program, &words] { return complete(program, words); };
+  Command& description =
+      program.add("describe", "Print all commands and options as JSON, for the manual page");
+  description.hidden = true;
+  description.run = [&program] {
+    Json all = Json::array();
+    describe(program, "", all);
+    fmt::print("{}\n", all.dump(2));
+    return kOk;
+  };
+}
+
+}  // namespace contourd::ctl

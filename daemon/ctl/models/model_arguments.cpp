@@ -1,0 +1,74 @@
+#include "daemon/ctl/models/model_arguments.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <system_error>
+
+#include "core/layers/layers.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::ctl {
+
+UpOption parse_up(const std::string& word) {
+  if (const auto preset = orientation_preset(word)) return *preset;
+  Direction up;
+  int used = 0;
+  const int parts = std::sscanf(word.c_str(), "%lf,%lf,%lf%n", &up.x, &up.y, &up.z, &used);
+  if (parts != 3 || static_cast<std::size_t>(used) != word.size())
+    throw UsageError(fmt::format("--up {}: expected auto, fast, clean, safe or X,Y,Z", printable(word)));
+  const bool finite = std::isfinite(up.x) && std::isfinite(up.y) && std::isfinite(up.z);
+  if (!finite || up == Direction{0, 0, 0})
+    throw UsageError(
+        fmt::format("--up {}: expected a direction that is finite and not zero", printable(word)));
+  return up;
+}
+
+std::vector<std::string> up_presets() {
+  return {"auto", "fast", "clean", "safe"};
+}
+
+DisplayGeometry parse_display(const DisplayArgs& args) {
+  DisplayGeometry display;
+  int width = 0, height = 0, used = 0;
+  const int parts = std::sscanf(args.display.c_str(), "%dx%d%n", &width, &height, &used);
+  constexpr int kLargest = 16384;
+  if (parts != 2 || static_cast<std::size_t>(used) != args.display.size() || width < 1 || height < 1 ||
+      width > kLargest || height > kLargest) {
+    throw UsageError(
+        fmt::format("--display {}: expected WIDTHxHEIGHT, each 1 to {} pixels", args.display, kLargest));
+  }
+  if (!(args.pixel_pitch_um >= 0.1 && args.pixel_pitch_um <= 10000)) {
+    throw UsageError(fmt::format("--pixel-pitch-um {}: expected 0.1 to 10000", args.pixel_pitch_um));
+  }
+  display.width = Pixels{width};
+  display.height = Pixels{height};
+  display.pixel_pitch = Micrometers{args.pixel_pitch_um};
+  return display;
+}
+
+Nanometers parse_um(const char* option, double um, double least) {
+  const auto length = to_nanometers(to_millimeters(Micrometers{um}));
+  if (!length || !(um >= least) || *length > kThickestLayer) {
+    throw UsageError(fmt::format("{} {}: expected {} to {:.0f}", option, um, least,
+                                 to_millimeters(kThickestLayer).count() * 1000));
+  }
+  return *length;
+}
+
+void check_scale(const std::optional<double>& scale) {
+  // Negated, so that NaN is refused, too.
+  if (scale && !(*scale >= 0.001 && *scale <= 1000))
+    throw UsageError(fmt::format("--scale {}: expected 0.001 to 1000", *scale));
+}
+
+void refuse_to_overwrite_model(const std::filesystem::path& model, const char* option,
+                               const std::optional<std::filesystem::path>& output) {
+  std::error_code ignored;  // a file that does not exist is not the model
+  if (output && std::filesystem::equivalent(*output, model, ignored))
+    throw UsageError(fmt::format("{} {}: this file is the model", option, output->string()));
+}
+
+}  // namespace contourd::ctl
