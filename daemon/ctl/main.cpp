@@ -46,12 +46,12 @@ int complain(int code, const char* why) {
 
 int main(int argc, char** argv) {
   using namespace contourd::ctl;
-  Command program{
-      .name = "contourctl",
-      .help = "Inspects and slices models, and controls contourd, the daemon of a resin printer."};
+  Command program{.name = "contourctl",
+                  .help = "Inspects and slices models, and controls contourd, the daemon of a resin printer.",
+                  .version = CONTOURD_VERSION};
   add_commands(program);
   try {
-    return contourd::print_whole([&] { return run_command_line(program, CONTOURD_VERSION, argc, argv); });
+    return contourd::print_whole([&] { return run_command_line(program, argc, argv); });
   } catch (const UsageError& error) {
     return complain(contourd::kBadUsage, error.what());
   } catch (const contourd::ModelError& error) {

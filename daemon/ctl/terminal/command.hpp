@@ -75,6 +75,7 @@ struct Option {
 // The program, a command, or a group of commands such as `light`.
 struct Command {
   std::string name, help;
+  std::string version{};          // of the program: the answer to --version
   bool hidden = false;            // not in the list of commands: it is for programs
   std::function<int()> run{};     // returns the exit code; empty if one of the commands below has to be given
   std::list<Option> options{};    // in the order of --help

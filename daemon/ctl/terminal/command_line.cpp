@@ -48,6 +48,7 @@ class Parser {
       if (each.hidden) below->group("");
       add_to(*below, each);
     }
+    if (!command.version.empty()) app.set_version_flag("--version", command.version);
     if (!command.run) {
       app.require_subcommand(1);
     } else {
@@ -84,9 +85,8 @@ class Parser {
 
 }  // namespace
 
-int run_command_line(const Command& program, const std::string& version, int argc, char** argv) {
+int run_command_line(const Command& program, int argc, char** argv) {
   Parser parser(program);
-  parser.app().set_version_flag("--version", version);
   try {
     parser.app().parse(argc, argv);
   } catch (const CLI::ParseError& error) {

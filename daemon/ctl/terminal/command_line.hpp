@@ -11,7 +11,7 @@ namespace contourd::ctl {
 
 // Parses the arguments and runs the chosen command. Prints the help or the usage error instead, if the
 // arguments ask for help or are wrong. Returns the exit code; passes on the command's exceptions.
-int run_command_line(const Command& program, const std::string& version, int argc, char** argv);
+int run_command_line(const Command& program, int argc, char** argv);
 
 // Returns the text of --help of the command with these words, of the program for no words, or an empty string
 // if there is no such command.
