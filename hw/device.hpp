@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace contourd {
@@ -31,8 +32,10 @@ class Device {
   Device& operator=(const Device&) = delete;
   virtual ~Device() = default;
 
-  // Runs `call` from the event loop for every machine event from now on.
-  virtual void on_event(std::function<void(const MachineEvent&)> /*call*/) {}
+  // Runs `call` from the event loop for every machine event from now on. A device without events drops it.
+  virtual void on_event(std::function<void(const MachineEvent&)> call) {
+    [[maybe_unused]] const auto dropped = std::move(call);
+  }
   // True if this object has lost its device for good. Once this object is destroyed, the device may be opened
   // again.
   [[nodiscard]] virtual bool lost() const { return false; }
