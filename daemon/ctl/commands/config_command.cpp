@@ -140,8 +140,8 @@ void add_config(Command& program) {
     command.option("FILE", options.file, "Configuration file");
     command.run = [&options, call] { return call(options); };
   };
-  add("check", "List mistakes in it, as contourd --check-config does", config_check);
-  add("show", "Print it with all defaults, as JSON", config_show);
+  add("check", "List the configuration's mistakes, like contourd --check-config", config_check);
+  add("show", "Print the configuration with all defaults, as JSON", config_show);
   add("diff", "Print the values that differ from their defaults", config_diff);
   Command& schema = config.add("schema", "Print the JSON schema of a file format");
   auto& options = schema.arguments<ConfigOptions>();

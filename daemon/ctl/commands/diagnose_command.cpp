@@ -259,7 +259,7 @@ void add_diagnose(Command& program) {
   auto& options = command.arguments<DiagnoseOptions>();
   command.option("JOB", options.job, "Include the report and journal of this job (default: the latest)")
       .suggests(all_jobs);
-  command.option("-o,--output", options.output, "Archive to create (.tar.gz); must not exist");
+  command.option("-o,--output", options.output, "Archive to create (.tar.gz); the file must not exist yet");
   command.option("--config", options.config, "Configuration of the printer");
   const ClientOptions& client = add_socket_option(command);
   command.run = [&client, &options] { return diagnose(client, options); };

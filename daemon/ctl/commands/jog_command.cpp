@@ -206,7 +206,7 @@ int jog(const ClientOptions& client, const JogOptions& options) {
 void add_jog(Command& program) {
   Command& command = program.add("jog", "Move the plate by keys");
   auto& options = command.arguments<JogOptions>();
-  command.option("--light-seconds", options.light_s, "Duration of the light of the key l, s");
+  command.option("--light-seconds", options.light_s, "Duration of the light that key l turns on, s");
   command.option("--plate-is-clear", options.plate_is_clear, kPlateIsClearHelp);
   command.option("--in-resin", options.in_resin, "Allow light while the plate may be in the resin");
   const ClientOptions& client = add_socket_option(command);

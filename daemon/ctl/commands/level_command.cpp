@@ -158,7 +158,7 @@ int level(const ClientOptions& client, const LevelOptions& options) {
 
 void add_level(Command& program) {
   Command& command =
-      program.add("level", "Level the plate, step by step, and store the height of its switch");
+      program.add("level", "Level the plate, step by step, and store the limit switch's height");
   auto& options = command.arguments<LevelOptions>();
   command.option("--config", options.config, "Configuration of the printer");
   const ClientOptions& client = add_socket_option(command);

@@ -286,7 +286,7 @@ void add_motion(Command& program, ManualArgs& args) {
       .needs(by)
       .excludes(speed);
   move.option("--plate-is-clear", args.plate_is_clear, kPlateIsClearHelp);
-  add_by_hand(program, "stop", "Stop manual control: motor still, light off, screen black", "stop", args,
+  add_by_hand(program, "stop", "Stop manual control: motor stopped, light off, screen black", "stop", args,
               WaitFor::Rest);
   add_by_hand(program.add("motor", "Control the plate's motor"), "off", "Turn off the motor's current",
               "motor_off", args);
@@ -296,7 +296,7 @@ void add_light(Command& program, ManualArgs& args) {
   Command& light = program.add("light", "Control the projector's light");
   Command& on = light.add("on", "Turn the light on, with the current picture");
   on.option("--seconds", args.seconds, "Duration, s").required();
-  on.option("--confirm", args.confirm, "Do not ask whether eyes are protected");
+  on.option("--confirm", args.confirm, "Confirm that eyes are protected, without being asked");
   on.option("--in-resin", args.in_resin, "Allow light while the plate may be in the resin");
   const ClientOptions& client = add_client_options(on);
   on.run = [&client, &args] { return light_by_hand(client, manual_request("light_on", args), args.confirm); };
@@ -304,7 +304,7 @@ void add_light(Command& program, ManualArgs& args) {
 }
 
 void add_show(Command& program) {
-  Command& command = program.add("show", "Show a test pattern or a picture until interrupted");
+  Command& command = program.add("show", "Show a test pattern or a picture on the display, until Ctrl-C");
   auto& show = command.arguments<ShowOptions>();
   command
       .option("PATTERN", show.what,

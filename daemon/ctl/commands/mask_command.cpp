@@ -109,7 +109,7 @@ int mask(const ClientOptions& client, const std::optional<std::filesystem::path>
 }  // namespace
 
 void add_mask(Command& program) {
-  Command& command = program.add("mask", "Show the picture on the display: the mask of the current layer");
+  Command& command = program.add("mask", "Draw the picture on the display, such as the current layer's mask");
   auto& output = command.arguments<std::optional<std::filesystem::path>>();
   command.option("-o,--output", output, kPictureHelp);
   const ClientOptions& client = add_socket_option(command);

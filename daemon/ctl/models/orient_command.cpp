@@ -148,7 +148,7 @@ void add_orient(Command& program) {
   command.option("--profile", options.resin, "Resin profile, instead of the printer's resin");
   command.option("--html", options.html, "Write a page with pictures");
   command.option("--pictures", options.pictures, "Write one PNG picture per orientation to this folder");
-  command.option("--force", options.force, "Replace the pictures of an earlier call");
+  command.option("--force", options.force, "Replace the pictures of an earlier run");
   command.option("--json", options.json, "Print JSON");
   command.run = [&args] { return orient(parse_orient(args)); };
 }

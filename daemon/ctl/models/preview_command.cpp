@@ -226,7 +226,7 @@ int preview(const ClientOptions& client, const PreviewOptions& options) {
 }  // namespace
 
 void add_preview(Command& program) {
-  Command& command = program.add("preview", "Draw a model or a job of the spool");
+  Command& command = program.add("preview", "Draw a model file, or a job in the spool");
   auto& options = command.arguments<PreviewOptions>();
   command.option("JOB", options.subject, "Name of a job, or model file")
       .required()

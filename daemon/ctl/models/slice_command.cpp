@@ -410,7 +410,7 @@ void add_slice(Command& program) {
   command.option("--max-layer-um", args.max_layer_um, "Thickest adaptive layer, um").needs(cusp);
   command.option("--mask", options.mask, "Write the mask at --z to this PNG file");
   command.option("--masks", options.masks, "Write one PNG file per layer to this folder: 0001.png ...");
-  command.option("--csv", options.csv, "Write layer measurements to this file, and FILE-summary.csv");
+  command.option("--csv", options.csv, "Write layer measurements to this file, totals to FILE-summary.csv");
   command.option("--contours", options.contours,
                  "Write one CSV file of contour points per layer to this folder");
   command.option("--display", args.display.display, "Display size in pixels, WIDTHxHEIGHT");
@@ -421,10 +421,10 @@ void add_slice(Command& program) {
   command.option("--elephant-foot-height-um", args.elephant_foot_height_um,
                  "Height over which the elephant foot correction fades, um");
   command.option("--uniformity-mask", options.uniformity,
-                 "Multiply the masks by this 8-bit grey PNG file; 255 is 1");
+                 "Darken the masks by this 8-bit grey PNG file; 255: unchanged");
   command.option("--supports", args.supports, "Generate supports: auto or off").one_of({"auto", "off"});
   command.option("--scale", options.scale, kScaleHelp);
-  command.option("--gamma", args.gamma, "Gamma of the projector, which the masks undo");
+  command.option("--gamma", args.gamma, "Gamma of the projector, which the masks compensate");
   command.option("--threshold", args.threshold, "Make grey below this value black");
   command.option("--force", options.force, "Replace the files of an earlier slice");
   command.option("--fit", options.fit, "Scale the model to fill the display");

@@ -152,7 +152,7 @@ void add_support(Command& program) {
   SupportOptions& options = args.options;
   command.option("MODEL", options.model, "Model file").required().allow_empty();
   command.option("--stl", options.stl, "Write the supports to this STL file");
-  command.option("--with-model", options.with_model, "Write the lifted model to the STL file, too");
+  command.option("--with-model", options.with_model, "Also write the lifted model to the STL file");
   command.option("--scale", options.scale, kScaleHelp);
   command.option("--up", args.up, kUpHelp).suggests(up_presets);
   command.option("--layer-height-um", args.layer_height_um,

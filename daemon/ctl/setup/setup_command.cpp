@@ -374,9 +374,9 @@ void add_setup(Command& program) {
   command.option("--config", options.config, "Configuration to write");
   command.option("--non-interactive", options.non_interactive,
                  "Ask nothing: use the given answers and safe suggestions");
-  command.option("--set", options.set, "Answer as KEY=VALUE; can be repeated").allow_empty();
+  command.option("--set", options.set, "Give an answer as KEY=VALUE; repeatable").allow_empty();
   command.option("--answers", options.answers, "Read answers from this JSON file");
-  command.option("--restart", options.restart, "Discard the answers of earlier calls");
+  command.option("--restart", options.restart, "Discard the answers of earlier runs");
   command.option("--replace", options.replace,
                  "Replace an edited configuration without asking (a copy is kept)");
   const ClientOptions& client = add_socket_option(command);

@@ -260,8 +260,8 @@ void add_offer(Command& program) {
   command.option("FOLDER", options.folder, "Folder with models; links in it are not followed").required();
   command.option("--spool", options.spool, kSpoolHelp);
   const Option& once =
-      command.option("--once", options.once, "Take each file only once; keep the record in this file");
-  command.option("--label", options.label, "Name that distinguishes this folder in that record").needs(once);
+      command.option("--once", options.once, "Queue each model only once; record queued models in this file");
+  command.option("--label", options.label, "Name of this folder in the record of --once").needs(once);
   const ClientOptions& client = add_client_options(command);
   command.run = [&client, &options] { return offer(client, options); };
 }

@@ -185,12 +185,13 @@ void add_submit(Command& program) {
   };
   add("--resin", options.resin, "Name of the resin profile").suggests(resins);
   add("--layer-height-um", options.layer_height_um, "Layer height, um");
-  add("--exposure-ms", options.exposure_ms, "Exposure of a normal layer, ms, within ticket_limits");
+  add("--exposure-ms", options.exposure_ms,
+      "Exposure of a normal layer, ms, within the resin's ticket_limits");
   add("--bottom-exposure-ms", options.bottom_exposure_ms,
-      "Exposure of a bottom layer, ms, within ticket_limits");
-  add("--lift-mm", options.lift_mm, "Lift after an exposure, mm, within ticket_limits");
-  add("--settle-ms", options.settle_ms, "Wait before the exposure, ms, within ticket_limits");
-  add("--rest-ms", options.rest_ms, "Wait after the exposure, ms, within ticket_limits");
+      "Exposure of a bottom layer, ms, within the resin's ticket_limits");
+  add("--lift-mm", options.lift_mm, "Lift after an exposure, mm, within the resin's ticket_limits");
+  add("--settle-ms", options.settle_ms, "Wait before the exposure, ms, within the resin's ticket_limits");
+  add("--rest-ms", options.rest_ms, "Wait after the exposure, ms, within the resin's ticket_limits");
   add("--copies", options.copies, "Number of copies of each model");
   add("--up", args.up, kUpHelp).suggests(up_presets);
   add("--supports", options.supports, "Generate supports: auto or off (default: as configured)")

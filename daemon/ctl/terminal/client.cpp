@@ -18,7 +18,7 @@ namespace {
 
 using Json = DaemonConnection::Json;
 
-constexpr const char* kSocketHelp = "Control socket of contourd (or CONTOURD_SOCKET)";
+constexpr const char* kSocketHelp = "Control socket of contourd (environment: CONTOURD_SOCKET)";
 
 void print_analysis(const Json& analysis) {
   fmt::print("resin     {:.2f} ml\n", analysis.value("resin_ml", 0.0));

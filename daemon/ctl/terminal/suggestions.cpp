@@ -57,7 +57,7 @@ std::vector<std::string> all_jobs() {
   std::vector<std::string> names = current_jobs();
   std::ranges::move(jobs_in(result_of({"history", {{"last", kLatest}}}), "ended"), std::back_inserter(names));
   std::ranges::sort(names);
-  names.erase(std::ranges::unique(names).begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
 }
 
