@@ -30,7 +30,7 @@ void add_switches(Command& program);
 void add_jog(Command& program);
 // Levels the plate, step by step, together with the user at the printer.
 void add_level(Command& program);
-// Shows pages of the manual, and the usage of commands of `program`.
+// Shows the manual page, or the usage of a command of `program`.
 void add_help(Command& program);
 // Adds complete and describe, by which shells and the manual page get the description of the commands.
 void add_description(Command& program);

@@ -1,3 +1,5 @@
+#include "daemon/ctl/commands/commands.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -5,7 +7,6 @@
 #include <system_error>
 #include <vector>
 
-#include "daemon/ctl/commands/commands.hpp"
 #include "daemon/ctl/terminal/command_line.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/program.hpp"
@@ -24,17 +25,9 @@ bool has_manual_page() {
   }
 }
 
-std::vector<std::string> names_of(const Command& program) {
-  std::vector<std::string> names;
-  for (const Command& each : program.commands)
-    if (!each.hidden) names.push_back(each.name);
-  return names;
-}
-
-// Without words, runs man for contourctl's manual page; if that is missing, prints contourctl's help text.
-// With the words of a command, prints the command's help text. Returns the exit code. Throws UsageError if
-// there is no such command, and std::system_error if man cannot be run.
-int help(const std::vector<std::string>& words, const Command& program) {
+// Without words, runs man(1) for contourctl's manual page; if that is missing, prints contourctl's help text.
+// With the words of a command, prints the command's help text. Throws UsageError if there is no such command.
+int show_help(const std::vector<std::string>& words, const Command& program) {
   if (words.empty() && has_manual_page()) become_program({"man", "contourctl"});
   const std::string text = usage_of(program, words);
   if (text.empty()) {
@@ -52,9 +45,12 @@ void add_help(Command& program) {
   Command& command = program.add("help", "Show the manual page, or the usage of a command");
   auto& words = command.arguments<std::vector<std::string>>();
   command.option("COMMAND", words, "Show the usage of this command").allow_empty().suggests([&program] {
-    return names_of(program);
+    std::vector<std::string> names;
+    for (const Command& each : program.commands)
+      if (!each.hidden) names.push_back(each.name);
+    return names;
   });
-  command.run = [&program, &words] { return help(words, program); };
+  command.run = [&program, &words] { return show_help(words, program); };
 }
 
 }  // namespace contourd::ctl

@@ -15,7 +15,10 @@ const CLI::Validator kNotEmpty([](const std::string& word) { return word.empty()
 // CLI11's form of the description.
 class Parser {
  public:
-  explicit Parser(const Command& program) : app_(program.help, program.name) { add_to(app_, program); }
+  explicit Parser(const Command& program) : app_(program.help, program.name) {
+    app_.set_version_flag("--version", program.version);
+    add_to(app_, program);
+  }
   Parser(const Parser&) = delete;
   Parser& operator=(const Parser&) = delete;
 
@@ -48,7 +51,6 @@ class Parser {
       if (each.hidden) below->group("");
       add_to(*below, each);
     }
-    if (!command.version.empty()) app.set_version_flag("--version", command.version);
     if (!command.run) {
       app.require_subcommand(1);
     } else {

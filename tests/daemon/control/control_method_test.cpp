@@ -1,16 +1,13 @@
 #include "daemon/control/control_method.hpp"
 
-#include <string>
-
 #include "tests/catch.hpp"
 
-using namespace contourd;
 using Json = ControlMethod::Json;
 using Parameter = ControlParameter;
 
 namespace {
 
-ControlMethod method() {
+ControlMethod move_method() {
   ControlParameter place = Parameter::whole_number("to", 1, 9, "the place");
   place.words = {"last"};
   return {.description = "Moves.",
@@ -22,9 +19,9 @@ ControlMethod method() {
 }
 
 // Returns why the parameters are refused, or an empty text.
-std::string refusal_of(const Json& parameters) {
+std::string move_refusal(const Json& parameters) {
   try {
-    const Json checked = method().check("move", parameters);
+    const Json checked = move_method().check("move", parameters);
     CHECK(checked == parameters);
   } catch (const InvalidParameters& invalid) {
     return invalid.what();
@@ -36,13 +33,13 @@ std::string refusal_of(const Json& parameters) {
 
 TEST_CASE("A parameter's value is refused by a sentence with its valid values") {
   const Json job{{"job", "gear"}};
-  CHECK(refusal_of(job).empty());
+  CHECK(move_refusal(job).empty());
   for (const Json& wrong : {Json(), Json(""), Json(1), Json::array()})
-    CHECK(refusal_of({{"job", wrong}}) == "job must be the name of a job");
+    CHECK(move_refusal({{"job", wrong}}) == "job must be the name of a job");
   const auto refusal = [&](const char* name, const Json& value) {
     Json parameters = job;
     parameters[name] = value;
-    return refusal_of(parameters);
+    return move_refusal(parameters);
   };
   for (const Json& right : {Json(1), Json(9), Json("last")})
     CHECK(refusal("to", right).empty());
@@ -61,18 +58,18 @@ TEST_CASE("A parameter's value is refused by a sentence with its valid values") 
 }
 
 TEST_CASE("A method refuses unknown, unnamed and missing parameters") {
-  CHECK(refusal_of({{"job", "gear"}, {"at", 1}}) ==
+  CHECK(move_refusal({{"job", "gear"}, {"at", 1}}) ==
         R"(the method "move" has no parameter "at"; there are job, to, speed, power, now)");
-  CHECK(refusal_of(Json::array({1})) ==
+  CHECK(move_refusal(Json::array({1})) ==
         R"(the method "move" takes its parameters by name: job, to, speed, power, now)");
-  CHECK(refusal_of(Json::object()) == "job must be the name of a job");
-  CHECK(refusal_of(Json()) == "job must be the name of a job");
+  CHECK(move_refusal(Json::object()) == "job must be the name of a job");
+  CHECK(move_refusal(Json()) == "job must be the name of a job");
   CHECK(ControlMethod{}.check("stop", Json()) == Json::object());
   CHECK_THROWS_AS(ControlMethod{}.check("stop", {{"at", 1}}), InvalidParameters);
 }
 
 TEST_CASE("The description of methods has each parameter with its limits") {
-  const Json methods = describe({{"move", method()}})["methods"];
+  const Json methods = describe({{"move", move_method()}})["methods"];
   REQUIRE(methods.size() == 1);
   CHECK(methods[0]["name"] == "move");
   CHECK(methods[0]["description"] == "Moves.");

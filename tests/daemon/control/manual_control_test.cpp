@@ -1,5 +1,7 @@
 #include "daemon/control/manual_control.hpp"
 
+#include <map>
+
 #include "tests/catch.hpp"
 #include "tests/daemon/control/control_fixture.hpp"
 
