@@ -1,7 +1,5 @@
 #include "daemon/history/history_database.hpp"
 
-#include <sys/stat.h>
-
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -346,30 +344,6 @@ TEST_CASE("At most nine damaged histories are kept") {
   }
   CHECK(fs::exists(fixture.aside(9)));
   CHECK_FALSE(fs::exists(fixture.aside(10)));
-}
-
-TEST_CASE("A history that is a folder, a link or a pipe is reported and left alone") {
-  for (const std::string what : {"is a folder", "is a link, which is not followed", "is not a file"}) {
-    CAPTURE(what);
-    HistoryFileFixture fixture;
-    const fs::path target = fixture.file.string() + ".target";
-    if (what == "is a folder") {
-      fs::create_directory(fixture.file);
-    } else if (what == "is not a file") {
-      REQUIRE(::mkfifo(fixture.file.c_str(), 0600) == 0);
-    } else {
-      fs::create_symlink(target, fixture.file);
-    }
-    fixture.end("one");
-    CHECK(says(fixture.trouble, "history.sqlite " + what));
-    CHECK(says(fixture.names(), what));
-    CHECK_FALSE(fs::exists(target));
-    CHECK_FALSE(fs::exists(fs::symlink_status(fixture.aside(1))));
-    fs::remove(fixture.file);
-    fixture.end("two");
-    CHECK(fixture.trouble.empty());
-    CHECK(fixture.names() == "two ");
-  }
 }
 
 TEST_CASE("The history of a later version is reported and left alone, and does not count as damaged") {

@@ -1,17 +1,14 @@
 #include "daemon/history/history_worker.hpp"
 
-#include <chrono>
+#include <sys/stat.h>
+
 #include <filesystem>
-#include <functional>
-#include <string>
 
 #include "daemon/system/sqlite.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 #include "tests/temporary_folder.hpp"
 
-using namespace contourd;
-using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
 namespace {
@@ -23,30 +20,58 @@ class HistoryWorkerFixture {
     EndedJob job{.name = name, .outcome = "done", .reason = ""};
     worker.end(job).wait();
   }
-  [[nodiscard]] std::int64_t stored() const {
-    return SqliteDatabase(file, 0ms).integer("SELECT count(*) FROM job");
+  // Returns the names of the stored jobs.
+  [[nodiscard]] std::string names() const {
+    return SqliteDatabase(file, 0ms).text(
+        "SELECT group_concat(name, ' ') FROM (SELECT name FROM job ORDER BY id)");
   }
-  // Runs the loop once, until everything that happened to the history so far has been logged, calls `step`,
-  // and runs it until that is true again.
-  void run(const std::function<void()>& step = [] {}) {
-    worker.wear([this, step](const auto&, const std::string&) {
-      step();
+  // Runs the loop once, until everything that happened to the history so far has been logged, calls `step`
+  // with what a query answers then, and runs it until that is true again.
+  void run(const std::function<void(const std::string& trouble)>& step = [](const std::string&) {}) {
+    worker.wear([this, step](const auto&, const std::string& trouble) {
+      step(trouble);
       worker.wear([this](const auto&, const std::string&) { loop.stop(); });
     });
     loop.run();
   }
 
  private:
-  testing::TemporaryFolder folder_;
+  TemporaryFolder folder_;
 
  public:
   const fs::path file = folder_.path() / "history.sqlite";
   EventLoop loop;
-  testing::LogText log{loop};
+  LogText log{loop};
   HistoryWorker worker{loop, log.log, file};
 };
 
 }  // namespace
+
+TEST_CASE("A history that is a folder, a link or a pipe is reported and left alone, and its changes wait") {
+  for (const std::string what : {"is a folder", "is a link, which is not followed", "is not a file"}) {
+    CAPTURE(what);
+    HistoryWorkerFixture fixture;
+    const fs::path target = fixture.file.string() + ".target";
+    if (what == "is a folder") {
+      fs::create_directory(fixture.file);
+    } else if (what == "is not a file") {
+      REQUIRE(::mkfifo(fixture.file.c_str(), 0600) == 0);
+    } else {
+      fs::create_symlink(target, fixture.file);
+    }
+    fixture.end("one");
+    CHECK_FALSE(fs::exists(target));
+    CHECK_FALSE(fs::exists(fs::symlink_status(fixture.file.string() + ".damaged-1")));
+    fixture.run([&](const std::string& trouble) {
+      CHECK(trouble.find("history.sqlite " + what) != std::string::npos);
+      fs::remove(fixture.file);
+      fixture.end("two");
+    });
+    CHECK(fixture.names() == "one two");
+    CHECK(fixture.log.count("history.sqlite " + what) == 1);
+    CHECK(fixture.log.has("the history can be used again"));
+  }
+}
 
 TEST_CASE("Changes of a history that another program has locked are made when the lock is gone") {
   HistoryWorkerFixture fixture;
@@ -55,10 +80,10 @@ TEST_CASE("Changes of a history that another program has locked are made when th
     SqliteDatabase shell(fixture.file, 0ms);
     const SqliteTransaction transaction(shell);
     fixture.end("two");
-    CHECK(fixture.stored() == 1);
+    CHECK(fixture.names() == "one");
   }
   fixture.end("three");
-  CHECK(fixture.stored() == 3);
+  CHECK(fixture.names() == "one two three");
   fixture.run();
   CHECK(fixture.log.has("another program has locked it"));
   CHECK(fixture.log.has("the history can be used again"));
@@ -75,7 +100,7 @@ TEST_CASE("The latest thousand changes that cannot be made wait, and a loss of o
   JobFigures figures;
   figures.lit_s = 7;
   fixture.worker.note_now(figures);
-  fixture.run([&] { fs::remove(fixture.file); });
+  fixture.run([&](const std::string&) { fs::remove(fixture.file); });
   SqliteDatabase stored(fixture.file, 0ms);
   CHECK(stored.integer("SELECT count(*) FROM job") == 1'000);
   CHECK(stored.text("SELECT name FROM job ORDER BY id LIMIT 1") == "3");
