@@ -1,7 +1,8 @@
 // Tests of an axis whose encoder loses counts, is disturbed, or has an index.
 
-#include <random>
 #include "hw/gpio/gpio_axis.hpp"
+
+#include <random>
 
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
