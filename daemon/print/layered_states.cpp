@@ -22,7 +22,7 @@ constexpr auto kEffects = names_to<F::Finish>(
     "wait to settle, show mask, light on, time exposure, show black, await dark, record layer, "
     "wait to rest, lift, next layer, raise for a look, park, finish");
 
-// Nothing moves in these states, and the plate can move up so that the part can be taken off.
+// The plate rests in these states and can move up, so that the part can be taken off.
 constexpr EnumSet<S> kAtRest{S::Settling, S::Showing, S::Resting, S::AwaitingDark, S::Paused};
 constexpr EnumSet<S> kMoving{S::Lowering, S::Lifting, S::Raising, S::Braking};
 constexpr EnumSet<S> kLit{S::Igniting, S::Exposing};

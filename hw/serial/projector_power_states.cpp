@@ -104,7 +104,7 @@ constexpr auto kRows = std::to_array<ProjectorPowerTransition>({
     {S::SwitchingOn, E::PowerOffConfirmed, S::OffCoolingDown, F::DropPowerOn, F::NoteOff, F::WaitUntilCool},
 });
 
-// Nothing is dropped where no power on is pending.
+// A state without a pending power on has no command to drop.
 constexpr auto kAnswered = std::to_array<StateTable<ProjectorPowerTransition>::Answered>(
     {{E::PowerOffWanted, {}}, {E::Dropped, kUnwanted}});
 
