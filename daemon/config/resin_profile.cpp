@@ -1,5 +1,6 @@
 #include "daemon/config/resin_profile.hpp"
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -129,12 +130,12 @@ void check_limits_of_curve(JsonDocument& document, const ResinProfile& resin, do
   const auto check = [&document](const char* key, const std::optional<Limits<Duration>>& limits,
                                  double seconds) {
     if (!limits) return;
-    const auto ms = [](Duration time) { return std::chrono::duration<double, std::milli>(time).count(); };
     const double own_ms = std::round(seconds * 1e6) / 1e3;
-    if (own_ms >= ms(limits->least) && own_ms <= ms(limits->most)) return;
-    document.add_violation(limits_place(key),
-                           decimal(ms(limits->least)) + " to " + decimal(ms(limits->most)) +
-                               " exclude the exposure by the working curve, " + decimal(own_ms));
+    const double least_ms = figure_of(limits->least), most_ms = figure_of(limits->most);
+    if (own_ms >= least_ms && own_ms <= most_ms) return;
+    document.add_violation(limits_place(key), decimal(least_ms) + " to " + decimal(most_ms) +
+                                                  " exclude the exposure by the working curve, " +
+                                                  decimal(own_ms));
   };
   check("exposure_ms", resin.limits.exposure, normal);
   check("bottom_exposure_ms", resin.limits.bottom_exposure, bottom);
@@ -165,6 +166,33 @@ OrientationWeights read_orientation_weights(const JsonSection& profile) {
           .height = weights.number("height"),
           .standing = weights.number("standing"),
           .keep_clean = weights.number("keep_clean")};
+}
+
+struct MotionSetting {
+  std::string_view key;
+  std::variant<Nanometers LayerMotion::*, MillimetersPerSecond LayerMotion::*, Duration LayerMotion::*> field;
+};
+
+constexpr std::array kMotionSettings{
+    MotionSetting{"lift_mm", &LayerMotion::lift}, MotionSetting{"lift_speed_mm_s", &LayerMotion::lift_speed},
+    MotionSetting{"retract_speed_mm_s", &LayerMotion::retract_speed},
+    MotionSetting{"settle_ms", &LayerMotion::settle}, MotionSetting{"rest_ms", &LayerMotion::rest}};
+
+void read(const JsonSection& profile, std::string_view key, Nanometers& length) {
+  length = profile.length(key);
+}
+void read(const JsonSection& profile, std::string_view key, MillimetersPerSecond& speed) {
+  speed = MillimetersPerSecond{profile.number(key)};
+}
+void read(const JsonSection& profile, std::string_view key, Duration& time) {
+  time = profile.duration(key);
+}
+
+LayerMotion read_motion(const JsonSection& profile) {
+  LayerMotion motion;
+  for (const auto& [key, field] : kMotionSettings)
+    std::visit([&, key = key](auto member) { read(profile, key, motion.*member); }, field);
+  return motion;
 }
 
 std::optional<Limits<Duration>> read_time_limits(const JsonSection& limits, std::string_view key) {
@@ -205,11 +233,7 @@ ResinProfile read_profile(const JsonSection& profile, std::string name) {
                   profile.number("support_area_mm2")},
       .supports = read_support_settings(profile.section("supports")),
       .orientation = read_orientation_weights(profile),
-      .lift = profile.length("lift_mm"),
-      .lift_speed = MillimetersPerSecond{profile.number("lift_speed_mm_s")},
-      .retract_speed = MillimetersPerSecond{profile.number("retract_speed_mm_s")},
-      .settle = profile.duration("settle_ms"),
-      .rest = profile.duration("rest_ms"),
+      .motion = read_motion(profile),
       .tolerance = {.bounds = profile.duration("exposure_tolerance_ms"),
                     .policy = profile.text("exposure_doubt") == "interrupt"
                                   ? ExposureTolerance::Policy::Interrupt
@@ -238,6 +262,23 @@ ResinProfile load_resin_profile(const std::filesystem::path& path, const ResinMa
   }
   document.throw_if_violated();
   return resin;
+}
+
+double figure_of(Nanometers length) {
+  return to_millimeters(length).count();
+}
+double figure_of(MillimetersPerSecond speed) {
+  return speed.count();
+}
+double figure_of(Duration time) {
+  return std::chrono::duration<double, std::milli>(time).count();
+}
+
+std::vector<std::pair<std::string_view, double>> motion_figures(const LayerMotion& motion) {
+  std::vector<std::pair<std::string_view, double>> figures;
+  for (const auto& [key, field] : kMotionSettings)
+    figures.emplace_back(key, std::visit([&](auto member) { return figure_of(motion.*member); }, field));
+  return figures;
 }
 
 Duration exposure_time(const ResinProfile& resin, Nanometers layer_height, int layer_index,

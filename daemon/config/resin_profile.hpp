@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -49,6 +51,16 @@ struct ExposureTolerance {
   bool operator==(const ExposureTolerance&) const = default;
 };
 
+// The moves and waits that peel off a layer.
+struct LayerMotion {
+  Nanometers lift{};
+  MillimetersPerSecond lift_speed;
+  MillimetersPerSecond retract_speed;
+  Duration settle{};  // wait before the light, with the plate at rest
+  Duration rest{};    // wait between the end of the light and the lift
+  bool operator==(const LayerMotion&) const = default;
+};
+
 struct ResinProfile {
   std::string name;  // the file's name without .json
   Nanometers layer_height;
@@ -62,11 +74,7 @@ struct ResinProfile {
   CarryingSupport support;
   SupportSettings supports;
   OrientationWeights orientation;  // for models whose orientation contourd chooses
-  Nanometers lift;
-  MillimetersPerSecond lift_speed;
-  MillimetersPerSecond retract_speed;
-  Duration settle{};  // pause before the light, with the plate at rest
-  Duration rest{};    // pause between light off and the lift
+  LayerMotion motion;
   ExposureTolerance tolerance;
   TicketLimits limits;
   bool operator==(const ResinProfile&) const = default;
@@ -83,6 +91,14 @@ struct ResinMachine {
 // height. The ticket_limits must respect the bounds of the profile's own settings and must include these
 // settings.
 [[nodiscard]] ResinProfile load_resin_profile(const std::filesystem::path& path, const ResinMachine& machine);
+
+// Return the number for a key of the profile: a length in mm, a speed in mm/s, a time in ms.
+[[nodiscard]] double figure_of(Nanometers length);
+[[nodiscard]] double figure_of(MillimetersPerSecond speed);
+[[nodiscard]] double figure_of(Duration time);
+
+// Returns the settings of a motion by their keys in the profile, each in the unit that its key ends in.
+[[nodiscard]] std::vector<std::pair<std::string_view, double>> motion_figures(const LayerMotion& motion);
 
 // Returns the exposure time of layer `layer_index` (0 is the one on the plate). The fade is linear: fade
 // layer k of n (from 1) is k/(n+1) of the way to the normal exposure. Not clamped: check with

@@ -1,6 +1,5 @@
 #include "daemon/config/ticket_overrides.hpp"
 
-#include <chrono>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -11,14 +10,6 @@
 
 namespace contourd {
 namespace {
-
-// Return the value in the unit of the setting's key.
-double figure_of(Duration time) {
-  return std::chrono::duration<double, std::milli>(time).count();
-}
-double figure_of(Nanometers length) {
-  return to_millimeters(length).count();
-}
 
 class Overriding {
  public:
@@ -105,9 +96,9 @@ OverriddenSettings override_settings(ResinProfile& resin, const JobTicket& ticke
   const TicketOverrides& asked = ticket.overrides;
   Overriding overriding(files);
   override_exposures(resin, ticket, irradiance_mw_cm2, overriding);
-  overriding.set("lift_mm", asked.lift, resin.limits.lift, resin.lift);
-  overriding.set("settle_ms", asked.settle, resin.limits.settle, resin.settle);
-  overriding.set("rest_ms", asked.rest, resin.limits.rest, resin.rest);
+  overriding.set("lift_mm", asked.lift, resin.limits.lift, resin.motion.lift);
+  overriding.set("settle_ms", asked.settle, resin.limits.settle, resin.motion.settle);
+  overriding.set("rest_ms", asked.rest, resin.limits.rest, resin.motion.rest);
   override_supports(resin, ticket, overriding);
   overriding.throw_if_refused();
   return overriding.take();

@@ -59,8 +59,8 @@ std::string describe_settings(const JobSummary& summary) {
                         resin.bottom_layers, resin.fade_layers);
   text += fmt::format(
       "; lift {:g} mm at {:g} mm/s, retract at {:g} mm/s; wait {:g} ms before exposure, {:g} ms after",
-      to_millimeters(resin.lift).count(), resin.lift_speed.count(), resin.retract_speed.count(),
-      milliseconds(resin.settle), milliseconds(resin.rest));
+      to_millimeters(resin.motion.lift).count(), resin.motion.lift_speed.count(),
+      resin.motion.retract_speed.count(), milliseconds(resin.motion.settle), milliseconds(resin.motion.rest));
   if (!summary.overridden.empty()) text += "; by its ticket: " + describe_overrides(summary.overridden);
   return text;
 }

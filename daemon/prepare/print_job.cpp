@@ -27,7 +27,7 @@ BuildVolume build_volume(const PrinterConfig& printer, const ResinProfile& resin
   // Every layer is peeled off by a lift, the last one too.
   return {{printer.display_width, printer.display_height, printer.pixel_pitch, printer.mirror_x,
            printer.mirror_y},
-          to_millimeters(printer.travel - resin.lift).count()};
+          to_millimeters(printer.travel - resin.motion.lift).count()};
 }
 
 EngineSettings engine_settings(const PrinterConfig& printer, const ResinProfile& resin) {
@@ -42,13 +42,9 @@ void take_settings(const PrinterConfig& printer, const ResinProfile& resin, Prin
   const double pitch_mm = to_millimeters(printer.pixel_pitch).count();
   plan.mask_budget = printer.mask_budget;
   plan.pixel_area_mm2 = pitch_mm * pitch_mm;
-  plan.lift = resin.lift;
-  plan.lift_speed = resin.lift_speed;
-  plan.retract_speed = resin.retract_speed;
+  plan.motion = resin.motion;
   plan.travel_speed = printer.travel_speed;
   plan.homing_speed = printer.homing_speed;
-  plan.settle = resin.settle;
-  plan.rest = resin.rest;
   plan.tolerance = resin.tolerance;
   plan.warm_up = printer.real ? printer.real->warm_up : printer.simulated.projector.warm_up;
   if (printer.real) plan.home_height = printer.real->axis.switch_height;

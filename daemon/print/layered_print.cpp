@@ -72,7 +72,7 @@ void LayeredPrint::start(PrintPlan plan) {
   begin_layer(Nanometers{});
   const Nanometers top =
       std::accumulate(plan_->expected_layers.begin(), plan_->expected_layers.end(), Nanometers{});
-  left_after_.assign(plan_->expected_layers.size() + 1, parking_duration(top + plan_->lift));
+  left_after_.assign(plan_->expected_layers.size() + 1, parking_duration(top + plan_->motion.lift));
   for (std::size_t i = plan_->expected_layers.size(); i-- > 0;) {
     left_after_[i] =
         left_after_[i + 1] + layer_duration(*plan_, static_cast<std::int32_t>(i), machine_.z_axis());
@@ -208,9 +208,9 @@ void LayeredPrint::perform(LayeredEffect effect) {
     case LayeredEffect::Home:
       return home();
     case LayeredEffect::LowerToLayer:
-      return move_to(layer_top(), layer_ == 0 ? plan_->travel_speed : plan_->retract_speed);
+      return move_to(layer_top(), layer_ == 0 ? plan_->travel_speed : plan_->motion.retract_speed);
     case LayeredEffect::WaitToSettle:
-      return wait(plan_->settle);
+      return wait(plan_->motion.settle);
     case LayeredEffect::ShowMask:
       return show_mask();
     case LayeredEffect::LightOn:
@@ -228,9 +228,10 @@ void LayeredPrint::perform(LayeredEffect effect) {
     case LayeredEffect::RecordLayer:
       return record_layer();
     case LayeredEffect::WaitToRest:
-      return wait(plan_->rest);
+      return wait(plan_->motion.rest);
     case LayeredEffect::Lift:
-      return move_to(std::min(current_height() + plan_->lift, machine_.z_axis().travel()), plan_->lift_speed);
+      return move_to(std::min(current_height() + plan_->motion.lift, machine_.z_axis().travel()),
+                     plan_->motion.lift_speed);
     case LayeredEffect::NextLayer:
       ++layer_;
       return begin_layer(layer_top());
@@ -463,23 +464,23 @@ Duration LayeredPrint::parking_duration(Nanometers from) const {
 
 Duration LayeredPrint::lowering_duration(std::int32_t layer) const {
   const ZAxis& axis = machine_.z_axis();
-  if (layer > 0) return axis.move_duration(-plan_->lift, plan_->retract_speed);
+  if (layer > 0) return axis.move_duration(-plan_->motion.lift, plan_->motion.retract_speed);
   return axis.move_duration(layer_top() - plan_->home_height, plan_->travel_speed);
 }
 
 // Returns the time that the layer under way takes after the current state.
 Duration LayeredPrint::left_of_layer() const {
-  const Duration lift = machine_.z_axis().move_duration(plan_->lift, plan_->lift_speed);
+  const Duration lift = machine_.z_axis().move_duration(plan_->motion.lift, plan_->motion.lift_speed);
   const Duration light = std::max(exposure_left(), Duration{0});
-  const Duration lit = light + plan_->rest + lift;
-  const Duration whole = lowering_duration(layer_) + plan_->settle + lit;
+  const Duration lit = light + plan_->motion.rest + lift;
+  const Duration whole = lowering_duration(layer_) + plan_->motion.settle + lit;
   switch (layered_state()) {
     case LayeredState::WarmingUp:
       return homing_duration() + whole;
     case LayeredState::Held:
       return plan_->warm_up + homing_duration() + whole;
     case LayeredState::Lowering:
-      return plan_->settle + lit;
+      return plan_->motion.settle + lit;
     case LayeredState::Settling:
     case LayeredState::Showing:
     case LayeredState::Igniting:
@@ -487,7 +488,7 @@ Duration LayeredPrint::left_of_layer() const {
     case LayeredState::Exposing:
     case LayeredState::Darkening:
     case LayeredState::Extinguishing:
-      return plan_->rest + lift;
+      return plan_->motion.rest + lift;
     case LayeredState::Resting:
       return lift;
     default:

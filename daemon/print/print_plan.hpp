@@ -28,9 +28,8 @@ struct PrintPlan {
   Duration mask_budget = std::chrono::seconds{1};  // time limit for one mask, computed on the event loop
   double pixel_area_mm2 = 0;
   ExposureTolerance tolerance;
-  Nanometers lift{};
-  MillimetersPerSecond lift_speed, retract_speed, travel_speed, homing_speed;
-  Duration settle{}, rest{};
+  LayerMotion motion;
+  MillimetersPerSecond travel_speed, homing_speed;
   // Used only for the time left: the lamp's warm-up time, and the plate's height after homing.
   Duration warm_up{};
   Nanometers home_height{};
@@ -42,9 +41,9 @@ template <typename MoveDuration>
 [[nodiscard]] Duration layer_duration(const PrintPlan& plan, std::int32_t layer,
                                       const MoveDuration& move_duration) requires
     std::is_invocable_r_v<Duration, MoveDuration, Nanometers, MillimetersPerSecond> {
-  return plan.exposure(layer, plan.expected_layers[static_cast<std::size_t>(layer)]) + plan.settle +
-         plan.rest + move_duration(plan.lift, plan.lift_speed) +
-         move_duration(-plan.lift, plan.retract_speed);
+  return plan.exposure(layer, plan.expected_layers[static_cast<std::size_t>(layer)]) + plan.motion.settle +
+         plan.motion.rest + move_duration(plan.motion.lift, plan.motion.lift_speed) +
+         move_duration(-plan.motion.lift, plan.motion.retract_speed);
 }
 
 // Returns the duration of an expected layer on this axis.

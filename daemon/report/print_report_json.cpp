@@ -155,13 +155,10 @@ std::string report_as_json(const PrintReport& report) {
   add_models(summary, json);
   json["resin"] = summary.resin.name;
   json["settings"] = exposure_json(summary);
+  for (const auto& [key, value] : motion_figures(summary.resin.motion))
+    json["settings"][key] = value;
   json["settings"].update(
-      Json{{"lift_mm", in_mm(summary.resin.lift)},
-           {"lift_speed_mm_s", summary.resin.lift_speed.count()},
-           {"retract_speed_mm_s", summary.resin.retract_speed.count()},
-           {"settle_ms", in_ms(summary.resin.settle)},
-           {"rest_ms", in_ms(summary.resin.rest)},
-           {"exposure_tolerance_ms", in_ms(summary.resin.tolerance.bounds)},
+      Json{{"exposure_tolerance_ms", in_ms(summary.resin.tolerance.bounds)},
            {"bottom_layers", summary.resin.bottom_layers},
            {"fade_layers", summary.resin.fade_layers},
            {"growth_um", summary.resin.compensation.growth.count()},

@@ -77,11 +77,11 @@ PrintPlan World::plan() const {
   plan.exposure = [this](std::int32_t layer, Nanometers) { return scenario_.exposure + 100ms * layer; };
   plan.pixel_area_mm2 = 0.01;
   if (scenario_.interrupts_beyond_tolerance) plan.tolerance.policy = ExposureTolerance::Policy::Interrupt;
-  plan.lift = Nanometers{1'000'000};
-  plan.lift_speed = MillimetersPerSecond{2};
-  plan.retract_speed = plan.travel_speed = plan.homing_speed = MillimetersPerSecond{5};
-  plan.settle = scenario_.settle;
-  plan.rest = scenario_.rest;
+  plan.motion.lift = Nanometers{1'000'000};
+  plan.motion.lift_speed = MillimetersPerSecond{2};
+  plan.motion.retract_speed = plan.travel_speed = plan.homing_speed = MillimetersPerSecond{5};
+  plan.motion.settle = scenario_.settle;
+  plan.motion.rest = scenario_.rest;
   return plan;
 }
 

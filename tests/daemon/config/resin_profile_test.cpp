@@ -30,11 +30,11 @@ TEST_CASE("every key of a resin profile is read with its unit, and the file give
   CHECK(std::get<FixedExposure>(resin.exposure).bottom_exposure == milliseconds{30000});
   CHECK(resin.bottom_layers == 5);
   CHECK(resin.fade_layers == 10);
-  CHECK(resin.lift == Nanometers{6'000'000});
-  CHECK(resin.lift_speed == MillimetersPerSecond{1.5});
-  CHECK(resin.retract_speed == MillimetersPerSecond{2.5});
-  CHECK(resin.settle == milliseconds{1000});
-  CHECK(resin.rest == milliseconds{500});
+  CHECK(resin.motion.lift == Nanometers{6'000'000});
+  CHECK(resin.motion.lift_speed == MillimetersPerSecond{1.5});
+  CHECK(resin.motion.retract_speed == MillimetersPerSecond{2.5});
+  CHECK(resin.motion.settle == milliseconds{1000});
+  CHECK(resin.motion.rest == milliseconds{500});
 
   const auto curve = std::get<WorkingCurve>(load_resin(curve_profile()).exposure);
   CHECK(curve.penetration_depth == Micrometers{100.0});

@@ -49,9 +49,9 @@ TEST_CASE("a ticket within the limits sets all five settings and no other settin
                                                                {"rest_ms", 500}});
   CHECK(std::get<FixedExposure>(resin.exposure) ==
         FixedExposure{std::chrono::microseconds{4'000'500}, milliseconds{20000}});
-  CHECK(resin.lift == Nanometers{8'000'000});
-  CHECK(resin.settle == milliseconds{0});
-  CHECK(resin.rest == milliseconds{500});
+  CHECK(resin.motion.lift == Nanometers{8'000'000});
+  CHECK(resin.motion.settle == milliseconds{0});
+  CHECK(resin.motion.rest == milliseconds{500});
   CHECK(overridden == OverriddenSettings{{"exposure_ms", 4000.5, 3000},
                                          {"bottom_exposure_ms", 20000, 30000},
                                          {"lift_mm", 8, 6},
@@ -59,9 +59,9 @@ TEST_CASE("a ticket within the limits sets all five settings and no other settin
                                          {"rest_ms", 500, 500}});
   ResinProfile back = resin;
   back.exposure = before.exposure;
-  back.lift = before.lift;
-  back.settle = before.settle;
-  back.rest = before.rest;
+  back.motion.lift = before.motion.lift;
+  back.motion.settle = before.motion.settle;
+  back.motion.rest = before.motion.rest;
   CHECK(back == before);
 }
 

@@ -22,8 +22,8 @@ TEST_CASE("The settings line has the resin's values, and the bottom layers' if t
   ResinProfile& resin = summary.resin;
   resin.name = "standard";
   resin.exposure = FixedExposure{.exposure = 3s, .bottom_exposure = 30s};
-  resin.settle = 1s;
-  resin.rest = 500ms;
+  resin.motion.settle = 1s;
+  resin.motion.rest = 500ms;
   resin.bottom_layers = resin.fade_layers = 0;
   CHECK(describe_settings(summary).starts_with("standard: exposure 3000 ms; lift "));
   CHECK(describe_settings(summary).ends_with("wait 1000 ms before exposure, 500 ms after"));

@@ -38,11 +38,11 @@ inline constexpr Nanometers kBoxLayer{50'000};
   plan.expected_layers = plan.layers.all();
   plan.exposure = [](std::int32_t layer, Nanometers) { return 1s + 100ms * layer; };
   plan.pixel_area_mm2 = 0.01;
-  plan.lift = Nanometers{6'000'000};
-  plan.lift_speed = MillimetersPerSecond{2};
-  plan.retract_speed = plan.travel_speed = plan.homing_speed = MillimetersPerSecond{5};
-  plan.settle = 700ms;
-  plan.rest = 300ms;
+  plan.motion.lift = Nanometers{6'000'000};
+  plan.motion.lift_speed = MillimetersPerSecond{2};
+  plan.motion.retract_speed = plan.travel_speed = plan.homing_speed = MillimetersPerSecond{5};
+  plan.motion.settle = 700ms;
+  plan.motion.rest = 300ms;
   return plan;
 }
 

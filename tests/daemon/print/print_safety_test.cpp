@@ -27,7 +27,7 @@ GpioAxisConfig axis_config() {
 PrintPlan print_plan() {
   PrintPlan plan = testing::box_plan(kLayers);
   plan.exposure = [](std::int32_t, Nanometers) { return kExposure; };
-  plan.lift = Nanometers{4'000'000};
+  plan.motion.lift = Nanometers{4'000'000};
   return plan;
 }
 
