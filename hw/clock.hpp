@@ -6,6 +6,9 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <utility>
+
+#include "hw/interface.hpp"
 
 namespace contourd {
 
@@ -21,21 +24,10 @@ using TimePoint = std::chrono::time_point<std::chrono::steady_clock, Duration>;
 }
 
 // A pending call; destroying it cancels the call. Safe to destroy from inside that call.
-class Timer {
- public:
-  Timer() = default;
-  Timer(const Timer&) = delete;
-  Timer& operator=(const Timer&) = delete;
-  virtual ~Timer() = default;
-};
+class Timer : public Interface {};
 
-class Clock {
+class Clock : public Interface {
  public:
-  Clock() = default;
-  Clock(const Clock&) = delete;
-  Clock& operator=(const Clock&) = delete;
-  virtual ~Clock() = default;
-
   [[nodiscard]] virtual TimePoint now() const = 0;
 
   // Calls `call` once, from the event loop, at `when` or as soon after as the loop gets to it; never from

@@ -5,23 +5,14 @@
 #include <functional>
 #include <memory>
 
+#include "hw/interface.hpp"
+
 namespace contourd {
 
-class DescriptorWatcher {
+class DescriptorWatcher : public Interface {
  public:
   // A watch on one descriptor; destroying the watch ends it. Safe to destroy from inside its own call.
-  class Watch {
-   public:
-    Watch() = default;
-    Watch(const Watch&) = delete;
-    Watch& operator=(const Watch&) = delete;
-    virtual ~Watch() = default;
-  };
-
-  DescriptorWatcher() = default;
-  DescriptorWatcher(const DescriptorWatcher&) = delete;
-  DescriptorWatcher& operator=(const DescriptorWatcher&) = delete;
-  virtual ~DescriptorWatcher() = default;
+  class Watch : public Interface {};
 
   // Runs `call` from the event loop for as long as `fd` can be read, or has hung up or failed
   // (level-triggered). The caller keeps the descriptor, which must outlive the watch. Throws

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "hw/interface.hpp"
+
 namespace contourd {
 
 // An event that is not the answer to a command.
@@ -25,13 +27,8 @@ struct MachineEvent {
   std::vector<std::string> warnings{};
 };
 
-class Device {
+class Device : public Interface {
  public:
-  Device() = default;
-  Device(const Device&) = delete;
-  Device& operator=(const Device&) = delete;
-  virtual ~Device() = default;
-
   // Runs `call` from the event loop for every machine event from now on. A device without events drops it.
   virtual void on_event(std::function<void(const MachineEvent&)> call) {
     [[maybe_unused]] const auto dropped = std::move(call);

@@ -4,7 +4,7 @@
 #include <exception>
 #include <utility>
 
-#include "hw/drm/drm_report.hpp"
+#include "hw/drm/drm_display.hpp"
 #include "hw/gpio/gpio_axis.hpp"
 
 namespace contourd {
@@ -104,7 +104,7 @@ void HardwareCheck::check_speed() {
 void HardwareCheck::check_display() {
   try {
     const DrmReport display = check_drm_display(config_.display);
-    report("display", !display.in_use, describe(display));
+    report("display", !display.in_use, display.description);
   } catch (const std::exception& error) {
     report("display", false, error.what());
   }

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "hw/descriptor_watcher.hpp"
 #include "hw/gpio/gpio_lines.hpp"

@@ -6,6 +6,7 @@
 
 #include "hw/clock.hpp"
 #include "hw/hardware_error.hpp"
+#include "hw/interface.hpp"
 
 namespace contourd {
 
@@ -15,13 +16,9 @@ class LightInterlocked : public HardwareError {
   using HardwareError::HardwareError;
 };
 
-class LightLine {
+// The destructor leaves the light off.
+class LightLine : public Interface {
  public:
-  LightLine() = default;
-  LightLine(const LightLine&) = delete;
-  LightLine& operator=(const LightLine&) = delete;
-  virtual ~LightLine() = default;  // leaves the light off
-
   // Turns the light on. Throws LightInterlocked if an interlock is open, another HardwareError if the line
   // cannot be set.
   virtual void on() = 0;
@@ -37,13 +34,8 @@ class LightLine {
 };
 
 // An interface by which a thread that cannot wait for the event loop turns the light off.
-class LightCutoff {
+class LightCutoff : public Interface {
  public:
-  LightCutoff() = default;
-  LightCutoff(const LightCutoff&) = delete;
-  LightCutoff& operator=(const LightCutoff&) = delete;
-  virtual ~LightCutoff() = default;
-
   // Turns the light off and keeps it off until release(). May be called from any thread; neither allocates,
   // locks nor throws.
   virtual void cut(TimePoint now) noexcept = 0;

@@ -8,19 +8,15 @@
 #include <string_view>
 
 #include "hw/device.hpp"
+#include "hw/interface.hpp"
 #include "hw/mask_display.hpp"
 #include "hw/projector.hpp"
 #include "hw/z_axis.hpp"
 
 namespace contourd {
 
-class Machine {
+class Machine : public Interface {
  public:
-  Machine() = default;
-  Machine(const Machine&) = delete;
-  Machine& operator=(const Machine&) = delete;
-  virtual ~Machine() = default;
-
   // Owned by the machine.
   [[nodiscard]] virtual ZAxis& z_axis() = 0;
   [[nodiscard]] virtual MaskDisplay& display() = 0;

@@ -172,8 +172,4 @@ Nanometers MotionProfile::displacement(Duration elapsed) const {
   return Nanometers{std::llround(sign_ * curve_.position_at(in_seconds(elapsed)) * 1e6)};
 }
 
-void MotionProfile::stop_at(Duration elapsed) {
-  curve_.stop_at(in_seconds(elapsed));
-}
-
 }  // namespace contourd

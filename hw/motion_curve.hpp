@@ -81,7 +81,7 @@ class MotionProfile {
 
   // Decelerates to a standstill from `elapsed` after the start on, which changes duration() and
   // displacement(). Does nothing if the move is already decelerating by then.
-  void stop_at(Duration elapsed);
+  void stop_at(Duration elapsed) { curve_.stop_at(in_seconds(elapsed)); }
 
  private:
   double sign_;

@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
-#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <system_error>
+
+#include "hw/owned.hpp"
 
 namespace contourd {
 namespace {
@@ -21,13 +22,7 @@ struct DisplaySize {
   Pixels width, height;
 };
 
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-
-struct FreeImage {
-  void operator()(png_image* image) const { png_image_free(image); }
-};
+using File = Owned<std::FILE, std::fclose>;
 
 std::string text_of(const DisplaySize& size) {
   return std::to_string(size.width.count()) + "x" + std::to_string(size.height.count());
@@ -58,7 +53,7 @@ std::vector<std::uint8_t> read_file(const std::filesystem::path& path) {
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     throw std::runtime_error("it is not a regular file");  // reading from a pipe would block
   }
-  std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
+  File file(std::fopen(path.c_str(), "rb"));
   if (!file) throw cannot_read(errno);
   std::vector<std::uint8_t> bytes;
   std::uint8_t block[65536];
@@ -140,7 +135,7 @@ Mask read_png_as_grey(const std::filesystem::path& path) {
   require_signature(bytes);
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
-  const std::unique_ptr<png_image, FreeImage> freed_at_the_end(&image);
+  const Owned<png_image, png_image_free> freed_at_the_end(&image);
   const auto require = [&image](int done) {
     if (done == 0 || PNG_IMAGE_FAILED(image))
       throw std::runtime_error(std::string("the picture cannot be read: ") + image.message);
@@ -174,7 +169,7 @@ void write_png(const std::filesystem::path& path, const Mask& mask, MaskPngEncod
   const auto cannot_write = [&path] {
     return std::system_error(errno, std::generic_category(), "cannot write " + path.string());
   };
-  std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "wb"));
+  File file(std::fopen(path.c_str(), "wb"));
   if (!file) throw cannot_write();
   std::setvbuf(file.get(), nullptr, _IONBF, 0);  // unbuffered, because all bytes go out in one system call
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();

@@ -6,7 +6,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "hw/clock.hpp"
 #include "hw/device.hpp"
@@ -20,9 +19,6 @@ enum class ProjectorReply {
   NoAnswer,     // no answer in time, retries included
   Interlocked,  // the light stays off for someone's safety: not the projector's fault
 };
-// Returns the reply in words, as a simulated projector reports its last problem. A real projector describes
-// its problems itself.
-[[nodiscard]] std::string_view describe(ProjectorReply reply);
 
 // A projector's answers to questions about its state.
 struct ProjectorStatus {

@@ -17,14 +17,6 @@ LightLineProjector::LightLineProjector(LightLine& line, Clock& clock, Duration w
   line_.off();
 }
 
-LightLineProjector::~LightLineProjector() {
-  line_.off();
-}
-
-void LightLineProjector::answer_after(Duration delay, std::function<void()> answer) {
-  answer_ = clock_.call_after(delay, std::move(answer));
-}
-
 void LightLineProjector::power_on(Done done) {
   answer_after(warm_ ? Duration{0} : warm_up_, [this, done = std::move(done)] {
     warm_ = true;
@@ -100,10 +92,6 @@ void LightLineProjector::power_off() noexcept {
   warm_ = false;
 }
 
-void LightLineProjector::ask_status(StatusDone done) {
-  answer_after(Duration{0}, [done = std::move(done)] { done({}); });
-}
-
 void LightLineProjector::confirm_dark(Done done) {
   light_off();
   problem_ = line_.refusal();
@@ -154,21 +142,9 @@ void ProjectorWithLightLine::light_off() noexcept {
   projector_.light_off();
 }
 
-void ProjectorWithLightLine::when_dark(std::function<void()> call) {
-  projector_.when_dark([this, call = std::move(call)] { line_projector_.when_dark(call); });
-}
-
 void ProjectorWithLightLine::power_off() noexcept {
   line_projector_.power_off();
   projector_.power_off();
-}
-
-void ProjectorWithLightLine::ask_status(StatusDone done) {
-  projector_.ask_status(std::move(done));
-}
-
-std::string ProjectorWithLightLine::last_problem() const {
-  return line_asked_ ? line_projector_.last_problem() : projector_.last_problem();
 }
 
 std::string ProjectorWithLightLine::light_off_unconfirmed() const {

@@ -20,7 +20,7 @@ class LightLineProjector final : public Projector {
  public:
   // The line and the clock must outlive the projector.
   LightLineProjector(LightLine& line, Clock& clock, Duration warm_up);
-  ~LightLineProjector() override;
+  ~LightLineProjector() override { line_.off(); }
 
   void power_on(Done done) override;
   void light_on(Duration exposure, LightOn tell) override;
@@ -29,7 +29,9 @@ class LightLineProjector final : public Projector {
   // Returns when the light shone; a light that a cutoff ended went off at that time.
   [[nodiscard]] std::optional<LightSpan> last_light() const override;
   void power_off() noexcept override;
-  void ask_status(StatusDone done) override;
+  void ask_status(StatusDone done) override {
+    answer_after(Duration{0}, [done = std::move(done)] { done({}); });
+  }
   [[nodiscard]] std::string last_problem() const override { return problem_; }
   [[nodiscard]] std::string light_off_unconfirmed() const override { return line_.refusal(); }
   void confirm_dark(Done done) override;
@@ -37,7 +39,9 @@ class LightLineProjector final : public Projector {
   [[nodiscard]] std::string description() const override { return "a light line"; }
 
  private:
-  void answer_after(Duration delay, std::function<void()> answer);
+  void answer_after(Duration delay, std::function<void()> answer) {
+    answer_ = clock_.call_after(delay, std::move(answer));
+  }
   ProjectorReply turn_line_on();
   void note_whether_off();
   void look_whether_dark(Duration delay);
@@ -65,13 +69,17 @@ class ProjectorWithLightLine final : public Projector {
   void power_on(Done done) override;
   void light_on(Duration exposure, LightOn tell) override;
   void light_off() noexcept override;
-  void when_dark(std::function<void()> call) override;
+  void when_dark(std::function<void()> call) override {
+    projector_.when_dark([this, call = std::move(call)] { line_projector_.when_dark(call); });
+  }
   [[nodiscard]] std::optional<LightSpan> last_light() const override {
     return line_asked_ ? line_projector_.last_light() : std::nullopt;
   }
   void power_off() noexcept override;
-  void ask_status(StatusDone done) override;
-  [[nodiscard]] std::string last_problem() const override;
+  void ask_status(StatusDone done) override { projector_.ask_status(std::move(done)); }
+  [[nodiscard]] std::string last_problem() const override {
+    return line_asked_ ? line_projector_.last_problem() : projector_.last_problem();
+  }
   [[nodiscard]] std::string light_off_unconfirmed() const override;
   void may_warm_up() override { projector_.may_warm_up(); }
   void confirm_dark(Done done) override;

@@ -152,10 +152,6 @@ void RealMachine::offer_light_paths() {
   watchdog_.set_display(display_ ? display_->black_path() : LightDisplayPath{});
 }
 
-void RealMachine::search_after(Duration pause) {
-  search_ = clock_.call_after(pause, [this] { search(); });
-}
-
 void RealMachine::search() {
   std::vector<Found> found;
   if (missing_.any()) found = open_missing();
@@ -196,10 +192,6 @@ MaskDisplay& RealMachine::display() {
   return no_display_;
 }
 
-Projector& RealMachine::projector() {
-  return watched_;
-}
-
 std::string RealMachine::why_not_ready() const {
   std::string sentences;
   for (const std::string* missing : {&missing_.light, &missing_.projector, &missing_.display, &missing_.axis})
@@ -211,10 +203,6 @@ std::string RealMachine::why_not_ready() const {
       add(sentences, why);
   }
   return sentences;
-}
-
-std::string RealMachine::light_description() const {
-  return "light: line " + config_.light->line + " of " + config_.light->chip;
 }
 
 std::vector<std::string> RealMachine::description() const {

@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hw/absent_devices.hpp"
@@ -41,7 +42,7 @@ class RealMachine final : public Machine {
 
   [[nodiscard]] ZAxis& z_axis() override;
   [[nodiscard]] MaskDisplay& display() override;
-  [[nodiscard]] Projector& projector() override;
+  [[nodiscard]] Projector& projector() override { return watched_; }
   // Also reports each missing device that is found (as a Recovery that names the device).
   void on_event(std::function<void(const MachineEvent&)> call) override { on_event_ = std::move(call); }
   [[nodiscard]] std::string why_not_ready() const override;
@@ -80,11 +81,15 @@ class RealMachine final : public Machine {
   void offer_light_paths();
   void combine_projector();
   [[nodiscard]] bool display_lost() const { return display_ && !display_->why_not_ready().empty(); }
-  void search_after(Duration pause);
+  void search_after(Duration pause) {
+    search_ = clock_.call_after(pause, [this] { search(); });
+  }
   void search();
   void tell(const MachineEvent& event);
   void note_losses(const std::string& what);
-  [[nodiscard]] std::string light_description() const;
+  [[nodiscard]] std::string light_description() const {
+    return "light: line " + config_.light->line + " of " + config_.light->chip;
+  }
 
   Clock& clock_;
   DescriptorWatcher& watcher_;

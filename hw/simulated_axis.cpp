@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
-#include "hw/homing_distances.hpp"
 
 namespace contourd {
 
@@ -18,25 +17,15 @@ Nanometers SimulatedAxis::nearest_step(Nanometers height) const {
 }
 
 bool SimulatedAxis::switch_closed() const {
-  switch (config_.limit_switch) {
-    case SimulatedAxisConfig::Switch::StuckOpen:
-      return false;
-    case SimulatedAxisConfig::Switch::StuckClosed:
-      return true;
-    case SimulatedAxisConfig::Switch::Works:
-      break;
-  }
-  return true_height_ <= Nanometers{0};
+  using Switch = SimulatedAxisConfig::Switch;
+  if (config_.limit_switch == Switch::Works) return true_height_ <= Nanometers{0};
+  return config_.limit_switch == Switch::StuckClosed;
 }
 
 void SimulatedAxis::put_at(Nanometers true_height) {
   const bool was_closed = switch_closed();
   true_height_ = true_height;
   if (switch_closed() != was_closed) ++switch_edges_;
-}
-
-std::vector<AxisInputState> SimulatedAxis::inputs() const {
-  return {{"limit switch", description(), switch_closed(), switch_edges_}};
 }
 
 void SimulatedAxis::home(std::function<void(HomingResult)> done) {
@@ -71,10 +60,6 @@ void SimulatedAxis::seek_switch(MillimetersPerSecond speed, std::function<void()
     if (!switch_closed()) return end_homing(HomingResult::NoTrigger);
     found();
   });
-}
-
-void SimulatedAxis::end_homing(HomingResult result) {
-  if (const auto done = std::exchange(homing_done_, nullptr)) done(result);
 }
 
 void SimulatedAxis::move_to(Nanometers target, MillimetersPerSecond speed,
@@ -141,18 +126,10 @@ void SimulatedAxis::abort() noexcept {
   homing_done_ = nullptr;
 }
 
-std::optional<Nanometers> SimulatedAxis::height() const {
-  return height_at(clock_.now());
-}
-
 std::optional<Nanometers> SimulatedAxis::height_at(TimePoint time) const {
   if (!homed_) return std::nullopt;
   if (!move_) return true_height_;
   return nearest_step(move_->from + move_->profile.displacement(time - move_->start));
-}
-
-Duration SimulatedAxis::move_duration(Nanometers distance, MillimetersPerSecond speed) const {
-  return MotionProfile(distance, speed, config_.acceleration).duration();
 }
 
 }  // namespace contourd

@@ -1,11 +1,11 @@
-// The simulated printer's Z axis, a part of simulated_printer.hpp that is not for use outside hw. It has many
-// functions, those of a ZAxis.
+// The simulated printer's Z axis, a part of simulated_printer.hpp that is not for use outside hw.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hw/motion_curve.hpp"
@@ -26,12 +26,16 @@ class SimulatedAxis final : public ZAxis {
   void abort() noexcept override;
   bool release() override;
   [[nodiscard]] bool moving() const override { return move_.has_value(); }
-  [[nodiscard]] std::optional<Nanometers> height() const override;
+  [[nodiscard]] std::optional<Nanometers> height() const override { return height_at(clock_.now()); }
   [[nodiscard]] std::optional<Nanometers> height_at(TimePoint time) const override;
   [[nodiscard]] std::optional<Nanometers> homing_shift() const override { return homing_shift_; }
   [[nodiscard]] Nanometers travel() const override { return config_.travel; }
-  [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override;
-  [[nodiscard]] std::vector<AxisInputState> inputs() const override;
+  [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override {
+    return MotionProfile(distance, speed, config_.acceleration).duration();
+  }
+  [[nodiscard]] std::vector<AxisInputState> inputs() const override {
+    return {{"limit switch", description(), switch_closed(), switch_edges_}};
+  }
   [[nodiscard]] LateSteps late_steps() const override { return {}; }
   void set_light_cutoff(LightCutoff*) noexcept override {}
   [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {}; }
@@ -51,7 +55,9 @@ class SimulatedAxis final : public ZAxis {
   void run(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done);
   void finish(Nanometers end, MoveResult result);
   void seek_switch(MillimetersPerSecond speed, std::function<void()> found);
-  void end_homing(HomingResult result);
+  void end_homing(HomingResult result) {
+    if (const auto done = std::exchange(homing_done_, nullptr)) done(result);
+  }
 
   Clock& clock_;
   SimulatedAxisConfig config_;

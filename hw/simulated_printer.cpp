@@ -166,7 +166,11 @@ class SimulatedPrinter::Lamp final : public Projector {
         });
   }
 
-  [[nodiscard]] std::string last_problem() const override { return std::string(describe(failed_)); }
+  [[nodiscard]] std::string last_problem() const override {
+    if (failed_ == ProjectorReply::Ok) return "ok";
+    return failed_ == ProjectorReply::NoAnswer ? "the projector does not answer"
+                                               : "the projector refused the command";
+  }
   [[nodiscard]] std::string light_off_unconfirmed() const override {
     return is_silent() && span_ ? "the projector has not confirmed that its light is off" : "";
   }
@@ -230,22 +234,11 @@ SimulatedPrinter::SimulatedPrinter(Clock& clock, const SimulatedPrinterConfig& c
 
 SimulatedPrinter::~SimulatedPrinter() = default;
 
-ZAxis& SimulatedPrinter::z_axis() {
-  return *axis_;
-}
 MaskDisplay& SimulatedPrinter::display() {
   return *screen_;
 }
 Projector& SimulatedPrinter::projector() {
   return *lamp_;
-}
-
-void SimulatedPrinter::on_event(std::function<void(const MachineEvent&)> call) {
-  on_event_ = std::move(call);
-}
-
-void SimulatedPrinter::report(MachineEvent::Kind kind, const std::string& what, bool needs_user) {
-  if (on_event_) on_event_({kind, what, needs_user});
 }
 
 std::string SimulatedPrinter::why_not_ready() const {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "hw/machine.hpp"
 #include "hw/simulated_printer_config.hpp"
@@ -20,10 +21,10 @@ class SimulatedPrinter final : public Machine {
   SimulatedPrinter(Clock& clock, const SimulatedPrinterConfig& config);
   ~SimulatedPrinter() override;
 
-  [[nodiscard]] ZAxis& z_axis() override;
+  [[nodiscard]] ZAxis& z_axis() override { return *axis_; }
   [[nodiscard]] MaskDisplay& display() override;
   [[nodiscard]] Projector& projector() override;
-  void on_event(std::function<void(const MachineEvent&)> call) override;
+  void on_event(std::function<void(const MachineEvent&)> call) override { on_event_ = std::move(call); }
   [[nodiscard]] std::string why_not_ready() const override;
   std::optional<std::filesystem::path> begin_job(std::string_view name) override;
 
@@ -44,7 +45,9 @@ class SimulatedPrinter final : public Machine {
   class Screen;
   class Lamp;
 
-  void report(MachineEvent::Kind kind, const std::string& what, bool needs_user = false);
+  void report(MachineEvent::Kind kind, const std::string& what, bool needs_user = false) {
+    if (on_event_) on_event_({kind, what, needs_user});
+  }
   void light_switched(bool on);
 
   Clock& clock_;

@@ -13,6 +13,8 @@
 #include <string>
 #include <string_view>
 
+#include "hw/enum_names.hpp"
+
 namespace contourd {
 
 // A set of enumerators of an enumeration that has at most 64, counted from 0. One enumerator or several
@@ -39,27 +41,6 @@ class EnumSet {
 
   std::uint64_t bits_ = 0;
 };
-
-// Returns the names of an enumeration's values, in their order from 0 to `Last`, from a list with commas. A
-// wrong number does not compile.
-template <auto Last>
-[[nodiscard]] consteval auto names_to(std::string_view list) {
-  std::array<std::string_view, static_cast<std::size_t>(Last) + 1> names;
-  for (std::string_view& name : names) {
-    if (list.empty()) throw "a name is missing";
-    name = list.substr(0, list.find(", "));
-    list.remove_prefix(std::min(list.size(), name.size() + 2));
-  }
-  if (!list.empty()) throw "there are more names than enumerators";
-  return names;
-}
-
-// Returns the value's name; "?" if there is none.
-template <typename Enum>
-[[nodiscard]] std::string_view name_in(std::span<const std::string_view> names, Enum value) {
-  const auto index = static_cast<std::size_t>(value);
-  return index < names.size() ? names[index] : "?";
-}
 
 // A row: in each of the states `from`, each of the events `on` leads to `to`, and causes the effects.
 template <typename StateOf, typename EventOf, typename EffectOf>
@@ -110,8 +91,7 @@ struct StateTable {
   }
 
   std::span<const Row> rows;
-  std::span<const std::string_view> states, events;  // their names
-  State start;                                       // every state is reached from here, and leads back here
+  State start;  // every state is reached from here, and leads back here
   std::span<const Answered> answered;
   // Once one of the effects `light_on` has been performed, only the effects `harmless` may come before one of
   // the effects `light_off`.
@@ -119,13 +99,13 @@ struct StateTable {
 };
 
 // Calls `call` with each state, event and row of the table, in the order of states and events.
-template <typename Table, typename Call>
-void for_each_transition(const Table& table, const Call& call) {
-  for (std::size_t from = 0; from < table.states.size(); ++from) {
-    for (std::size_t on = 0; on < table.events.size(); ++on) {
-      const auto state = static_cast<typename Table::State>(from);
-      const auto event = static_cast<typename Table::Event>(on);
-      if (const auto* const row = table.find(state, event)) call(state, event, *row);
+template <typename Row, typename Call>
+void for_each_transition(const StateTable<Row>& table, const Call& call) {
+  for (std::size_t from = 0; from < kNames<typename Row::State>.size(); ++from) {
+    for (std::size_t on = 0; on < kNames<typename Row::Event>.size(); ++on) {
+      const auto state = static_cast<typename Row::State>(from);
+      const auto event = static_cast<typename Row::Event>(on);
+      if (const Row* const row = table.find(state, event)) call(state, event, *row);
     }
   }
 }
@@ -146,7 +126,7 @@ template <typename Row>
     return "\"" + name + ": " + std::string(state) + "\"";
   };
   std::string part = "  subgraph \"cluster " + name + "\" {\n    label=\"" + name + "\";\n";
-  for (const std::string_view state : table.states)
+  for (const std::string_view state : kNames<typename Row::State>)
     part += "    " + node(state) + " [label=\"" + std::string(state) + "\"];\n";
   for_each_transition(table, [&](auto from, auto on, const Row& row) {
     part += "    " + node(name_of(from)) + " -> " + node(name_of(row.next(from))) + " [label=\"" +

@@ -12,6 +12,7 @@
 #include "core/geometry/units.hpp"
 #include "hw/clock.hpp"
 #include "hw/device.hpp"
+#include "hw/enum_names.hpp"
 
 namespace contourd {
 
@@ -24,7 +25,12 @@ enum class HomingResult {
   Fault,        // a machine event says why (emergency stop, a line that cannot be set)
   Stopped,      // stop() came first
 };
-[[nodiscard]] std::string_view describe(HomingResult result);
+template <>
+inline constexpr auto kNames<HomingResult> = names_to<HomingResult::Stopped>(
+    "homed, the limit switch did not trigger after the full travel, "
+    "the limit switch is still closed after backing off, "
+    "the switch at the other end closed: the motor may turn the wrong way, "
+    "the encoder does not follow the motor, a fault ended homing, homing was stopped");
 
 enum class MoveResult {
   Reached,
@@ -34,7 +40,10 @@ enum class MoveResult {
   Fault,          // a machine event says why; the position is unknown
   AtSwitch,       // a nudge met the limit switch: it closed, or was closed already on the way towards it
 };
-[[nodiscard]] std::string_view describe(MoveResult result);
+template <>
+inline constexpr auto kNames<MoveResult> = names_to<MoveResult::AtSwitch>(
+    "reached, the move was stopped, the target lies outside the travel, "
+    "the position is unknown; home first, a fault ended the move, the limit switch is reached");
 
 // Steps that were made too late, because the computer was too busy or is too slow.
 struct LateSteps {
@@ -49,6 +58,20 @@ struct AxisInputState {
   std::optional<bool> active;  // switch reached, stop pressed, lid open, encoder high; nullopt if unreadable
   std::uint64_t edges = 0;     // since the axis was opened, without those too fast for the kernel
 };
+
+// Distances that an axis, real or simulated, moves while its position is unknown: in homing, and by hand.
+
+// Distance by which homing backs off from the switch before the slow second pass (Klipper's and Prusa's mSLA
+// profiles use 2 to 5 mm).
+inline constexpr Nanometers kBackOff{5'000'000};
+// Distance past the full travel after which homing gives up on a switch that has not triggered.
+inline constexpr Nanometers kOvertravel{5'000'000};
+// Longest move by hand, made to see which way the plate goes: far enough to be seen, less than homing backs
+// off. With microsteps misconfigured by a factor of 16 the plate moves 32 mm, so it belongs in the middle of
+// its travel.
+inline constexpr Nanometers kLongestNudge{2'000'000};
+// Speed of a move by hand: slow enough to leave time to pull the plug.
+inline constexpr MillimetersPerSecond kNudgeSpeed{1};
 
 class LightCutoff;
 

@@ -9,7 +9,7 @@
 #include <cstdio>
 
 #include "core/contract/expects.hpp"
-#include "hw/safe_end.hpp"
+#include "hw/watchdog/last_light_off.hpp"
 
 namespace contourd {
 namespace {

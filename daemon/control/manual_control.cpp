@@ -13,8 +13,8 @@
 #include "core/image/test_pattern.hpp"
 #include "daemon/system/base64.hpp"
 #include "daemon/system/readable.hpp"
-#include "hw/homing_distances.hpp"
 #include "hw/png_file.hpp"
+#include "hw/z_axis.hpp"
 
 namespace contourd {
 

@@ -9,7 +9,7 @@
 
 #include "core/contract/expects.hpp"
 #include "daemon/print/mask_cost.hpp"
-#include "hw/homing_distances.hpp"
+#include "hw/z_axis.hpp"
 
 namespace contourd {
 namespace {
@@ -269,7 +269,7 @@ void LayeredPrint::home() {
   estimate(homing_duration());
   machine_.z_axis().home(while_in_state<HomingResult>([this](HomingResult result) {
     if (result == HomingResult::Homed) return handle(LayeredEvent::Homed);
-    fail(fmt::format("homing failed: {}", describe(result)));
+    fail(fmt::format("homing failed: {}", name_of(result)));
   }));
 }
 
@@ -286,7 +286,7 @@ void LayeredPrint::move_to(Nanometers target, MillimetersPerSecond speed) {
 void LayeredPrint::after_move(MoveResult result) {
   if (result != MoveResult::Reached &&
       !(is_in({LayeredState::Halting, LayeredState::Braking}) && result == MoveResult::Stopped))
-    return fail(fmt::format("the plate did not arrive: {}", describe(result)));
+    return fail(fmt::format("the plate did not arrive: {}", name_of(result)));
   handle(LayeredEvent::MoveEnded);
 }
 

@@ -9,19 +9,6 @@ using S = LayeredState;
 using E = LayeredEvent;
 using F = LayeredEffect;
 
-constexpr auto kStates = names_to<S::Ending>(
-    "idle, warming up, homing, lowering, settling, showing, igniting, exposing, darkening, extinguishing, "
-    "interrupting, resting, lifting, awaiting dark, raising, paused, held, braking, halting, parking, "
-    "ending");
-constexpr auto kEvents = names_to<E::GaveUp>(
-    "started, projector ready, homed, move ended, wait over, mask shown, light on sent, screen black, "
-    "light is off, layer due, layer unfinished, pause due, layers done, interrupted, resumed, cancelled, "
-    "failed, gave up");
-constexpr auto kEffects = names_to<F::Finish>(
-    "light off, black now, abort axis, stop axis, power on, power off, home, lower to layer, "
-    "wait to settle, show mask, light on, time exposure, show black, await dark, record layer, "
-    "wait to rest, lift, next layer, raise for a look, park, finish");
-
 // The plate rests in these states and can move up, so that the part can be taken off.
 constexpr EnumSet<S> kAtRest{S::Settling, S::Showing, S::Resting, S::AwaitingDark, S::Paused};
 constexpr EnumSet<S> kMoving{S::Lowering, S::Lifting, S::Raising, S::Braking};
@@ -109,10 +96,10 @@ constexpr PrintActivity activity_of(S state) {
 }
 
 constexpr auto kPrintStates = [] {
-  std::array<PrintState, kStates.size()> states;
+  std::array<PrintState, kNames<S>.size()> states;
   for (std::size_t i = 0; i < states.size(); ++i) {
     const S state{static_cast<int>(i)};
-    states[i] = {i, kStates[i], activity_of(state), kLogged.contains(state), state == S::Ending};
+    states[i] = {i, kNames<S>[i], activity_of(state), kLogged.contains(state), state == S::Ending};
   }
   return states;
 }();
@@ -126,26 +113,12 @@ std::span<const PrintState> layered_print_states() {
 
 const StateTable<LayeredTransition>& layered_table() {
   static constexpr StateTable<LayeredTransition> kTable{.rows = kRows,
-                                                        .states = kStates,
-                                                        .events = kEvents,
                                                         .start = S::Idle,
                                                         .answered = kAnswered,
                                                         .light_on = F::LightOn,
                                                         .light_off = F::LightOff,
                                                         .harmless = F::TimeExposure};
   return kTable;
-}
-
-std::string_view name_of(LayeredState state) {
-  return name_in<LayeredState>(kStates, state);
-}
-
-std::string_view name_of(LayeredEvent event) {
-  return name_in<LayeredEvent>(kEvents, event);
-}
-
-std::string_view name_of(LayeredEffect effect) {
-  return name_in<LayeredEffect>(kEffects, effect);
 }
 
 }  // namespace contourd

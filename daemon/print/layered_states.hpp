@@ -3,7 +3,6 @@
 #pragma once
 
 #include <span>
-#include <string_view>
 
 #include "daemon/print/print_mode.hpp"
 #include "hw/state_table.hpp"
@@ -79,15 +78,27 @@ enum class LayeredEffect {
   Finish,
 };
 
+template <>
+inline constexpr auto kNames<LayeredState> = names_to<LayeredState::Ending>(
+    "idle, warming up, homing, lowering, settling, showing, igniting, exposing, darkening, extinguishing, "
+    "interrupting, resting, lifting, awaiting dark, raising, paused, held, braking, halting, parking, "
+    "ending");
+template <>
+inline constexpr auto kNames<LayeredEvent> = names_to<LayeredEvent::GaveUp>(
+    "started, projector ready, homed, move ended, wait over, mask shown, light on sent, screen black, "
+    "light is off, layer due, layer unfinished, pause due, layers done, interrupted, resumed, cancelled, "
+    "failed, gave up");
+template <>
+inline constexpr auto kNames<LayeredEffect> = names_to<LayeredEffect::Finish>(
+    "light off, black now, abort axis, stop axis, power on, power off, home, lower to layer, "
+    "wait to settle, show mask, light on, time exposure, show black, await dark, record layer, "
+    "wait to rest, lift, next layer, raise for a look, park, finish");
+
 using LayeredTransition = StateTransition<LayeredState, LayeredEvent, LayeredEffect>;
 
 [[nodiscard]] const StateTable<LayeredTransition>& layered_table();
 
 // Returns the states as other modules see them, in the enumeration's order.
 [[nodiscard]] std::span<const PrintState> layered_print_states();
-
-[[nodiscard]] std::string_view name_of(LayeredState state);
-[[nodiscard]] std::string_view name_of(LayeredEvent event);
-[[nodiscard]] std::string_view name_of(LayeredEffect effect);
 
 }  // namespace contourd

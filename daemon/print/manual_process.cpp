@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
-#include "hw/homing_distances.hpp"
+#include "hw/z_axis.hpp"
 
 namespace contourd {
 namespace {
@@ -173,7 +173,7 @@ void ManualProcess::perform(ManualEffect effect) {
 void ManualProcess::start_home() {
   expect_homing(speed_);
   machine_.z_axis().home([this](HomingResult result) {
-    motion_ended(result == HomingResult::Homed, fmt::format("homing failed: {}", describe(result)));
+    motion_ended(result == HomingResult::Homed, fmt::format("homing failed: {}", name_of(result)));
   });
 }
 
@@ -182,8 +182,7 @@ void ManualProcess::start_move() {
   if (!height) throw std::runtime_error("the plate's position is unknown");
   expect_move(target_ - *height, speed_, "the move to end");
   machine_.z_axis().move_to(target_, speed_, [this](MoveResult result) {
-    motion_ended(result == MoveResult::Reached,
-                 fmt::format("the plate did not arrive: {}", describe(result)));
+    motion_ended(result == MoveResult::Reached, fmt::format("the plate did not arrive: {}", name_of(result)));
   });
 }
 
@@ -191,7 +190,7 @@ void ManualProcess::start_nudge() {
   expect_move(nudge_distance_, speed_, "the move to end");
   machine_.z_axis().nudge(nudge_distance_, speed_, [this](MoveResult result) {
     motion_ended(result == MoveResult::Reached,
-                 fmt::format("the plate did not go all the way: {}", describe(result)));
+                 fmt::format("the plate did not go all the way: {}", name_of(result)));
   });
 }
 

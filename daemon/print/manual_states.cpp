@@ -9,15 +9,6 @@ using S = ManualState;
 using E = ManualEvent;
 using F = ManualEffect;
 
-constexpr auto kStates = names_to<S::Asking>(
-    "idle, homing, moving, braking, powering on, warming up, igniting, lit, extinguishing, asking");
-constexpr auto kEvents = names_to<E::GaveUp>(
-    "home, move, nudge, power on, power off, light on, ask status, homed, move ended, projector ready, "
-    "light on sent, time over, light is off, status told, stop, failed, gave up");
-constexpr auto kEffects = names_to<F::TellLightMayBeOn>(
-    "light off, black now, abort axis, stop axis, home, move, nudge, power on, power off, light on, "
-    "time light, await dark, ask status, tell that the light may be on");
-
 constexpr EnumSet<S> kUnmoved{S::PoweringOn, S::WarmingUp, S::Igniting, S::Lit, S::Asking};
 constexpr auto kBeforeItsEnd = EnumSet<S>::all_except({S::Idle, S::Extinguishing});
 
@@ -56,26 +47,12 @@ constexpr auto kAnswered = std::to_array<StateTable<ManualTransition>::Answered>
 
 const StateTable<ManualTransition>& manual_table() {
   static constexpr StateTable<ManualTransition> kTable{.rows = kRows,
-                                                       .states = kStates,
-                                                       .events = kEvents,
                                                        .start = S::Idle,
                                                        .answered = kAnswered,
                                                        .light_on = F::LightOn,
                                                        .light_off = F::LightOff,
                                                        .harmless = F::TimeLight};
   return kTable;
-}
-
-std::string_view name_of(ManualState state) {
-  return name_in<ManualState>(kStates, state);
-}
-
-std::string_view name_of(ManualEvent event) {
-  return name_in<ManualEvent>(kEvents, event);
-}
-
-std::string_view name_of(ManualEffect effect) {
-  return name_in<ManualEffect>(kEffects, effect);
 }
 
 }  // namespace contourd

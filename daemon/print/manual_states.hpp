@@ -2,8 +2,6 @@
 // effects on the way. Used only while nothing prints. `contourd --print-states` draws it.
 #pragma once
 
-#include <string_view>
-
 #include "hw/state_table.hpp"
 
 namespace contourd {
@@ -58,12 +56,20 @@ enum class ManualEffect {
   TellLightMayBeOn,
 };
 
+template <>
+inline constexpr auto kNames<ManualState> = names_to<ManualState::Asking>(
+    "idle, homing, moving, braking, powering on, warming up, igniting, lit, extinguishing, asking");
+template <>
+inline constexpr auto kNames<ManualEvent> = names_to<ManualEvent::GaveUp>(
+    "home, move, nudge, power on, power off, light on, ask status, homed, move ended, projector ready, "
+    "light on sent, time over, light is off, status told, stop, failed, gave up");
+template <>
+inline constexpr auto kNames<ManualEffect> = names_to<ManualEffect::TellLightMayBeOn>(
+    "light off, black now, abort axis, stop axis, home, move, nudge, power on, power off, light on, "
+    "time light, await dark, ask status, tell that the light may be on");
+
 using ManualTransition = StateTransition<ManualState, ManualEvent, ManualEffect>;
 
 [[nodiscard]] const StateTable<ManualTransition>& manual_table();
-
-[[nodiscard]] std::string_view name_of(ManualState state);
-[[nodiscard]] std::string_view name_of(ManualEvent event);
-[[nodiscard]] std::string_view name_of(ManualEffect effect);
 
 }  // namespace contourd

@@ -8,13 +8,13 @@
 #include <cstddef>
 #include <span>
 
-#include "hw/drm/libdrm_pointer.hpp"
+#include "hw/owned.hpp"
 
 namespace contourd {
 namespace {
 
-using KernelProperties = LibdrmPointer<drmModeObjectProperties, drmModeFreeObjectProperties>;
-using KernelProperty = LibdrmPointer<drmModePropertyRes, drmModeFreeProperty>;
+using KernelProperties = Owned<drmModeObjectProperties, drmModeFreeObjectProperties>;
+using KernelProperty = Owned<drmModePropertyRes, drmModeFreeProperty>;
 
 // Returns the address in the form that the kernel expects in its structs.
 std::uint64_t address_of(const void* memory) {

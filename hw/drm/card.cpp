@@ -3,29 +3,35 @@
 #include <fcntl.h>
 #include <grp.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <unistd.h>
 #include <xf86drm.h>
 #include <xf86drmMode.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <span>
+#include <sstream>
 #include <utility>
 
-#include "hw/drm/libdrm_pointer.hpp"
-#include "hw/drm/master_holder.hpp"
 #include "hw/hardware_error.hpp"
+#include "hw/owned.hpp"
 
 namespace contourd {
 namespace {
 
-using Resources = LibdrmPointer<drmModeRes, drmModeFreeResources>;
-using KernelConnector = LibdrmPointer<drmModeConnector, drmModeFreeConnector>;
-using KernelEncoder = LibdrmPointer<drmModeEncoder, drmModeFreeEncoder>;
-using Version = LibdrmPointer<drmVersion, drmFreeVersion>;
+namespace fs = std::filesystem;
+
+using Resources = Owned<drmModeRes, drmModeFreeResources>;
+using KernelConnector = Owned<drmModeConnector, drmModeFreeConnector>;
+using KernelEncoder = Owned<drmModeEncoder, drmModeFreeEncoder>;
+using Version = Owned<drmVersion, drmFreeVersion>;
 
 // "; members of the group video may open it"
-std::string who_may_open(const std::filesystem::path& path) {
+std::string who_may_open(const fs::path& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return "";
   const group* owner = ::getgrgid(status.st_gid);
@@ -33,7 +39,7 @@ std::string who_may_open(const std::filesystem::path& path) {
          (owner != nullptr ? std::string(owner->gr_name) : std::to_string(status.st_gid)) + " may open it";
 }
 
-FileDescriptor opened(const std::filesystem::path& path) {
+FileDescriptor opened(const fs::path& path) {
   // Non-blocking: events are read when they are there, never waited for.
   const int fd = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK);
   if (fd >= 0) return FileDescriptor(fd);
@@ -73,23 +79,65 @@ Connector read_connector(int fd, const drmModeConnector& from) {
 }
 
 // Returns /dev/dri/card0, card1, ... in the order of their numbers.
-std::vector<std::filesystem::path> card_paths() {
-  std::vector<std::pair<int, std::filesystem::path>> found;
+std::vector<fs::path> card_paths() {
+  std::vector<std::pair<int, fs::path>> found;
   std::error_code none;
-  for (const auto& entry : std::filesystem::directory_iterator("/dev/dri", none)) {
+  for (const auto& entry : fs::directory_iterator("/dev/dri", none)) {
     const std::string name = entry.path().filename();
     if (name.starts_with("card")) found.emplace_back(std::atoi(name.c_str() + 4), entry.path());
   }
   std::ranges::sort(found);
-  std::vector<std::filesystem::path> paths;
+  std::vector<fs::path> paths;
   for (auto& [number, path] : found)
     paths.push_back(std::move(path));
   return paths;
 }
 
+bool is_number(const std::string& text) {
+  return !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+std::string content_of(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string process_text(const std::string& name, const std::string& pid) {
+  return name + " (process " + pid + ")";
+}
+
+bool has_open(const fs::path& process, const fs::path& card) {
+  std::error_code refused;
+  for (const auto& entry : fs::directory_iterator(process / "fd", refused)) {
+    if (fs::read_symlink(entry.path(), refused) == card) return true;
+  }
+  return false;
+}
+
+// True if the process is a child of this one: the light watchdog, which has the card from this process.
+bool is_child(const fs::path& process) {
+  return content_of(process / "status").find("\nPPid:\t" + std::to_string(::getpid()) + "\n") !=
+         std::string::npos;
+}
+
+// Lists the visible processes that have the card open, except this one and its children.
+std::string users_of(const fs::path& card) {
+  std::string users;
+  std::error_code refused;
+  for (const auto& entry : fs::directory_iterator("/proc", refused)) {
+    const std::string pid = entry.path().filename();
+    if (!is_number(pid) || pid == std::to_string(::getpid()) || !has_open(entry.path(), card)) continue;
+    if (is_child(entry.path())) continue;
+    std::string name = content_of(entry.path() / "comm");
+    if (!name.empty() && name.back() == '\n') name.pop_back();
+    users += (users.empty() ? "" : ", ") + process_text(name, pid);
+  }
+  return users;
+}
+
 }  // namespace
 
-Card::Card(const std::filesystem::path& path) : path_(path), fd_(opened(path)) {
+Card::Card(const fs::path& path) : path_(path), fd_(opened(path)) {
   if (const Version version(drmGetVersion(fd())); version) driver_ = version->name;
   if (!Resources(drmModeGetResources(fd()))) throw HardwareError(name() + " has no outputs");
   // Lists primary planes as well, and modes with the picture's aspect ratio. Both only make the lists longer.
@@ -151,6 +199,37 @@ bool Card::has_monotonic_timestamps() const noexcept {
 bool Card::has_vblank(std::uint32_t crtc_id) const noexcept {
   std::uint64_t sequence = 0, time = 0;
   return drmCrtcGetSequence(fd(), crtc_id, &sequence, &time) == 0 || errno == EINVAL;
+}
+
+// The list's columns are command, thread group, device, master (y or n), authenticated, user, magic, and
+// since Linux 6.12 name and id. A command may contain spaces.
+std::optional<std::string> master_among(std::string_view clients) {
+  std::istringstream lines{std::string(clients)};
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    const std::vector<std::string> columns{std::istream_iterator<std::string>(words), {}};
+    std::string command;
+    for (std::size_t i = 0; i + 2 < columns.size(); ++i) {
+      const std::string& master = columns[i + 2];
+      if (i > 0 && is_number(columns[i]) && is_number(columns[i + 1]) && (master == "y" || master == "n")) {
+        if (master == "y") return process_text(command, columns[i]);
+        break;
+      }
+      command += (i == 0 ? "" : " ") + columns[i];
+    }
+  }
+  return std::nullopt;
+}
+
+std::string describe_master_holder(const fs::path& card) {
+  struct stat status {};
+  if (::stat(card.c_str(), &status) == 0) {
+    const std::string minor_number = std::to_string(minor(status.st_rdev));
+    if (const auto master = master_among(content_of("/sys/kernel/debug/dri/" + minor_number + "/clients")))
+      return *master + " is its DRM master";
+  }
+  if (const std::string users = users_of(card); !users.empty()) return users + " has it open";
+  return "another program is its DRM master; run `fuser -v " + card.string() + "` as root to find it";
 }
 
 std::vector<Card> open_cards(const DrmDisplayConfig& config) {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hw/drm/connector.hpp"
@@ -54,6 +55,15 @@ class Card {
   FileDescriptor fd_;
   std::string driver_;
 };
+
+// Returns the master's name and process from the kernel's list of a card's clients
+// (/sys/kernel/debug/dri/N/clients): "Xorg (process 612)". Returns nullopt if no client is master.
+[[nodiscard]] std::optional<std::string> master_among(std::string_view clients);
+
+// Returns a clause that names the program that is DRM master of a card, as far as this process may know, such
+// as "Xorg (process 612) is its DRM master". The source is that list if it can be read (usually only by
+// root), else the processes that have the card open; if none is visible the clause says how to find out.
+[[nodiscard]] std::string describe_master_holder(const std::filesystem::path& card);
 
 // Opens the cards that the config allows: the card with its path, the cards with its driver's name, or all
 // cards with outputs. Throws HardwareError that lists the existing cards if none matches.

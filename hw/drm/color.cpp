@@ -7,12 +7,12 @@
 #include <array>
 #include <cstdlib>
 
-#include "hw/drm/libdrm_pointer.hpp"
+#include "hw/owned.hpp"
 
 namespace contourd {
 namespace {
 
-using KernelCrtc = LibdrmPointer<drmModeCrtc, drmModeFreeCrtc>;
+using KernelCrtc = Owned<drmModeCrtc, drmModeFreeCrtc>;
 
 constexpr const char* kRange = "Broadcast RGB";
 constexpr const char* kGammaTable = "GAMMA_LUT";

@@ -5,15 +5,7 @@
 namespace contourd {
 
 std::string describe(const Connector& connector) {
-  switch (connector.status) {
-    case Connector::Status::Connected:
-      return connector.name + " (connected)";
-    case Connector::Status::Disconnected:
-      return connector.name + " (disconnected)";
-    case Connector::Status::Unknown:
-      return connector.name + " (connection unknown)";
-  }
-  return connector.name;
+  return connector.name + " (" + std::string(name_of(connector.status)) + ")";
 }
 
 std::string describe(std::span<const CardOutputs> cards) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hw/drm/mode.hpp"
+#include "hw/enum_names.hpp"
 
 namespace contourd {
 
@@ -22,6 +23,10 @@ struct Connector {
   std::uint32_t possible_crtcs = 0;  // bit n: the card's n-th CRTC can feed it
   std::uint32_t crtc_id = 0;         // the CRTC that feeds it now, or 0
 };
+
+template <>
+inline constexpr auto kNames<Connector::Status> =
+    names_to<Connector::Status::Unknown>("connected, disconnected, connection unknown");
 
 // "HDMI-A-1 (connected)"
 [[nodiscard]] std::string describe(const Connector& connector);

@@ -1,20 +1,22 @@
 // A CRTC in one mode, with its primary plane: it feeds one connector with pictures. One implementation uses
-// the kernel's atomic calls, one the legacy calls; make_crtc() in crtc_choice.hpp chooses. Not thread-safe.
+// the kernel's atomic calls, one the legacy calls; make_crtc() chooses. Not thread-safe.
 // Calls return 0 or an errno; noexcept calls do not allocate either. A picture is given as a framebuffer's
 // id.
 #pragma once
 
 #include <cstdint>
+#include <memory>
+
+#include "hw/drm/card.hpp"
+#include "hw/drm/connector.hpp"
+#include "hw/drm/mode.hpp"
+#include "hw/interface.hpp"
 
 namespace contourd {
 
-class Crtc {
+// The destructor leaves the output as it is.
+class Crtc : public Interface {
  public:
-  Crtc() = default;
-  Crtc(const Crtc&) = delete;
-  Crtc& operator=(const Crtc&) = delete;
-  virtual ~Crtc() = default;  // leaves the output as it is
-
   [[nodiscard]] virtual std::uint32_t id() const noexcept = 0;
   [[nodiscard]] virtual bool is_atomic() const noexcept = 0;
 
@@ -31,5 +33,11 @@ class Crtc {
   // Ends the signal. May block as long as set_mode().
   virtual int turn_off() noexcept = 0;
 };
+
+// Returns an atomic CRTC if `legacy` is false, the driver supports atomic calls and a test commit of the mode
+// with this picture succeeds; otherwise a legacy one. Changes nothing on the screen. A card that is not DRM
+// master cannot run the test and gets a legacy CRTC. The card must outlive the CRTC. Throws HardwareError.
+[[nodiscard]] std::unique_ptr<Crtc> make_crtc(const Card& card, const Connector& connector, const Mode& mode,
+                                              std::uint32_t picture, bool legacy);
 
 }  // namespace contourd

@@ -8,14 +8,14 @@
 
 #include "hw/drm/atomic_request.hpp"
 #include "hw/drm/dumb_buffer.hpp"
-#include "hw/drm/libdrm_pointer.hpp"
 #include "hw/hardware_error.hpp"
+#include "hw/owned.hpp"
 
 namespace contourd {
 namespace {
 
-using PlaneResources = LibdrmPointer<drmModePlaneRes, drmModeFreePlaneResources>;
-using KernelPlane = LibdrmPointer<drmModePlane, drmModeFreePlane>;
+using PlaneResources = Owned<drmModePlaneRes, drmModeFreePlaneResources>;
+using KernelPlane = Owned<drmModePlane, drmModeFreePlane>;
 
 bool is_primary(int fd, std::uint32_t plane) {
   const auto type = ObjectProperties(fd, plane, DRM_MODE_OBJECT_PLANE).find("type");

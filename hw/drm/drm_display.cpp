@@ -3,6 +3,7 @@
 #include <sys/timerfd.h>
 #include <time.h>
 #include <unistd.h>
+#include <xf86drmMode.h>
 
 #include <algorithm>
 #include <bit>
@@ -10,16 +11,21 @@
 #include <chrono>
 #include <cstdint>
 #include <cstring>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "hw/drm/blocking_calls.hpp"
-#include "hw/drm/master_holder.hpp"
+#include "hw/drm/color.hpp"
+#include "hw/drm/crtc_route.hpp"
 #include "hw/drm/output.hpp"
 #include "hw/drm/uevent_socket.hpp"
 #include "hw/event_descriptor.hpp"
 #include "hw/hardware_error.hpp"
+#include "hw/mask_display.hpp"
 #include "hw/real_machine_config.hpp"
 
 namespace contourd {
@@ -34,13 +40,13 @@ FileDescriptor made_timerfd() {
 // How often the card is checked while a mask is on the screen or a flip is pending: about every refresh.
 constexpr timespec kCheckInterval{0, 20'000'000};
 
-}  // namespace
-
-// The picture on the screen, the pending `done` and the checks of the card, which all change with every event
-// of the kernel's.
-class DrmDisplay::Implementation {
+class DrmDisplay final : public MaskDisplay {
  public:
-  Implementation(DescriptorWatcher& watcher, const DrmDisplayConfig& config)
+  // Sets the mode, with a black picture. A display that is merely not connected counts as lost:
+  // why_not_ready() says so. Throws HardwareError for an error that waiting does not fix: no such card,
+  // connector, mode or format, a card in use, no permission. The watcher must outlive this object. Blocks for
+  // some refreshes, and for some milliseconds (with some displays 300 or more) per connected display.
+  DrmDisplay(DescriptorWatcher& watcher, const DrmDisplayConfig& config)
       : watcher_(watcher),
         config_(config),
         check_timer_(made_timerfd()),
@@ -58,16 +64,22 @@ class DrmDisplay::Implementation {
     }
   }
 
-  void show(const Mask& mask, Presented done) {
+  [[nodiscard]] Pixels width() const override { return config_.width; }
+  [[nodiscard]] Pixels height() const override { return config_.height; }
+  // Returns the refresh period of the mode; 0 before a display was found.
+  [[nodiscard]] Duration frame() const override { return frame_; }
+
+  // Neither show() nor black() allocates or blocks.
+  void show(const Mask& mask, Presented done) override {
     waiting_ = std::move(done);
     if (problem_) return deny_later();
-    bytes_written_ = output_->write(mask);
+    output_->write(mask);
     if (const int error = output_->show_written(); error != 0) return lose_later(error);
     mask_is_up_ = true;
     keep_checking(true);
   }
 
-  void black(Presented done) {
+  void black(Presented done) override {
     mask_is_up_ = false;
     waiting_ = std::move(done);
     if (problem_) return deny_later();
@@ -75,7 +87,10 @@ class DrmDisplay::Implementation {
     keep_checking(true);
   }
 
-  void black_now() noexcept {
+  // Does not block. If a flip is pending, black follows it, and a mask that the flip would show is blackened
+  // in its memory. A commit that waits for the driver (10 s or more, the kernel's limit, if the driver hangs)
+  // would not be faster.
+  void black_now() noexcept override {
     mask_is_up_ = false;
     waiting_ = nullptr;
     denied_ = false;
@@ -86,24 +101,34 @@ class DrmDisplay::Implementation {
     keep_checking(true);
   }
 
-  // Reports only a recovery: the kernel announces every other change.
-  void probe_if_lost() {
-    if (problem_) probe_again(Report::Recovery);
+  // Reports only a recovery: the kernel announces every other change. Needed because the kernel does not
+  // notify us when another program drops DRM master.
+  void probe_again() override {
+    if (problem_) probe(Report::Recovery);
   }
 
-  void on_event(std::function<void(const MachineEvent&)> call) { on_event_ = std::move(call); }
+  // `call` runs from the event loop: when the display is lost, before its pending `done`, and when it has
+  // been restored.
+  void on_event(std::function<void(const MachineEvent&)> call) override { on_event_ = std::move(call); }
 
-  [[nodiscard]] const DrmDisplayConfig& config() const { return config_; }
-  [[nodiscard]] Duration frame() const { return frame_; }
-  [[nodiscard]] const std::optional<std::string>& problem() const { return problem_; }
-  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
-  [[nodiscard]] std::size_t bytes_written() const { return bytes_written_; }
-  [[nodiscard]] LightDisplayPath black_path() const {
+  // Returns at most one sentence: why nothing can be shown.
+  [[nodiscard]] std::vector<std::string> why_not_ready() const override {
+    if (problem_) return {*problem_};
+    return {};
+  }
+  // Returns a sentence if the text console may come back, and one for each change that the driver makes to
+  // pixel values.
+  [[nodiscard]] std::vector<std::string> warnings() const override { return warnings_; }
+  // "HDMI-A-1 of /dev/dri/card0 (vc4): 1920x1080 at 60.00 Hz, atomic"
+  [[nodiscard]] std::string description() const override { return description_; }
+
+  // Returns the card's descriptor, which is shared, and the ids for showing black. Empty while there is no
+  // output.
+  [[nodiscard]] LightDisplayPath black_path() const override {
     if (!output_) return {};
     return {output_->card().fd(), output_->crtc_id(), output_->connector_id(), output_->black_id(),
             std::bit_cast<DisplayModeBytes>(output_->mode())};
   }
-  [[nodiscard]] const std::string& description() const { return description_; }
 
  private:
   // Hands the output to the other thread until take_back(). Nothing can be shown meanwhile.
@@ -119,7 +144,7 @@ class DrmDisplay::Implementation {
 
   enum class Report { Recovery, RecoveryOrNewProblem };
   // Probes for a lost display on the thread for blocking calls, and uses it again if it is back.
-  void probe_again(Report report) {
+  void probe(Report report) {
     if (away_) {
       probe_wanted_ = true;
       return;
@@ -146,7 +171,7 @@ class DrmDisplay::Implementation {
   }
 
   void probe_if_wanted() {
-    if (std::exchange(probe_wanted_, false) && problem_) probe_again(Report::RecoveryOrNewProblem);
+    if (std::exchange(probe_wanted_, false) && problem_) probe(Report::RecoveryOrNewProblem);
   }
 
   void turn_off() {
@@ -185,7 +210,7 @@ class DrmDisplay::Implementation {
   void displays_changed() {
     const std::vector<DisplayChange> changes = uevents_.read_all();
     if (changes.empty()) return;
-    if (problem_) return probe_again(Report::RecoveryOrNewProblem);
+    if (problem_) return probe(Report::RecoveryOrNewProblem);
     const dev_t card = output_->card().number();
     const std::uint32_t connector = output_->connector_id();
     if (std::ranges::any_of(changes, [&](const auto& change) { return concerns(change, card, connector); }))
@@ -203,7 +228,7 @@ class DrmDisplay::Implementation {
                  asking_ = false;
                  if (!problem_) judge(now);
                  const bool again = std::exchange(ask_again_, false);
-                 if (again && problem_) return probe_again(Report::RecoveryOrNewProblem);
+                 if (again && problem_) return probe(Report::RecoveryOrNewProblem);
                  if (again) ask_display();
                });
   }
@@ -216,7 +241,7 @@ class DrmDisplay::Implementation {
     if (has_mode) return;
     lose(output_->name() + " no longer has its mode " + describe(output_->mode()) +
          "; modes: " + describe(now.modes));
-    probe_again(Report::RecoveryOrNewProblem);  // another display may have such a mode
+    probe(Report::RecoveryOrNewProblem);  // another display may have such a mode
   }
 
   void keep_checking(bool on) noexcept {
@@ -243,7 +268,7 @@ class DrmDisplay::Implementation {
     const auto deadline = std::chrono::round<std::chrono::milliseconds>(flip_deadline(frame_));
     report_loss(output_->name() + " did not confirm a picture within " + std::to_string(deadline.count()) +
                 " ms; its mode is being set again");
-    probe_again(Report::RecoveryOrNewProblem);
+    probe(Report::RecoveryOrNewProblem);
   }
 
   // Handles the failure of a call that should have put a picture on the screen.
@@ -317,7 +342,6 @@ class DrmDisplay::Implementation {
   Presented waiting_;
   bool denied_ = false;  // waiting_ is to be called with nullopt
   int failed_show_ = 0;  // the errno of a show() or black() that has not been reported yet
-  std::size_t bytes_written_ = 0;
 
   UeventSocket uevents_;
   EventDescriptor wake_;
@@ -331,58 +355,42 @@ class DrmDisplay::Implementation {
   BlockingCalls calls_;  // last member: delivers nothing once the destruction of the others begins
 };
 
+}  // namespace
+
 std::unique_ptr<MaskDisplay> open_device(const DrmDisplayConfig& config, Clock& /*clock*/,
                                          DescriptorWatcher& watcher) {
   return std::make_unique<DrmDisplay>(watcher, config);
 }
 
-DrmDisplay::DrmDisplay(DescriptorWatcher& watcher, const DrmDisplayConfig& config)
-    : implementation_(std::make_unique<Implementation>(watcher, config)) {}
+DrmReport check_drm_display(const DrmDisplayConfig& config) {
+  OutputSearch search = find_output(config);
+  if (!search.found) throw HardwareError(search.why_not);
+  const Card& card = search.found->card;
+  const Connector& connector = search.found->connector;
+  const std::string output = connector.name + " of " + card.name();
+  const Mode mode = choose_mode(connector.modes, connector.size, config, output);
+  const CrtcRoute route = routes_to(card, connector).front();
+  check_format(route, config.format, output);
 
-DrmDisplay::~DrmDisplay() = default;
-
-Pixels DrmDisplay::width() const {
-  return implementation_->config().width;
-}
-Pixels DrmDisplay::height() const {
-  return implementation_->config().height;
-}
-Duration DrmDisplay::frame() const {
-  return implementation_->frame();
-}
-
-void DrmDisplay::show(const Mask& mask, Presented done) {
-  implementation_->show(mask, std::move(done));
-}
-void DrmDisplay::black(Presented done) {
-  implementation_->black(std::move(done));
-}
-void DrmDisplay::black_now() noexcept {
-  implementation_->black_now();
-}
-
-void DrmDisplay::probe_again() {
-  implementation_->probe_if_lost();
-}
-
-void DrmDisplay::on_event(std::function<void(const MachineEvent&)> call) {
-  implementation_->on_event(std::move(call));
-}
-std::vector<std::string> DrmDisplay::why_not_ready() const {
-  if (const auto problem = implementation_->problem()) return {*problem};
-  return {};
-}
-std::vector<std::string> DrmDisplay::warnings() const {
-  return implementation_->warnings();
-}
-std::string DrmDisplay::description() const {
-  return implementation_->description();
-}
-LightDisplayPath DrmDisplay::black_path() const {
-  return implementation_->black_path();
-}
-std::size_t DrmDisplay::bytes_written() const {
-  return implementation_->bytes_written();
+  const bool in_use = !card.is_master();
+  std::string state;
+  std::optional<std::string> range;
+  if (in_use) {
+    state = "in use: " + describe_master_holder(card.path());
+  } else {
+    const ObjectProperties properties(card.fd(), connector.id, DRM_MODE_OBJECT_CONNECTOR);
+    range = range_warning(connector.name, mode, properties, output);
+    const Framebuffer picture(card, config.width, config.height, config.format);
+    const bool atomic = make_crtc(card, connector, mode, picture.id(), config.legacy)->is_atomic();
+    state = atomic ? "atomic" : "legacy";
+  }
+  const auto console = console_of(card.path());
+  return {output + ": " + describe(mode) + ", " + state +
+              (card.has_vblank(route.crtc_id) ? "" : ", no vblank: presentation times are the driver's") +
+              "; formats: " + describe_formats(route.formats) +
+              (console ? "; the text console " + console->string() + " is on this card" : "") +
+              (range ? "; " + *range : ""),
+          in_use};
 }
 
 }  // namespace contourd

@@ -1,10 +1,14 @@
 #include "hw/drm/output.hpp"
 
+#include <fcntl.h>
+#include <linux/kd.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 #include <xf86drm.h>
 #include <xf86drmMode.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -13,16 +17,17 @@
 
 #include "core/contract/expects.hpp"
 #include "hw/drm/color.hpp"
-#include "hw/drm/crtc_choice.hpp"
 #include "hw/drm/crtc_route.hpp"
-#include "hw/drm/libdrm_pointer.hpp"
-#include "hw/drm/text_console.hpp"
+#include "hw/file_descriptor.hpp"
 #include "hw/hardware_error.hpp"
+#include "hw/owned.hpp"
 
 namespace contourd {
 namespace {
 
-using KernelCrtc = LibdrmPointer<drmModeCrtc, drmModeFreeCrtc>;
+namespace fs = std::filesystem;
+
+using KernelCrtc = Owned<drmModeCrtc, drmModeFreeCrtc>;
 
 [[noreturn]] void fail_to_set_mode(const std::string& output, const Mode& mode, int error) {
   throw HardwareError(output + " rejected its mode " + describe(mode) + ": " + std::strerror(error));
@@ -35,6 +40,26 @@ auto for_output(const std::string& output, Act act) {
     return act();
   } catch (const HardwareError& error) {
     throw HardwareError(output + ": " + error.what());
+  }
+}
+
+// Sets the active virtual terminal to graphics mode. Returns 0 or an errno; 0 also if there are no virtual
+// terminals, because then no text is drawn.
+int stop_drawing_text() {
+  const FileDescriptor terminal(::open("/dev/tty0", O_WRONLY | O_NOCTTY | O_CLOEXEC));
+  if (!terminal.valid()) return errno == ENOENT || errno == ENODEV || errno == ENXIO ? 0 : errno;
+  return ::ioctl(terminal.get(), KDSETMODE, KD_GRAPHICS) == 0 ? 0 : errno;
+}
+
+// Overwrites the console's picture with black. Returns 0 or an errno.
+int blacken(const fs::path& console) {
+  const FileDescriptor picture(::open(console.c_str(), O_WRONLY | O_CLOEXEC));
+  if (!picture.valid()) return errno;
+  static constexpr std::array<char, 65536> kBlack{};
+  for (;;) {
+    const ssize_t count = ::write(picture.get(), kBlack.data(), kBlack.size());
+    if (count > 0) continue;
+    return count == 0 || errno == ENOSPC || errno == EFBIG ? 0 : errno;
   }
 }
 
@@ -78,10 +103,6 @@ Duration Output::frame() const {
   return Duration{std::llround(1e9 / refresh_hz(mode_))};
 }
 
-Connector Output::connector() const {
-  return card_.connector(connector_id_);
-}
-
 void Output::set_mode(const Connector& connector, const DrmDisplayConfig& config) {
   mode_ = choose_mode(connector.modes, connector.size, config, name_);
   for_output(name_, [&] {
@@ -121,10 +142,10 @@ void Output::blacken_masks() noexcept {
     mask->writer().blacken();
 }
 
-std::size_t Output::write(const Mask& mask) noexcept {
+void Output::write(const Mask& mask) noexcept {
   expects(mask.width().count() == mode_.hdisplay && mask.height().count() == mode_.vdisplay,
           "the mask has the mode's size");
-  return masks_[flips_.mask_to_write()]->writer().write(mask);
+  masks_[flips_.mask_to_write()]->writer().write(mask);
 }
 
 int Output::show_written() noexcept {
@@ -168,6 +189,29 @@ Output::Events Output::read_events() noexcept {
     at += std::max<std::size_t>(head.length, sizeof head);
   }
   return events;
+}
+
+std::optional<fs::path> console_of(const fs::path& card) {
+  std::error_code none;
+  for (const auto& entry :
+       fs::directory_iterator("/sys/class/drm" / card.filename() / "device" / "graphics", none)) {
+    if (entry.path().filename().string().starts_with("fb")) return "/dev" / entry.path().filename();
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> keep_console_dark(const fs::path& card) {
+  const auto console = console_of(card);
+  if (!console) return std::nullopt;
+  const int drawing = stop_drawing_text();
+  const int picture = blacken(*console);
+  if (drawing == 0 && picture == 0) return std::nullopt;
+  return "the text console (" + console->string() + ") may come back as light on " + card.string() +
+         " if this program dies: " +
+         (drawing != 0 ? std::string("the terminal cannot be set to graphics mode (/dev/tty0: ") +
+                             std::strerror(drawing) + ")"
+                       : console->string() + " cannot be blackened (" + std::strerror(picture) + ")") +
+         "; the kernel parameter fbcon=map:9 keeps it off every output";
 }
 
 DisplayProbe restored(std::shared_ptr<Output> output, const DrmDisplayConfig& config) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,13 +41,13 @@ class Output {
   [[nodiscard]] std::uint32_t connector_id() const { return connector_id_; }
   // Reads the connector's present state. Asks the display, which takes some milliseconds, with some displays
   // 300 or more. May be called from any thread.
-  [[nodiscard]] Connector connector() const;
+  [[nodiscard]] Connector connector() const { return card_.connector(connector_id_); }
   // Returns a sentence for each change that the driver makes to pixels and that could not be switched off.
   [[nodiscard]] const std::vector<std::string>& color_warnings() const { return color_warnings_; }
 
-  // Writes the mask into a buffer that is not on the screen, for show_written(). Returns the number of bytes
-  // written. Overwrites a mask that was written but not shown. REQUIRES: the mask has the mode's size.
-  std::size_t write(const Mask& mask) noexcept;
+  // Writes the mask into a buffer that is not on the screen, for show_written(). Overwrites a mask that was
+  // written but not shown. REQUIRES: the mask has the mode's size.
+  void write(const Mask& mask) noexcept;
   // show_written() and show_black() request the picture for the next refresh, or for the refresh after a flip
   // that is still pending. They return 0 or an errno.
   [[nodiscard]] int show_written() noexcept;
@@ -109,5 +110,19 @@ struct DisplayProbe {
 
 // Blackens the text console and opens the output. Throws HardwareError.
 [[nodiscard]] DisplayProbe open_display(FoundOutput found, const DrmDisplayConfig& config);
+
+// The kernel's text console on a card's outputs. While this process lives, DRM master keeps the console off
+// the screen; when the process dies, the kernel shows the console's picture again, as light. So the picture
+// is made black and the console is set to draw no text. Both deliberately outlast this process. They do not
+// cover a switch to another terminal, or a login prompt that restarts (getty sets its terminal to text mode):
+// booting with fbcon=map:9 keeps the console off the outputs for good.
+
+// Returns the device of the console on that card ("/dev/fb0"), or nullopt if the card has none.
+[[nodiscard]] std::optional<std::filesystem::path> console_of(const std::filesystem::path& card);
+
+// Puts the active virtual terminal into graphics mode (KD_GRAPHICS: ioctl_console(2)), in which the kernel
+// draws no text, and overwrites the console's picture with black. Does nothing on a card without a console.
+// Returns a sentence, with what the operator can do, if the console could not be kept off.
+[[nodiscard]] std::optional<std::string> keep_console_dark(const std::filesystem::path& card);
 
 }  // namespace contourd

@@ -28,14 +28,6 @@ std::size_t PageFlips::mask_to_write() noexcept {
   return written_ - 1;
 }
 
-int PageFlips::show_written(Crtc& crtc, TimePoint now) noexcept {
-  return show(crtc, written_, now);
-}
-
-int PageFlips::show_black(Crtc& crtc, TimePoint now) noexcept {
-  return show(crtc, kBlack, now);
-}
-
 int PageFlips::show(Crtc& crtc, std::size_t picture, TimePoint now) noexcept {
   if (flip_) {
     next_ = picture;
@@ -61,10 +53,6 @@ std::optional<PageFlips::Done> PageFlips::finish(Crtc& crtc, std::uint64_t seria
   now_on_screen(flip_->picture);
   if (!next) return Done{.all = true};
   return Done{.error = show(crtc, *next, now)};
-}
-
-void PageFlips::reset() noexcept {
-  now_on_screen(kBlack);
 }
 
 void PageFlips::now_on_screen(std::size_t picture) noexcept {

@@ -27,8 +27,8 @@ class PageFlips {
 
   // Both request a picture for the next refresh, or for the refresh after a flip that is still pending.
   // show_written() requests the mask that mask_to_write() returned last. They return 0 or an errno.
-  [[nodiscard]] int show_written(Crtc& crtc, TimePoint now) noexcept;
-  [[nodiscard]] int show_black(Crtc& crtc, TimePoint now) noexcept;
+  [[nodiscard]] int show_written(Crtc& crtc, TimePoint now) noexcept { return show(crtc, written_, now); }
+  [[nodiscard]] int show_black(Crtc& crtc, TimePoint now) noexcept { return show(crtc, kBlack, now); }
   // Requests black and drops any other request. Does not block. A pending flip to a mask cannot be cancelled;
   // the caller must blacken this mask (mask_under_way) in its memory.
   struct Blackout {
@@ -46,7 +46,7 @@ class PageFlips {
   [[nodiscard]] std::optional<Done> finish(Crtc& crtc, std::uint64_t serial, TimePoint now) noexcept;
 
   // Records that black is on the screen by other means. An event that still comes has an old serial.
-  void reset() noexcept;
+  void reset() noexcept { now_on_screen(kBlack); }
 
   // Returns since when the pending flip has not been confirmed, or nullopt if none is pending.
   [[nodiscard]] std::optional<TimePoint> waiting_since() const noexcept;

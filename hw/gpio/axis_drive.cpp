@@ -109,19 +109,11 @@ bool AxisDrive::release() {
   return !line_refused_;
 }
 
-void AxisDrive::after(Duration wait, std::function<void()> call) {
-  wait_ = clock_.call_after(wait, std::move(call));
-}
-
 void AxisDrive::stop() {
   wanted_ = Wanted::Rest;
   if (run_.turning) return engine_.stop();
   ready_ = nullptr;
   after(Duration{0}, wiring_.stopped);
-}
-
-void AxisDrive::slow_down() {
-  if (run_.turning) engine_.stop();
 }
 
 void AxisDrive::halt() noexcept {
@@ -202,12 +194,6 @@ std::string AxisDrive::stall_text() const {
                 stalls.speed / config_.microsteps_per_mm, static_cast<double>(stalls.late.count()) / 1e6,
                 config_.homing_speed.count() / 2);
   return words;
-}
-
-// Returns the speed of homing's second pass, in steps/s: the motor stops dead from it and must not lose
-// steps.
-double AxisDrive::pull_in() const {
-  return config_.homing_speed.count() / 2 * config_.microsteps_per_mm;
 }
 
 // Checks stalls and the encoder regularly while the motor turns.

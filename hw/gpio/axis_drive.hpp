@@ -59,12 +59,14 @@ class AxisDrive {
   // Drops the remaining steps: the run ended where it should.
   void end_run();
   // Calls `call` after the wait; for use between runs. Replaces an earlier wait.
-  void after(Duration wait, std::function<void()> call);
+  void after(Duration wait, std::function<void()> call) { wait_ = clock_.call_after(wait, std::move(call)); }
 
   // Slows the motion down to rest and ends it.
   void stop();
   // Slows the run down to rest until it is known that the emergency stop is not pressed.
-  void slow_down();
+  void slow_down() {
+    if (run_.turning) engine_.stop();
+  }
   // Sets the fault that this run, which was halted, ends with.
   void halted_for(AxisFault cause) { run_.cause = std::move(cause); }
   // Makes no further step and forgets the plate's position.
@@ -104,7 +106,11 @@ class AxisDrive {
   void fail_stalled();
   void report_stall();
   [[nodiscard]] std::string stall_text() const;
-  [[nodiscard]] double pull_in() const;
+  // Returns the speed of homing's second pass, in steps/s: the motor stops dead from it and must not lose
+  // steps.
+  [[nodiscard]] double pull_in() const {
+    return config_.homing_speed.count() / 2 * config_.microsteps_per_mm;
+  }
   void follow();
 
   Clock& clock_;

@@ -75,10 +75,6 @@ std::optional<double> EncoderPlausibility::index_error(std::int64_t count) noexc
   return off;
 }
 
-std::optional<std::string> EncoderPlausibility::index_refusal(double off_counts) {
-  return beyond_limits(std::fabs(off_counts) / config_.counts_per_mm);
-}
-
 AxisEncoder::AxisEncoder(const GpioAxisConfig& axis, const EncoderConfig& encoder)
     : config_(encoder),
       steps_per_mm_(axis.microsteps_per_mm),
@@ -97,10 +93,6 @@ double AxisEncoder::plate(const EncoderReading& now) const {
   const double counts = static_cast<double>(now.count) - agreed_count_;
   const double up_mm = (config_.reversed ? -counts : counts) / config_.counts_per_mm;
   return static_cast<double>(agreed_plate_) + up_mm * steps_per_mm_;
-}
-
-double AxisEncoder::off_mm(const EncoderReading& now, std::int64_t plate_by_steps) const {
-  return (plate(now) - static_cast<double>(plate_by_steps)) / steps_per_mm_;
 }
 
 AxisEncoder::Finding AxisEncoder::check(const EncoderReading& now, bool position_known) {

@@ -47,7 +47,9 @@ class EncoderPlausibility {
   [[nodiscard]] std::optional<double> index_error(std::int64_t count) noexcept;
   // Returns the reason why an error that the index found may not be corrected; or nullopt if it may, and then
   // counts it as corrected.
-  [[nodiscard]] std::optional<std::string> index_refusal(double off_counts);
+  [[nodiscard]] std::optional<std::string> index_refusal(double off_counts) {
+    return beyond_limits(std::fabs(off_counts) / config_.counts_per_mm);
+  }
 
  private:
   [[nodiscard]] std::optional<std::string> beyond_limits(double correction_mm);
@@ -96,7 +98,9 @@ class AxisEncoder {
   [[nodiscard]] Finding compare(const EncoderReading& now, std::int64_t plate);
 
  private:
-  [[nodiscard]] double off_mm(const EncoderReading& now, std::int64_t plate_by_steps) const;
+  [[nodiscard]] double off_mm(const EncoderReading& now, std::int64_t plate_by_steps) const {
+    return (plate(now) - static_cast<double>(plate_by_steps)) / steps_per_mm_;
+  }
   [[nodiscard]] std::string difference(const EncoderReading& now, std::int64_t plate_by_steps,
                                        bool position_known) const;
   [[nodiscard]] bool corrects() const { return config_.policy == EncoderConfig::Policy::Correct; }

@@ -92,10 +92,6 @@ void AxisInputs::release_light() noexcept {
   if (unsafe()) cutoff->cut(now_());
 }
 
-bool AxisInputs::unsafe() const noexcept {
-  return lost_ || active(AxisInput::EmergencyStop) || active(AxisInput::Lid);
-}
-
 std::optional<InputChange> AxisInputs::take_change() noexcept {
   const std::uint32_t taken = taken_.load(std::memory_order_relaxed);
   if (taken == added_.load(std::memory_order_acquire)) return std::nullopt;
@@ -282,10 +278,6 @@ void AxisInputs::settle_safety(AxisInput which, TimePoint now) noexcept {
                 .to = change->to,
                 .readable = readable(which)});
   }
-}
-
-bool AxisInputs::out_of_place(std::int64_t position) const noexcept {
-  return from_above_ ? position < limit_ : position > limit_;
 }
 
 void AxisInputs::apply_rules() noexcept {

@@ -139,14 +139,18 @@ class AxisInputs {
   [[nodiscard]] bool look_at(AxisInput which) noexcept;
   [[nodiscard]] bool last_level(AxisInput which) const noexcept;
   void put(AxisInput which, SafetyState state) noexcept;
-  [[nodiscard]] bool unsafe() const noexcept;
+  [[nodiscard]] bool unsafe() const noexcept {
+    return lost_ || active(AxisInput::EmergencyStop) || active(AxisInput::Lid);
+  }
   void cut_light() noexcept;
   void release_light() noexcept;
   void cut_again(TimePoint now) noexcept;
   [[nodiscard]] std::optional<TimePoint> next_due() const noexcept;
   void apply_rules() noexcept;
   void add_change(const InputChange& change) noexcept;
-  [[nodiscard]] bool out_of_place(std::int64_t position) const noexcept;
+  [[nodiscard]] bool out_of_place(std::int64_t position) const noexcept {
+    return from_above_ ? position < limit_ : position > limit_;
+  }
   [[nodiscard]] bool watching() const noexcept;
 
   StepEngine& engine_;

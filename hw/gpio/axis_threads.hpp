@@ -9,6 +9,7 @@
 
 #include "hw/gpio/axis_inputs.hpp"
 #include "hw/gpio/step_engine.hpp"
+#include "hw/interface.hpp"
 
 namespace contourd {
 
@@ -74,12 +75,9 @@ class StepThread {
   RealtimeThread thread_;  // last member: ends before the others are destroyed
 };
 
-class AxisThreads {
+// The destructor returns when the threads have ended.
+class AxisThreads : public Interface {
  public:
-  AxisThreads() = default;
-  AxisThreads(const AxisThreads&) = delete;
-  AxisThreads& operator=(const AxisThreads&) = delete;
-  virtual ~AxisThreads() = default;  // returns when the threads have ended
   // Returns a sentence for each request of the threads that the system refused.
   [[nodiscard]] virtual std::vector<std::string> refusals() const = 0;
 };

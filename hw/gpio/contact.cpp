@@ -13,10 +13,6 @@ void Debounce::edge(bool level, TimePoint at) noexcept {
   if (!first || at < *first) first = at;
 }
 
-std::optional<TimePoint> Debounce::due() const noexcept {
-  return moving_ ? std::optional(last_ + lasting_) : std::nullopt;
-}
-
 std::optional<Debounce::Settled> Debounce::settle(TimePoint now) noexcept {
   if (!moving_ || now - last_ < lasting_) return std::nullopt;
   moving_ = false;

@@ -30,7 +30,9 @@ class Debounce {
   }
 
   // Returns when to call settle(), or nullopt if there was no edge since the contact settled.
-  [[nodiscard]] std::optional<TimePoint> due() const noexcept;
+  [[nodiscard]] std::optional<TimePoint> due() const noexcept {
+    return moving_ ? std::optional(last_ + lasting_) : std::nullopt;
+  }
   // Returns the settled level, once after each burst of edges; nullopt otherwise.
   std::optional<Settled> settle(TimePoint now) noexcept;
 

@@ -6,18 +6,14 @@
 #include <span>
 
 #include "hw/clock.hpp"
+#include "hw/interface.hpp"
 
 namespace contourd {
 
 // An output. One thread at a time, which may be any. The implementation's destructor leaves the line
 // inactive.
-class OutputLine {
+class OutputLine : public Interface {
  public:
-  OutputLine() = default;
-  OutputLine(const OutputLine&) = delete;
-  OutputLine& operator=(const OutputLine&) = delete;
-  virtual ~OutputLine() = default;
-
   // Sets the level. True if the line has that level now. Neither allocates nor locks: for real-time threads.
   [[nodiscard]] virtual bool set(bool active) noexcept = 0;
 };
@@ -27,7 +23,7 @@ class CuttableLine : public OutputLine {
  public:
   // Makes the line inactive. True if it is inactive now. Neither allocates nor locks.
   [[nodiscard]] virtual bool cut() noexcept = 0;
-  // Returns a descriptor by which the line can also be cut (line_descriptor.hpp). The line owns it; -1 if it
+  // Returns a descriptor by which the line can also be cut (set_line_inactive()). The line owns it; -1 if it
   // has none.
   [[nodiscard]] virtual int descriptor() const noexcept = 0;
 };
@@ -38,13 +34,8 @@ struct LineEdge {
 };
 
 // An input. One thread at a time, which may be any; level() may be called from any thread at any time.
-class InputLine {
+class InputLine : public Interface {
  public:
-  InputLine() = default;
-  InputLine(const InputLine&) = delete;
-  InputLine& operator=(const InputLine&) = delete;
-  virtual ~InputLine() = default;
-
   // Returns a descriptor that is readable while edges are pending. The line owns it; -1 if it has none.
   [[nodiscard]] virtual int descriptor() const noexcept = 0;
   // Returns the present level, or nullopt if it cannot be read.

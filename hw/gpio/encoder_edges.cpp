@@ -62,15 +62,7 @@ void EncoderEdges::serve(TimePoint now) noexcept {
 }
 
 std::uint64_t EncoderEdges::edges(EncoderLine which) const noexcept {
-  switch (which) {
-    case EncoderLine::A:
-      return a_.read_ever;
-    case EncoderLine::B:
-      return b_.read_ever;
-    case EncoderLine::Index:
-      break;
-  }
-  return mark_.read_ever;
+  return std::array{&a_, &b_, &mark_}[static_cast<std::size_t>(which)]->read_ever;
 }
 
 std::optional<TimePoint> EncoderEdges::due() const noexcept {

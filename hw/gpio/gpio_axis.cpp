@@ -1,11 +1,13 @@
 #include "hw/gpio/gpio_axis.hpp"
 
-#include <array>
+#include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "core/contract/expects.hpp"
+#include "hw/gpio/axis_fault.hpp"
+#include "hw/gpio/gpio_lines.hpp"
 #include "hw/hardware_error.hpp"
-#include "hw/homing_distances.hpp"
 #include "hw/real_machine_config.hpp"
 
 namespace contourd {
@@ -16,14 +18,48 @@ const GpioAxisConfig& checked(const GpioAxisConfig& config) {
   return config;
 }
 
+// A contact that an axis can have; no config if it is not fitted.
+struct Fitting {
+  const char* name;
+  const GpioInputConfig* config;
+};
+
+// Returns the contacts by AxisInput.
+std::array<Fitting, kAxisInputs> contacts_of(const GpioAxisConfig& config) {
+  const auto optional = [](const char* name, const std::optional<GpioInputConfig>& input) {
+    return Fitting{name, input ? &*input : nullptr};
+  };
+  return {Fitting{"limit switch", &config.limit_switch}, optional("second switch", config.second_switch),
+          optional("emergency stop", config.emergency_stop), optional("lid", config.lid)};
+}
+
+constexpr const char *kEncoderA = "encoder A", *kEncoderB = "encoder B", *kEncoderIndex = "encoder index";
+
+// Takes all lines that the config names and leaves the motor disabled. Throws HardwareError.
+AxisLines take_lines(const GpioAxisConfig& config) {
+  AxisLines lines;
+  if (config.enable) lines.enable = std::make_unique<GpioOutput>(*config.enable, "enable", false);
+  lines.step = std::make_unique<GpioOutput>(config.step, "step", false);
+  lines.direction = std::make_unique<GpioOutput>(config.direction, "direction", false);
+  for (std::size_t i = 0; i < kAxisInputs; ++i) {
+    if (const auto [name, input] = contacts_of(config)[i]; input != nullptr)
+      lines.inputs[i] = std::make_unique<GpioInput>(input->logical_line(), input->bias, name);
+  }
+  if (const auto& encoder = config.encoder) {
+    lines.encoder_a = std::make_unique<GpioInput>(encoder->a, encoder->bias, kEncoderA);
+    lines.encoder_b = std::make_unique<GpioInput>(encoder->b, encoder->bias, kEncoderB);
+    if (encoder->index)
+      lines.encoder_index = std::make_unique<GpioInput>(*encoder->index, encoder->bias, kEncoderIndex);
+  }
+  return lines;
+}
+
 AxisInputs::Lines input_lines(const GpioAxisConfig& config, const AxisLines& lines) {
   AxisInputs::Lines inputs;
-  const std::array debounce{config.limit_switch.debounce,
-                            config.second_switch ? config.second_switch->debounce : Duration{},
-                            config.emergency_stop ? config.emergency_stop->debounce : Duration{},
-                            config.lid ? config.lid->debounce : Duration{}};
+  const auto contacts = contacts_of(config);
   for (std::size_t i = 0; i < kAxisInputs; ++i)
-    inputs.contacts[i] = {lines.inputs[i].get(), debounce[i]};
+    inputs.contacts[i] = {lines.inputs[i].get(),
+                          contacts[i].config ? contacts[i].config->debounce : Duration{}};
   inputs.encoder_a = lines.encoder_a.get();
   inputs.encoder_b = lines.encoder_b.get();
   inputs.encoder_index = lines.encoder_index.get();
@@ -38,6 +74,25 @@ GpioAxis::Parts real_parts(const GpioAxisConfig& config) {
 }
 
 }  // namespace
+
+std::optional<std::string> contradiction(const GpioAxisConfig& config) {
+  const double rate = config.top_speed.count() * config.microsteps_per_mm;
+  char words[160];
+  if (rate > kMaxStepsPerSecond) {
+    std::snprintf(words, sizeof words,
+                  "the axis' top speed of %g mm/s is %.0f steps/s; a computer makes at most %.0f",
+                  config.top_speed.count(), rate, kMaxStepsPerSecond);
+    return words;
+  }
+  const double most = most_steps_per_second(config.pulse_width);
+  if (rate <= most) return std::nullopt;
+  std::snprintf(
+      words, sizeof words,
+      "the axis' top speed of %g mm/s is %.0f steps/s; pulses and pauses of %g us allow at most %.0f",
+      config.top_speed.count(), rate, static_cast<double>(config.pulse_width.count()) / 1e3,
+      std::floor(most));
+  return words;
+}
 
 std::unique_ptr<ZAxis> open_device(const GpioAxisConfig& config, Clock& clock, DescriptorWatcher& watcher) {
   return std::make_unique<GpioAxis>(clock, watcher, config);
@@ -59,10 +114,6 @@ GpioAxis::GpioAxis(Clock& clock, DescriptorWatcher& watcher, const GpioAxisConfi
       watch_end_(watcher.when_readable(engine_.ended().descriptor(), [this] { drive_.engine_ended(); })),
       watch_inputs_(watcher.when_readable(inputs_.changes().descriptor(), [this] { inputs_changed(); })),
       threads_(parts.start_threads(engine_, inputs_)) {}
-
-GpioAxis::~GpioAxis() {
-  engine_.inhibit();
-}
 
 AxisDrive::Wiring GpioAxis::drive_wiring() {
   return {.fail = [this](const AxisFault& fault) { this->fail(fault); },
@@ -168,6 +219,27 @@ bool GpioAxis::take_contact() {
   return true;
 }
 
+// Reads the present levels of all inputs.
+std::vector<AxisInputState> GpioAxis::inputs() const {
+  std::vector<AxisInputState> states;
+  const auto add = [&states](const char* name, const GpioLineConfig& where, InputLine& line,
+                             std::uint64_t edges) {
+    states.push_back({name, describe(where), line.level(), edges});
+  };
+  for (std::size_t i = 0; i < kAxisInputs; ++i) {
+    if (const auto [name, contact] = contacts_of(config_)[i]; contact != nullptr)
+      add(name, contact->line, *lines_.inputs[i], inputs_.edges(AxisInput{static_cast<std::uint8_t>(i)}));
+  }
+  if (!config_.encoder) return states;
+  add(kEncoderA, config_.encoder->a, *lines_.encoder_a, inputs_.encoder_edges(EncoderLine::A));
+  add(kEncoderB, config_.encoder->b, *lines_.encoder_b, inputs_.encoder_edges(EncoderLine::B));
+  if (config_.encoder->index) {
+    add(kEncoderIndex, *config_.encoder->index, *lines_.encoder_index,
+        inputs_.encoder_edges(EncoderLine::Index));
+  }
+  return states;
+}
+
 void GpioAxis::stop() {
   if (homing_.under_way()) return homing_.stop();
   if (move_done_) drive_.stop();
@@ -203,10 +275,6 @@ void GpioAxis::fail(const AxisFault& fault) {
   report({MachineEvent::Kind::Fault, fault.what, fault.needs_user});
   if (homing_.under_way()) return homing_.failed(fault.homing);
   if (move_done_) end_move(MoveResult::Fault);
-}
-
-void GpioAxis::report(const MachineEvent& event) {
-  if (on_event_) on_event_(event);
 }
 
 }  // namespace contourd

@@ -6,19 +6,21 @@
 // the motor; the approach to a height; homing; and the reactions to the inputs' changes.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hw/descriptor_watcher.hpp"
 #include "hw/gpio/axis_drive.hpp"
 #include "hw/gpio/axis_inputs.hpp"
 #include "hw/gpio/axis_interlocks.hpp"
-#include "hw/gpio/axis_lines.hpp"
 #include "hw/gpio/axis_motion.hpp"
 #include "hw/gpio/axis_threads.hpp"
+#include "hw/gpio/digital_line.hpp"
 #include "hw/gpio/gpio_axis_config.hpp"
 #include "hw/gpio/homing.hpp"
 #include "hw/gpio/plate_approach.hpp"
@@ -28,6 +30,17 @@
 #include "hw/z_axis.hpp"
 
 namespace contourd {
+
+// Returns a sentence about figures in the config that contradict each other, or nullopt if they are
+// consistent.
+[[nodiscard]] std::optional<std::string> contradiction(const GpioAxisConfig& config);
+
+// The lines of an axis; a line that the config does not name is null.
+struct AxisLines {
+  std::unique_ptr<OutputLine> step, direction, enable;
+  std::array<std::unique_ptr<InputLine>, kAxisInputs> inputs;  // by AxisInput
+  std::unique_ptr<InputLine> encoder_a, encoder_b, encoder_index;
+};
 
 class GpioAxis final : public ZAxis {
  public:
@@ -43,7 +56,7 @@ class GpioAxis final : public ZAxis {
   };
   GpioAxis(Clock& clock, DescriptorWatcher& watcher, const GpioAxisConfig& config, Parts parts);
   // Stops the motor and disables it.
-  ~GpioAxis() override;
+  ~GpioAxis() override { engine_.inhibit(); }
 
   void home(std::function<void(HomingResult)> done) override;
   void move_to(Nanometers target, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
@@ -82,9 +95,7 @@ class GpioAxis final : public ZAxis {
   }
   // Returns a sentence for each request of the threads that the system refused: priority, locked memory.
   [[nodiscard]] std::vector<std::string> warnings() const override { return threads_->refusals(); }
-  [[nodiscard]] std::vector<AxisInputState> inputs() const override {
-    return read_inputs(config_, lines_, inputs_);
-  }
+  [[nodiscard]] std::vector<AxisInputState> inputs() const override;
   [[nodiscard]] LateSteps late_steps() const override { return engine_.late_steps(); }
 
  private:
@@ -96,7 +107,9 @@ class GpioAxis final : public ZAxis {
   [[nodiscard]] bool take_contact();
   void end_move(MoveResult result);
   void fail(const AxisFault& fault);
-  void report(const MachineEvent& event);
+  void report(const MachineEvent& event) {
+    if (on_event_) on_event_(event);
+  }
 
   const GpioAxisConfig config_;
   AxisLines lines_;

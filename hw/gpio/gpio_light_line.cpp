@@ -73,8 +73,4 @@ void GpioLightLine::insist() {
   off();
 }
 
-std::string GpioLightLine::cannot_be_set() const {
-  return "the light's " + words_ + " cannot be set: the kernel refuses";
-}
-
 }  // namespace contourd

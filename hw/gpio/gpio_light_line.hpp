@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "hw/clock.hpp"
 #include "hw/gpio/gpio_lines.hpp"
@@ -39,7 +40,9 @@ class GpioLightLine final : public LightLine, public LightCutoff {
   [[nodiscard]] std::string refusal() const override { return refuses_off_ ? cannot_be_set() : ""; }
 
  private:
-  [[nodiscard]] std::string cannot_be_set() const;
+  [[nodiscard]] std::string cannot_be_set() const {
+    return "the light's " + words_ + " cannot be set: the kernel refuses";
+  }
   [[noreturn]] void refuse_interlocked() const;
   void insist();
 

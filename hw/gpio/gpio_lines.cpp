@@ -1,5 +1,8 @@
 #include "hw/gpio/gpio_lines.hpp"
 
+#include <linux/gpio.h>
+#include <sys/ioctl.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -150,14 +153,18 @@ GpiodLine take_line(const GpioLineConfig& config, std::string_view use, const Ta
 
 }  // namespace
 
+bool set_line_inactive(int descriptor) noexcept {
+  gpio_v2_line_values second{};
+  second.mask = 1;
+  if (ioctl(descriptor, GPIO_V2_LINE_SET_VALUES_IOCTL, &second) == 0) return true;
+  gpiohandle_data first{};
+  return ioctl(descriptor, GPIOHANDLE_SET_LINE_VALUES_IOCTL, &first) == 0;
+}
+
 GpioOutput::GpioOutput(const GpioLineConfig& config, std::string_view use, bool active)
     : line_(take_line(config, use, [active](const GpiodLine::Request& request) {
         return GpiodLine::output(request, active);
       })) {}
-
-GpioOutput::~GpioOutput() {
-  (void)line_.set(false);
-}
 
 GpioInput::GpioInput(const GpioLineConfig& config, LineBias bias, std::string_view use)
     : line_(take_line(config, use, [bias](const GpiodLine::Request& request) {

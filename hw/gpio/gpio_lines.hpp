@@ -10,10 +10,16 @@
 #include "hw/gpio/digital_line.hpp"
 #include "hw/gpio/gpio_axis_config.hpp"
 #include "hw/gpio/gpiod.hpp"
-#include "hw/gpio/line_descriptor.hpp"
 #include "hw/hardware_error.hpp"
 
 namespace contourd {
+
+// Makes an output line inactive by the kernel's descriptor alone, for callers that may not use the library's
+// object for the line: another thread, or another process that has inherited the descriptor. Makes one or two
+// kernel calls, which any thread or process may make at any time. Works
+// for both kernel interfaces: libgpiod 1.6 uses the first, libgpiod 2 the second. True if the line is
+// inactive now; false also if the descriptor is not a line. Neither allocates nor locks.
+[[nodiscard]] bool set_line_inactive(int descriptor) noexcept;
 
 // Holds a line as an output. One thread at a time, except cut(). The destructor makes the line inactive and
 // releases it.
@@ -22,7 +28,7 @@ class GpioOutput final : public CuttableLine {
   // Requests the line and sets its level in one call of the kernel, so the line never has another level.
   // `use` is the name that other programs see for it ("step"). Throws HardwareError.
   GpioOutput(const GpioLineConfig& config, std::string_view use, bool active);
-  ~GpioOutput() override;
+  ~GpioOutput() override { (void)line_.set(false); }
 
   [[nodiscard]] bool set(bool active) noexcept override { return line_.set(active); }
   [[nodiscard]] bool cut() noexcept override { return set_line_inactive(line_.descriptor()); }

@@ -60,7 +60,7 @@ class GpiodLine {
   ~GpiodLine();
 
   [[nodiscard]] bool set(bool active) noexcept;
-  // Returns an output's descriptor, for line_descriptor.hpp. The line owns it. -1 if the library has no call
+  // Returns an output's descriptor, for set_line_inactive(). The line owns it. -1 if the library has no call
   // for it and it is not found in /proc.
   [[nodiscard]] int descriptor() const noexcept;
   // Returns the level, or nullopt if the kernel refuses.

@@ -2,10 +2,12 @@
 #include <gpiod.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <system_error>
 
 #include "hw/gpio/gpiod.hpp"
+#include "hw/owned.hpp"
 
 namespace contourd {
 namespace {
@@ -13,16 +15,6 @@ namespace {
 [[noreturn]] void fail() {
   throw std::system_error(errno, std::generic_category());
 }
-
-template <auto Free>
-struct FreeBy {
-  template <typename T>
-  void operator()(T* object) const {
-    Free(object);
-  }
-};
-template <typename T, auto Free>
-using Owned = std::unique_ptr<T, FreeBy<Free>>;
 
 template <typename T>
 T* made(T* object) {
@@ -40,17 +32,9 @@ using EventBuffer = Owned<gpiod_edge_event_buffer, gpiod_edge_event_buffer_free>
 constexpr std::size_t kEvents = 64;  // number of events that the kernel keeps and that one read returns
 
 gpiod_line_bias line_bias(LineBias bias) {
-  switch (bias) {
-    case LineBias::PullUp:
-      return GPIOD_LINE_BIAS_PULL_UP;
-    case LineBias::PullDown:
-      return GPIOD_LINE_BIAS_PULL_DOWN;
-    case LineBias::Off:
-      return GPIOD_LINE_BIAS_DISABLED;
-    case LineBias::AsIs:
-      break;
-  }
-  return GPIOD_LINE_BIAS_AS_IS;
+  constexpr std::array kByLineBias{GPIOD_LINE_BIAS_AS_IS, GPIOD_LINE_BIAS_PULL_UP, GPIOD_LINE_BIAS_PULL_DOWN,
+                                   GPIOD_LINE_BIAS_DISABLED};
+  return kByLineBias[static_cast<std::size_t>(bias)];
 }
 
 gpiod_line_value line_value(bool active) {

@@ -4,7 +4,6 @@
 
 #include "core/contract/expects.hpp"
 #include "hw/gpio/axis_motion.hpp"
-#include "hw/homing_distances.hpp"
 
 namespace contourd {
 namespace {
@@ -103,18 +102,6 @@ void Homing::carry_out(Effect effect) {
       done_ = nullptr;
       return;
   }
-}
-
-void Homing::seek(Nanometers distance, MillimetersPerSecond speed) {
-  wiring_.run(AxisDrive::RunKind::Seek, distance, speed, [this] { way_over(); });
-}
-
-void Homing::look_at_switch() {
-  take(wiring_.switch_closed() ? Event::SwitchClosed : Event::SwitchOpen);
-}
-
-void Homing::wait(Duration time) {
-  wiring_.after(time, [this] { take(Event::WaitOver); });
 }
 
 void Homing::finish(HomingResult result) {

@@ -72,10 +72,14 @@ class Homing {
  private:
   void take(HomingEvent event);
   void carry_out(HomingEffect effect);
-  void seek(Nanometers distance, MillimetersPerSecond speed);
+  void seek(Nanometers distance, MillimetersPerSecond speed) {
+    wiring_.run(AxisDrive::RunKind::Seek, distance, speed, [this] { way_over(); });
+  }
   void way_over() { take(HomingEvent::WayOver); }
-  void look_at_switch();
-  void wait(Duration time);
+  void look_at_switch() { take(wiring_.switch_closed() ? HomingEvent::SwitchClosed : HomingEvent::SwitchOpen); }
+  void wait(Duration time) {
+    wiring_.after(time, [this] { take(HomingEvent::WaitOver); });
+  }
   void finish(HomingResult result);
 
   const GpioAxisConfig& config_;

@@ -9,17 +9,6 @@ using S = HomingState;
 using E = HomingEvent;
 using F = HomingEffect;
 
-constexpr auto kStates = names_to<S::Stopping>(
-    "idle, getting ready, fast pass, fast pass over, backing off, backed off, slow pass, slow pass over, "
-    "at switch, approaching, pass stopping, stopping");
-constexpr auto kEvents = names_to<E::Aborted>(
-    "home wanted, switch open, switch closed, contact, spike, way over, wait over, arrived, stop wanted, "
-    "stopped, failed, aborted");
-constexpr auto kEffects = names_to<F::DropAnswer>(
-    "forget position, get ready, seek fast, seek slow, seek on, back off, await contact, look at switch, "
-    "take position, await rest, know position, approach, stop motor, tell homed, tell no trigger, "
-    "tell still closed, tell stopped, tell failed, drop answer");
-
 constexpr EnumSet<S> kPasses{S::FastPass, S::FastPassOver, S::SlowPass, S::SlowPassOver, S::PassStopping};
 constexpr EnumSet<S> kOutsidePasses{S::GettingReady, S::BackingOff,  S::BackedOff,
                                     S::AtSwitch,     S::Approaching, S::Stopping};
@@ -62,24 +51,12 @@ constexpr auto kAnswered = std::to_array<StateTable<HomingTransition>::Answered>
 
 const StateTable<HomingTransition>& homing_table() {
   static constexpr StateTable<HomingTransition> kTable{
-      .rows = kRows, .states = kStates, .events = kEvents, .start = S::Idle, .answered = kAnswered};
+      .rows = kRows, .start = S::Idle, .answered = kAnswered};
   return kTable;
 }
 
 bool is_in_pass(HomingState state) {
   return kPasses.contains(state);
-}
-
-std::string_view name_of(HomingState state) {
-  return name_in<HomingState>(kStates, state);
-}
-
-std::string_view name_of(HomingEvent event) {
-  return name_in<HomingEvent>(kEvents, event);
-}
-
-std::string_view name_of(HomingEffect effect) {
-  return name_in<HomingEffect>(kEffects, effect);
 }
 
 }  // namespace contourd

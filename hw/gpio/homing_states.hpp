@@ -5,8 +5,6 @@
 // finds the position; then to the switch's height.
 #pragma once
 
-#include <string_view>
-
 #include "hw/state_table.hpp"
 
 namespace contourd {
@@ -63,15 +61,25 @@ enum class HomingEffect {
   DropAnswer,
 };
 
+template <>
+inline constexpr auto kNames<HomingState> = names_to<HomingState::Stopping>(
+    "idle, getting ready, fast pass, fast pass over, backing off, backed off, slow pass, slow pass over, "
+    "at switch, approaching, pass stopping, stopping");
+template <>
+inline constexpr auto kNames<HomingEvent> = names_to<HomingEvent::Aborted>(
+    "home wanted, switch open, switch closed, contact, spike, way over, wait over, arrived, stop wanted, "
+    "stopped, failed, aborted");
+template <>
+inline constexpr auto kNames<HomingEffect> = names_to<HomingEffect::DropAnswer>(
+    "forget position, get ready, seek fast, seek slow, seek on, back off, await contact, look at switch, "
+    "take position, await rest, know position, approach, stop motor, tell homed, tell no trigger, "
+    "tell still closed, tell stopped, tell failed, drop answer");
+
 using HomingTransition = StateTransition<HomingState, HomingEvent, HomingEffect>;
 
 [[nodiscard]] const StateTable<HomingTransition>& homing_table();
 
 // True for the states in which a contact of the switch halts the motor.
 [[nodiscard]] bool is_in_pass(HomingState state);
-
-[[nodiscard]] std::string_view name_of(HomingState state);
-[[nodiscard]] std::string_view name_of(HomingEvent event);
-[[nodiscard]] std::string_view name_of(HomingEffect effect);
 
 }  // namespace contourd

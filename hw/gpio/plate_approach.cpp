@@ -43,8 +43,4 @@ void PlateApproach::compare() {
   wiring_.notice(*finding.notice);
 }
 
-void PlateApproach::arrive() {
-  std::exchange(there_, nullptr)();
-}
-
 }  // namespace contourd

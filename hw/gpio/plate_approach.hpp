@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 
 #include "hw/gpio/axis_drive.hpp"
 #include "hw/gpio/axis_fault.hpp"
@@ -30,7 +31,7 @@ class PlateApproach {
   void go();
   void verify();
   void compare();
-  void arrive();
+  void arrive() { std::exchange(there_, nullptr)(); }
 
   AxisDrive& drive_;
   PlatePosition& position_;

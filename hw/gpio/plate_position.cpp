@@ -31,10 +31,6 @@ void PlatePosition::become_known() {
   known_ = true;
 }
 
-void PlatePosition::agree() {
-  if (encoder_) encoder_->agree(reading(), by_steps().plate().count());
-}
-
 void PlatePosition::note_rest() {
   expects(!engine_.moving(), "the motor rests");
   rest_ = by_steps();
@@ -73,18 +69,6 @@ std::string PlatePosition::where() const {
 EncoderReading PlatePosition::reading() const {
   const AxisInputs::IndexPulse pulse = inputs_.index_pulse();
   return {inputs_.encoder_count(), inputs_.illegal_encoder_edges(), pulse.number, pulse.count};
-}
-
-AxisEncoder::Finding PlatePosition::check_encoder() {
-  return encoder_ ? encoder_->check(reading(), known_) : AxisEncoder::Finding{};
-}
-
-std::optional<std::string> PlatePosition::runaway() const {
-  return encoder_ ? encoder_->runaway(reading(), by_steps().plate().count(), known_) : std::nullopt;
-}
-
-AxisEncoder::Finding PlatePosition::compare_with_encoder() {
-  return encoder_ ? encoder_->compare(reading(), by_steps().plate().count()) : AxisEncoder::Finding{};
 }
 
 void PlatePosition::take_encoder() {

@@ -90,15 +90,23 @@ class PlatePosition {
 
   // The encoder's checks, see AxisEncoder; without an encoder they find nothing.
   [[nodiscard]] bool has_encoder() const noexcept { return encoder_.has_value(); }
-  [[nodiscard]] AxisEncoder::Finding check_encoder();
-  [[nodiscard]] std::optional<std::string> runaway() const;
-  [[nodiscard]] AxisEncoder::Finding compare_with_encoder();
+  [[nodiscard]] AxisEncoder::Finding check_encoder() {
+    return encoder_ ? encoder_->check(reading(), known_) : AxisEncoder::Finding{};
+  }
+  [[nodiscard]] std::optional<std::string> runaway() const {
+    return encoder_ ? encoder_->runaway(reading(), by_steps().plate().count(), known_) : std::nullopt;
+  }
+  [[nodiscard]] AxisEncoder::Finding compare_with_encoder() {
+    return encoder_ ? encoder_->compare(reading(), by_steps().plate().count()) : AxisEncoder::Finding{};
+  }
   // Sets the position by the steps to that of the encoder. REQUIRES: has_encoder(), the motor rests.
   void take_encoder();
 
  private:
   [[nodiscard]] EncoderReading reading() const;
-  void agree();
+  void agree() {
+    if (encoder_) encoder_->agree(reading(), by_steps().plate().count());
+  }
 
   StepEngine& engine_;
   const AxisInputs& inputs_;

@@ -76,10 +76,6 @@ StepPlanner StepEngine::planned(const Ramp& ramp) const noexcept {
   return plan;
 }
 
-LateSteps StepEngine::late_steps() const noexcept {
-  return {late_, Duration{worst_ns_}};
-}
-
 Stalls StepEngine::stalls() const noexcept {
   const std::uint64_t count = stalls_;
   return {count, Duration{stall_late_ns_}, stall_speed_};
@@ -158,10 +154,6 @@ bool StepEngine::make_step(TimePoint now) noexcept {
   stepping_ = false;
   if (!made) finish(StepEnd::LineRefused);
   return made;
-}
-
-void StepEngine::note_lateness(Duration late) noexcept {
-  if (late.count() > worst_ns_) worst_ns_ = late.count();
 }
 
 // Shifts the schedule if the step just made was late by more than a quarter of the following interval.

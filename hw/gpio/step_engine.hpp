@@ -114,7 +114,7 @@ class StepEngine {
   // earlier time, returns where that move began.
   [[nodiscard]] std::int64_t position_at(TimePoint time) const noexcept;
   // Both return totals of all moves so far.
-  [[nodiscard]] LateSteps late_steps() const noexcept;
+  [[nodiscard]] LateSteps late_steps() const noexcept { return {late_, Duration{worst_ns_}}; }
   [[nodiscard]] Stalls stalls() const noexcept;
 
   // Functions for any thread.
@@ -172,7 +172,9 @@ class StepEngine {
   void rise() noexcept;
   void fall() noexcept;
   bool make_step(TimePoint now) noexcept;
-  void note_lateness(Duration late) noexcept;
+  void note_lateness(Duration late) noexcept {
+    if (late.count() > worst_ns_) worst_ns_ = late.count();
+  }
   void keep_time(Duration late) noexcept;
   [[nodiscard]] bool come_to_rest(Duration late) const noexcept;
   void start_again(TimePoint now, Duration late) noexcept;

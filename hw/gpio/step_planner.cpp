@@ -24,10 +24,6 @@ std::int64_t StepPlanner::due_by(Duration elapsed) const noexcept {
   return std::min(steps_within(curve_.position_at(in_seconds(elapsed))), total_);
 }
 
-double StepPlanner::speed_at(Duration elapsed) const noexcept {
-  return curve_.speed_at(in_seconds(elapsed));
-}
-
 void StepPlanner::stop_at(Duration elapsed) noexcept {
   curve_.stop_at(in_seconds(elapsed));
   total_ = std::clamp(steps_within(curve_.distance()), done_, total_);

@@ -43,7 +43,9 @@ class StepPlanner {
   [[nodiscard]] std::int64_t due_by(Duration elapsed) const noexcept;
 
   // Returns the planned speed in steps/s.
-  [[nodiscard]] double speed_at(Duration elapsed) const noexcept;
+  [[nodiscard]] double speed_at(Duration elapsed) const noexcept {
+    return curve_.speed_at(in_seconds(elapsed));
+  }
 
   // Changes the plan to slow down to rest from `elapsed` on: it has fewer steps, and later ones, but never
   // fewer than are done.

@@ -7,20 +7,16 @@
 #include <string_view>
 
 #include "hw/clock.hpp"
+#include "hw/interface.hpp"
 
 namespace contourd {
 
-class ByteChannel {
+class ByteChannel : public Interface {
  public:
   struct Listener {
     std::function<void(std::string_view)> bytes;   // gets the bytes that have come, in any portions
     std::function<void(const std::string&)> lost;  // gets, once, a sentence that says why the device is gone
   };
-
-  ByteChannel() = default;
-  ByteChannel(const ByteChannel&) = delete;
-  ByteChannel& operator=(const ByteChannel&) = delete;
-  virtual ~ByteChannel() = default;
 
   // Returns the device as a user knows it: "/dev/ttyUSB0".
   [[nodiscard]] virtual const std::string& name() const = 0;

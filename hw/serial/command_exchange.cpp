@@ -25,10 +25,6 @@ CommandExchange::CommandExchange(ByteChannel& channel, Clock& clock, const Proje
                    .lost = [this](const std::string& why) { lose(why); }});
 }
 
-std::string CommandExchange::called() const {
-  return "the projector at " + channel_.name();
-}
-
 void CommandExchange::ask(const ProjectorCommand& command, std::function<void(const Answer&)> done,
                           bool stays) {
   ask({.command = &command, .done = std::move(done), .retries = table_.retries, .stays = stays});
@@ -56,10 +52,6 @@ void CommandExchange::preempt(bool light_is_off) {
   }
   current_.reset();
   timer_.reset();
-}
-
-void CommandExchange::drop(const ProjectorCommand& command) {
-  std::erase_if(queue_, [&command](const Request& request) { return request.command == &command; });
 }
 
 void CommandExchange::go_on() {

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "hw/clock.hpp"
 #include "hw/projector.hpp"
@@ -75,7 +76,9 @@ class CommandExchange {
   // ask_first() or go_on().
   void preempt(bool light_is_off);
   // Drops the pending requests with this command.
-  void drop(const ProjectorCommand& command);
+  void drop(const ProjectorCommand& command) {
+    std::erase_if(queue_, [&command](const Request& request) { return request.command == &command; });
+  }
   void drop_first() { first_.reset(); }
   void go_on();
 
@@ -85,7 +88,8 @@ class CommandExchange {
   // Sends the bytes during the shutdown. Blocks.
   void write_and_wait(std::string_view bytes) { channel_.write_and_wait(bytes, table_.gap); }
 
-  [[nodiscard]] std::string called() const;  // "the projector at /dev/ttyUSB0"
+  // "the projector at /dev/ttyUSB0"
+  [[nodiscard]] std::string called() const { return "the projector at " + channel_.name(); }
   // Returns the last problem: a reply that was not Ok, in a sentence with the port and the bytes that came
   // back, or the text of the last note_problem().
   [[nodiscard]] const std::string& problem() const { return problem_; }

@@ -105,10 +105,6 @@ void ProjectorLight::light_on_sent(TimePoint first_byte) {
   take(Event::LightOnSent);
 }
 
-void ProjectorLight::light_off_sent(TimePoint first_byte) {
-  if (last_ && !last_->off_earliest) last_->off_earliest = first_byte;
-}
-
 void ProjectorLight::light_on_answered(const Answer& answer) {
   on_reply_ = answer.reply;
   const bool accepted = answer.reply == ProjectorReply::Ok;
@@ -145,10 +141,6 @@ void ProjectorLight::stop_sending() {
   exchange_.drop_first();
 }
 
-void ProjectorLight::retry_later() {
-  retry_ = clock_.call_after(table_.light_off->timeout, [this] { take(Event::RetryDue); });
-}
-
 void ProjectorLight::light_off_answered(const Answer& answer) {
   if (answer.reply == ProjectorReply::Ok) return take(Event::LightOffConfirmed);
   off_reply_ = answer.reply;
@@ -182,24 +174,12 @@ ProjectorLight::Event ProjectorLight::whether_on(const Answer& power) const {
   return power.reply == ProjectorReply::Ok || power.garbled ? Event::SaysOn : Event::SaysNothing;
 }
 
-void ProjectorLight::tell_sent() {
-  tell_sent_ = clock_.call_after(Duration{0}, [this] { tell_.sent(last_->on_earliest); });
-}
-
 void ProjectorLight::tell_dark() {
   if (!dark_) return;
   tell_dark_ = clock_.call_after(Duration{0}, [this] {
     if (!dark()) return;  // called again once it is dark
     if (const auto call = std::exchange(dark_, nullptr)) call();
   });
-}
-
-void ProjectorLight::answer_on(ProjectorReply reply) {
-  if (const auto done = std::exchange(tell_.done, nullptr)) done(reply);
-}
-
-void ProjectorLight::answer_off(ProjectorReply reply) {
-  if (const auto done = std::exchange(whether_dark_, nullptr)) done(reply);
 }
 
 }  // namespace contourd

@@ -1,14 +1,14 @@
 // A serial projector's light: looks each event up in the table of projector_light_states.hpp and carries out
 // the effects of its row. Event loop's thread only.
 //
-// It has many functions, each of a few lines: one for each effect that is more than a call. All data except
-// the state are the callbacks to call, their arguments and their times.
+// All data except the state are the callbacks to call, their arguments and their times.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "core/contract/expects.hpp"
 #include "hw/clock.hpp"
@@ -47,7 +47,9 @@ class ProjectorLight {
 
   // Events.
   void light_on_sent(TimePoint first_byte);
-  void light_off_sent(TimePoint first_byte);
+  void light_off_sent(TimePoint first_byte) {
+    if (last_ && !last_->off_earliest) last_->off_earliest = first_byte;
+  }
   void power_on_sent() { take(Event::PowerOnSent); }
   void suspect() { take(Event::Suspected); }
   void power_is_off() { take(Event::PowerIsOff); }
@@ -72,7 +74,9 @@ class ProjectorLight {
   void take(Event event);
   void carry_out(Effect effect);
   void send_light_off(bool new_request);
-  void retry_later();
+  void retry_later() {
+    retry_ = clock_.call_after(table_.light_off->timeout, [this] { take(Event::RetryDue); });
+  }
   void stop_sending();
   void ask_whether_lit();
   void ask_whether_on();
@@ -80,10 +84,16 @@ class ProjectorLight {
   void light_off_answered(const Answer& answer);
   [[nodiscard]] Event unconfirmed(const Answer& answer) const;
   [[nodiscard]] Event whether_on(const Answer& power) const;
-  void tell_sent();
+  void tell_sent() {
+    tell_sent_ = clock_.call_after(Duration{0}, [this] { tell_.sent(last_->on_earliest); });
+  }
   void tell_dark();
-  void answer_on(ProjectorReply reply);
-  void answer_off(ProjectorReply reply);
+  void answer_on(ProjectorReply reply) {
+    if (const auto done = std::exchange(tell_.done, nullptr)) done(reply);
+  }
+  void answer_off(ProjectorReply reply) {
+    if (const auto done = std::exchange(whether_dark_, nullptr)) done(reply);
+  }
 
   CommandExchange& exchange_;
   Clock& clock_;

@@ -9,19 +9,6 @@ using S = ProjectorLightState;
 using E = ProjectorLightEvent;
 using F = ProjectorLightEffect;
 
-constexpr auto kStates = names_to<S::LostOverdue>(
-    "dark, turning on, asked whether lit, lit, coming up, making sure, turning off, overdue, "
-    "asked whether on, lit asked whether on, overdue asked whether on, lost lit, lost overdue");
-constexpr auto kEvents = names_to<E::PowerIsOff>(
-    "light on sent, light on confirmed, light on ambiguous, light on unanswered, light on failed, says lit, "
-    "says unlit, power on sent, suspected, light off wanted, light off confirmed, light off too early, "
-    "light off unanswered, light off refused, light off failed, light off garbled, light off unclear, "
-    "line lost, retry due, says off, says on, says nothing, says too early, power is off");
-constexpr auto kEffects = names_to<F::ReportDark>(
-    "send light off, repeat light off, retry later, stop sending, ask whether lit, ask whether on, "
-    "note light on, note lit, note dark, drop light on, tell lit, tell unlit, tell dark, tell confirmed, "
-    "tell unconfirmed, report overdue, report dark");
-
 constexpr auto kMayShine = EnumSet<S>::all_except({S::Dark, S::MakingSure, S::AskedWhetherOn});
 constexpr EnumSet<S> kTurnedOff{S::MakingSure, S::TurningOff, S::Overdue};
 // Neither a light on nor a light off is under way.
@@ -132,8 +119,6 @@ const StateTable<ProjectorLightTransition>& projector_light_table() {
   // NoteDark counts as light off: it only follows a confirmation.
   static constexpr StateTable<ProjectorLightTransition> kTable{
       .rows = kRows,
-      .states = kStates,
-      .events = kEvents,
       .start = S::Dark,
       .answered = kAnswered,
       .light_on = F::NoteLightOn,
@@ -152,18 +137,6 @@ bool is_turned_off(ProjectorLightState state) {
 
 bool is_overdue(ProjectorLightState state) {
   return kOverdue.contains(state);
-}
-
-std::string_view name_of(ProjectorLightState state) {
-  return name_in<ProjectorLightState>(kStates, state);
-}
-
-std::string_view name_of(ProjectorLightEvent event) {
-  return name_in<ProjectorLightEvent>(kEvents, event);
-}
-
-std::string_view name_of(ProjectorLightEffect effect) {
-  return name_in<ProjectorLightEffect>(kEffects, effect);
 }
 
 }  // namespace contourd

@@ -5,8 +5,6 @@
 // is never sent again: if its reply is lost the projector is asked, or its light is turned off.
 #pragma once
 
-#include <string_view>
-
 #include "hw/state_table.hpp"
 
 namespace contourd {
@@ -75,6 +73,22 @@ enum class ProjectorLightEffect {
   ReportDark,  // after ReportOverdue
 };
 
+template <>
+inline constexpr auto kNames<ProjectorLightState> = names_to<ProjectorLightState::LostOverdue>(
+    "dark, turning on, asked whether lit, lit, coming up, making sure, turning off, overdue, "
+    "asked whether on, lit asked whether on, overdue asked whether on, lost lit, lost overdue");
+template <>
+inline constexpr auto kNames<ProjectorLightEvent> = names_to<ProjectorLightEvent::PowerIsOff>(
+    "light on sent, light on confirmed, light on ambiguous, light on unanswered, light on failed, says lit, "
+    "says unlit, power on sent, suspected, light off wanted, light off confirmed, light off too early, "
+    "light off unanswered, light off refused, light off failed, light off garbled, light off unclear, "
+    "line lost, retry due, says off, says on, says nothing, says too early, power is off");
+template <>
+inline constexpr auto kNames<ProjectorLightEffect> = names_to<ProjectorLightEffect::ReportDark>(
+    "send light off, repeat light off, retry later, stop sending, ask whether lit, ask whether on, "
+    "note light on, note lit, note dark, drop light on, tell lit, tell unlit, tell dark, tell confirmed, "
+    "tell unconfirmed, report overdue, report dark");
+
 using ProjectorLightTransition =
     StateTransition<ProjectorLightState, ProjectorLightEvent, ProjectorLightEffect>;
 
@@ -86,9 +100,5 @@ using ProjectorLightTransition =
 [[nodiscard]] bool is_turned_off(ProjectorLightState state);
 // True if the missing confirmation of light off was reported, and has not come since.
 [[nodiscard]] bool is_overdue(ProjectorLightState state);
-
-[[nodiscard]] std::string_view name_of(ProjectorLightState state);
-[[nodiscard]] std::string_view name_of(ProjectorLightEvent event);
-[[nodiscard]] std::string_view name_of(ProjectorLightEffect effect);
 
 }  // namespace contourd

@@ -40,10 +40,6 @@ void ProjectorPower::turn_off() {
   take(Event::PowerOffWanted);
 }
 
-void ProjectorPower::turn_off_if_on() {
-  if (table_.power) take(Event::LeftOnSuspected);
-}
-
 void ProjectorPower::drop() {
   done_ = nullptr;
   take(Event::Dropped);
@@ -158,10 +154,6 @@ void ProjectorPower::ask_left_on() {
   exchange_.ask(*table_.power, heard, true);
 }
 
-void ProjectorPower::wait(Duration time, Event event) {
-  timer_ = clock_.call_after(time, [this, event] { take(event); });
-}
-
 TimePoint ProjectorPower::ready_by(TimePoint start) const {
   return start + table_.cool_down + 2 * table_.warm_up + kReadyGrace;
 }
@@ -170,10 +162,6 @@ void ProjectorPower::wait_until_cool() {
   const TimePoint cool_at = std::max(off_at_ ? *off_at_ + table_.cool_down : clock_.now(), clock_.now());
   ready_by_ = ready_by(cool_at);
   wait(cool_at - clock_.now(), Event::Cool);
-}
-
-void ProjectorPower::wait_until_warm() {
-  timer_ = clock_.call_at(warm_at_, [this] { take(Event::Warm); });
 }
 
 void ProjectorPower::send_power_on() {
@@ -259,10 +247,6 @@ void ProjectorPower::ask_whether_still_on() {
   };
   // Light off may drop this question where it is a command itself, which reveals as much.
   exchange_.ask(*table_.power, heard, !table_.light_off);
-}
-
-void ProjectorPower::tell(ProjectorReply reply) {
-  if (const auto done = std::exchange(done_, nullptr)) done(reply);
 }
 
 void ProjectorPower::tell_refused(const std::string& why) {

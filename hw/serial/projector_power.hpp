@@ -1,7 +1,5 @@
 // A serial projector's power: looks each event up in the table of projector_power_states.hpp and carries out
 // the effects of its row. Event loop's thread only.
-//
-// It has many functions, each of a few lines: one for each effect that is more than a call.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "hw/clock.hpp"
 #include "hw/machine.hpp"
@@ -40,7 +39,9 @@ class ProjectorPower {
   // Turns the projector on. Only the last call is answered, if an earlier one is still pending.
   void turn_on(Done done);
   void turn_off();
-  void turn_off_if_on();
+  void turn_off_if_on() {
+    if (table_.power) take(Event::LeftOnSuspected);
+  }
   // Drops a pending turn_on().
   void drop();
 
@@ -69,8 +70,12 @@ class ProjectorPower {
   [[nodiscard]] TimePoint ready_by(TimePoint start) const;
   void ask_left_on();
   void wait_until_cool();
-  void wait_until_warm();
-  void wait(Duration time, Event event = Event::PauseOver);
+  void wait_until_warm() {
+    timer_ = clock_.call_at(warm_at_, [this] { take(Event::Warm); });
+  }
+  void wait(Duration time, Event event = Event::PauseOver) {
+    timer_ = clock_.call_after(time, [this, event] { take(event); });
+  }
   void send_power_on();
   void set_brightness();
   void send_power_off();
@@ -81,7 +86,9 @@ class ProjectorPower {
   void watch_over();
   void watch_later();
   void ask_whether_still_on();
-  void tell(ProjectorReply reply);
+  void tell(ProjectorReply reply) {
+    if (const auto done = std::exchange(done_, nullptr)) done(reply);
+  }
   void tell_refused(const std::string& why);
 
   CommandExchange& exchange_;

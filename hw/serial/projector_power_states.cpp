@@ -9,22 +9,6 @@ using S = ProjectorPowerState;
 using E = ProjectorPowerEvent;
 using F = ProjectorPowerEffect;
 
-constexpr auto kStates = names_to<S::OffOverdue>(
-    "unknown, left on, off, asking, off asking, on asking, cooling down, off cooling down, switching on, "
-    "warming up, asking ready, still off, unready, on warming up, darkening, sets brightness, on, "
-    "warming up unused, turning off, off overdue");
-constexpr auto kEvents = names_to<E::PowerOffUnknowable>(
-    "power on wanted, dropped, power off wanted, left on suspected, says on, says on early, says off, "
-    "says unclear, says nothing, never on, not on yet, line lost, cool, warm, pause over, "
-    "power on answered, power on failed, light is off, light off failed, brightness answered, went off, "
-    "power off confirmed, power off unanswered, power off late, power off unknowable");
-constexpr auto kEffects = names_to<F::ReportLampOn>(
-    "light off, ask whether on, ask whether still on, ask whether ready, ask whether left on, "
-    "ask left on soon, ask left on later, wait until cool, send power on, drop power on, suspect light, "
-    "wait until warm, pause, watch over, make dark, set brightness, send power off, ask whether off, "
-    "power off again, power off again later, note off, tell, tell never on, tell went off, report went off, "
-    "report lamp on");
-
 constexpr EnumSet<S> kOn{S::On, S::OnAsking, S::Darkening, S::SetsBrightness};
 constexpr EnumSet<S> kOff{S::Off, S::OffAsking, S::OffCoolingDown};
 constexpr EnumSet<S> kTurnedOff{S::TurningOff, S::OffOverdue};
@@ -111,12 +95,8 @@ constexpr auto kAnswered = std::to_array<StateTable<ProjectorPowerTransition>::A
 }  // namespace
 
 const StateTable<ProjectorPowerTransition>& projector_power_table() {
-  static constexpr StateTable<ProjectorPowerTransition> kTable{.rows = kRows,
-                                                               .states = kStates,
-                                                               .events = kEvents,
-                                                               .start = S::Unknown,
-                                                               .answered = kAnswered,
-                                                               .light_off = F::LightOff};
+  static constexpr StateTable<ProjectorPowerTransition> kTable{
+      .rows = kRows, .start = S::Unknown, .answered = kAnswered, .light_off = F::LightOff};
   return kTable;
 }
 
@@ -130,18 +110,6 @@ bool is_off(ProjectorPowerState state) {
 
 bool is_turned_off(ProjectorPowerState state) {
   return kTurnedOff.contains(state);
-}
-
-std::string_view name_of(ProjectorPowerState state) {
-  return name_in<ProjectorPowerState>(kStates, state);
-}
-
-std::string_view name_of(ProjectorPowerEvent event) {
-  return name_in<ProjectorPowerEvent>(kEvents, event);
-}
-
-std::string_view name_of(ProjectorPowerEffect effect) {
-  return name_in<ProjectorPowerEffect>(kEffects, effect);
 }
 
 }  // namespace contourd

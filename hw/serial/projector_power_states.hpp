@@ -5,8 +5,6 @@
 // wanted.
 #pragma once
 
-#include <string_view>
-
 #include "hw/state_table.hpp"
 
 namespace contourd {
@@ -92,6 +90,25 @@ enum class ProjectorPowerEffect {
   ReportLampOn,
 };
 
+template <>
+inline constexpr auto kNames<ProjectorPowerState> = names_to<ProjectorPowerState::OffOverdue>(
+    "unknown, left on, off, asking, off asking, on asking, cooling down, off cooling down, switching on, "
+    "warming up, asking ready, still off, unready, on warming up, darkening, sets brightness, on, "
+    "warming up unused, turning off, off overdue");
+template <>
+inline constexpr auto kNames<ProjectorPowerEvent> = names_to<ProjectorPowerEvent::PowerOffUnknowable>(
+    "power on wanted, dropped, power off wanted, left on suspected, says on, says on early, says off, "
+    "says unclear, says nothing, never on, not on yet, line lost, cool, warm, pause over, "
+    "power on answered, power on failed, light is off, light off failed, brightness answered, went off, "
+    "power off confirmed, power off unanswered, power off late, power off unknowable");
+template <>
+inline constexpr auto kNames<ProjectorPowerEffect> = names_to<ProjectorPowerEffect::ReportLampOn>(
+    "light off, ask whether on, ask whether still on, ask whether ready, ask whether left on, "
+    "ask left on soon, ask left on later, wait until cool, send power on, drop power on, suspect light, "
+    "wait until warm, pause, watch over, make dark, set brightness, send power off, ask whether off, "
+    "power off again, power off again later, note off, tell, tell never on, tell went off, report went off, "
+    "report lamp on");
+
 using ProjectorPowerTransition =
     StateTransition<ProjectorPowerState, ProjectorPowerEvent, ProjectorPowerEffect>;
 
@@ -103,9 +120,5 @@ using ProjectorPowerTransition =
 [[nodiscard]] bool is_off(ProjectorPowerState state);
 // True if power off is to be sent until it is confirmed.
 [[nodiscard]] bool is_turned_off(ProjectorPowerState state);
-
-[[nodiscard]] std::string_view name_of(ProjectorPowerState state);
-[[nodiscard]] std::string_view name_of(ProjectorPowerEvent event);
-[[nodiscard]] std::string_view name_of(ProjectorPowerEffect effect);
 
 }  // namespace contourd

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "hw/descriptor_watcher.hpp"
 #include "hw/serial/byte_channel.hpp"

@@ -92,14 +92,6 @@ void SerialProjector::unasked(const UnaskedLine& line) {
   }
 }
 
-void SerialProjector::report(MachineEvent::Kind kind, const std::string& what) {
-  if (on_event_) on_event_({kind, what});
-}
-
-void SerialProjector::suspect_light() {
-  if (table_.light_off) light_.suspect();
-}
-
 void SerialProjector::make_dark(Done done) {
   if (!table_.switches_light()) return done(ProjectorReply::Ok);
   light_.suspect();
@@ -147,10 +139,6 @@ LightSerialPath SerialProjector::light_off_path() const {
 std::vector<std::string> SerialProjector::why_not_ready() const {
   if (!light_.overdue()) return {};
   return {"the light may be on: " + light_off_unconfirmed()};
-}
-
-std::string SerialProjector::description() const {
-  return table_.name + " at " + channel_.name();
 }
 
 void SerialProjector::ask_status(StatusDone done) {

@@ -6,8 +6,6 @@
 // repeated until it is confirmed, from the moment that power on is sent, whatever its outcome. Power off is
 // repeated in the same way. While the projector is on, it is asked every few seconds whether it still is. The
 // tables of projector_power_states.hpp and projector_light_states.hpp define the details.
-//
-// It has many functions, each of a few lines: those of its interface.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hw/clock.hpp"
@@ -62,7 +61,7 @@ class SerialProjector final : public Projector {
   [[nodiscard]] bool lost() const override { return exchange_.lost(); }
   // Not empty from the report that light off was not confirmed until it is confirmed.
   [[nodiscard]] std::vector<std::string> why_not_ready() const override;
-  [[nodiscard]] std::string description() const override;
+  [[nodiscard]] std::string description() const override { return table_.name + " at " + channel_.name(); }
   // Reports that the projector does not confirm that its light is off, although it is on or its answers make
   // no sense (and a Recovery once it has confirmed it), or that its lamp is off; that it is off or silent
   // although it was turned on; that it reports a problem by itself; or that its line is lost.
@@ -78,8 +77,12 @@ class SerialProjector final : public Projector {
   [[nodiscard]] ProjectorPower::Wiring power_wiring();
   void note_sent(const ProjectorCommand& command, TimePoint first_byte);
   void unasked(const UnaskedLine& line);
-  void report(MachineEvent::Kind kind, const std::string& what);
-  void suspect_light();
+  void report(MachineEvent::Kind kind, const std::string& what) {
+    if (on_event_) on_event_({kind, what});
+  }
+  void suspect_light() {
+    if (table_.light_off) light_.suspect();
+  }
   void make_dark(Done done);
   void ask_lamp_hours(ProjectorStatus status, StatusDone done);
 

@@ -1,5 +1,6 @@
 #include "hw/watchdog/last_light_off.hpp"
 
+#include "hw/gpio/step_engine.hpp"
 #include "hw/watchdog/light_paths.hpp"
 
 namespace contourd {
@@ -27,6 +28,13 @@ void LastLightOff::light_off() const noexcept {
 
 void LastLightOff::display_black() const noexcept {
   show_black(now().display.descriptor, now().display.message);
+}
+
+void make_safe_at_once() noexcept {
+  last_light_off().light_off();
+  StepEngine::inhibit_all();
+  last_light_off().display_black();
+  last_light_off().light_off();  // another thread may have turned it on meanwhile
 }
 
 }  // namespace contourd

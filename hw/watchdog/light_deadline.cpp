@@ -16,10 +16,6 @@ void LightDeadline::heartbeat(const WatchedExposure& exposure, TimePoint sent, T
   heard_ = std::max(heard_, std::min(sent, now));
 }
 
-void LightDeadline::disarm(std::uint64_t number) {
-  if (exposure_ && exposure_->number == number) exposure_.reset();
-}
-
 LightTrip LightDeadline::trip(TimePoint now) const {
   if (gone_) return LightTrip::Death;
   if (now - heard_ >= kMaxSilence) return LightTrip::Silence;

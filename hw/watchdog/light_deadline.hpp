@@ -44,7 +44,9 @@ class LightDeadline {
   // is no fresh sign of life.
   void arm(const WatchedExposure& exposure, TimePoint sent, TimePoint now);
   void heartbeat(const WatchedExposure& exposure, TimePoint sent, TimePoint now);
-  void disarm(std::uint64_t number);
+  void disarm(std::uint64_t number) {
+    if (exposure_ && exposure_->number == number) exposure_.reset();
+  }
   // Notes that the daemon is gone for good.
   void daemon_is_gone() { gone_ = true; }
 

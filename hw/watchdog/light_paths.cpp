@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "hw/gpio/line_descriptor.hpp"
+#include "hw/gpio/gpio_lines.hpp"
 
 namespace contourd {
 namespace {
@@ -55,10 +55,6 @@ bool LightPaths::light_off() noexcept {
   const bool line_off = turn_line_off(line_.descriptor.get());
   send_light_off(serial_.descriptor.get(), serial_.message);
   return line_off;
-}
-
-void LightPaths::display_black() noexcept {
-  show_black(display_.descriptor.get(), display_.message);
 }
 
 Duration LightPaths::gap() const {

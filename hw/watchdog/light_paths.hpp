@@ -25,7 +25,7 @@ class LightPaths {
 
   // Turns the light off by the line and the serial port. True if there is a line, and it is off now.
   bool light_off() noexcept;
-  void display_black() noexcept;
+  void display_black() noexcept { show_black(display_.descriptor.get(), display_.message); }
 
   // Returns the time from one light off to the next.
   [[nodiscard]] Duration gap() const;

@@ -1,6 +1,6 @@
 // Tests with a fake ioctl(): its one descriptor is a line of the first or the second kernel interface. Real
 // lines are tested in the virtual machine (tests/vm).
-#include "hw/gpio/line_descriptor.hpp"
+#include "hw/gpio/gpio_lines.hpp"
 
 #include <linux/gpio.h>
 #include <sys/syscall.h>

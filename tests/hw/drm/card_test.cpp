@@ -1,4 +1,4 @@
-#include "hw/drm/master_holder.hpp"
+#include "hw/drm/card.hpp"
 
 #include <fcntl.h>
 #include <signal.h>

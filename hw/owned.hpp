@@ -1,4 +1,4 @@
-// An owning pointer to an object that libdrm allocated; frees it with the matching libdrm function.
+// An owning pointer to an object of a C library; frees it with the matching function of that library.
 #pragma once
 
 #include <memory>
@@ -13,6 +13,6 @@ struct FreeBy {
   }
 };
 template <typename Type, auto kFree>
-using LibdrmPointer = std::unique_ptr<Type, FreeBy<kFree>>;
+using Owned = std::unique_ptr<Type, FreeBy<kFree>>;
 
 }  // namespace contourd
