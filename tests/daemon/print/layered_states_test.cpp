@@ -137,8 +137,8 @@ TEST_CASE_METHOD(LayeredTable,
       return drawing.find("\"" + prefix + std::string(state) + "\"") != std::string::npos;
     });
   };
-  CHECK(names_all("", layered_table().states));
-  CHECK(names_all("homing: ", homing_table().states));
-  CHECK(names_all("projector power: ", projector_power_table().states));
-  CHECK(names_all("projector light: ", projector_light_table().states));
+  CHECK(names_all("", kNames<LayeredState>));
+  CHECK(names_all("homing: ", kNames<HomingState>));
+  CHECK(names_all("projector power: ", kNames<ProjectorPowerState>));
+  CHECK(names_all("projector light: ", kNames<ProjectorLightState>));
 }
