@@ -68,7 +68,7 @@ MUTATIONS = [
      "record_.dark_confirmed = record_.dark_confirmed || light_->off_latest;"),
     ("a projector found in place of a lost one answers for its light", PROCESS,
      "  if (known && known->on_earliest == light_->on_earliest) light_ = known;", "  light_ = known;"),
-    ("a light behind a line counts as dark when the projector is dark", LINE,
+    ("a light behind a line counts as dark when the projector is dark", "hw/projector_with_light_line.hpp",
      "projector_.when_dark([this, call = std::move(call)] { line_projector_.when_dark(call); });",
      "projector_.when_dark(std::move(call));"),
     ("only one reply is expected to a repeated command", READER, "if (owed->repeated || reply.ambiguous)\n",
