@@ -76,7 +76,9 @@ class Homing {
     wiring_.run(AxisDrive::RunKind::Seek, distance, speed, [this] { way_over(); });
   }
   void way_over() { take(HomingEvent::WayOver); }
-  void look_at_switch() { take(wiring_.switch_closed() ? HomingEvent::SwitchClosed : HomingEvent::SwitchOpen); }
+  void look_at_switch() {
+    take(wiring_.switch_closed() ? HomingEvent::SwitchClosed : HomingEvent::SwitchOpen);
+  }
   void wait(Duration time) {
     wiring_.after(time, [this] { take(HomingEvent::WaitOver); });
   }
