@@ -35,6 +35,8 @@ if [[ -z $model ]]; then
   model=$folder/gyroid-in-a-ball.stl
   "$bin/make-model" gyroid-sphere "$model" 64 >/dev/null
 fi
+# Refuses a file that is not a model before anything is started.
+inspected=$("$bin/contourctl" inspect "$model") || { rm -r "$folder"; exit 65; }
 
 "$bin/contourd" --config "$folder/simulated.json" --pace "$pace" >"$folder/contourd.log" 2>&1 &
 daemon=$!
@@ -49,7 +51,7 @@ done
 name=$(basename -- "$model")
 name=${name%.*}
 # A model larger than the machine is scaled to it; its size is the line "size X x Y x Z mm".
-if "$bin/contourctl" inspect "$model" 2>/dev/null | awk '$1 == "size" && ($2 > 96 || $4 > 54 || $6 > 150) { exit 1 }'; then
+if awk '$1 == "size" && ($2 > 96 || $4 > 54 || $6 > 150) { exit 1 }' <<<"$inspected"; then
   echo "Printing $name"
 else
   echo "Printing $name, scaled to fit the simulated printer (96 x 54 x 150 mm)"

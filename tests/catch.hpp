@@ -30,7 +30,15 @@
 #include <utility>
 #include <vector>
 
-namespace contourd::testing {}
+namespace contourd::testing {
+// Returns a complaint about the first of `words` that is not in the text; empty if all are.
+inline std::string lacking(const std::string& text, std::initializer_list<std::string> words) {
+  for (const std::string& word : words) {
+    if (text.find(word) == std::string::npos) return "no \"" + word + "\" in \"" + text + "\"";
+  }
+  return {};
+}
+}  // namespace contourd::testing
 using namespace contourd;
 using namespace contourd::testing;
 using namespace std::chrono_literals;

@@ -8,8 +8,10 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "core/formats/other_formats.hpp"
 #include "core/formats/stl_ascii.hpp"
 #include "core/formats/stl_binary.hpp"
+#include "core/model/stray_facets.hpp"
 
 namespace contourd {
 namespace {
@@ -47,8 +49,16 @@ void read_exactly(std::FILE* file, std::span<std::byte> into, const std::filesys
 
 const ModelFormat& format_of(const FileStart& start) {
   if (start.file_bytes == 0) throw ModelError("the file is empty");
-  return **std::ranges::max_element(kFormats, {},
-                                    [&](const ModelFormat* format) { return format->likeness(start); });
+  const auto likeness = [&](const ModelFormat* format) { return format->likeness(start); };
+  const ModelFormat& format = **std::ranges::max_element(kFormats, {}, likeness);
+  if (format.likeness(start) < Likeness::Certain) refuse_other_format(start.bytes);
+  return format;
+}
+
+Model read_model(const FileStart& start, const ReadBytes& read) {
+  Model model = format_of(start).read(start, read);
+  drop_stray_facets(model);
+  return model;
 }
 
 // Returns the file's first bytes and leaves the file at its beginning.
@@ -119,13 +129,13 @@ Model read_model_file(const std::filesystem::path& path) {
 Model read_model_file(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path) {
   const std::vector<std::byte> first_bytes = read_start(file, bytes, path);
   const FileStart start{bytes, first_bytes};
-  return format_of(start).read(start, [&](std::span<std::byte> into) { read_exactly(file, into, path); });
+  return read_model(start, [&](std::span<std::byte> into) { read_exactly(file, into, path); });
 }
 
 Model read_model(std::span<const std::byte> bytes) {
   const FileStart start{bytes.size(), bytes.first(std::min(bytes.size(), kSniffBytes))};
   std::span<const std::byte> rest = bytes;
-  return format_of(start).read(start, [&rest](std::span<std::byte> into) {
+  return read_model(start, [&rest](std::span<std::byte> into) {
     std::memcpy(into.data(), rest.data(), into.size());
     rest = rest.subspan(into.size());
   });

@@ -1,6 +1,7 @@
 #include "core/formats/stl_ascii.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <string>
@@ -30,19 +31,29 @@ bool is_line_end(char c) {
   return c == '\n' || c == '\r';
 }
 
+bool same_word(std::string_view word, std::string_view lower_case) {
+  if (word.size() != lower_case.size()) return false;
+  for (std::size_t i = 0; i < word.size(); ++i) {
+    const char c = word[i];
+    if ((c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c) != lower_case[i]) return false;
+  }
+  return true;
+}
+
+// The words that end a part of the file. Some writers put a blank after "end".
+constexpr std::array<std::string_view, 3> kEndWords{"endloop", "endfacet", "endsolid"};
+constexpr std::string_view kEnd = "end";
+
 // Splits the text into words; finds the line for error messages. Comments (from a word that begins with # to
 // the end of the line) count as blanks.
 class Words {
  public:
   explicit Words(std::string_view text) : text_(text) {}
 
-  // Returns the next word; empty at the end of the text.
+  // Returns the next word; empty at the end of the text. "end loop" is returned as "endloop".
   std::string_view next() {
-    skip_blank();
-    const std::size_t start = at_;
-    while (at_ < text_.size() && !is_space(text_[at_]))
-      ++at_;
-    return text_.substr(start, at_ - start);
+    const std::string_view word = next_as_written();
+    return same_word(word, kEnd) ? joined_to_end(word) : word;
   }
 
   void skip_line() {
@@ -62,6 +73,23 @@ class Words {
   }
 
  private:
+  std::string_view next_as_written() {
+    skip_blank();
+    const std::size_t start = at_;
+    while (at_ < text_.size() && !is_space(text_[at_]))
+      ++at_;
+    return text_.substr(start, at_ - start);
+  }
+
+  std::string_view joined_to_end(std::string_view end) {
+    const std::size_t after_end = at_;
+    const std::string_view second = next_as_written();
+    for (const std::string_view word : kEndWords)
+      if (same_word(second, word.substr(kEnd.size()))) return word;
+    at_ = after_end;
+    return end;
+  }
+
   void skip_blank() {
     while (at_ < text_.size()) {
       if (text_[at_] == '#') {
@@ -77,15 +105,6 @@ class Words {
   std::string_view text_;
   std::size_t at_ = 0;
 };
-
-bool same_word(std::string_view word, std::string_view lower_case) {
-  if (word.size() != lower_case.size()) return false;
-  for (std::size_t i = 0; i < word.size(); ++i) {
-    const char c = word[i];
-    if ((c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c) != lower_case[i]) return false;
-  }
-  return true;
-}
 
 // Returns a word of the file made fit to print: cut short, and without control characters or invalid UTF-8.
 std::string quoted(std::string_view word) {
@@ -122,7 +141,8 @@ class AsciiReader {
     if (!is_stl) throw ModelError("not an STL file: it contains only comments");
     if (in_solid_ && model_.facets.empty())
       refuse("the file ends after \"solid\", without a facet or an \"endsolid\"");
-    if (in_solid_) model_.warnings.emplace_back("the file has no \"endsolid\" at its end");
+    if (in_solid_)
+      refuse("the file is cut short: it has no \"endsolid\" at its end; copy or export it again");
     return std::move(model_);
   }
 
@@ -208,11 +228,14 @@ std::string_view as_text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// Recognises ASCII STL. Text never holds a NUL; STL text begins with `solid`, with a comment, or (without a
-// solid line) with a facet.
+// A binary file of an ordinary size has a NUL within its first bytes: the highest byte of its facet count.
+constexpr std::size_t kBinaryHeaderBytes = 84;
+
+// Recognises ASCII STL. It begins with `solid`, with a comment, or (without a solid line) with a facet. Text
+// never holds a NUL, but an interrupted copy may leave some after it.
 Likeness ascii_likeness(const FileStart& start) {
   std::string_view text = as_text(start.bytes);
-  if (text.find('\0') != std::string_view::npos) return Likeness::None;
+  if (text.substr(0, kBinaryHeaderBytes).find('\0') != std::string_view::npos) return Likeness::None;
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   while (!text.empty() && is_space(text.front()))
     text.remove_prefix(1);
@@ -230,6 +253,12 @@ Model read_ascii(const FileStart& start, const ReadBytes& read) {
   std::vector<std::byte> all(start.file_bytes);
   read(all);
   std::string_view text = as_text(all);
+  // Some writers end the text with a NUL. After an interrupted copy "endsolid" is missing before the NULs.
+  text = text.substr(0, text.find_last_not_of('\0') + 1);
+  if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
+    throw ModelError("the file is not whole: byte " + std::to_string(zero) +
+                     " of the text is zero, as after an interrupted copy; copy it again");
+  }
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   return AsciiReader(text).read();
 }

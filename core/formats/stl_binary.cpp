@@ -48,18 +48,58 @@ Facet facet_at(const std::byte* record) {
                    ") has a vertex that is not a finite number");
 }
 
+// True if all bytes of a facet's record are zero.
+bool is_zero(const std::byte* record) {
+  // The first two coordinates decide for most facets.
+  std::uint64_t first_coordinates = 0;
+  std::memcpy(&first_coordinates, record + kNormalBytes, sizeof first_coordinates);
+  constexpr std::array<std::byte, kFacetBytes> kZeros{};
+  return first_coordinates == 0 && std::memcmp(record, kZeros.data(), kFacetBytes) == 0;
+}
+
+// Refuses facets that an interrupted copy left: the space of the file was reserved or its pages were lost,
+// and it reads as zeros.
+class InterruptedCopy {
+ public:
+  void add_zero_facet(std::uint64_t facet) {
+    if (facet != end_) begin_ = facet;
+    end_ = facet + 1;
+    if (end_ - begin_ == kZeroFacets) refuse();
+  }
+  void end_file(std::uint64_t facets) const {
+    if (end_ > begin_ && end_ == facets) refuse();
+  }
+
+ private:
+  // So many zero facets one after the other are no longer taken for facets without area at the origin.
+  static constexpr std::uint64_t kZeroFacets = 4;
+
+  [[noreturn]] void refuse() const {
+    throw ModelError("the file is not whole: from facet " + std::to_string(begin_ + 1) + " (byte " +
+                     std::to_string(kHeaderBytes + begin_ * kFacetBytes) +
+                     ") on it consists of zeros, as after an interrupted copy; copy it again");
+  }
+
+  std::uint64_t begin_ = 0, end_ = 0;  // numbers of the last run of zero facets
+};
+
 void read_facets(const ReadBytes& read, std::uint64_t count, std::vector<Facet>& facets) {
+  InterruptedCopy interrupted;
   facets.reserve(count);
   std::vector<std::byte> chunk(std::min<std::uint64_t>(count, kChunkFacets) * kFacetBytes);
   while (facets.size() < count) {
     const std::size_t n = std::min<std::uint64_t>(count - facets.size(), kChunkFacets);
     read(std::span(chunk).first(n * kFacetBytes));
     for (std::size_t i = 0; i < n; ++i) {
-      const Facet facet = facet_at(chunk.data() + i * kFacetBytes);
+      const std::byte* const record = chunk.data() + i * kFacetBytes;
+      if (is_zero(record)) [[unlikely]]
+        interrupted.add_zero_facet(facets.size());
+      const Facet facet = facet_at(record);
       if (!is_finite(facet)) refuse_not_finite(facets.size());
       facets.push_back(facet);
     }
   }
+  interrupted.end_file(count);
 }
 
 std::uint32_t claimed_facets(std::span<const std::byte> start) {

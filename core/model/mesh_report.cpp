@@ -10,14 +10,6 @@
 namespace contourd {
 namespace {
 
-double twice_area(const Facet& facet) {
-  const auto [a, b, c] = facet.vertices;
-  const double ux = static_cast<double>(b.x) - a.x, uy = static_cast<double>(b.y) - a.y;
-  const double uz = static_cast<double>(b.z) - a.z, vx = static_cast<double>(c.x) - a.x;
-  const double vy = static_cast<double>(c.y) - a.y, vz = static_cast<double>(c.z) - a.z;
-  return std::hypot(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx);
-}
-
 struct Edge {
   std::uint32_t low, high;  // vertex numbers
   std::int32_t direction;   // +1 from low to high

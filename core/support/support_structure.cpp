@@ -37,13 +37,13 @@ bool is_sound(const Frustum& frustum) {
 
 }  // namespace
 
+bool SupportStructure::accepts(const SupportPrimitive& primitive) {
+  return std::visit([](const auto& each) { return is_sound(each); }, primitive);
+}
+
 SupportStructure::SupportStructure(std::vector<SupportPrimitive> primitives)
     : primitives_(std::move(primitives)) {
-  expects(std::ranges::all_of(primitives_,
-                              [](const SupportPrimitive& primitive) {
-                                return std::visit([](const auto& each) { return is_sound(each); }, primitive);
-                              }),
-          "every primitive has a place and a size");
+  expects(std::ranges::all_of(primitives_, accepts), "every primitive has a place and a size");
   nodes_.reserve(primitives_.size());
   for (std::size_t i = 0; i < primitives_.size(); ++i)
     nodes_.push_back({reach_of(primitives_[i]), 0, static_cast<std::uint32_t>(i)});

@@ -15,9 +15,11 @@ namespace contourd {
 
 class SupportStructure final : public SectionSource {
  public:
-  // REQUIRES: places and radii within kFarthestMm, radii >= 0; for each frustum, one radius > 0, lower.z <=
-  // upper.z, and two distinct ends.
+  // REQUIRES: accepts() each primitive.
   explicit SupportStructure(std::vector<SupportPrimitive> primitives);
+  // True if places and radii are within kFarthestMm, radii >= 0, and for a frustum one radius > 0, lower.z <=
+  // upper.z, and its ends distinct.
+  [[nodiscard]] static bool accepts(const SupportPrimitive& primitive);
   static constexpr double kFarthestMm = 1e6;
 
   // Appends a loop for each primitive that the plane cuts. The order of the loops is fixed, but not the order

@@ -17,12 +17,12 @@ void IncomingRouter::plate_waits(const std::string& file, const std::vector<std:
 }
 
 void IncomingRouter::ignored(const std::string& file, WhyIgnored why) {
-  log_.warning("passed-over", fmt::format("{}: is ignored: {}", printable(file), sentence_for(why)),
+  log_.warning("ignored", fmt::format("{}: is ignored: {}", printable(file), sentence_for(why)),
                file_fields(file));
 }
 
 void IncomingRouter::more_ignored(std::size_t files) {
-  log_.warning("passed-over", fmt::format("{} more in incoming are ignored", files));
+  log_.warning("ignored", fmt::format("{} more in incoming are ignored", files));
 }
 
 void IncomingRouter::incoming_lost(const std::string& why) {

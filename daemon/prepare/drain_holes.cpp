@@ -54,6 +54,21 @@ HeightRange reach_of(const Frustum& cylinder, const StandingModel& model) {
           height(cylinder.upper.z + cylinder.upper_radius_mm)};
 }
 
+// Refuses a hole that the structure of holes does not accept.
+[[noreturn]] void refuse_size_of(const Frustum& cylinder, const DrainHole& hole, std::size_t number) {
+  const std::string which =
+      fmt::format("drain hole {} at {:g}, {:g}, {:g} mm", number, hole.x_mm, hole.y_mm, hole.z_mm);
+  if (cylinder.lower == cylinder.upper || cylinder.lower_radius_mm <= 0)
+    throw JobRefused(fmt::format("{} is too small: it is {:g} mm wide and {:g} mm deep", which,
+                                 hole.diameter_mm, hole.depth_mm));
+  throw JobRefused(fmt::format(
+      "{} is too far away or too large: as printed, it is {:g} mm wide and reaches from {:g}, {:g}, {:g} to "
+      "{:g}, "
+      "{:g}, {:g} mm, and no part of it may be farther from 0 than {:g} mm; check its position and the scale",
+      which, 2 * cylinder.lower_radius_mm, cylinder.lower.x, cylinder.lower.y, cylinder.lower.z,
+      cylinder.upper.x, cylinder.upper.y, cylinder.upper.z, SupportStructure::kFarthestMm));
+}
+
 // True if the cylinder changes a mask of the model, or if the deadline passes first.
 bool cuts(const Frustum& cylinder, const PlateModel& model, const HoleSearch& search) {
   PlateModel whole{model, {model.copies.front()}, nullptr};
@@ -79,11 +94,9 @@ std::vector<Frustum> drain_cylinders(const ModelTicket& ticket, const Scale& sca
     Facet axis = axis_of(hole);
     turn_and_scale(std::span(&axis, 1), ticket, shrinkage);
     if (ticket.fit) enlarge(std::span(&axis, 1), scale);
-    cylinders.push_back(cylinder_of(axis, hole.diameter_mm / 2 * (all.x + all.y + all.z) / 3));
-    if (cylinders.back().lower == cylinders.back().upper) {
-      throw JobRefused(fmt::format("drain hole {} at {:g}, {:g}, {:g} mm is too small: {:g} mm deep",
-                                   cylinders.size(), hole.x_mm, hole.y_mm, hole.z_mm, hole.depth_mm));
-    }
+    const Frustum cylinder = cylinder_of(axis, hole.diameter_mm / 2 * (all.x + all.y + all.z) / 3);
+    if (!SupportStructure::accepts(cylinder)) refuse_size_of(cylinder, hole, cylinders.size() + 1);
+    cylinders.push_back(cylinder);
   }
   return cylinders;
 }

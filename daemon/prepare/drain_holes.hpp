@@ -15,8 +15,8 @@
 namespace contourd {
 
 // Returns the ticket's holes as cylinders, in the ticket's order and in the coordinates of the turned and
-// scaled model. `scale` is the model's, `shrinkage` the resin's. Throws JobRefused if a hole has no length
-// there.
+// scaled model. `scale` is the model's, `shrinkage` the resin's. Throws JobRefused if a hole has no size
+// there or is out of reach.
 [[nodiscard]] std::vector<Frustum> drain_cylinders(const ModelTicket& ticket, const Scale& scale,
                                                    const Scale& shrinkage);
 // Returns the cylinders as the engine subtracts them from the model; null if there are none.

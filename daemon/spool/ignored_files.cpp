@@ -36,6 +36,14 @@ std::string lower_extension(const std::filesystem::path& path) {
 
 }  // namespace
 
+std::optional<WhyIgnored> why_format_is_ignored(const std::filesystem::path& file) {
+  const std::string extension = lower_extension(file);
+  if (is_one_of(extension, kModels)) return WhyIgnored::Model;
+  if (is_one_of(extension, kSliced)) return WhyIgnored::Sliced;
+  if (is_one_of(extension, kArchives)) return WhyIgnored::Archive;
+  return std::nullopt;
+}
+
 std::optional<WhyIgnored> why_ignored(const std::filesystem::path& path) {
   const std::string name = path.filename().string(), extension = lower_extension(path);
   if (name.empty() || name.starts_with('.') || name.ends_with('~')) return std::nullopt;
@@ -44,9 +52,7 @@ std::optional<WhyIgnored> why_ignored(const std::filesystem::path& path) {
   if (::lstat(path.c_str(), &status) != 0) return std::nullopt;
   if (!S_ISREG(status.st_mode)) return WhyIgnored::NotAFile;
   if (extension == ".json") return std::nullopt;
-  if (is_one_of(extension, kModels)) return WhyIgnored::Model;
-  if (is_one_of(extension, kSliced)) return WhyIgnored::Sliced;
-  return is_one_of(extension, kArchives) ? WhyIgnored::Archive : WhyIgnored::Other;
+  return why_format_is_ignored(path).value_or(WhyIgnored::Other);
 }
 
 std::string_view sentence_for(WhyIgnored why) {

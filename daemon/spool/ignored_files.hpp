@@ -1,6 +1,7 @@
 // Files in incoming/ that will not be printed as they are: a folder that is not a plate, a file that is not
 // an STL. Each is reported once, after it has been unchanged for some seconds: an upload may still get its
-// final name. Event loop's thread only, except why_ignored(), which any thread may call.
+// final name. Event loop's thread only, except the free functions, which any thread may
+// call.
 #pragma once
 
 #include <filesystem>
@@ -28,6 +29,10 @@ enum class WhyIgnored {
 // if it does not exist, is hidden, is a ticket (which may wait for its model), or has the name of an
 // unfinished upload.
 [[nodiscard]] std::optional<WhyIgnored> why_ignored(const std::filesystem::path& path);
+
+// Returns Model, Sliced or Archive if the file's name is that of a format that contourd does not read but an
+// owner may want to print; reads no file.
+[[nodiscard]] std::optional<WhyIgnored> why_format_is_ignored(const std::filesystem::path& file);
 
 // Returns a sentence that says why the file is ignored and what to put there instead.
 [[nodiscard]] std::string_view sentence_for(WhyIgnored why);

@@ -15,6 +15,7 @@
 #include <system_error>
 #include <utility>
 
+#include "daemon/spool/ignored_files.hpp"
 #include "daemon/spool/spool_folders.hpp"
 #include "daemon/system/regular_file.hpp"
 
@@ -92,11 +93,14 @@ FoundModels ForeignFolder::models() const {
       const bool is_folder = entry->d_type == DT_DIR || entry->d_type == DT_UNKNOWN;
       if (is_model_name(name) && entry->d_type != DT_DIR)
         found.paths.push_back(std::move(below));
+      else if (!name.starts_with('.') && entry->d_type != DT_DIR && why_format_is_ignored(name))
+        found.others.push_back(std::move(below));
       else if (is_folder && depth < kDeepest && may_hold_models(name))
         folders.push_back({std::move(below), depth + 1});
     }
   }
   std::ranges::sort(found.paths);
+  std::ranges::sort(found.others);
   return found;
 }
 

@@ -15,9 +15,10 @@
 namespace contourd::ctl {
 
 struct FoundModels {
-  std::vector<std::string> paths;  // relative, sorted
-  bool all = true;                 // false: the limit of names was reached
-  std::size_t unread = 0;          // number of subfolders that cannot be read
+  std::vector<std::string> paths;   // relative, sorted
+  std::vector<std::string> others;  // of formats that contourd does not read but an owner may want to print
+  bool all = true;                  // false: the limit of names was reached
+  std::size_t unread = 0;           // number of subfolders that cannot be read
 };
 
 class ForeignFolder {
@@ -29,8 +30,8 @@ class ForeignFolder {
   // Throws std::system_error.
   explicit ForeignFolder(const std::filesystem::path& path);
 
-  // Finds the files whose names are models' names. Hidden folders and folders of an operating system are
-  // skipped. Throws std::system_error.
+  // Finds the files whose names are models' names, and those of other formats. Hidden files of those, hidden
+  // folders and folders of an operating system are skipped. Throws std::system_error.
   [[nodiscard]] FoundModels models() const;
   // Opens a regular file of the folder for reading. Throws UnreadableFile.
   [[nodiscard]] FileDescriptor open(const std::string& path) const;

@@ -24,6 +24,7 @@
 #include "daemon/ctl/submit/spool_submission.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/json/json_document.hpp"
+#include "daemon/spool/ignored_files.hpp"
 #include "daemon/system/base64.hpp"
 #include "daemon/system/durable_file.hpp"
 #include "daemon/system/readable.hpp"
@@ -142,6 +143,8 @@ class Offer {
       }
       consider(path);
     }
+    for (const std::string& path : found.others)
+      report_not_taken(path, sentence_for(*why_format_is_ignored(path)));
     if (!found.all)
       report_left(fmt::format("the folder has more than {} names; the others were ignored",
                               ForeignFolder::kMostNames));
@@ -226,9 +229,9 @@ class Offer {
     }
   }
 
-  void report_not_taken(const std::string& path, const std::string& why) {
+  void report_not_taken(const std::string& path, std::string_view why) {
     if (++reported_ <= kMostReported)
-      report_left(in_quotes(path) + " is not taken: " + why);
+      report_left(fmt::format("{} is not taken: {}", in_quotes(path), why));
     else
       ++unreported_;
   }

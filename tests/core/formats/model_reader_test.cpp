@@ -45,14 +45,6 @@ Model read_text(std::string_view text) {
   return read_model(std::as_bytes(std::span(text)));
 }
 
-// Returns a complaint about the first of `words` that is not in the text; empty if all are.
-std::string lacking(const std::string& text, std::initializer_list<std::string> words) {
-  for (const std::string& word : words) {
-    if (text.find(word) == std::string::npos) return "no \"" + word + "\" in \"" + text + "\"";
-  }
-  return {};
-}
-
 // Returns the error message for the data; empty if it is accepted.
 std::string refusal_of(std::span<const std::byte> bytes) {
   try {
@@ -238,8 +230,32 @@ TEST_CASE("Infinities of both signs in one facet do not cancel") {
 TEST_CASE("The largest finite coordinates are kept") {
   constexpr float kLargest = std::numeric_limits<float>::max();
   models::Facets facets = tetrahedron();
-  for (Vertex& v : facets[1].vertices)
-    v = {kLargest, -kLargest, std::numeric_limits<float>::denorm_min()};
+  facets[1].vertices[0] = {kLargest, -kLargest, std::numeric_limits<float>::denorm_min()};
+  CHECK(same(read_model(models::to_binary_stl(facets)).facets, facets));
+}
+
+TEST_CASE("A file in which several facets or the last one are zeros is refused as not whole") {
+  const auto refusal_with_zeros = [](std::size_t first, std::size_t count) {
+    std::vector<std::byte> bytes = models::to_binary_stl(models::Facets(10, tetrahedron()[0]));
+    std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(kFirstFacet + first * kFacetBytes),
+                count * kFacetBytes, std::byte{});
+    return refusal_of(bytes);
+  };
+  for (const std::size_t first : {0U, 1U, 6U}) {
+    CAPTURE(first);
+    const std::string place = "facet " + std::to_string(first + 1) + " (byte " +
+                              std::to_string(kFirstFacet + first * kFacetBytes) + ")";
+    CHECK(lacking(refusal_with_zeros(first, 4), {"not whole", place, "zeros", "copy it again"}) == "");
+  }
+  CHECK(refusal_with_zeros(3, 3).empty());
+  CHECK(lacking(refusal_with_zeros(9, 1), {"facet 10 "}) == "");
+  CHECK(lacking(refusal_with_zeros(7, 3), {"facet 8 "}) == "");
+}
+
+TEST_CASE("Single facets at the origin are read") {
+  models::Facets facets(10, tetrahedron()[0]);
+  for (std::size_t i = 0; i < 10; i += 2)
+    facets[i] = {};
   CHECK(same(read_model(models::to_binary_stl(facets)).facets, facets));
 }
 
@@ -301,6 +317,15 @@ TEST_CASE("ASCII keywords may be in any case") {
   CHECK(same(read_text(upper).facets, tetrahedron()));
   CHECK(
       same(read_text(replaced(replaced(text, "facet", "Facet"), "vertex", "vErTeX")).facets, tetrahedron()));
+}
+
+TEST_CASE("The words that end a part of an ASCII file may have a blank after end") {
+  const std::string text = replaced(models::to_ascii_stl(tetrahedron()), "end", "End ");
+  const Model model = read_text(text);
+  CHECK(model.warnings.empty());
+  CHECK(same(model.facets, tetrahedron()));
+  CHECK(lacking(refusal_of(replaced(one_facet(), "endloop", "end vertex")), {"line 7", "found \"end\""}) ==
+        "");
 }
 
 TEST_CASE("ASCII lines may end with CR LF or with CR alone or be blank") {
@@ -447,12 +472,21 @@ TEST_CASE("A solid within a solid and a facet without any solid are read") {
   CHECK(same(read_text(text.substr(begin, text.find("endsolid") - begin)).facets, kOneFacet));
 }
 
-TEST_CASE("A file without an endsolid is read with a warning") {
+TEST_CASE("An ASCII file without its last endsolid is refused as cut short") {
+  const std::string text = one_facet() + one_facet();
+  const std::string cut = text.substr(0, text.rfind("endsolid"));
+  CHECK(lacking(refusal_of(cut), {"line 18", "cut short", "endsolid", "copy or export it again"}) == "");
+  CHECK(lacking(refusal_of(cut + "endsol"), {"cut short"}) == "");
+  CHECK(lacking(refusal_of(cut + std::string(100, '\0')), {"cut short"}) == "");
+}
+
+TEST_CASE("NULs after the end of an ASCII file are ignored, and NULs within it refused") {
   const std::string text = one_facet();
-  const Model model = read_text(text.substr(0, text.find("endsolid")));
-  CHECK(same(model.facets, kOneFacet));
-  REQUIRE(model.warnings.size() == 1);
-  CHECK(lacking(model.warnings[0], {"endsolid"}) == "");
+  CHECK(same(read_text(text + std::string(3, '\0')).facets, kOneFacet));
+  std::string holed = text + text;
+  holed.replace(text.size() + 20, 30, 30, '\0');
+  CHECK(lacking(refusal_of(holed),
+                {"not whole", "byte " + std::to_string(text.size() + 20), "zero", "copy it again"}) == "");
 }
 
 TEST_CASE("A solid without facets is an empty model if it ends and is refused if it does not") {

@@ -40,6 +40,16 @@ std::string refusal_of(const DrainHole& hole, std::chrono::seconds time = std::c
   return "";
 }
 
+std::string refusal_of_scaled(ModelTicket ticket, double scale) {
+  ticket.scale = Scale{scale};
+  try {
+    static_cast<void>(drain_cylinders(ticket, *ticket.scale, {}));
+  } catch (const JobRefused& refusal) {
+    return refusal.what();
+  }
+  return "";
+}
+
 }  // namespace
 
 TEST_CASE("A hole reaches from half a diameter before its position to its depth, along any direction") {
@@ -98,7 +108,19 @@ TEST_CASE("The holes of a model with fit are turned, then enlarged with it") {
 
 TEST_CASE("A hole that has no length once it is scaled is refused") {
   ModelTicket ticket = ticket_with({90'000, 0, 0, {1, 0, 0}, 0.001, 0.001});
-  CHECK_THROWS_AS(drain_cylinders(ticket, {}, {}), JobRefused);
+  CHECK(lacking(refusal_of_scaled(ticket, 1),
+                {"drain hole 1 at 90000, 0, 0 mm is too small", "0.001 mm deep"}) == "");
+}
+
+TEST_CASE("A hole that is too far away or too large once it is scaled is refused with its place") {
+  const ModelTicket far = ticket_with({90'000, 0, 0, {1, 0, 0}, 2, 5});
+  CHECK(refusal_of_scaled(far, 11) == "");
+  CHECK(lacking(refusal_of_scaled(far, 12), {"drain hole 1 at 90000, 0, 0 mm is too far away", "1e+06 mm"}) ==
+        "");
+  const ModelTicket wide = ticket_with({0, 0, 0, {0, 0, 1}, 90'000, 1});
+  CHECK(lacking(refusal_of_scaled(wide, 30), {"too large", "2.7e+06 mm wide"}) == "");
+  for (const double scale : {1e6, 1e30, 1e300})
+    CHECK_FALSE(refusal_of_scaled(far, scale).empty());
 }
 
 TEST_CASE("A hole that removes something is accepted, wherever it begins") {
