@@ -1,7 +1,6 @@
 // Files in incoming/ that will not be printed as they are: a folder that is not a plate, a file that is not
 // an STL. Each is reported once, after it has been unchanged for some seconds: an upload may still get its
-// final name. Event loop's thread only, except the free functions, which any thread may
-// call.
+// final name. Event loop's thread only.
 #pragma once
 
 #include <filesystem>
@@ -12,30 +11,10 @@
 #include <string_view>
 #include <utility>
 
+#include "daemon/spool/why_ignored.hpp"
 #include "daemon/system/event_loop.hpp"
 
 namespace contourd {
-
-enum class WhyIgnored {
-  Folder,  // without plate.json
-  Model,   // a format other than STL
-  Sliced,  // sliced for another printer
-  Archive,
-  NotAFile,  // a link, a pipe or a device
-  Other,
-};
-
-// Returns why a path in incoming/ that is neither a folder nor named like a model is ignored. Returns nullopt
-// if it does not exist, is hidden, is a ticket (which may wait for its model), or has the name of an
-// unfinished upload.
-[[nodiscard]] std::optional<WhyIgnored> why_ignored(const std::filesystem::path& path);
-
-// Returns Model, Sliced or Archive if the file's name is that of a format that contourd does not read but an
-// owner may want to print; reads no file.
-[[nodiscard]] std::optional<WhyIgnored> why_format_is_ignored(const std::filesystem::path& file);
-
-// Returns a sentence that says why the file is ignored and what to put there instead.
-[[nodiscard]] std::string_view sentence_for(WhyIgnored why);
 
 // Receives the reports about ignored files.
 class IgnoredFilesObserver {

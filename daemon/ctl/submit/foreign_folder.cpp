@@ -15,8 +15,8 @@
 #include <system_error>
 #include <utility>
 
-#include "daemon/spool/ignored_files.hpp"
 #include "daemon/spool/spool_folders.hpp"
+#include "daemon/spool/why_ignored.hpp"
 #include "daemon/system/regular_file.hpp"
 
 namespace contourd::ctl {

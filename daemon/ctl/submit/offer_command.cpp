@@ -24,7 +24,7 @@
 #include "daemon/ctl/submit/spool_submission.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/json/json_document.hpp"
-#include "daemon/spool/ignored_files.hpp"
+#include "daemon/spool/why_ignored.hpp"
 #include "daemon/system/base64.hpp"
 #include "daemon/system/durable_file.hpp"
 #include "daemon/system/readable.hpp"

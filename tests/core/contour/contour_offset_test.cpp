@@ -24,22 +24,26 @@ bool within_chords(double area, double exact, double arc_length) {
   return area <= exact + 1e-9 && area >= exact - arc_length * kChord;
 }
 
-// Returns points of the contours' sides, every `step`, that have an empty side. Each is checked as far beside
-// the side as the outline distinguishes points, since a gap may be a thin wedge.
-std::vector<Point> borders_of_empty(const Contours& contours, double step) {
+// Returns points of the contours' sides, every `step`, that have an empty side: one into which a circle of
+// this radius fits, which touches the side there. The least radius is that at which the outline distinguishes
+// points, since a gap may be a thin wedge.
+std::vector<Point> borders_of_empty(const Contours& contours, double step,
+                                    double radius = ContourUnion::kFileRounding.count()) {
   std::vector<Point> borders;
+  const auto is_empty = [&](Point center) {
+    if (winding_around(contours, center) != 0) return false;
+    const bool least = radius == ContourUnion::kFileRounding.count();
+    return least || distance_to_sides(contours, center) > 0.999 * radius;
+  };
   for_each_side(contours, [&](Point a, Point b) {
     const double length = std::hypot(b.x - a.x, b.y - a.y);
     const int count = static_cast<int>(length / step) + 1;
     for (int i = 0; i <= count; ++i) {
       const double s = static_cast<double>(i) / count;
       const Point p{a.x + s * (b.x - a.x), a.y + s * (b.y - a.y)};
-      const double far = ContourUnion::kFileRounding.count() / length;
-      const Point beside{-(b.y - a.y) * far, (b.x - a.x) * far};
-      if (winding_around(contours, {p.x + beside.x, p.y + beside.y}) == 0 ||
-          winding_around(contours, {p.x - beside.x, p.y - beside.y}) == 0) {
+      const Point beside{-(b.y - a.y) * radius / length, (b.x - a.x) * radius / length};
+      if (is_empty({p.x + beside.x, p.y + beside.y}) || is_empty({p.x - beside.x, p.y - beside.y}))
         borders.push_back(p);
-      }
     }
   });
   return borders;
@@ -214,6 +218,9 @@ TEST_CASE("Shrunk contours contain every point farther inside than the distance 
       // A hole smaller than the step may lie between two of its points.
       if (inside && away > distance && winding_around(shrunk, p) == 0)
         away = nearest(borders_of_empty(contours, kStep / 50), p);
+      // Holes into which a circle of the closing's radius does not fit are closed before shrinking.
+      if (inside && away < distance && winding_around(shrunk, p) > 0)
+        away = nearest(borders_of_empty(contours, kStep / 50, ContourOffset::kClosing.count()), p);
       if (std::fabs(away - distance) < kStep + kChord + 1e-3) continue;
       RC_ASSERT((winding_around(shrunk, p) > 0) == (inside && away > distance));
     }
