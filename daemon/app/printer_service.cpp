@@ -38,7 +38,7 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       scheduler_(context_, spool_, queue_, hold_, *this),
       notices_(loop, log, config.job_ended_socket, config.name),
       manual_(machine, clock, [this] { manual_changed(); }),
-      stop_(context_, {spool_, reader_, hold_, job_, scheduler_, manual_}),
+      stop_(context_, {spool_, reader_, job_, scheduler_, manual_}),
       reminders_(config.reminders),
       status_(context_, {spool_, queue_, scheduler_, hold_, job_, history_, manual_, reminders_}),
       control_(context_, hold_, job_, scheduler_, status_),
@@ -49,14 +49,6 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       screen_control_(loop, picture_worker_, job_, manual_) {}
 
 // --- the use of the printer
-
-bool PrinterService::prints() const {
-  return job_.print().under_way() || manual_.light_may_be_on();
-}
-
-bool PrinterService::light_may_be_on() const {
-  return job_.print().light_may_be_on() || manual_.light_may_be_on();
-}
 
 void PrinterService::begin(ClaimedJob job) {
   manual_.give_way();
@@ -175,10 +167,6 @@ void PrinterService::manual_changed() {
 
 void PrinterService::print_state_changed(const PrintState& state) {
   if (printing_) printing_(state != kIdle);
-}
-
-void PrinterService::light_gone() {
-  if (hold_.due()) scheduler_.run_soon();
 }
 
 void PrinterService::job_ended(EndedJob job) {

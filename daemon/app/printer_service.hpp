@@ -62,17 +62,15 @@ class PrinterService final : private JobObserver, private QueueObserver, private
  private:
   void print_state_changed(const PrintState& state) override;
   void job_changed(const std::string& what) override { notify(what, ControlServer::Delivery::Lossy); }
-  void light_gone() override;
   void job_ended(EndedJob job) override;
   void may_stop() override { stop_.try_to_stop(); }
+  void hold_changed() override { scheduler_.run_soon(); }
 
   void queue_changed() override { scheduler_.run(); }
   void question_changed() override { notify("question", ControlServer::Delivery::Lossy); }
   void job_refused(EndedJob job) override;
 
   [[nodiscard]] bool has_job() const override { return job_.job() != nullptr; }
-  [[nodiscard]] bool prints() const override;
-  [[nodiscard]] bool light_may_be_on() const override;
   [[nodiscard]] bool controlled_by_hand() const override { return manual_.in_use(); }
   void begin(ClaimedJob job) override;
   void left_job_filed(const EndedJob& job) override { notices_.add(job); }

@@ -53,7 +53,6 @@ void ServiceStop::try_to_stop() {
   if (parts_.scheduler.copying()) return parts_.spool.stop_copying();  // called again after it
   // The job is still being read and nothing was printed: it waits for the next start.
   if (job.job() != nullptr) job.give_back();
-  if (parts_.hold.due()) parts_.hold.keep();
   context_.loop.stop();
 }
 

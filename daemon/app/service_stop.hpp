@@ -8,7 +8,6 @@
 #include "daemon/jobs/job_reader.hpp"
 #include "daemon/jobs/job_scheduler.hpp"
 #include "daemon/jobs/printer_context.hpp"
-#include "daemon/jobs/queue_hold.hpp"
 #include "daemon/print/manual_process.hpp"
 #include "daemon/spool/spool.hpp"
 
@@ -19,7 +18,6 @@ class ServiceStop {
   struct Parts {
     Spool& spool;
     JobReader& reader;
-    QueueHold& hold;
     CurrentJob& job;
     JobScheduler& scheduler;
     ManualProcess& manual;

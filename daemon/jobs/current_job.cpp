@@ -114,7 +114,7 @@ CurrentJob::~CurrentJob() {
 }
 
 bool CurrentJob::finishing() const {
-  return job_ && job_->prepared && !print_->under_way();
+  return job_ && job_->record && !print_->under_way();
 }
 
 void CurrentJob::add_lit_turn(const EventLoop::Turn& turn) {
@@ -142,7 +142,7 @@ void CurrentJob::was_read(ReadJob result) {
   const bool unwanted = job_->cancel_wanted || stopping_;
   if (const auto* refusal = std::get_if<JobRefusal>(&result)) {
     if (unwanted || !refusal->for_now || ++job_->readings >= kMaxReadings)
-      return refuse("failed", refusal->reason);
+      return refuse(PrintOutcome::Failed, refusal->reason);
     // There was too little memory; more may be free soon.
     const TimePoint later = std::chrono::steady_clock::now() + kReadingInterval;
     read_timer_ = context_.loop.at(later, "a job's timer", [this] {
@@ -151,28 +151,49 @@ void CurrentJob::was_read(ReadJob result) {
     return;
   }
   if (unwanted || std::holds_alternative<ReadingGivenUp>(result))
-    return refuse("cancelled", "cancelled before it started");
+    return refuse(PrintOutcome::Canceled, "cancelled before it started");
   auto& prepared = std::get<PreparedJob>(result);
   if (const std::string why = why_unheld(prepared); !why.empty() && !job_->claimed.unheld_accepted)
-    return refuse("failed", why);
+    return refuse(PrintOutcome::Failed, why);
   job_->prepared = std::move(prepared);
   log_.ready(name(), job_->prepared->summary, job_->prepared->first_mask_at - job_->claimed.turn_came);
-  start_print();
+  occupy_plate();
 }
 
-void CurrentJob::refuse(const std::string& outcome, const std::string& reason) {
-  const std::string name = this->name();
-  log_.refused(name, reason);
-  file_job(spool_, context_.log, job_->claimed.files, Spool::Folder::Failed, reason + "\n");
+void CurrentJob::refuse(PrintOutcome outcome, const std::string& reason) {
+  log_.refused(name(), reason);
+  job_->refused = true;
+  archivist_.record(name(), {outcome, reason, job_->key});
+  const auto troubles = std::make_shared<std::vector<std::string>>();
+  spool_.keep(
+      [troubles, &spool = spool_, files = job_->claimed.files, reason](const StateRecords&) {
+        *troubles = move_job(spool, files, Spool::Folder::Failed, reason + "\n");
+      },
+      [this, troubles, outcome, reason](const std::string& why_it_stays) {
+        for (const std::string& trouble : *troubles)
+          context_.log.error("spool", trouble, job_fields(name()));
+        refusal_filed({outcome, reason}, why_it_stays);
+      });
+}
+
+void CurrentJob::refusal_filed(const PrintEnd& end, const std::string& why_it_stays) {
+  const JobFiles files = std::move(job_->claimed.files);
   job_.reset();
-  EndedJob ended{name, outcome, reason};
+  if (!why_it_stays.empty()) {
+    context_.log.error(
+        "spool", fmt::format("{}: stays in printing: {}", printable(files.name), printable(why_it_stays)),
+        job_fields(files.name));
+    hold_.add_unfiled(files, end);
+  }
+  EndedJob ended{files.name, std::string(name_of(end.outcome)), end.reason};
   history_.end(ended);
   observer_.job_ended(std::move(ended));
+  observer_.may_stop();
 }
 
 void CurrentJob::cancel() {
   expects(job_.has_value(), "there is a job");
-  if (job_->prepared) return print_->cancel();
+  if (job_->record) return print_->cancel();
   job_->cancel_wanted = true;
   reader_.give_up_reading();
 }
@@ -186,6 +207,7 @@ void CurrentJob::give_back() {
   expects(job_ && !job_->record, "there is a job that has not begun");
   const std::string name = this->name();
   history_.forget();
+  if (job_->prepared) hold_.set_plate_occupant(job_->plate_before);
   try {
     spool_.give_back(job_->claimed.files);
     context_.log.info(
@@ -202,13 +224,30 @@ void CurrentJob::give_back() {
 
 // --- the print
 
+// Saves on the disk before anything moves that the plate is not clear, whatever happens to the print.
+void CurrentJob::occupy_plate() {
+  job_->plate_before = hold_.plate_occupant();
+  hold_.set_plate_occupant(name(), [this](const std::string& trouble) {
+    if (job_) plate_saved(trouble);
+  });
+}
+
+void CurrentJob::plate_saved(const std::string& trouble) {
+  if (!job_->cancel_wanted && !stopping_ && trouble.empty()) return start_print();
+  hold_.set_plate_occupant(job_->plate_before);
+  if (trouble.empty()) return refuse(PrintOutcome::Canceled, "cancelled before it started");
+  refuse(PrintOutcome::Failed,
+         "cannot record that the plate is not clear from now on: " + printable(trouble));
+}
+
 void CurrentJob::start_print() {
   Machine& machine = context_.machine;
   std::optional<std::filesystem::path> masks;
   try {
     masks = machine.begin_job(name());
   } catch (const std::system_error& error) {
-    return refuse("failed", printable(error.what()));
+    hold_.set_plate_occupant(job_->plate_before);
+    return refuse(PrintOutcome::Failed, printable(error.what()));
   }
   job_->record.emplace(machine, context_.clock, std::move(masks));
   analyst_.start(analysis_of(*job_->prepared, machine.z_axis()),
@@ -232,9 +271,8 @@ void CurrentJob::analyzed(AnalyzedPrint print) {
   if (job_->over) file();
 }
 
-// Saves on the disk before the first light that the plate is not clear from then on, whatever happens next.
 void CurrentJob::light_due() {
-  if (job_->record->layers().empty()) hold_.set_plate_occupant(name());
+  job_->had_light = true;
 }
 
 void CurrentJob::state_changed(const PrintState& state) {
@@ -267,7 +305,6 @@ void CurrentJob::interrupted(const std::string& what) {
 
 void CurrentJob::light_gone() {
   add_lit_turn(context_.loop.turn());
-  observer_.light_gone();
 }
 
 // --- after the print
@@ -280,6 +317,7 @@ void CurrentJob::print_ended(PrintOutcome outcome, const std::string& reason, Pr
   log_.ended(report);
   archivist_.record(name(), {outcome, reason, job_->key});
   job_->over = EndedPrint{job_->claimed.files, std::move(report), std::move(plan.engine)};
+  if (!job_->had_light) hold_.set_plate_occupant(job_->plate_before);
   // A fault of the machine would hit the next job too, which begins with a motion. A print that was stopped
   // with contourd has left its part in the way.
   if (outcome == PrintOutcome::Failed) hold_.hold(fmt::format("{} failed: {}", name(), reason));
@@ -301,6 +339,7 @@ void CurrentJob::file() {
   job_->ended = {name(), std::string(name_of(print.report.outcome)), print.report.reason, job_->analysis,
                  figures_of(print.report)};
   print.noted = history_.end(job_->ended);
+  print.held = hold_.last_attempt();
   archivist_.file(std::move(print), [this](const FiledPrint& done) { filed(done); });
 }
 

@@ -32,9 +32,6 @@ class JobObserver {
   virtual void print_state_changed(const PrintState& state) = 0;
   // Reports a change that a client may want to know: "state", "layer" or "analysis".
   virtual void job_changed(const std::string& what) = 0;
-  // Reports that the light, which may have been on until now, is confirmed off; or that the print ends
-  // without a confirmation.
-  virtual void light_gone() = 0;
   // Reports that the job has ended, its memory is freed, and another may begin.
   virtual void job_ended(EndedJob job) = 0;
   // Reports that a stop of contourd may have nothing more to wait for.
@@ -50,12 +47,15 @@ class CurrentJob final : private PrintObserver {
     std::int64_t key = 0;                 // in the history (EndedJob)
     std::optional<PreparedJob> prepared;  // nullopt while it is being read; its plan moves to the print mode
     std::optional<PrintRecord> record;    // nullopt before its print begins
-    std::optional<PrintFindings> findings;  // nullopt while the analysis is under way
-    nlohmann::ordered_json analysis;        // the findings in short; null while there are none
-    std::optional<EndedPrint> over;         // set when the print is over, until its analysis is too
-    EndedJob ended;                         // set once the job is being filed
-    bool cancel_wanted = false;             // cancelled before it could start
-    int readings = 0;                       // number of readings that found too little memory
+    std::optional<PrintFindings> findings;    // nullopt while the analysis is under way
+    nlohmann::ordered_json analysis;          // the findings in short; null while there are none
+    std::optional<EndedPrint> over;           // set when the print is over, until its analysis is too
+    EndedJob ended;                           // set once the job is being filed
+    bool cancel_wanted = false;               // cancelled before it could start
+    std::optional<std::string> plate_before;  // the plate's occupant before this job
+    bool refused = false;                     // it does not begin, and its files are being moved
+    bool had_light = false;                   // the light of its first layer was due
+    int readings = 0;                         // number of readings that found too little memory
   };
 
   // All arguments must outlive this object.
@@ -86,8 +86,8 @@ class CurrentJob final : private PrintObserver {
   [[nodiscard]] bool finishing() const;
   // Returns an upper bound of the light in all prints so far.
   [[nodiscard]] Duration lit() const { return lit_; }
-  // True while the archivist files it.
-  [[nodiscard]] bool is_being_filed() const { return archivist_.busy(); }
+  // True while its files are moved out of printing/.
+  [[nodiscard]] bool is_being_filed() const { return archivist_.busy() || (job_ && job_->refused); }
   [[nodiscard]] PrintMode& print() { return *print_; }
   [[nodiscard]] const PrintMode& print() const { return *print_; }
 
@@ -103,8 +103,11 @@ class CurrentJob final : private PrintObserver {
   void add_lit_turn(const EventLoop::Turn& turn);
   void read();
   void was_read(ReadJob result);
-  // Moves the job to failed/ and reports its end.
-  void refuse(const std::string& outcome, const std::string& reason);
+  // Moves the job to failed/, then reports its end.
+  void refuse(PrintOutcome outcome, const std::string& reason);
+  void refusal_filed(const PrintEnd& end, const std::string& why_it_stays);
+  void occupy_plate();
+  void plate_saved(const std::string& trouble);
   void start_print();
   void analyzed(AnalyzedPrint print);
   void file();

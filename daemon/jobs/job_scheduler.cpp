@@ -15,6 +15,8 @@ using namespace std::chrono_literals;
 
 // Time until a failed disk operation is retried.
 constexpr Duration kRetryInterval = 30s;
+// Least time between two attempts to save the hold.
+constexpr Duration kLeastHoldRetry = 1s;
 // Time until an unusable resin profile is read again; shorter, because a user may be fixing it right now.
 constexpr Duration kProfileInterval = 5s;
 
@@ -37,9 +39,7 @@ void JobScheduler::retry_later(Duration wait) {
 
 void JobScheduler::run() {
   try {
-    const bool try_again = hold_.failed() && !use_.prints();
-    if (hold_.due() || try_again) hold_.keep();
-    if (hold_.failed()) run_later(kRetryInterval);
+    if (hold_.failed()) retry_hold();
     take_what_is_due();
   } catch (const std::system_error& error) {
     // The spool's disk is gone or full; the queue waits for it.
@@ -47,6 +47,14 @@ void JobScheduler::run() {
     if (std::exchange(waiting_for_, trouble) != trouble) context_.log.error("spool", trouble);
     retry_later(kRetryInterval);
   }
+}
+
+void JobScheduler::retry_hold() {
+  if (const TimePoint now = std::chrono::steady_clock::now(); now >= next_hold_retry_) {
+    next_hold_retry_ = now + kLeastHoldRetry;
+    hold_.retry();
+  }
+  run_later(kRetryInterval);
 }
 
 void JobScheduler::take_what_is_due() {

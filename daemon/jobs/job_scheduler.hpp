@@ -22,8 +22,8 @@ class JobScheduler {
                PrinterUse& use)
       : context_(context), spool_(spool), queue_(queue), hold_(hold), use_(use) {}
 
-  // Does what is due: saves the hold's records, begins the next job, or starts the check of a waiting one.
-  // Must not be called from inside the print process.
+  // Does what is due: saves the hold's records again if the disk refused them, begins the next job, or starts
+  // the check of a waiting one. Must not be called from inside the print process.
   void run();
   // Schedules run(). May also be called from inside the print process.
   void run_soon();
@@ -44,6 +44,7 @@ class JobScheduler {
 
   void run_later(Duration wait);
   void retry_later(Duration wait);
+  void retry_hold();
   void take_what_is_due();
   [[nodiscard]] std::string reason_to_wait() const;
   [[nodiscard]] bool waits_for_profile() const;
@@ -71,6 +72,7 @@ class JobScheduler {
   PrinterUse& use_;
   std::string waiting_for_;  // already logged
   std::optional<TakenJob> copying_;
+  TimePoint next_hold_retry_{};
   bool stopped_ = false;
   EventLoop::SourcePtr timer_;
 };

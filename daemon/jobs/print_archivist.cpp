@@ -85,8 +85,11 @@ FiledPrint file_print(const Spool& spool, EndedPrint& print) {
   });
   if (recorded) write_page_and_picture(spool, print, filed);
   filed.reports = spool.reports_of(folder, report.job);
-  // As long as the files are in printing/, the next start learns of a print that the history does not have.
-  if (print.noted.valid()) (void)print.noted.wait_for(kLongestNoting);
+  // As long as the files are in printing/, the next start learns of a print that the history does not have,
+  // and holds the queue.
+  for (const std::shared_future<void>& kept : {print.noted, print.held}) {
+    if (kept.valid()) (void)kept.wait_for(kLongestNoting);
+  }
   filed.moved = attempt("stays in printing", filed, [&] {
     if (!spool.end(print.files, folder))
       filed.troubles.push_back(fmt::format("{} is gone: someone removed it", print.files.model.string()));

@@ -23,6 +23,7 @@ struct EndedPrint {
   PrintReport report;  // complete except for its pictures
   std::unique_ptr<ContourEngine> engine;
   std::shared_future<void> noted{};  // ready when the print is in the history; filing waits for it
+  std::shared_future<void> held{};   // ready when the hold of the queue is on the disk; filing waits for it
 };
 
 struct FiledPrint {

@@ -19,21 +19,20 @@ struct ClaimedJob {
   bool unheld_accepted = false;  // a user accepted that places cannot be held
 };
 
-// Present use of the printer, on which it depends whether a job may begin and the disk may be written.
+// Present use of the printer, on which it depends whether a job may begin.
 class PrinterUse {
  public:
   virtual ~PrinterUse() = default;
 
   // True if a job is claimed and not filed yet.
   [[nodiscard]] virtual bool has_job() const = 0;
-  // True if a job prints, or the light may be on after manual control.
-  [[nodiscard]] virtual bool prints() const = 0;
-  [[nodiscard]] virtual bool light_may_be_on() const = 0;
   [[nodiscard]] virtual bool controlled_by_hand() const = 0;
   // Reads and prints the job. REQUIRES: !has_job().
   virtual void begin(ClaimedJob job) = 0;
   // Reports that a stop of contourd may have nothing more to wait for.
   virtual void may_stop() = 0;
+  // Reports that a job may begin, or that the disk has refused the records of the hold.
+  virtual void hold_changed() = 0;
   // Reports a job that the last process left in printing/ and that is filed now.
   virtual void left_job_filed(const EndedJob& job) = 0;
 };

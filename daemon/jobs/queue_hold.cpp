@@ -2,13 +2,21 @@
 
 #include <fmt/format.h>
 
-#include <system_error>
+#include <memory>
 #include <utility>
 
 #include "daemon/spool/reading_record.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd {
+namespace {
+
+struct SetValue {
+  void operator()(std::promise<void>* promise) const { promise->set_value(); }
+};
+
+}  // namespace
+
 void QueueHold::load() {
   plate_occupant_ = spool_.records().plate_occupant();
   reason_ = spool_.records().hold();
@@ -79,9 +87,9 @@ std::string QueueHold::sentence() const {
                      plate_too ? "plate-cleared" : "resume");
 }
 
-void QueueHold::set_plate_occupant(const std::optional<std::string>& job) {
+void QueueHold::set_plate_occupant(const std::optional<std::string>& job, Saved saved) {
   plate_occupant_ = job;
-  spool_.records().set_plate_occupant(job);
+  keep(std::move(saved));
 }
 
 void QueueHold::add_unfiled(const JobFiles& files, const PrintEnd& end) {
@@ -91,7 +99,8 @@ void QueueHold::add_unfiled(const JobFiles& files, const PrintEnd& end) {
 
 std::string QueueHold::reason_to_wait() const {
   if (reason_) return sentence();
-  if (!unfiled_.empty()) return fmt::format("{} is not filed yet: {}", unfiled_.last(), trouble_);
+  if (!unfiled_.empty())
+    return fmt::format("{} is not filed yet{}{}", unfiled_.last(), failed() ? ": " : "", trouble_);
   if (context_.config.wait_for_plate_cleared && plate_occupant_) {
     return fmt::format("the plate holds {}; run \"contourctl plate-cleared\" when it is clear",
                        *plate_occupant_);
@@ -99,25 +108,43 @@ std::string QueueHold::reason_to_wait() const {
   return "";
 }
 
-void QueueHold::keep() {
-  due_ = use_.light_may_be_on();
-  if (!due_) try_to_keep();
+void QueueHold::retry() {
+  if (failed() && !saving()) keep();
 }
 
-void QueueHold::try_to_keep() {
-  std::string trouble;
-  try {
-    spool_.records().set_plate_occupant(plate_occupant_);
-    spool_.records().set_hold(reason_);
-    // Filed last: as long as the files are in printing/, the next start can derive what the records say.
-    unfiled_.file_all();
-  } catch (const std::system_error& error) {
-    trouble = error.what();
+void QueueHold::keep(Saved saved) {
+  ++attempts_;
+  const auto filing = std::make_shared<JobFilingRun>(unfiled_.begin_filing());
+  const auto end = std::make_shared<std::promise<void>>();
+  last_attempt_ = end->get_future().share();
+  spool_.keep(
+      [&spool = spool_, occupant = plate_occupant_, reason = reason_, filing,
+       end](const StateRecords& records) {
+        // Fulfilled on every way out. Those who wait for it go on, even if the disk has refused the records.
+        const std::unique_ptr<std::promise<void>, SetValue> ending(end.get());
+        records.set_plate_occupant(occupant);
+        records.set_hold(reason);
+        // Filed last: as long as the files are in printing/, the next start can derive what the records say.
+        filing->run(spool);
+      },
+      [this, filing, saved = std::move(saved)](const std::string& trouble) {
+        kept(*filing, trouble);
+        if (saved) saved(trouble);
+      });
+}
+
+void QueueHold::kept(const JobFilingRun& filing, const std::string& trouble) {
+  --attempts_;
+  unfiled_.end_filing(filing);
+  // The trouble of an earlier attempt stays as long as the job that it kept from being filed.
+  const bool filed_all = unfiled_.empty() || !filing.empty();
+  if (trouble.empty() && !filed_all) return use_.hold_changed();
+  if (std::exchange(trouble_, trouble) != trouble && failed()) {
+    context_.log.error(
+        "spool", fmt::format("cannot save the state for the next start; will retry: {}", printable(trouble)));
+    unfiled_.log_that_they_stay();
   }
-  if (std::exchange(trouble_, trouble) == trouble || trouble.empty()) return;
-  context_.log.error(
-      "spool", fmt::format("cannot save the state for the next start; will retry: {}", printable(trouble)));
-  unfiled_.log_that_they_stay();
+  use_.hold_changed();
 }
 
 }  // namespace contourd

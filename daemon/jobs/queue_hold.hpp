@@ -1,9 +1,11 @@
 // The reasons for which the queue waits until a user acts: the queue is held, the plate holds a part, or a
 // job in printing/ is not filed. They survive a restart: the spool's records are on the disk before the
-// files from which they could be derived leave printing/. Event loop's thread only.
+// files from which they could be derived leave printing/. Event loop's thread only; the disk is written by
+// the spool's thread.
 #pragma once
 
 #include <functional>
+#include <future>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,7 +20,7 @@ class QueueHold {
  public:
   // All must outlive the hold.
   QueueHold(const PrinterContext& context, Spool& spool, PrinterUse& use)
-      : context_(context), spool_(spool), use_(use), unfiled_(spool, context.log, use) {}
+      : context_(context), spool_(spool), use_(use), unfiled_(context.log, use) {}
 
   // Restores what the last process recorded.
   void load();
@@ -38,8 +40,9 @@ class QueueHold {
 
   // Returns the job whose part is on the plate; nullopt if the plate is clear.
   [[nodiscard]] const std::optional<std::string>& plate_occupant() const { return plate_occupant_; }
-  // Saves the job on the disk before it returns. Throws std::system_error.
-  void set_plate_occupant(const std::optional<std::string>& job);
+  // Calls `saved` from the loop when the job is on the disk, or with the disk's error.
+  using Saved = std::function<void(const std::string& trouble)>;
+  void set_plate_occupant(const std::optional<std::string>& job, Saved saved = nullptr);
 
   // Adds a job that could not be moved out of printing/. No other job begins before it is moved.
   void add_unfiled(const JobFiles& files, const PrintEnd& end);
@@ -47,18 +50,21 @@ class QueueHold {
   // Returns why no job may begin: the hold, else an unfiled job, else the plate; empty if one may.
   [[nodiscard]] std::string reason_to_wait() const;
 
-  // Saves the records for the next start, then files the unfiled jobs. The disk is not waited for while the
-  // light may be on: the scheduler calls this again when it is dark, and after a failure.
-  void keep();
-  // True if keep() waits until the light is off.
-  [[nodiscard]] bool due() const { return due_; }
+  // Tries again what the disk did not accept, unless an attempt is under way.
+  void retry();
   // True if the last attempt to save or file something failed.
   [[nodiscard]] bool failed() const { return !trouble_.empty(); }
+  // True while the spool's thread saves or files something.
+  [[nodiscard]] bool saving() const { return attempts_ > 0; }
+  // Returns the end of the last attempt so far; invalid if there was none.
+  [[nodiscard]] std::shared_future<void> last_attempt() const { return last_attempt_; }
 
  private:
   // Takes over one job from printing/, and returns how its print ended.
   PrintEnd adopt(const JobFiles& files, const std::optional<PrintEnd>& end);
-  void try_to_keep();
+  // Saves the records for the next start, then files the unfiled jobs.
+  void keep(Saved saved = nullptr);
+  void kept(const JobFilingRun& filing, const std::string& trouble);
 
   const PrinterContext& context_;
   Spool& spool_;
@@ -66,7 +72,8 @@ class QueueHold {
   UnfiledJobs unfiled_;
   std::optional<std::string> reason_, plate_occupant_;
   std::string trouble_;  // why saving or filing failed; empty if all is on the disk
-  bool due_ = false;
+  int attempts_ = 0;     // under way
+  std::shared_future<void> last_attempt_;
 };
 
 }  // namespace contourd

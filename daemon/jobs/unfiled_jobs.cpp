@@ -11,33 +11,53 @@ namespace {
 constexpr const char* kInterrupted =
     "The print was interrupted: the power was cut, or contourd was killed or crashed";
 
+Spool::Folder folder_of(const UnfiledJob& job) {
+  return job.end ? folder_for(job.end->outcome) : Spool::Folder::Failed;
+}
+
 }  // namespace
 
-void UnfiledJobs::file_all() {
-  while (!jobs_.empty()) {
-    const auto& [files, end, left] = jobs_.back();
-    const Spool::Folder folder = end ? folder_for(end->outcome) : Spool::Folder::Failed;
-    move_job(spool_, log_, files, folder,
-             end ? reason_text(*end)
-                 : fmt::format("{}. Put the model into incoming again to print it from the start.\n",
-                               kInterrupted));
-    log_.info(
-        "interrupted",
-        fmt::format("{}: moved to {}", printable(files.name), spool_.folder(folder).filename().string()),
-        job_fields(files.name));
-    if (left) {
-      PrintEnd how = end.value_or(PrintEnd{PrintOutcome::Failed, kInterrupted});
-      how.job = files.name;
-      EndedJob ended = ended_job(how);
-      ended.reports = spool_.reports_of(folder, files.name);
-      use_.left_job_filed(ended);
-    }
-    jobs_.pop_back();
+void JobFilingRun::run(const Spool& spool) {
+  for (const UnfiledJob& job : jobs_) {
+    const Spool::Folder folder = folder_of(job);
+    const std::string reason =
+        job.end ? reason_text(*job.end)
+                : fmt::format("{}. Put the model into incoming again to print it from the start.\n",
+                              kInterrupted);
+    std::vector<std::string> troubles = move_job(spool, job.files, folder, reason);
+    filed_.push_back({job, spool.reports_of(folder, job.files.name), std::move(troubles)});
+  }
+}
+
+JobFilingRun UnfiledJobs::begin_filing() {
+  if (filing_) return JobFilingRun({});
+  filing_ = !jobs_.empty();
+  return JobFilingRun({jobs_.rbegin(), jobs_.rend()});
+}
+
+void UnfiledJobs::end_filing(const JobFilingRun& run) {
+  if (run.jobs_.empty()) return;
+  filing_ = false;
+  for (const auto& [job, reports, troubles] : run.filed_) {
+    const std::string& name = job.files.name;
+    for (const std::string& trouble : troubles)
+      log_.error("spool", trouble, job_fields(name));
+    std::erase_if(jobs_, [&name](const UnfiledJob& each) { return each.files.name == name; });
+    log_.info("interrupted",
+              fmt::format("{}: moved to {}", printable(name),
+                          job.end && job.end->outcome == PrintOutcome::Done ? "done" : "failed"),
+              job_fields(name));
+    if (!job.left) continue;
+    PrintEnd how = job.end.value_or(PrintEnd{PrintOutcome::Failed, kInterrupted});
+    how.job = name;
+    EndedJob ended = ended_job(how);
+    ended.reports = reports;
+    use_.left_job_filed(ended);
   }
 }
 
 void UnfiledJobs::log_that_they_stay() const {
-  for (const Job& job : jobs_)
+  for (const UnfiledJob& job : jobs_)
     log_.error("spool",
                fmt::format("{}: stays in printing until the state is saved", printable(job.files.name)),
                job_fields(job.files.name));

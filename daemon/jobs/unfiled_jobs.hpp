@@ -1,9 +1,10 @@
 // Jobs in printing/ whose print is over: a former contourd ended before it filed them, or the disk did not
-// accept them. Event loop's thread only.
+// accept them. Event loop's thread only, except JobFilingRun::run().
 #pragma once
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/contract/expects.hpp"
@@ -14,10 +15,40 @@
 
 namespace contourd {
 
+// A job of printing/ that is to be filed. A value.
+struct UnfiledJob {
+  JobFiles files;
+  std::optional<PrintEnd> end;  // nullopt if its print was interrupted: it has failed
+  bool left = false;            // by another process: its end was not reported before
+};
+
+// Moves jobs out of printing/ on a thread that may wait for the disk. Not thread-safe: used by one thread
+// after the other.
+class JobFilingRun {
+ public:
+  explicit JobFilingRun(std::vector<UnfiledJob> jobs) : jobs_(std::move(jobs)) {}
+
+  [[nodiscard]] bool empty() const { return jobs_.empty(); }
+  // Moves each job to the folder for its end, the first one first. Throws std::system_error; the remaining
+  // jobs then stay in printing/.
+  void run(const Spool& spool);
+
+ private:
+  friend class UnfiledJobs;
+  struct Filed {
+    UnfiledJob job;
+    ReportFiles reports;
+    std::vector<std::string> troubles;
+  };
+
+  std::vector<UnfiledJob> jobs_;
+  std::vector<Filed> filed_;
+};
+
 class UnfiledJobs {
  public:
   // All must outlive this object.
-  UnfiledJobs(const Spool& spool, const Log& log, PrinterUse& use) : spool_(spool), log_(log), use_(use) {}
+  UnfiledJobs(const Log& log, PrinterUse& use) : log_(log), use_(use) {}
 
   // Adds a job that another process left. `end` is nullopt if its print was interrupted.
   void add_left(const JobFiles& files, const std::optional<PrintEnd>& end) {
@@ -33,23 +64,18 @@ class UnfiledJobs {
     return jobs_.back().files.name;
   }
 
-  // Moves each job to the folder for its end, the latest first; a job without an end was interrupted, and has
-  // failed. Throws std::system_error; the remaining jobs then stay in printing/.
-  void file_all();
+  // Returns all jobs for a run, the latest first; none while another run is under way.
+  [[nodiscard]] JobFilingRun begin_filing();
+  // Forgets the jobs that the run has filed, and reports their ends.
+  void end_filing(const JobFilingRun& run);
   // Logs for each job that it stays in printing/ until the disk accepts it.
   void log_that_they_stay() const;
 
  private:
-  struct Job {
-    JobFiles files;
-    std::optional<PrintEnd> end;
-    bool left = false;  // by another process: its end was not reported before
-  };
-
-  const Spool& spool_;
   const Log& log_;
   PrinterUse& use_;
-  std::vector<Job> jobs_;
+  std::vector<UnfiledJob> jobs_;
+  bool filing_ = false;
 };
 
 }  // namespace contourd

@@ -45,7 +45,7 @@ class PrintObserver {
   PrintObserver& operator=(const PrintObserver&) = delete;
   virtual ~PrintObserver() = default;
 
-  // Called before the light of a layer goes on, while there is time to save that the plate is not clear.
+  // Called before the light of a layer goes on.
   virtual void light_due() = 0;
   virtual void state_changed(const PrintState& state) = 0;
   virtual void layer_done(const LayerRecord& layer) = 0;

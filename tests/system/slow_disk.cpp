@@ -2,6 +2,7 @@
 // $SLOW_DISK is a gate that has an effect while the file exists:
 //   reads               opening or looking up a file of the spool waits
 //   writes              opening a file of the spool for writing waits, and so does every fsync()
+//   plate               recording that the plate is not clear waits
 //   pictures            opening a preview for writing waits
 //   models              opening a model relative to a folder (openat) waits
 //   full                writing into a file of the spool fails with ENOSPC
@@ -83,6 +84,7 @@ void wait_while(const char* gate) {
 void wait_for_file(const char* path, bool writes) {
   if (in_spool(path)) wait_while(writes ? "writes" : "reads");
   if (of_history(path)) wait_while("history");
+  if (writes && std::strstr(path, "/plate-occupied") != nullptr) wait_while("plate");
   if (writes && std::strstr(path, "preview.png") != nullptr) wait_while("pictures");
 }
 

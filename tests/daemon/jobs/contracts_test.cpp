@@ -47,6 +47,6 @@ TEST_CASE("PrintQueue has a next job only while a job waits") {
 TEST_CASE("UnfiledJobs has a last job only if it has any") {
   testing::PrinterFixture fixture;
   testing::FakePrinter printer;
-  const UnfiledJobs jobs(fixture.spool, fixture.log.log, printer);
+  const UnfiledJobs jobs(fixture.log.log, printer);
   CHECK(contract_broken_by([&] { (void)jobs.last(); }) == kJob);
 }

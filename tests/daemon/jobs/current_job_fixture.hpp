@@ -38,7 +38,6 @@ class CurrentJobFixture : public PrinterFixture, private JobObserver, private Pr
     events.push_back("state: " + std::string(state.name));
   }
   void job_changed(const std::string& what) override { events.push_back("changed: " + what); }
-  void light_gone() override { events.emplace_back("light gone"); }
   void job_ended(EndedJob end) override {
     CHECK(job.job() == nullptr);  // its memory is freed
     ended.push_back(std::move(end));
@@ -46,10 +45,9 @@ class CurrentJobFixture : public PrinterFixture, private JobObserver, private Pr
   void may_stop() override { events.emplace_back("may stop"); }
 
   [[nodiscard]] bool has_job() const override { return job.job() != nullptr; }
-  [[nodiscard]] bool prints() const override { return job.print().under_way(); }
-  [[nodiscard]] bool light_may_be_on() const override { return job.print().light_may_be_on(); }
   [[nodiscard]] bool controlled_by_hand() const override { return false; }
   void begin(ClaimedJob claimed) override { job.begin(std::move(claimed)); }
+  void hold_changed() override {}
   void left_job_filed(const EndedJob& /*job*/) override {}
 
  public:

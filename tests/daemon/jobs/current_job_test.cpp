@@ -46,15 +46,44 @@ TEST_CASE("The occupied plate is recorded on the disk before the light is first 
   CHECK(lit);
 }
 
-TEST_CASE("The plate is clear if no layer was exposed") {
+TEST_CASE("If no layer was exposed, the plate is what it was before the job") {
   CurrentJobFixture fixture;
+  const std::optional<std::string> before = GENERATE(std::optional<std::string>(), "old");
+  fixture.hold.set_plate_occupant(before);
   fixture.begin();
-  REQUIRE(fixture.run_to_end([&] {
+  REQUIRE(fixture.run_until([&] {
     if (fixture.job.print().state().name == "homing") fixture.job.cancel();
+    return !fixture.ended.empty() && !fixture.hold.saving();
   }));
   CHECK(fixture.ended[0].outcome == "cancelled");
+  CHECK(fixture.hold.plate_occupant() == before);
+  CHECK(fixture.has_record("plate-occupied") == before.has_value());
+}
+
+TEST_CASE("A job does not begin if the disk refuses the record that its part is on the plate") {
+  CurrentJobFixture fixture;
+  fs::create_directories(fixture.state() / "plate-occupied" / "full");
+  fixture.begin();
+  REQUIRE(fixture.run_to_end([&] { CHECK_FALSE(fixture.machine.light_is_on()); }));
+  CHECK(fixture.ended[0].outcome == "failed");
+  CHECK(fixture.ended[0].reason.starts_with("cannot record that the plate is not clear from now on: "));
+  CHECK(fixture.has("failed/part.stl"));
   CHECK_FALSE(fixture.hold.plate_occupant());
-  CHECK_FALSE(fixture.has_record("plate-occupied"));
+}
+
+TEST_CASE("A job that is cancelled while its record is saved does not begin") {
+  CurrentJobFixture fixture;
+  fixture.begin();
+  bool canceled = false;
+  REQUIRE(fixture.run_to_end([&] {
+    if (canceled || !fixture.hold.saving() || !fixture.job.job()) return;
+    canceled = true;
+    fixture.job.cancel();
+  }));
+  CHECK(canceled);
+  CHECK(fixture.ended[0].outcome == "cancelled");
+  CHECK(fixture.ended[0].reason == "cancelled before it started");
+  CHECK_FALSE(fixture.hold.plate_occupant());
 }
 
 TEST_CASE("An invalid model is refused with a reason file, and nothing is printed") {
@@ -124,20 +153,20 @@ TEST_CASE("A failed print holds the queue before its end is reported") {
   CHECK(fixture.ended[0].reason == "steps were lost");
 }
 
-TEST_CASE("The hold of a print that fails with the light on is recorded when the light is off") {
+TEST_CASE("The hold of a print that fails is on the disk before its files leave printing/") {
   CurrentJobFixture fixture;
   fixture.begin();
-  bool failed = false;
+  bool failed = false, held_first = true;
   REQUIRE(fixture.run_to_end([&] {
-    if (failed || !fixture.machine.light_is_on()) return;
-    failed = true;
-    fixture.events.clear();
-    fixture.hold.hold("the emergency stop was pressed");
-    CHECK(fixture.hold.due());
-    fixture.job.print().fail("the emergency stop was pressed");
+    if (!failed && fixture.machine.light_is_on()) {
+      failed = true;
+      fixture.hold.hold("the emergency stop was pressed");
+      fixture.job.print().fail("the emergency stop was pressed");
+    }
+    held_first = held_first && (fixture.has("printing/part.stl") || fixture.has_record("queue-held"));
   }));
   CHECK(failed);
-  CHECK(had_event(fixture, "light gone"));
+  CHECK(held_first);
   CHECK(fixture.has("failed/part.stl"));
 }
 
@@ -146,11 +175,18 @@ TEST_CASE("A print that cannot be filed keeps the queue waiting, and is filed wi
   const fs::path obstacle = fixture.spool.folder(Spool::Folder::Done) / "part.stl";
   fixture.begin();
   fs::create_directories(obstacle / "full");
-  REQUIRE(fixture.run_to_end());
-  CHECK(fixture.has("printing/part.stl"));
-  CHECK(fixture.hold.reason_to_wait().starts_with("part is not filed yet: "));
-  fs::remove_all(obstacle);
-  fixture.hold.keep();
+  bool waited = false;
+  REQUIRE(fixture.run_until([&] {
+    if (fixture.ended.empty() || fixture.hold.saving()) return false;
+    if (!std::exchange(waited, true)) {
+      CHECK(fixture.has("printing/part.stl"));
+      CHECK(fixture.hold.reason_to_wait().starts_with("part is not filed yet: "));
+      fs::remove_all(obstacle);
+    }
+    fixture.hold.retry();
+    return !fixture.hold.saving();
+  }));
+  CHECK(waited);
   CHECK(fixture.has("done/part.stl"));
 }
 

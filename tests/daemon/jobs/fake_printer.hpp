@@ -80,17 +80,16 @@ class FakeQueueObserver final : public QueueObserver {
 class FakePrinter final : public PrinterUse {
  public:
   [[nodiscard]] bool has_job() const override { return job; }
-  [[nodiscard]] bool prints() const override { return job; }
-  [[nodiscard]] bool light_may_be_on() const override { return lit; }
   [[nodiscard]] bool controlled_by_hand() const override { return by_hand; }
   void begin(ClaimedJob claimed) override {
     job = true;
     jobs.push_back(std::move(claimed));
   }
   void may_stop() override {}
+  void hold_changed() override {}
   void left_job_filed(const EndedJob& ended) override { left.push_back(ended); }
 
-  bool job = false, lit = false, by_hand = false;
+  bool job = false, by_hand = false;
   std::vector<ClaimedJob> jobs;
   std::vector<EndedJob> left;
 };

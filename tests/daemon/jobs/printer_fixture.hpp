@@ -107,6 +107,18 @@ class PrinterFixture {
     return reached;
   }
 
+  // Calls each step after the spool's thread has done what the last one wanted of it. To be called once, as
+  // run_until(); returns false if that takes longer than 20 s.
+  bool run_steps(const std::function<bool()>& saving, const std::vector<std::function<void()>>& steps) {
+    std::size_t next = 0;
+    return run_until([&] {
+      if (saving()) return false;
+      if (next == steps.size()) return true;
+      steps[next++]();
+      return false;
+    });
+  }
+
   TemporaryFolder folder;
   PrinterConfig config = simulated_config(folder.path());
   EventLoop loop;

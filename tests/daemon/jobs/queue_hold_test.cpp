@@ -27,6 +27,11 @@ class QueueHoldFixture : public testing::PrinterFixture {
   void obstruct(const std::string& record) const { fs::create_directories(state() / record / "full"); }
   void remove_obstacle(const std::string& record) const { fs::remove_all(state() / record); }
 
+  // Runs each step after the records of the last one are on the disk.
+  bool run(const std::vector<std::function<void()>>& steps) {
+    return run_steps([this] { return hold->saving(); }, steps);
+  }
+
   testing::FakePrinter printer;
   std::unique_ptr<QueueHold> hold;
 };
@@ -46,12 +51,16 @@ TEST_CASE("A held queue stays held in the next process, until it is released") {
   QueueHoldFixture fixture;
   CHECK_FALSE(fixture.hold->reason());
   fixture.hold->hold("the lid is broken");
-  fixture.restart();
-  CHECK(fixture.hold->reason() == "the lid is broken");
-  fixture.hold->release();
-  CHECK(fixture.log.has("the queue continues: a user has released it"));
-  fixture.restart();
-  CHECK_FALSE(fixture.hold->reason());
+  REQUIRE(fixture.run({[&] {
+                         fixture.restart();
+                         CHECK(fixture.hold->reason() == "the lid is broken");
+                         fixture.hold->release();
+                         CHECK(fixture.log.has("the queue continues: a user has released it"));
+                       },
+                       [&] {
+                         fixture.restart();
+                         CHECK_FALSE(fixture.hold->reason());
+                       }}));
 }
 
 TEST_CASE("The queue is held for the first reason, which is logged once") {
@@ -62,24 +71,17 @@ TEST_CASE("The queue is held for the first reason, which is logged once") {
   CHECK(fixture.log.count("the queue is held") == 1);
 }
 
-TEST_CASE("Records are saved when the light is off") {
+TEST_CASE("Records are saved by another thread, in the order of their changes") {
   QueueHoldFixture fixture;
-  fixture.printer.lit = true;
-  fixture.hold->hold("the emergency stop");
-  CHECK(fixture.hold->due());
-  CHECK_FALSE(fixture.has_record(kHeld));
-  fixture.printer.lit = false;
-  fixture.hold->keep();
-  CHECK_FALSE(fixture.hold->due());
-  CHECK(fixture.has_record(kHeld));
-}
-
-TEST_CASE("The plate's occupant is on the disk at once, even if the light is on") {
-  QueueHoldFixture fixture;
-  fixture.printer.lit = true;
-  fixture.hold->set_plate_occupant("part");
-  CHECK(fixture.has_record(kOccupied));
-  fixture.hold->set_plate_occupant(std::nullopt);
+  std::vector<std::string> saved;
+  fixture.hold->set_plate_occupant("part",
+                                   [&](const std::string& trouble) { saved.push_back("part" + trouble); });
+  fixture.hold->set_plate_occupant(std::nullopt,
+                                   [&](const std::string& trouble) { saved.push_back("clear" + trouble); });
+  CHECK(fixture.hold->saving());
+  CHECK(saved.empty());
+  REQUIRE(fixture.run({}));
+  CHECK(saved == std::vector<std::string>{"part", "clear"});
   CHECK_FALSE(fixture.has_record(kOccupied));
 }
 
@@ -106,13 +108,18 @@ TEST_CASE("The queue waits for the hold first, then for an unfiled job, then for
   fixture.hold->hold("the lid is broken");
   CHECK(fixture.hold->reason_to_wait().starts_with("the queue is held: the lid is broken"));
   fixture.hold->release();
-  CHECK(fixture.hold->reason_to_wait().starts_with("part is not filed yet: "));
-  fs::remove_all(fixture.spool.folder(Spool::Folder::Done) / "part.stl");
-  fixture.hold->keep();
-  CHECK(fixture.hold->reason_to_wait() ==
-        "the plate holds old; run \"contourctl plate-cleared\" when it is clear");
-  fixture.hold->set_plate_occupant(std::nullopt);
-  CHECK(fixture.hold->reason_to_wait().empty());
+  CHECK(fixture.hold->reason_to_wait() == "part is not filed yet");
+  REQUIRE(fixture.run({[&] {
+                         CHECK(fixture.hold->reason_to_wait().starts_with("part is not filed yet: "));
+                         fs::remove_all(fixture.spool.folder(Spool::Folder::Done) / "part.stl");
+                         fixture.hold->retry();
+                       },
+                       [&] {
+                         CHECK(fixture.hold->reason_to_wait() ==
+                               "the plate holds old; run \"contourctl plate-cleared\" when it is clear");
+                         fixture.hold->set_plate_occupant(std::nullopt);
+                         CHECK(fixture.hold->reason_to_wait().empty());
+                       }}));
 }
 
 TEST_CASE("An occupied plate keeps no job waiting if wait_for_plate_cleared is off") {
@@ -126,6 +133,7 @@ TEST_CASE("A print that did not end holds the queue, occupies the plate and goes
   QueueHoldFixture fixture;
   fixture.put(Spool::Folder::Printing, "part.stl");
   fixture.adopt_left_jobs();
+  REQUIRE(fixture.run({}));
   CHECK(fixture.hold->reason() ==
         "part was interrupted: the power was cut, or contourd was killed or crashed");
   CHECK(fixture.hold->plate_occupant() == "part");
@@ -141,12 +149,14 @@ TEST_CASE("A print that ended but was not filed is filed by its end, and holds t
   SECTION("done") {
     fixture.spool.records().keep_end_of_print(record_of(PrintOutcome::Done, ""));
     fixture.adopt_left_jobs();
+    REQUIRE(fixture.run({}));
     CHECK(fixture.has("done/part.stl"));
     CHECK_FALSE(fixture.hold->reason());
   }
   SECTION("failed") {
     fixture.spool.records().keep_end_of_print(record_of(PrintOutcome::Failed, "the sky fell"));
     fixture.adopt_left_jobs();
+    REQUIRE(fixture.run({}));
     CHECK(fixture.has("failed/part.stl"));
     CHECK(fixture.hold->reason() == "part failed: the sky fell");
   }
@@ -165,6 +175,7 @@ TEST_CASE("A job whose reading ended the process had not begun: it failed, and n
   QueueHoldFixture fixture;
   fixture.put(Spool::Folder::Printing, "part.stl");
   fixture.adopt_left_jobs(true);
+  REQUIRE(fixture.run({}));
   CHECK(fixture.has("failed/part.stl"));
   CHECK(fixture.log.has(std::string("error: part: ") + std::string(kEndedAProcess)));
   CHECK_FALSE(fixture.hold->reason());
@@ -184,14 +195,18 @@ TEST_CASE("A print that did not end stays in printing/ until its records are sav
   fixture.put(Spool::Folder::Printing, "part.stl");
   fixture.obstruct(kHeld);
   fixture.adopt_left_jobs();
-  CHECK(fixture.has("printing/part.stl"));
-  CHECK(fixture.hold->failed());
-  CHECK(fixture.log.count("cannot save the state for the next start") == 1);
-  CHECK(fixture.log.has("error: part: stays in printing until the state is saved"));
-  fixture.hold->keep();
-  CHECK(fixture.log.count("cannot save the state for the next start") == 1);
-  fixture.remove_obstacle(kHeld);
-  fixture.hold->keep();
+  REQUIRE(fixture.run({[&] {
+                         CHECK(fixture.has("printing/part.stl"));
+                         CHECK(fixture.hold->failed());
+                         CHECK(fixture.log.count("cannot save the state for the next start") == 1);
+                         CHECK(fixture.log.has("error: part: stays in printing until the state is saved"));
+                         fixture.hold->retry();
+                       },
+                       [&] {
+                         CHECK(fixture.log.count("cannot save the state for the next start") == 1);
+                         fixture.remove_obstacle(kHeld);
+                         fixture.hold->retry();
+                       }}));
   CHECK_FALSE(fixture.hold->failed());
   CHECK(fixture.has_record(kHeld));
   CHECK(fixture.has("failed/part.stl"));

@@ -17,9 +17,22 @@ class UnfiledJobsFixture : public testing::PrinterFixture {
     jobs.add_left(spool.files_of(Spool::Folder::Printing, name + ".stl"), end);
   }
 
+  // Files all jobs on this thread. Throws std::system_error.
+  void file_all() {
+    JobFilingRun run = jobs.begin_filing();
+    std::exception_ptr trouble;
+    try {
+      run.run(spool);
+    } catch (const std::system_error&) {
+      trouble = std::current_exception();
+    }
+    jobs.end_filing(run);
+    if (trouble) std::rethrow_exception(trouble);
+  }
+
   testing::FakePrinter printer;
   std::vector<EndedJob>& reported = printer.left;
-  UnfiledJobs jobs{spool, log.log, printer};
+  UnfiledJobs jobs{log.log, printer};
 };
 
 }  // namespace
@@ -29,7 +42,7 @@ TEST_CASE("Each job that was left is filed by its own end, and one without an en
   fixture.leave("good", PrintEnd{PrintOutcome::Done, ""});
   fixture.leave("bad", PrintEnd{PrintOutcome::Failed, "the sky fell"});
   fixture.leave("cut", std::nullopt);
-  fixture.jobs.file_all();
+  fixture.file_all();
   CHECK(fixture.jobs.empty());
   CHECK(fixture.has("done/good.stl"));
   CHECK_FALSE(fixture.has("done/good.reason.txt"));
@@ -47,7 +60,7 @@ TEST_CASE(
   fixture.put(Spool::Folder::Printing, "known.stl");
   fixture.jobs.add_known(fixture.spool.files_of(Spool::Folder::Printing, "known.stl"),
                          {PrintOutcome::Done, ""});
-  fixture.jobs.file_all();
+  fixture.file_all();
   CHECK(fixture.has("done/known.stl"));
   REQUIRE(fixture.reported.size() == 2);
   CHECK(fixture.reported[0].name == "good");
@@ -66,12 +79,26 @@ TEST_CASE("A job that cannot be filed stays in printing/, with the jobs after it
   fixture.leave("two", PrintEnd{PrintOutcome::Done, ""});
   const fs::path obstacle = fixture.spool.folder(Spool::Folder::Done) / "two.stl";
   fs::create_directories(obstacle / "full");
-  CHECK_THROWS_AS(fixture.jobs.file_all(), std::system_error);
+  CHECK_THROWS_AS(fixture.file_all(), std::system_error);
   CHECK(fixture.jobs.last() == "two");
   CHECK(fixture.has("printing/one.stl"));
   CHECK(fixture.has("printing/two.stl"));
   fs::remove_all(obstacle);
-  fixture.jobs.file_all();
+  fixture.file_all();
   CHECK(fixture.has("done/one.stl"));
   CHECK(fixture.has("done/two.stl"));
+}
+
+TEST_CASE("Jobs that are being filed are not filed a second time") {
+  UnfiledJobsFixture fixture;
+  fixture.leave("one", PrintEnd{PrintOutcome::Done, ""});
+  JobFilingRun first = fixture.jobs.begin_filing(), second = fixture.jobs.begin_filing();
+  second.run(fixture.spool);
+  fixture.jobs.end_filing(second);
+  CHECK(fixture.has("printing/one.stl"));
+  first.run(fixture.spool);
+  fixture.jobs.end_filing(first);
+  CHECK(fixture.has("done/one.stl"));
+  CHECK(fixture.jobs.empty());
+  CHECK_FALSE(fixture.log.has("is gone"));
 }

@@ -13,7 +13,7 @@ class JobFilingFixture : public testing::PrinterFixture {
  public:
   JobFilingFixture() { put(Spool::Folder::Printing, "part.stl"); }
 
-  void file() { file_job(spool, log.log, files, Spool::Folder::Failed, "no model\n"); }
+  std::vector<std::string> move() { return move_job(spool, files, Spool::Folder::Failed, "no model\n"); }
 
   JobFiles files{"part", spool.folder(Spool::Folder::Printing) / "part.stl", std::nullopt};
 };
@@ -22,31 +22,31 @@ class JobFilingFixture : public testing::PrinterFixture {
 
 TEST_CASE("A job is filed with its reason beside it") {
   JobFilingFixture fixture;
-  fixture.file();
+  CHECK(fixture.move().empty());
   CHECK(fixture.has("failed/part.stl"));
   CHECK(fixture.has("failed/part.reason.txt"));
-  CHECK_FALSE(fixture.log.has("error"));
 }
 
-TEST_CASE("A job whose reason cannot be written is filed, and the error is logged") {
+TEST_CASE("A job whose reason cannot be written is filed, and the error is returned") {
   JobFilingFixture fixture;
   fs::create_directories(fixture.spool.folder(Spool::Folder::Failed) / "part.reason.txt" / "full");
-  fixture.file();
+  const std::vector<std::string> troubles = fixture.move();
+  REQUIRE(troubles.size() == 1);
+  CHECK(troubles[0].starts_with("part: cannot write its reason file: "));
   CHECK(fixture.has("failed/part.stl"));
-  CHECK(fixture.log.has("error: part: cannot write its reason file: "));
 }
 
-TEST_CASE("A job that someone has removed is logged") {
+TEST_CASE("A job that someone has removed is reported") {
   JobFilingFixture fixture;
   fs::remove(fixture.files.model);
-  fixture.file();
-  CHECK(fixture.log.has("part.stl is gone: someone removed it"));
+  const std::vector<std::string> troubles = fixture.move();
+  REQUIRE(troubles.size() == 1);
+  CHECK(troubles[0].ends_with("part.stl is gone: someone removed it"));
 }
 
-TEST_CASE("A job that cannot be moved stays in printing/, and the error is logged") {
+TEST_CASE("A job that cannot be moved stays in printing/") {
   JobFilingFixture fixture;
   fs::create_directories(fixture.spool.folder(Spool::Folder::Failed) / "part.stl" / "full");
-  fixture.file();
+  CHECK_THROWS_AS(fixture.move(), std::system_error);
   CHECK(fixture.has("printing/part.stl"));
-  CHECK(fixture.log.has("error: part: stays in printing: "));
 }
