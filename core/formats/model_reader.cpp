@@ -16,7 +16,8 @@
 namespace contourd {
 namespace {
 
-constexpr std::array kFormats{&kBinaryStl, &kAsciiStl};
+// Of equally certain formats, the first reads the file.
+constexpr std::array kFormats{&kAsciiStl, &kBinaryStl};
 
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
@@ -51,7 +52,7 @@ const ModelFormat& format_of(const FileStart& start) {
   if (start.file_bytes == 0) throw ModelError("the file is empty");
   const auto likeness = [&](const ModelFormat* format) { return format->likeness(start); };
   const ModelFormat& format = **std::ranges::max_element(kFormats, {}, likeness);
-  if (format.likeness(start) < Likeness::Certain) refuse_other_format(start.bytes);
+  if (format.likeness(start) < Likeness::Likely) refuse_other_format(start.bytes);
   return format;
 }
 

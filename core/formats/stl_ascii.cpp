@@ -239,9 +239,10 @@ Likeness ascii_likeness(const FileStart& start) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   while (!text.empty() && is_space(text.front()))
     text.remove_prefix(1);
-  const bool begins_like_stl = starts_with_ignoring_case(text, "solid") ||
-                               starts_with_ignoring_case(text, "facet") || text.starts_with('#');
-  return begins_like_stl ? Likeness::Likely : Likeness::None;
+  if (starts_with_ignoring_case(text, "solid") || starts_with_ignoring_case(text, "facet"))
+    return Likeness::Likely;
+  // Other formats have such comments, too.
+  return text.starts_with('#') ? Likeness::Possible : Likeness::None;
 }
 
 ModelOutline ascii_outline(const FileStart& start) {

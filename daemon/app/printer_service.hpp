@@ -64,7 +64,7 @@ class PrinterService final : private JobObserver, private QueueObserver, private
   void job_changed(const std::string& what) override { notify(what, ControlServer::Delivery::Lossy); }
   void job_ended(EndedJob job) override;
   void may_stop() override { stop_.try_to_stop(); }
-  void hold_changed() override { scheduler_.run_soon(); }
+  void hold_changed() override { scheduler_.hold_changed(); }
 
   void queue_changed() override { scheduler_.run(); }
   void question_changed() override { notify("question", ControlServer::Delivery::Lossy); }

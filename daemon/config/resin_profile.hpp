@@ -58,6 +58,10 @@ struct LayerMotion {
   MillimetersPerSecond retract_speed;
   Duration settle{};  // wait before the light, with the plate at rest
   Duration rest{};    // wait between the end of the light and the lift
+
+  // The waits of a layer, by which the print and its time left know them.
+  [[nodiscard]] Duration before_light() const { return settle; }
+  [[nodiscard]] Duration after_light() const { return rest; }
   bool operator==(const LayerMotion&) const = default;
 };
 

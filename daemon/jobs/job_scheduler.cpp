@@ -15,8 +15,6 @@ using namespace std::chrono_literals;
 
 // Time until a failed disk operation is retried.
 constexpr Duration kRetryInterval = 30s;
-// Least time between two attempts to save the hold.
-constexpr Duration kLeastHoldRetry = 1s;
 // Time until an unusable resin profile is read again; shorter, because a user may be fixing it right now.
 constexpr Duration kProfileInterval = 5s;
 
@@ -39,7 +37,8 @@ void JobScheduler::retry_later(Duration wait) {
 
 void JobScheduler::run() {
   try {
-    if (hold_.failed()) retry_hold();
+    hold_.retry();
+    if (hold_.failed()) run_later(kRetryInterval);
     take_what_is_due();
   } catch (const std::system_error& error) {
     // The spool's disk is gone or full; the queue waits for it.
@@ -49,12 +48,9 @@ void JobScheduler::run() {
   }
 }
 
-void JobScheduler::retry_hold() {
-  if (const TimePoint now = std::chrono::steady_clock::now(); now >= next_hold_retry_) {
-    next_hold_retry_ = now + kLeastHoldRetry;
-    hold_.retry();
-  }
-  run_later(kRetryInterval);
+void JobScheduler::hold_changed() {
+  // A failed save is not tried again at once.
+  hold_.failed() ? run_later(kRetryInterval) : run_soon();
 }
 
 void JobScheduler::take_what_is_due() {

@@ -27,6 +27,8 @@ class JobScheduler {
   void run();
   // Schedules run(). May also be called from inside the print process.
   void run_soon();
+  // Schedules run(), after a change of the hold or an attempt to save it.
+  void hold_changed();
   // Prevents any further job from beginning.
   void stop() { stopped_ = true; }
 
@@ -44,7 +46,6 @@ class JobScheduler {
 
   void run_later(Duration wait);
   void retry_later(Duration wait);
-  void retry_hold();
   void take_what_is_due();
   [[nodiscard]] std::string reason_to_wait() const;
   [[nodiscard]] bool waits_for_profile() const;
@@ -72,7 +73,6 @@ class JobScheduler {
   PrinterUse& use_;
   std::string waiting_for_;  // already logged
   std::optional<TakenJob> copying_;
-  TimePoint next_hold_retry_{};
   bool stopped_ = false;
   EventLoop::SourcePtr timer_;
 };

@@ -210,7 +210,7 @@ void LayeredPrint::perform(LayeredEffect effect) {
     case LayeredEffect::LowerToLayer:
       return move_to(layer_top(), layer_ == 0 ? plan_->travel_speed : plan_->motion.retract_speed);
     case LayeredEffect::WaitToSettle:
-      return wait(plan_->motion.settle);
+      return wait(plan_->motion.before_light());
     case LayeredEffect::ShowMask:
       return show_mask();
     case LayeredEffect::LightOn:
@@ -228,7 +228,7 @@ void LayeredPrint::perform(LayeredEffect effect) {
     case LayeredEffect::RecordLayer:
       return record_layer();
     case LayeredEffect::WaitToRest:
-      return wait(plan_->motion.rest);
+      return wait(plan_->motion.after_light());
     case LayeredEffect::Lift:
       return move_to(std::min(current_height() + plan_->motion.lift, machine_.z_axis().travel()),
                      plan_->motion.lift_speed);
@@ -472,15 +472,15 @@ Duration LayeredPrint::lowering_duration(std::int32_t layer) const {
 Duration LayeredPrint::left_of_layer() const {
   const Duration lift = machine_.z_axis().move_duration(plan_->motion.lift, plan_->motion.lift_speed);
   const Duration light = std::max(exposure_left(), Duration{0});
-  const Duration lit = light + plan_->motion.rest + lift;
-  const Duration whole = lowering_duration(layer_) + plan_->motion.settle + lit;
+  const Duration lit = light + plan_->motion.after_light() + lift;
+  const Duration whole = lowering_duration(layer_) + plan_->motion.before_light() + lit;
   switch (layered_state()) {
     case LayeredState::WarmingUp:
       return homing_duration() + whole;
     case LayeredState::Held:
       return plan_->warm_up + homing_duration() + whole;
     case LayeredState::Lowering:
-      return plan_->motion.settle + lit;
+      return plan_->motion.before_light() + lit;
     case LayeredState::Settling:
     case LayeredState::Showing:
     case LayeredState::Igniting:
@@ -488,7 +488,7 @@ Duration LayeredPrint::left_of_layer() const {
     case LayeredState::Exposing:
     case LayeredState::Darkening:
     case LayeredState::Extinguishing:
-      return plan_->motion.rest + lift;
+      return plan_->motion.after_light() + lift;
     case LayeredState::Resting:
       return lift;
     default:

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "daemon/print/layered_print.hpp"
@@ -18,8 +19,12 @@ std::unique_ptr<PrintMode> make_print_mode(Machine& machine, Clock& clock, Print
 }
 
 std::vector<PrintState> print_states() {
-  const auto layered = layered_print_states();
-  return {layered.begin(), layered.end()};
+  // A state of two modes, such as idle, is listed once.
+  std::vector<PrintState> states;
+  for (const PrintState& state : layered_print_states()) {
+    if (std::ranges::find(states, state.name, &PrintState::name) == states.end()) states.push_back(state);
+  }
+  return states;
 }
 
 std::string draw_print_states() {

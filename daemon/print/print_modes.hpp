@@ -15,7 +15,7 @@ namespace contourd {
 [[nodiscard]] std::unique_ptr<PrintMode> make_print_mode(Machine& machine, Clock& clock,
                                                          PrintObserver& observer);
 
-// Returns the states of all modes.
+// Returns the states of all modes, each name once.
 [[nodiscard]] std::vector<PrintState> print_states();
 
 // Draws the modes' tables as a Graphviz graph, with the rows for Failed, which are alike, as one; also the

@@ -41,8 +41,9 @@ template <typename MoveDuration>
 [[nodiscard]] Duration layer_duration(const PrintPlan& plan, std::int32_t layer,
                                       const MoveDuration& move_duration) requires
     std::is_invocable_r_v<Duration, MoveDuration, Nanometers, MillimetersPerSecond> {
-  return plan.exposure(layer, plan.expected_layers[static_cast<std::size_t>(layer)]) + plan.motion.settle +
-         plan.motion.rest + move_duration(plan.motion.lift, plan.motion.lift_speed) +
+  return plan.exposure(layer, plan.expected_layers[static_cast<std::size_t>(layer)]) +
+         plan.motion.before_light() + plan.motion.after_light() +
+         move_duration(plan.motion.lift, plan.motion.lift_speed) +
          move_duration(-plan.motion.lift, plan.motion.retract_speed);
 }
 

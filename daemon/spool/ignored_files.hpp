@@ -1,5 +1,5 @@
 // Files in incoming/ that will not be printed as they are: a folder that is not a plate, a file that is not
-// an STL. Each is reported once, after it has been unchanged for some seconds: an upload may still get its
+// a model. Each is reported once, after it has been unchanged for some seconds: an upload may still get its
 // final name. Event loop's thread only.
 #pragma once
 

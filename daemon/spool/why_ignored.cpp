@@ -55,19 +55,20 @@ std::optional<WhyIgnored> why_ignored(const std::filesystem::path& path) {
 std::string_view sentence_for(WhyIgnored why) {
   switch (why) {
     case WhyIgnored::Folder:
-      return "it is a folder without plate.json: add plate.json, or put its STL files directly into incoming";
+      return "it is a folder without plate.json: add plate.json, or put its models directly into incoming";
     case WhyIgnored::Model:
       return "its format is not supported: export the model as STL";
     case WhyIgnored::Sliced:
-      return "it is sliced for another printer: put the model itself here, as an STL file";
+      return "it is sliced for another printer: put the model itself here";
     case WhyIgnored::Archive:
-      return "archives are not unpacked: extract the STL files and put them here";
+      return "archives are not unpacked: extract the models and put them here";
     case WhyIgnored::NotAFile:
       return "it is a link, a pipe or a device: put the file itself here";
     case WhyIgnored::Other:
       break;
   }
-  return "its name is not one of an STL file: put NAME.stl, its ticket NAME.json, or a plate's folder here";
+  return "its name is not one of a model: put a model such as NAME.stl, its ticket NAME.json, or a plate's "
+         "folder here";
 }
 
 }  // namespace contourd

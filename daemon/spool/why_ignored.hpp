@@ -10,7 +10,7 @@ namespace contourd {
 
 enum class WhyIgnored {
   Folder,  // without plate.json
-  Model,   // a format other than STL
+  Model,   // a format that contourd does not read
   Sliced,  // sliced for another printer
   Archive,
   NotAFile,  // a link, a pipe or a device

@@ -103,6 +103,7 @@ std::string placeholder(const Option& option) {
 
 // Returns the option's default; empty if it has none.
 std::string default_of(const Option& option) {
+  if (option.is_required) return "";
   return std::visit(
       [](auto* variable) -> std::string {
         using Value = std::remove_pointer_t<decltype(variable)>;
