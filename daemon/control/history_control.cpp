@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <ctime>
-#include <string_view>
 #include <vector>
 
 #include "daemon/system/readable.hpp"

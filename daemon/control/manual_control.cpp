@@ -7,7 +7,6 @@
 #include <cmath>
 #include <exception>
 #include <filesystem>
-#include <string_view>
 #include <utility>
 
 #include "core/image/test_pattern.hpp"

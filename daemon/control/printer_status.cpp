@@ -1,7 +1,6 @@
 #include "daemon/control/printer_status.hpp"
 
 #include <algorithm>
-#include <chrono>
 
 #include "core/contract/expects.hpp"
 #include "daemon/prepare/job_summary.hpp"

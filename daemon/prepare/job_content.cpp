@@ -1,7 +1,5 @@
 #include "daemon/prepare/job_content.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <utility>
 

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "core/geometry/units.hpp"
 #include "daemon/config/printer_config.hpp"

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "core/model/height_index.hpp"
+
 namespace contourd {
 
 std::string describe(const MeshRepairs& repairs) {
@@ -21,8 +23,12 @@ std::string describe(const MeshRepairs& repairs) {
   return text;
 }
 
-std::string repair_warning(const MeshRepairs& repairs) {
-  return "the model's facets disagree with each other: " + describe(repairs);
+std::vector<std::string> mesh_warnings(bool turned_outwards, const MeshRepairs& repairs) {
+  std::vector<std::string> warnings;
+  if (turned_outwards) warnings.emplace_back(kTurnedOutwardsWarning);
+  if (repairs != MeshRepairs{})
+    warnings.push_back("the model's facets disagree with each other: " + describe(repairs));
+  return warnings;
 }
 
 nlohmann::ordered_json repairs_json(const MeshRepairs& repairs) {

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "core/repair/mesh_repair.hpp"
 
@@ -11,8 +12,8 @@ namespace contourd {
 // Returns "17 facets turned round, 2 inner wall facets removed"; empty if nothing was repaired.
 [[nodiscard]] std::string describe(const MeshRepairs& repairs);
 
-// Returns the repairs as a warning, a sentence.
-[[nodiscard]] std::string repair_warning(const MeshRepairs& repairs);
+// Returns a warning, a sentence, for each thing that a HeightIndex has done to its facets.
+[[nodiscard]] std::vector<std::string> mesh_warnings(bool turned_outwards, const MeshRepairs& repairs);
 
 // Returns the number of facets by kind of repair.
 [[nodiscard]] nlohmann::ordered_json repairs_json(const MeshRepairs& repairs);

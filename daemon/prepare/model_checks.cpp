@@ -39,9 +39,9 @@ bool lights_a_pixel(const PlateModel& model, const LightSearch& search, const st
 // Adds the mesh's figures and warnings.
 void inspect(const PlateModel& model, const std::string& prefix, ModelSummary& figures,
              std::vector<std::string>& warnings) {
-  if (model.model->turned_outwards()) warnings.push_back(prefix + std::string(kTurnedOutwardsWarning));
   figures.repairs = model.model->repairs();
-  if (figures.repairs != MeshRepairs{}) warnings.push_back(prefix + repair_warning(figures.repairs));
+  for (const std::string& warning : mesh_warnings(model.model->turned_outwards(), figures.repairs))
+    warnings.push_back(prefix + warning);
   figures.mesh = inspect_mesh(model.model->facets());
   const MeshReport& mesh = figures.mesh;
   if (!mesh.watertight) {

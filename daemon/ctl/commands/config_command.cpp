@@ -81,7 +81,7 @@ std::string name_of(const Pointer& place) {
   return printable(name);
 }
 
-std::string text_of(const nlohmann::json& value) {
+std::string value_text(const nlohmann::json& value) {
   return printable(value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
@@ -93,8 +93,8 @@ void print_differences(const nlohmann::json& value, const Pointer& place) {
   }
   const nlohmann::json* const by_default = default_at(place);
   if (by_default != nullptr && *by_default == value) return;
-  fmt::print("{} = {}{}\n", name_of(place), text_of(value),
-             by_default != nullptr ? " (default " + text_of(*by_default) + ")" : "");
+  fmt::print("{} = {}{}\n", name_of(place), value_text(value),
+             by_default != nullptr ? " (default " + value_text(*by_default) + ")" : "");
 }
 
 int config_check(const ConfigOptions& options) {

@@ -1,15 +1,20 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <type_traits>
 #include <variant>
 #include <vector>
 
 #include "daemon/ctl/commands/commands.hpp"
+#include "daemon/ctl/terminal/command_line.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/ctl/terminal/program.hpp"
+#include "daemon/json/config_error.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -91,14 +96,10 @@ int complete(const Command& program, const std::vector<std::string>& words) {
 
 // Returns the word that stands for the option's value in the manual page; empty for a flag.
 std::string placeholder(const Option& option) {
-  const auto has = [&option]<typename Value>(Value*) {
-    return std::holds_alternative<Value*>(option.variable) ||
-           std::holds_alternative<std::optional<Value>*>(option.variable);
-  };
   if (option.is_flag()) return "";
   if (option.is_path()) return "FILE";
-  if (has(static_cast<int*>(nullptr))) return "N";
-  return has(static_cast<double*>(nullptr)) ? "NUMBER" : "TEXT";
+  if (option.holds<int, std::optional<int>>()) return "N";
+  return option.holds<double, std::optional<double>>() ? "NUMBER" : "TEXT";
 }
 
 // Returns the option's default; empty if it has none.
@@ -134,7 +135,43 @@ void describe(const Command& command, const std::string& words, Json& all) {
     if (!each.hidden) describe(each, words + (words.empty() ? "" : " ") + each.name, all);
 }
 
+// True if man is installed and finds the page.
+bool has_manual_page() {
+  constexpr std::size_t kLongestPath = 4096;
+  try {
+    return run_program({"man", "-w", "contourctl"}, kLongestPath).text.starts_with('/');
+  } catch (const std::system_error&) {
+    return false;
+  }
+}
+
+// Without words, runs man(1) for contourctl's manual page; if that is missing, prints contourctl's help text.
+// With the words of a command, prints the command's help text. Throws UsageError if there is no such command.
+int show_help(const std::vector<std::string>& words, const Command& program) {
+  if (words.empty() && has_manual_page()) become_program({"man", "contourctl"});
+  const std::string text = usage_of(program, words);
+  if (text.empty()) {
+    throw UsageError(fmt::format("there is no command {}; contourctl --help lists the commands",
+                                 in_quotes(fmt::format("{}", fmt::join(words, " ")))));
+  }
+  fmt::print("{}\nManual: man contourctl, man contourd, man contourd.json; guides: {}\n", text,
+             CONTOURD_GUIDES);
+  return kOk;
+}
+
 }  // namespace
+
+void add_help(Command& program) {
+  Command& command = program.add("help", "Show the manual page, or the usage of a command");
+  auto& words = command.arguments<std::vector<std::string>>();
+  command.option("COMMAND", words, "Show the usage of this command").allow_empty().suggests([&program] {
+    std::vector<std::string> names;
+    for (const Command& each : program.commands)
+      if (!each.hidden) names.push_back(each.name);
+    return names;
+  });
+  command.run = [&program, &words] { return show_help(words, program); };
+}
 
 void add_description(Command& program) {
   Command& completion = program.add("complete", "Print words that can follow, for completion in a shell");

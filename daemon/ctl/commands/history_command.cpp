@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <ctime>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -85,8 +83,7 @@ Json ask(DaemonConnection& connection, const HistoryOptions& options) {
   Json answer;
   for (int left = options.last; left > 0; left = options.last - static_cast<int>(jobs.size())) {
     parameters["last"] = std::min(left, kLongestPage);
-    connection.send("history", 1, parameters);
-    answer = connection.receive();
+    answer = connection.ask({"history", parameters});
     if (answer.contains("error")) return answer;
     Json& page = answer["result"]["ended"];
     jobs.insert(jobs.end(), page.rbegin(), page.rend());
@@ -201,29 +198,22 @@ int history(const ClientOptions& client, const HistoryOptions& options) {
   if (client.json && options.csv) throw UsageError("--json and --csv exclude each other");
   DaemonConnection connection(client.socket);
   const Json answer = ask(connection, options);
-  const bool failed = answer.contains("error");
-  if (client.json) {
-    fmt::print("{}\n", answer.dump(-1, ' ', true));
-  } else if (failed) {
-    fmt::print(stderr, "contourctl: {}\n", printable_lines(answer["error"].value("message", "")));
-  } else {
-    const Json& result = answer["result"];
-    if (options.csv)
-      print_csv(result["ended"]);
-    else
-      print_lines(result["ended"]);
-    if (result["trouble"].is_string())
-      fmt::print(stderr, "contourctl: only jobs since contourd started are listed: {}\n",
-                 printable(result["trouble"].get<std::string>()));
-  }
-  return failed ? kFailed : kOk;
+  if (client.json) print_json(answer);
+  if (answer.contains("error")) return client.json ? kFailed : print_refusal(answer);
+  if (client.json) return kOk;
+  const Json& result = answer["result"];
+  if (options.csv)
+    print_csv(result["ended"]);
+  else
+    print_lines(result["ended"]);
+  if (const std::string trouble = text_of(result, "trouble"); !trouble.empty())
+    fmt::print(stderr, "contourctl: only jobs since contourd started are listed: {}\n", trouble);
+  return kOk;
 }
 
 void print_usage(const Json& usage) {
-  if (usage["trouble"].is_string()) {
-    fmt::print("the usage is unknown: {}\n", printable(usage["trouble"].get<std::string>()));
-    return;
-  }
+  if (const std::string trouble = text_of(usage, "trouble"); !trouble.empty())
+    return fmt::print("the usage is unknown: {}\n", trouble);
   fmt::print("jobs      {}\nlayers    {}\nlamp      {:.2f} h lit\nresin     {:.2f} ml\n",
              usage.value("jobs", 0), usage.value("layers", 0), usage.value("lamp_h", 0.0),
              usage.value("resin_ml", 0.0));
@@ -235,8 +225,8 @@ void print_usage(const Json& usage) {
   for (const Json& part : usage["parts"])
     print_part(part);
   for (const Json& part : usage["parts"])
-    if (part["reminder"].is_string())
-      print_wrapped("reminder  ", printable(part["reminder"].get<std::string>()));
+    if (const std::string reminder = text_of(part, "reminder"); !reminder.empty())
+      print_wrapped("reminder  ", reminder);
 }
 
 }  // namespace

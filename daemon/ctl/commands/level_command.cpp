@@ -9,8 +9,6 @@
 #include <cstddef>
 #include <cstdio>
 #include <filesystem>
-#include <optional>
-#include <string>
 #include <system_error>
 
 #include "daemon/client/control_defaults.hpp"
@@ -64,8 +62,7 @@ class Level {
   int move_to(double height_mm) { return send("move", {{"to_mm", height_mm}, {"plate_is_clear", true}}); }
   [[nodiscard]] double height() const {
     DaemonConnection connection(client_.socket);
-    connection.send("status", 1);
-    const Json reply = connection.receive();
+    const Json reply = connection.ask({"status"});
     const Json& height = reply["result"]["manual"]["height_mm"];
     return height.is_number() ? height.get<double>() : NAN;
   }

@@ -70,7 +70,7 @@ class Operation {
 
   // Handles a message. Returns the exit code once the operation has ended.
   std::optional<int> take(const Json& message) {
-    if (json_) fmt::print("{}\n", message.dump(-1, ' ', true));
+    if (json_) print_json(message);
     const bool reply = message.value("id", 0) == kRequest;
     if (reply && message.contains("error")) {
       if (!json_)
@@ -233,10 +233,8 @@ int show_by_hand(const ClientOptions& options, const ShowOptions& show) {
   const Mask picture = show.at_z_mm ? mask_at_z(show) : read_picture(show.what);
   DaemonConnection connection(options.socket);
   if (const std::optional<Json> refusal = upload(connection, encode_png(picture))) {
-    if (options.json)
-      fmt::print("{}\n", refusal->dump(-1, ' ', true));
-    else
-      fmt::print(stderr, "contourctl: {}\n", printable_lines((*refusal)["error"].value("message", "")));
+    if (!options.json) return print_refusal(*refusal);
+    print_json(*refusal);
     return kFailed;
   }
   request.parameters["uploaded"] = true;
@@ -353,8 +351,8 @@ void print_manual(const Json& status) {
     fmt::print("height    unknown\n");
   if (manual.value("homing_shift_um", Json()).is_number())
     fmt::print("switch    {}\n", describe_homing_shift(manual["homing_shift_um"].get<double>()));
-  if (manual["picture"].is_string())
-    fmt::print("picture   {}\n", printable(manual["picture"].get<std::string>()));
+  if (const std::string picture = text_of(manual, "picture"); !picture.empty())
+    fmt::print("picture   {}\n", picture);
   if (!manual["projector"].is_object()) return;
   const Json& projector = manual["projector"];
   const auto& powered = projector["powered"];

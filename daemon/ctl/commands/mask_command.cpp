@@ -32,8 +32,7 @@ class Refused : public std::runtime_error {
 };
 
 Json ask(DaemonConnection& connection, const Json& parameters) {
-  connection.send("mask", 1, parameters);
-  Json answer = connection.receive();
+  Json answer = connection.ask({"mask", parameters});
   if (answer.contains("error")) throw Refused(answer["error"].value("message", ""));
   return std::move(answer["result"]);
 }

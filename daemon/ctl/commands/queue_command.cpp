@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <cstdio>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,10 +20,6 @@ namespace contourd::ctl {
 namespace {
 
 using Json = DaemonConnection::Json;
-
-std::string text_of(const Json& job, const char* key) {
-  return job[key].is_string() ? printable(job[key].get<std::string>()) : "";
-}
 
 std::string size_of(const Json& job) {
   const auto bytes = job["bytes"].get<std::uint64_t>();
@@ -114,17 +109,11 @@ void print_waiting_job(const Json& waiting) {
     fmt::print("warning   {}\n", printable(warning.get<std::string>()));
 }
 
-int remove_from_queue(const ClientOptions& options, const std::string& job) {
-  const int result = request(options, {"queue_remove", {{"job", job}}}, [](const Json&) {});
-  if (result == kOk && !options.json)
-    fmt::print("{}: removed; its files go to failed, with the reason beside them\n", printable(job));
-  return result;
-}
-
-int accept_job(const ClientOptions& options, const std::string& job) {
-  const int result = request(options, {"accept", {{"job", job}}}, [](const Json&) {});
-  if (result == kOk && !options.json)
-    fmt::print("{}: accepted; it is printed when its turn comes\n", printable(job));
+// Calls the method for the job. Prints the sentence about the job if it succeeds.
+int change_job(const ClientOptions& options, const char* method, const std::string& job,
+               const char* sentence) {
+  const int result = request(options, {method, {{"job", job}}}, [](const Json&) {});
+  if (result == kOk && !options.json) fmt::print("{}: {}\n", printable(job), sentence);
   return result;
 }
 
@@ -164,7 +153,8 @@ void add_queue(Command& program) {
                   });
   add_job_command(queue, client, "remove", "Remove a job from the queue; its files go to failed",
                   [](const ClientOptions& options, const QueueArgs& args) {
-                    return remove_from_queue(options, args.job);
+                    return change_job(options, "queue_remove", args.job,
+                                      "removed; its files go to failed, with the reason beside them");
                   });
   QueueArgs& args = add_job_command(
       queue, client, "move", "Move a job within the queue",
@@ -177,12 +167,23 @@ void add_queue(Command& program) {
   move.option("--first", args.first, "Move to the start of the queue").in_group("Place");
   move.option("--last", args.last, "Move to the end of the queue").in_group("Place");
 
-  add_job_command(program, program.arguments<ClientOptions>(), "accept",
-                  "Accept a job that is waiting for confirmation",
-                  [](const ClientOptions& options, const QueueArgs& accepted) {
-                    return accept_job(options, accepted.job);
-                  });
+  add_job_command(
+      program, program.arguments<ClientOptions>(), "accept", "Accept a job that is waiting for confirmation",
+      [](const ClientOptions& options, const QueueArgs& accepted) {
+        return change_job(options, "accept", accepted.job, "accepted; it is printed when its turn comes");
+      });
   program.commands.back().options.front().suggests(unaccepted_jobs);
+}
+
+void add_status(Command& program) {
+  add_request(program, "status", "Show the current activity of the printer", "status");
+}
+
+void add_print_control(Command& program) {
+  add_request(program, "pause", "Pause the print after the current layer", "pause");
+  add_request(program, "resume", "Continue after a pause, or release the queue after a failure", "resume");
+  add_request(program, "cancel", "Cancel the current print: light off, plate up", "cancel");
+  add_request(program, "plate-cleared", "Confirm that the plate is free for the next job", "plate_cleared");
 }
 
 }  // namespace contourd::ctl

@@ -44,7 +44,7 @@ class SwitchView {
   void show(const Json& inputs) {
     if (inputs == shown_) return;
     if (json_)
-      fmt::print("{}\n", inputs.dump(-1, ' ', true));
+      print_json(inputs);
     else if (in_place_)
       redraw(inputs);
     else
@@ -78,12 +78,8 @@ int show_switches(const ClientOptions& options, bool once) {
   DaemonConnection connection(options.socket);
   SwitchView view(options.json);
   for (auto next = std::chrono::steady_clock::now();; next += kAskInterval) {
-    connection.send("inputs", 1);
-    const Json reply = connection.receive();
-    if (reply.contains("error")) {
-      fmt::print(stderr, "contourctl: {}\n", printable_lines(reply["error"].value("message", "")));
-      return kFailed;
-    }
+    const Json reply = connection.ask({"inputs"});
+    if (reply.contains("error")) return print_refusal(reply);
     const Json& inputs = reply["result"]["inputs"];
     if (inputs.empty() && !options.json) {
       fmt::print(stderr, "contourctl: no input line is open; contourctl status says why\n");

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -18,14 +18,12 @@
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/models/analyze_page.hpp"
+#include "daemon/ctl/models/layer_files.hpp"
+#include "daemon/ctl/models/layer_measurements.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/read_model.hpp"
-#include "daemon/ctl/models/slice_files.hpp"
-#include "daemon/ctl/models/statistics_text.hpp"
 #include "daemon/ctl/models/supported_model.hpp"
-#include "daemon/ctl/models/turned_facets.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
-#include "daemon/prepare/job_outlook.hpp"
 #include "daemon/prepare/mesh_repair_text.hpp"
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/print_job.hpp"
@@ -69,7 +67,7 @@ struct AnalyzeArgs {
 AnalyzeOptions parse_analyze(const AnalyzeArgs& args) {
   constexpr double kLongestLayerS = 3600;
   AnalyzeOptions options = args.options;
-  if (args.up) options.up = parse_up(*args.up);
+  options.up = parse_up(args.up);
   options.display = parse_display(args.display);
   options.anti_aliasing = args.anti_aliasing == "on" ? AntiAliasing::On : AntiAliasing::Off;
   options.layer_height = parse_um("--layer-height-um", args.layer_height_um, 1);
@@ -84,7 +82,6 @@ AnalyzeOptions parse_analyze(const AnalyzeArgs& args) {
 }
 
 using Json = nlohmann::ordered_json;
-using SteadyClock = std::chrono::steady_clock;
 
 // Each layer is timed this often, and the shortest time counts, to exclude interruptions by other processes.
 constexpr int kRuns = 3;
@@ -99,15 +96,11 @@ struct AnalysisSubject {
 // Prepares the model in the middle of a display, without a printer's configuration.
 AnalysisSubject subject_alone(const AnalyzeOptions& options) {
   AnalysisSubject subject;
-  Model model = read_model(options.model);
-  subject.model.warnings = std::move(model.warnings);
-  turn_facets(model.facets, options.up, options.scale.value_or(1));
-  scale_facets(model.facets, options.scale);
+  Model model = read_turned_model(options.model, options.up, options.scale);
+  std::vector<std::string>& warnings = subject.model.warnings = std::move(model.warnings);
   const auto made = std::make_shared<const HeightIndex>(std::move(model.facets));
-  const HeightIndex& index = *made;
-  if (index.turned_outwards()) subject.model.warnings.emplace_back(kTurnedOutwardsWarning);
-  if (index.repairs() != MeshRepairs{}) subject.model.warnings.push_back(repair_warning(index.repairs()));
-  const Bounds bounds = index.bounds();
+  std::ranges::move(mesh_warnings(made->turned_outwards(), made->repairs()), std::back_inserter(warnings));
+  const Bounds bounds = made->bounds();
   SupportedModel supported =
       options.supports == SupportPolicy::Auto
           ? support_model(made, {.display = options.display, .layer = options.layer_height})
@@ -119,16 +112,14 @@ AnalysisSubject subject_alone(const AnalyzeOptions& options) {
   subject.model.size_x_mm = bounds.size_x();
   subject.model.size_y_mm = bounds.size_y();
   subject.model.size_z_mm = bounds.size_z();
-  if (bounds.size_x() > options.display.width_mm() || bounds.size_y() > options.display.height_mm()) {
-    subject.model.warnings.emplace_back(
-        "the model is larger than the display: parts outside are not counted");
-  }
+  if (bounds.size_x() > options.display.width_mm() || bounds.size_y() > options.display.height_mm())
+    warnings.emplace_back("the model is larger than the display: parts outside are not counted");
   subject.engine = std::make_unique<ContourEngine>(
       supported.engine(EngineSettings{options.display, options.anti_aliasing}));
   subject.model.supports = std::move(supported.supports);
   if (subject.model.supports) {
     if (std::string unheld = unheld_sentence(subject.model.supports->unheld); !unheld.empty())
-      subject.model.warnings.push_back(std::move(unheld));
+      warnings.push_back(std::move(unheld));
   }
   return subject;
 }
@@ -155,49 +146,24 @@ AnalysisSubject subject_of_printer(const AnalyzeOptions& options) {
   return subject;
 }
 
-// Times slicing and joining of each layer (thesis, section 3.5).
-class Stopwatch {
- public:
-  explicit Stopwatch(const ContourEngine& engine) : engine_(engine) {}
-
-  LayerMeasurement measure(Nanometers height) {
-    constexpr double kNever = std::numeric_limits<double>::infinity();
-    LayerMeasurement best{to_millimeters(height), kNever, kNever, 0, 0};
-    for (int run = 0; run < kRuns; ++run) {
-      const LayerMeasurement once = measure_once(height);
-      best.slicing_ms = std::min(best.slicing_ms, once.slicing_ms);
-      best.contour_ms = std::min(best.contour_ms, once.contour_ms);
-      best.intersecting_facets = once.intersecting_facets;
-      best.loop_count = once.loop_count;
-    }
-    return best;
-  }
-
- private:
-  LayerMeasurement measure_once(Nanometers height) {
-    const auto ms = [](SteadyClock::duration time) {
-      return std::chrono::duration<double, std::milli>(time).count();
-    };
+// Times slicing and joining of a layer (thesis, section 3.5).
+LayerMeasurement measure(const ContourEngine& engine, Nanometers height, LayerStopwatch& stopwatch) {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  LayerMeasurement best{to_millimeters(height), kNever, kNever, 0, 0};
+  for (int run = 0; run < kRuns; ++run) {
     LayerMeasurement sum;
-    for (const PlateModel& each : engine_.models()) {
-      const auto start = SteadyClock::now();
-      slice_at(*each.model, each.z_at(height), section_);
-      const auto sliced = SteadyClock::now();
-      linker_.link(section_.segments, engine_.join_tolerance(), contours_);
-      const auto joined = SteadyClock::now();
-      sum.slicing_ms += ms(sliced - start);
-      sum.contour_ms += ms(joined - sliced);
-      sum.intersecting_facets += section_.intersecting_facets;
-      sum.loop_count += static_cast<std::uint32_t>(contours_.loops.size());
+    for (const PlateModel& each : engine.models()) {
+      const LayerMeasurement one = stopwatch.measure(*each.model, each.z_at(height), engine.join_tolerance());
+      sum.slicing_ms += one.slicing_ms;
+      sum.contour_ms += one.contour_ms;
+      sum.intersecting_facets += one.intersecting_facets;
+      sum.loop_count += one.loop_count;
     }
-    return sum;
+    best = {best.z, std::min(best.slicing_ms, sum.slicing_ms), std::min(best.contour_ms, sum.contour_ms),
+            sum.intersecting_facets, sum.loop_count};
   }
-
-  const ContourEngine& engine_;
-  Section section_;
-  ContourLinker linker_;
-  Contours contours_;
-};
+  return best;
+}
 
 AnalyzedModel analyze(AnalysisSubject subject, bool with_picture) {
   AnalyzedModel model = std::move(subject.model);
@@ -209,9 +175,9 @@ AnalyzedModel analyze(AnalysisSubject subject, bool with_picture) {
   };
   model.findings =
       analyze_print(*subject.engine, model.display, model.layers, duration_of, {}, subject.analysis).value();
-  Stopwatch stopwatch(*subject.engine);
+  LayerStopwatch stopwatch;
   for (const Nanometers middle : model.layer_middles)
-    model.measurements.push_back(stopwatch.measure(middle));
+    model.measurements.push_back(measure(*subject.engine, middle, stopwatch));
   model.statistics = statistics_of(model.measurements);
   if (with_picture) model.picture = draw_job(*subject.engine, model.supports ? &*model.supports : nullptr);
   return model;

@@ -6,7 +6,7 @@
 #include <functional>
 #include <string_view>
 
-#include "daemon/ctl/models/statistics_text.hpp"
+#include "daemon/ctl/models/layer_measurements.hpp"
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/report/html_page.hpp"

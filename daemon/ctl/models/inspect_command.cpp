@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
@@ -72,9 +73,8 @@ int inspect(const InspectOptions& options) {
   Model model = read_model(options.model);
   const std::string_view format = outline_of_model(options.model).format;
   const MeshReport report = inspect_mesh(model.facets);
-  if (report.inside_out) model.warnings.emplace_back(kTurnedOutwardsWarning);
   const MeshRepairs repairs = HeightIndex(std::move(model.facets)).repairs();
-  if (repairs != MeshRepairs{}) model.warnings.push_back(repair_warning(repairs));
+  std::ranges::move(mesh_warnings(report.inside_out, repairs), std::back_inserter(model.warnings));
   if (options.json) {
     fmt::print("{}\n",
                to_json(model, format, report, repairs).dump(2, ' ', true, Json::error_handler_t::replace));

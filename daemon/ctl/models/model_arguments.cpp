@@ -12,7 +12,9 @@
 
 namespace contourd::ctl {
 
-UpOption parse_up(const std::string& word) {
+std::optional<UpOption> parse_up(const std::optional<std::string>& given) {
+  if (!given) return std::nullopt;
+  const std::string& word = *given;
   if (const auto preset = orientation_preset(word)) return *preset;
   Direction up;
   int used = 0;

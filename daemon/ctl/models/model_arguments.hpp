@@ -25,9 +25,9 @@ inline constexpr const char* kPictureHelp = "Write a PNG file instead of drawing
 // The value of --up: a direction of the model, or a preset by which the best direction is found.
 using UpOption = std::variant<OrientationPreset, Direction>;
 
-// Parses "auto", "fast", "clean", "safe" or "X,Y,Z". Throws UsageError for any other word, and for a
-// direction that is zero or not finite.
-[[nodiscard]] UpOption parse_up(const std::string& word);
+// Parses "auto", "fast", "clean", "safe" or "X,Y,Z"; nullopt stays nullopt. Throws UsageError for any other
+// word, and for a direction that is zero or not finite.
+[[nodiscard]] std::optional<UpOption> parse_up(const std::optional<std::string>& word);
 
 // Returns the presets for completion in a shell.
 [[nodiscard]] std::vector<std::string> up_presets();

@@ -1,7 +1,5 @@
 #include "daemon/ctl/models/read_model.hpp"
 
-#include <string>
-
 #include "core/formats/model_reader.hpp"
 #include "daemon/prepare/job_memory.hpp"
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -21,14 +20,10 @@
 #include "core/layers/adaptive_layers.hpp"
 #include "core/layers/layer_statistics.hpp"
 #include "core/layers/print_layers.hpp"
-#include "daemon/ctl/models/layer_folder.hpp"
-#include "daemon/ctl/models/mask_files.hpp"
+#include "daemon/ctl/models/layer_files.hpp"
+#include "daemon/ctl/models/layer_measurements.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
-#include "daemon/ctl/models/read_model.hpp"
-#include "daemon/ctl/models/slice_files.hpp"
-#include "daemon/ctl/models/statistics_text.hpp"
 #include "daemon/ctl/models/supported_model.hpp"
-#include "daemon/ctl/models/turned_facets.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/prepare/mesh_repair_text.hpp"
 #include "daemon/prepare/supports_text.hpp"
@@ -123,7 +118,7 @@ SliceOptions parse_slice(const SliceArgs& args) {
   check_scale(options.scale);
   // Supports have sizes in millimetres, and a picture that fills the display has no scale.
   if (options.supports && options.fit) throw UsageError("--supports auto excludes --fit");
-  if (args.up) options.up = parse_up(*args.up);
+  options.up = parse_up(args.up);
   options.engine.display = parse_display(args.display);
   options.engine.anti_aliasing = args.anti_aliasing == "on" ? AntiAliasing::On : AntiAliasing::Off;
   parse_corrections(options.engine, args);
@@ -152,11 +147,6 @@ SliceOptions parse_slice(const SliceArgs& args) {
 }
 
 using Json = nlohmann::ordered_json;
-using SteadyClock = std::chrono::steady_clock;
-
-double ms_between(SteadyClock::time_point from, SteadyClock::time_point to) {
-  return std::chrono::duration<double, std::milli>(to - from).count();
-}
 
 PixelMap map_for(const SliceOptions& options, const Bounds& bounds) {
   return options.fit ? PixelMap::fit(options.engine.display, bounds)
@@ -272,26 +262,14 @@ MeasuredLayers measure_layers(const SliceOptions& options, const StandingModel& 
                               std::span<const Nanometers> layers) {
   const PixelMap map = map_for(options, model.model->bounds());
   const Millimeters tolerance = to_millimeters(options.engine.display.pixel_pitch);
-  Section section;
-  ContourLinker linker;
-  Contours contours;
+  LayerStopwatch stopwatch;
   MeasuredLayers measured;
-  measured.measurements.reserve(layers.size());
-  measured.cracks.reserve(layers.size());
   for (const Nanometers middle : layers) {
-    const Millimeters z = model.z_at(middle);
-    const auto start = SteadyClock::now();
-    slice_at(*model.model, z, section);
-    const auto sliced = SteadyClock::now();
-    linker.link(section.segments, tolerance, contours);
-    const auto joined = SteadyClock::now();
-    measured.measurements.push_back({z, ms_between(start, sliced), ms_between(sliced, joined),
-                                     section.intersecting_facets,
-                                     static_cast<std::uint32_t>(contours.loops.size())});
+    measured.measurements.push_back(stopwatch.measure(*model.model, model.z_at(middle), tolerance));
+    const Contours& contours = stopwatch.contours();
     measured.cracks.push_back(contours.cracks);
-    if (options.contours) {
+    if (options.contours)
       write_contours(*options.contours / layer_file(measured.cracks.size(), ".csv"), contours, map);
-    }
   }
   return measured;
 }
@@ -332,10 +310,10 @@ void report_measurements(const SliceOptions& options, const SupportedModel& supp
   const auto& measurements = measured.measurements;
   const LayerStatistics statistics = statistics_of(measurements);
   if (options.csv) {
-    write_measurements(*options.csv, measurements);
+    write_text(*options.csv, measurements_csv(measurements));
     std::filesystem::path summary = *options.csv;
     summary.replace_filename(options.csv->stem().string() + "-summary.csv");
-    write_statistics(summary, statistics);
+    write_text(summary, statistics_csv(statistics));
   }
   if (!options.json) {
     fmt::print("facets {}, layers {}\n", facets, measurements.size());
@@ -382,15 +360,15 @@ int slice_layers(const SliceOptions& options, const SupportedModel& supported) {
 int slice(SliceOptions options) {
   if (options.uniformity)
     options.engine.uniformity = read_uniformity_mask(*options.uniformity, options.engine.display);
-  std::vector<Facet> facets = read_model(options.model).facets;
-  turn_facets(facets, options.up, options.scale.value_or(1));
-  scale_facets(facets, options.scale);
-  const auto model = std::make_shared<const HeightIndex>(std::move(facets));
-  if (model->turned_outwards()) fmt::print(stderr, "contourctl: warning: {}\n", kTurnedOutwardsWarning);
-  if (model->repairs() != MeshRepairs{})
-    fmt::print(stderr, "contourctl: warning: {}\n", repair_warning(model->repairs()));
+  const auto model =
+      std::make_shared<const HeightIndex>(read_turned_model(options.model, options.up, options.scale).facets);
+  for (const std::string& warning : mesh_warnings(model->turned_outwards(), model->repairs()))
+    fmt::print(stderr, "contourctl: warning: {}\n", warning);
   const SupportedModel supported = stand(model, options);
-  warn_of_unheld(supported);
+  if (supported.supports) {
+    if (const std::string sentence = unheld_sentence(supported.supports->unheld); !sentence.empty())
+      fmt::print(stderr, "contourctl: warning: {}\n", sentence);
+  }
   return options.z ? slice_at_height(options, supported) : slice_layers(options, supported);
 }
 

@@ -14,11 +14,9 @@
 #include <vector>
 
 #include "core/support/support_mesh.hpp"
+#include "daemon/ctl/models/layer_files.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
-#include "daemon/ctl/models/read_model.hpp"
-#include "daemon/ctl/models/slice_files.hpp"
 #include "daemon/ctl/models/supported_model.hpp"
-#include "daemon/ctl/models/turned_facets.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/prepare/supports_text.hpp"
 
@@ -28,33 +26,14 @@ namespace {
 struct SupportOptions {
   std::filesystem::path model;
   bool json = false;
-  std::optional<double> scale;  // factor for the model's size
-  std::optional<UpOption> up;   // direction that points up; nullopt: as drawn
-  DisplayGeometry display;      // the model is in its middle
-  Nanometers layer_height{50'000};
+  std::optional<double> scale;    // factor for the model's size
+  std::optional<std::string> up;  // direction that points up; nullopt: as drawn
+  DisplayArgs display;            // the model is in its middle
+  double layer_height_um = 50;
   // Binary STL file to write: x and y as in the model's file, z above the plate.
   std::optional<std::filesystem::path> stl;
   bool with_model = false;  // write the model to this file, too
 };
-
-// Arguments as the user typed them, before they have units.
-struct SupportArgs {
-  SupportOptions options;
-  DisplayArgs display;
-  double layer_height_um = 50;
-  std::optional<std::string> up;
-};
-
-SupportOptions parse_support(const SupportArgs& args) {
-  SupportOptions options = args.options;
-  if (args.up) options.up = parse_up(*args.up);
-  options.display = parse_display(args.display);
-  options.layer_height = parse_um("--layer-height-um", args.layer_height_um, 1);
-  check_scale(options.scale);
-  refuse_to_overwrite_model(options.model, "--stl", options.stl);
-  if (options.with_model && !options.stl) throw UsageError("--with-model needs --stl");
-  return options;
-}
 
 using Json = nlohmann::ordered_json;
 
@@ -128,11 +107,15 @@ void print_text(const SupportedModel& supported) {
 }
 
 int support(const SupportOptions& options) {
-  std::vector<Facet> facets = read_model(options.model).facets;
-  turn_facets(facets, options.up, options.scale.value_or(1));
-  scale_facets(facets, options.scale);
-  const SupportedModel supported = support_model(std::make_shared<const HeightIndex>(std::move(facets)),
-                                                 {.display = options.display, .layer = options.layer_height});
+  const std::optional<UpOption> up = parse_up(options.up);
+  const SupportingOptions supporting{.display = parse_display(options.display),
+                                     .layer = parse_um("--layer-height-um", options.layer_height_um, 1)};
+  check_scale(options.scale);
+  refuse_to_overwrite_model(options.model, "--stl", options.stl);
+  if (options.with_model && !options.stl) throw UsageError("--with-model needs --stl");
+  Model model = read_turned_model(options.model, up, options.scale);
+  const SupportedModel supported =
+      support_model(std::make_shared<const HeightIndex>(std::move(model.facets)), supporting);
   if (options.stl) write_text(*options.stl, binary_stl(facets_of(supported, options.with_model)));
   if (options.json) {
     Json json = supports_json(*supported.supports);
@@ -148,19 +131,18 @@ int support(const SupportOptions& options) {
 
 void add_support(Command& program) {
   Command& command = program.add("support", "Generate supports and report what they hold");
-  auto& args = command.arguments<SupportArgs>();
-  SupportOptions& options = args.options;
+  auto& options = command.arguments<SupportOptions>();
   command.option("MODEL", options.model, "Model file").required().allow_empty();
   command.option("--stl", options.stl, "Write the supports to this STL file");
   command.option("--with-model", options.with_model, "Also write the lifted model to the STL file");
   command.option("--scale", options.scale, kScaleHelp);
-  command.option("--up", args.up, kUpHelp).suggests(up_presets);
-  command.option("--layer-height-um", args.layer_height_um,
+  command.option("--up", options.up, kUpHelp).suggests(up_presets);
+  command.option("--layer-height-um", options.layer_height_um,
                  "Layer height, um; the model is lifted by whole layers");
-  command.option("--display", args.display.display, "Build area in pixels, WIDTHxHEIGHT");
-  command.option("--pixel-pitch-um", args.display.pixel_pitch_um, "Side of a pixel on the plate, um");
+  command.option("--display", options.display.display, "Build area in pixels, WIDTHxHEIGHT");
+  command.option("--pixel-pitch-um", options.display.pixel_pitch_um, "Side of a pixel on the plate, um");
   command.option("--json", options.json, "Print JSON");
-  command.run = [&args] { return support(parse_support(args)); };
+  command.run = [&options] { return support(options); };
 }
 
 }  // namespace contourd::ctl

@@ -3,15 +3,45 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdio>
 #include <utility>
+#include <variant>
+#include <vector>
 
-#include "core/formats/model_format.hpp"
 #include "core/model/placement.hpp"
 #include "core/overhangs/overhang_sweep.hpp"
 #include "core/support/support_lift.hpp"
-#include "daemon/prepare/supports_text.hpp"
+#include "daemon/ctl/models/read_model.hpp"
 
 namespace contourd::ctl {
+namespace {
+
+Direction best_up(const std::vector<Facet>& facets, OrientationPreset preset, double scale) {
+  ModelTicket ticket;
+  ticket.orientation = OrientationTicket{preset, {}};
+  ticket.scale = Scale{scale};
+  const ModelOrientation found = find_orientation(facets, ticket, kAnyPrinter).value();
+  fmt::print(stderr, "contourctl: {}\n", describe(found));
+  return found.choice.chosen().up;
+}
+
+}  // namespace
+
+Model read_turned_model(const std::filesystem::path& path, const std::optional<UpOption>& up,
+                        const std::optional<double>& scale) {
+  Model model = read_model(path);
+  if (up && !model.facets.empty()) {
+    const auto* const preset = std::get_if<OrientationPreset>(&*up);
+    orient(model.facets, {.up = preset != nullptr ? best_up(model.facets, *preset, scale.value_or(1))
+                                                  : std::get<Direction>(*up)});
+  }
+  if (!scale) return model;
+  orient(model.facets, {.scale = Scale{*scale}});
+  const Bounds bounds = bounds_of(model.facets);
+  if (!std::isfinite(bounds.size_x() + bounds.size_y() + bounds.size_z()))
+    throw ModelError("the model is too large: its coordinates leave the range of numbers");
+  return model;
+}
 
 ContourEngine SupportedModel::engine(const EngineSettings& settings) const {
   return {{model}, settings, supports ? supports->structure : nullptr};
@@ -32,22 +62,6 @@ SupportedModel support_model(std::shared_ptr<const HeightIndex> model, const Sup
   }
   supported.supports = make_supports({{supported.model}, options.display, options.settings}).value();
   return supported;
-}
-
-void scale_facets(std::vector<Facet>& facets, std::optional<double> factor) {
-  if (!factor) return;
-  Orientation orientation;
-  orientation.scale = Scale{*factor};
-  orient(facets, orientation);
-  const Bounds bounds = bounds_of(facets);
-  if (!std::isfinite(bounds.size_x() + bounds.size_y() + bounds.size_z()))
-    throw ModelError("the model is too large: its coordinates leave the range of numbers");
-}
-
-void warn_of_unheld(const SupportedModel& model) {
-  if (!model.supports) return;
-  if (const std::string sentence = unheld_sentence(model.supports->unheld); !sentence.empty())
-    fmt::print(stderr, "contourctl: warning: {}\n", sentence);
 }
 
 }  // namespace contourd::ctl

@@ -1,15 +1,28 @@
-// A model that contourctl prepares without a printer's configuration: scaled, in the middle of a display,
-// with supports if wanted. Thread-safe (no shared state).
+// A model that contourctl prepares without a printer's configuration: turned and scaled, in the middle of a
+// display, with supports if wanted. Thread-safe (no shared state).
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "core/engine/contour_engine.hpp"
+#include "core/model/model.hpp"
 #include "core/routing/support_layout.hpp"
+#include "daemon/ctl/models/model_arguments.hpp"
+#include "daemon/prepare/model_orientation.hpp"
 
 namespace contourd::ctl {
+
+// Limits without a printer's configuration: every size fits, and supports lift the model by 5 mm.
+inline constexpr OrientationLimits kAnyPrinter{
+    {Millimeters{1e9}, Millimeters{1e9}, Millimeters{1e9}}, Scale{}, {}, Millimeters{5}};
+
+// Reads a model, turns it so that `up` points up, and scales it by the factor, each if given. If the best
+// orientation is to be found, uses kAnyPrinter and prints the orientation on stderr. Throws the exceptions of
+// read_model(), and ModelError if coordinates leave the range of numbers.
+[[nodiscard]] Model read_turned_model(const std::filesystem::path& path, const std::optional<UpOption>& up,
+                                      const std::optional<double>& scale);
 
 struct SupportedModel {
   PlateModel model;                  // one copy
@@ -29,11 +42,5 @@ struct SupportingOptions {
                                            const SupportingOptions& options);
 // Prepares a model without supports.
 [[nodiscard]] SupportedModel lay_on_plate(std::shared_ptr<const HeightIndex> model, const PixelMap& map);
-
-// Scales the facets if there is a factor. Throws ModelError if coordinates leave the range of numbers.
-void scale_facets(std::vector<Facet>& facets, std::optional<double> factor);
-
-// Prints a warning about places that cannot be supported, if there are any.
-void warn_of_unheld(const SupportedModel& model);
 
 }  // namespace contourd::ctl

@@ -29,8 +29,6 @@ constexpr double kLight_s = 5;       // long enough to examine a picture
 constexpr double kShortLight_s = 2;  // for the check that the light goes off
 constexpr double kMost_mm = 500;
 
-enum class Outcome { Passed, Skipped };
-
 class Checks {
  public:
   explicit Checks(const SetupChecks& with)
@@ -45,7 +43,7 @@ class Checks {
     for (const Check& check : kAll) {
       if (!applies(check) || outcomes_[check.name] == kPassed) continue;
       running = running && take_configuration();
-      const bool passed = running && make(check) == Outcome::Passed;
+      const bool passed = running && make(check);
       outcomes_[check.name] = passed ? kPassed : "skipped";
       with_.keep();
     }
@@ -57,7 +55,7 @@ class Checks {
     const char* name;
     const char* what;
     const char* later;
-    Outcome (Checks::*make)();
+    bool (Checks::*make)();  // true: passed; false: skipped
   };
   static const Check kAll[9];
 
@@ -69,8 +67,9 @@ class Checks {
     return std::string_view(check.name) != "projector" || !is("projector_table", "none");
   }
 
-  // Makes a check. If the daemon fails, prints the reason and offers another try.
-  Outcome make(const Check& check) {
+  // Makes a check. If the daemon fails, prints the reason and offers another try. Returns false if the user
+  // skips the check.
+  bool make(const Check& check) {
     fmt::print("\n");
     dialog_.say(fmt::format("Check: {}.", check.what));
     while (true) {
@@ -79,8 +78,7 @@ class Checks {
       } catch (const DaemonError& error) {
         dialog_.say(fmt::format("{}.", error.what()));
       }
-      if (dialog_.ask_for_word("Enter: try again; skip:", {"again", "skip"}) == "skip")
-        return Outcome::Skipped;
+      if (dialog_.ask_for_word("Enter: try again; skip:", {"again", "skip"}) == "skip") return false;
     }
   }
 
@@ -119,28 +117,28 @@ class Checks {
   }
   bool skips(const std::string& prompt) { return dialog_.ask_for_word(prompt, {"go", "skip"}) == "skip"; }
 
-  // --- the checks
+  // --- the checks; each returns true if it has been passed, and false if it is skipped
 
-  Outcome check_switch() {
-    if (skips("Do not touch the switch. Enter: read its line; skip:")) return Outcome::Skipped;
+  bool check_switch() {
+    if (skips("Do not touch the switch. Enter: read its line; skip:")) return false;
     const Json rest = daemon_.limit_switch();
     const bool reached = rest["active"].get<bool>();
     dialog_.say(fmt::format("Its line is {}. Now press and release it by hand. Enter: skip.",
                             rest.value("line", "")));
     const auto edges = rest.value("edges", std::uint64_t{0});
     while (daemon_.limit_switch().value("edges", std::uint64_t{0}) == edges)
-      if (dialog_.typed_within(kAskInterval)) return Outcome::Skipped;
+      if (dialog_.typed_within(kAskInterval)) return false;
     dialog_.say("Its line changes: the switch is wired.");
-    if (!reached) return Outcome::Passed;
+    if (!reached) return true;
     const char* const other = is("switch_contact", "normally_closed") ? "normally_open" : "normally_closed";
     dialog_.say(fmt::format(
         "But it read as reached while untouched, so its contact is {}: switch_contact is changed.", other));
-    return set_and_take("switch_contact", other) ? Outcome::Passed : Outcome::Skipped;
+    return set_and_take("switch_contact", other);
   }
 
   // Moves the plate by at most 2 mm, and only until the switch closes, because the direction and the length
   // of the motor's steps are not known yet.
-  Outcome check_direction() {
+  bool check_direction() {
     dialog_.say(
         "Which way does the plate move? Remove the vat, put the plate in the middle of its travel with "
         "nothing "
@@ -148,28 +146,28 @@ class Checks {
         "the "
         "answers so far, and stops at the switch.");
     while (true) {
-      if (skips("Enter: move; skip:")) return Outcome::Skipped;
+      if (skips("Enter: move; skip:")) return false;
       daemon_.control("move", {{"by_mm", 2}, {"unhomed", true}, {"plate_is_clear", true}},
                       "The plate did not move");
       const std::string direction =
           dialog_.ask_for_word("It moved: up, down, or not at all (no)?", {"again", "up", "down", "no"});
-      if (direction == "up") return Outcome::Passed;
+      if (direction == "up") return true;
       if (direction == "no") {
         dialog_.say("Check the driver's supply, current, ENABLE and STEP, then try again.");
       } else if (direction == "down") {
         dialog_.say("DIR is inverted.");
         if (!set_and_take("direction_active_low", is("direction_active_low", "yes") ? "no" : "yes"))
-          return Outcome::Skipped;
+          return false;
       }
     }
   }
 
-  Outcome check_homing() {
+  bool check_homing() {
     dialog_.say(
         "Does the plate stop at its switch? Put the switch and its plug back in place, remove the vat, make "
         "sure that nothing is on the plate or in its way, and keep a hand at the power switch.");
     constexpr int kTimes = 2;
-    if (skips("Enter: home twice; skip:")) return Outcome::Skipped;
+    if (skips("Enter: home twice; skip:")) return false;
     for (int i = 0; i < kTimes; ++i) {
       daemon_.control("home", {{"plate_is_clear", true}}, "The plate was not homed");
       if (i + 1 < kTimes) daemon_.control("move", {{"to_mm", middle()}}, "The plate did not move");
@@ -177,7 +175,7 @@ class Checks {
     const bool near = print_shift();
     const bool stopped =
         dialog_.ask_for_word("Did it stop at the switch both times (yes or no)?", {"yes", "no"}) == "yes";
-    return near && stopped ? Outcome::Passed : Outcome::Skipped;
+    return near && stopped;
   }
   // Prints the shift of the switch, from the steps counted between both homings. Returns false if the shift
   // is too large for a working axis.
@@ -195,28 +193,28 @@ class Checks {
   [[nodiscard]] double middle() const { return std::min(20.0, number_in(answers_, "travel_mm") / 2); }
 
   // Moves the plate by a quarter of its travel, because the length of its steps is not known yet.
-  Outcome check_steps() {
+  bool check_steps() {
     if (!daemon_.height_mm()) {
       dialog_.say("The plate's position is unknown: home it first.");
-      return Outcome::Skipped;
+      return false;
     }
     const double travel = number_in(answers_, "travel_mm"), from = travel / 4, distance = travel / 4;
     if (skips(fmt::format("How long is a millimetre? Remove the vat. Enter: move the plate to {:g} mm; skip:",
                           from)))
-      return Outcome::Skipped;
+      return false;
     daemon_.control("move", {{"to_mm", from}, {"plate_is_clear", true}}, "The plate did not move");
     (void)dialog_.ask(
         fmt::format("Measure the plate's height with a caliper. Enter: move {:g} mm further up.", distance));
     daemon_.control("move", {{"to_mm", from + distance}}, "The plate did not move");
     const auto measured =
         dialog_.ask_for_number("By how much did the plate rise, mm (Enter: skip)?", 0.1, kMost_mm);
-    if (!measured) return Outcome::Skipped;
+    if (!measured) return false;
     const double before = microsteps_per_mm(answers_), now = before * distance / *measured;
     // Tolerance: the accuracy of a caliper over this distance.
     constexpr double kSame = 0.002;
     if (std::abs(now / before - 1) <= kSame) {
       dialog_.say(fmt::format("Correct: {:g} microsteps are a millimetre.", before));
-      return Outcome::Passed;
+      return true;
     }
     dialog_.say(fmt::format(
         "The plate should have risen {:g} mm: by this measurement, a millimetre is {:g} microsteps, "
@@ -224,20 +222,20 @@ class Checks {
         "otherwise the measurement may be wrong.",
         distance, now, before));
     if (dialog_.ask_for_word("Change microsteps_per_mm accordingly (no or yes)?", {"no", "yes"}) == "no")
-      return Outcome::Skipped;
-    return set_and_take("microsteps_per_mm", fmt::format("{:.6g}", now)) ? Outcome::Passed : Outcome::Skipped;
+      return false;
+    return set_and_take("microsteps_per_mm", fmt::format("{:.6g}", now));
   }
 
-  Outcome check_projector() {
-    if (skips("Enter: query the projector; skip:")) return Outcome::Skipped;
+  bool check_projector() {
+    if (skips("Enter: query the projector; skip:")) return false;
     daemon_.control("projector", Json::object(), "The projector does not answer as its table says");
     const Json status = daemon_.ask("status");
     const Json& projector = status["manual"]["projector"];
     if (!projector.is_object() || !projector["powered"].is_boolean()) {
       dialog_.say("Its table has no command that queries the power.");
-      return Outcome::Skipped;
+      return false;
     }
-    return Outcome::Passed;
+    return true;
   }
 
   // Asks for permission, then lights the pattern. Returns false if the answer is no.
@@ -251,17 +249,17 @@ class Checks {
     return true;
   }
 
-  Outcome check_picture() {
+  bool check_picture() {
     dialog_.say(
         "Is the picture's orientation right? Look at the film from above: the filled square must be at the "
         "back left, and the whole border must be on the film.");
     while (true) {
-      if (!light("border", kLight_s)) return Outcome::Skipped;
+      if (!light("border", kLight_s)) return false;
       const std::string seen = dialog_.ask_for_word(
           "The square was: right (back left), x (back right), y (front left), both (front right), again?",
           {"again", "right", "x", "y", "both"});
-      if (seen == "right") return Outcome::Passed;
-      if (seen != "again" && !set_and_take("mirror", mirrored(seen))) return Outcome::Skipped;
+      if (seen == "right") return true;
+      if (seen != "again" && !set_and_take("mirror", mirrored(seen))) return false;
     }
   }
   // Returns the value of `mirror` that corrects what the user has seen.
@@ -271,16 +269,16 @@ class Checks {
     return x && y ? "both" : x ? "x" : y ? "y" : "none";
   }
 
-  Outcome check_grid() {
+  bool check_grid() {
     dialog_.say(
         "Is the picture undistorted? The grid has a line every 5 mm. All lines must be straight, the cells "
         "square, and the corners as sharp as the middle.");
     while (true) {
-      if (!light("grid", kLight_s)) return Outcome::Skipped;
+      if (!light("grid", kLight_s)) return false;
       const std::string seen =
           dialog_.ask_for_word("The grid is right (yes), not square (bent), or not sharp (blurred)?",
                                {"again", "yes", "bent", "blurred"});
-      if (seen == "yes") return Outcome::Passed;
+      if (seen == "yes") return true;
       if (seen == "bent")
         dialog_.say(
             "Turn off the projector's keystone correction, and align the projector square to the film; then "
@@ -290,29 +288,27 @@ class Checks {
     }
   }
 
-  Outcome check_pixels() {
+  bool check_pixels() {
     const double pitch = pixel_pitch_um(answers_);
     dialog_.say(
         "How large is a pixel? Put paper in place of the film, and measure the rulers of the pattern "
         "dimensions.");
-    if (!light("dimensions", kLight_s)) return Outcome::Skipped;
+    if (!light("dimensions", kLight_s)) return false;
     const auto nominal =
         dialog_.ask_for_number("Up to which tick did you measure, mm (Enter: skip)?", 1, kMost_mm);
-    if (!nominal) return Outcome::Skipped;
+    if (!nominal) return false;
     const auto measured = dialog_.ask_for_number("How long is this distance, mm (Enter: skip)?", 1, kMost_mm);
-    if (!measured) return Outcome::Skipped;
+    if (!measured) return false;
     const double now = pitch * *measured / *nominal;
     dialog_.say(fmt::format("A pixel is {:.6g} um.", now));
-    if (*measured == *nominal) return Outcome::Passed;
-    return set_and_take("pixel_pitch_um", fmt::format("{:.6g}", now)) ? Outcome::Passed : Outcome::Skipped;
+    if (*measured == *nominal) return true;
+    return set_and_take("pixel_pitch_um", fmt::format("{:.6g}", now));
   }
 
-  Outcome check_light() {
-    if (!light("white", kShortLight_s)) return Outcome::Skipped;
+  bool check_light() {
+    if (!light("white", kShortLight_s)) return false;
     return dialog_.ask_for_word("Did the light go off by itself, completely (yes or no)?", {"yes", "no"}) ==
-                   "yes"
-               ? Outcome::Passed
-               : Outcome::Skipped;
+           "yes";
   }
 
   const SetupChecks& with_;

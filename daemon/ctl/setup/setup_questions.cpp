@@ -65,26 +65,26 @@ bool light_needs_line(const Answers& answers, const SetupFacts& facts) {
 
 // --- kinds of answers
 
-auto suggest(std::string answer, std::string why) {
-  return [suggestion = Suggestion{std::move(answer), std::move(why), true}](
+auto suggest(std::string answer, std::string why, bool safe = true) {
+  return [suggestion = Suggestion{std::move(answer), std::move(why), safe}](
              const Answers&, const SetupFacts&) { return suggestion; };
 }
 // Suggests a value that differs from machine to machine, so it is not safe without asking.
 auto guess(std::string answer, std::string why) {
-  return [suggestion = Suggestion{std::move(answer), std::move(why), false}](
-             const Answers&, const SetupFacts&) { return suggestion; };
+  return suggest(std::move(answer), std::move(why), false);
 }
 
+// Refuses an answer that is none of these words.
+TakenAnswer expected(const std::vector<std::string>& words) {
+  return refused(printable(fmt::format("Expected one of: {}.", fmt::join(words, ", "))));
+}
+
+// Takes one of the words, or the beginning of exactly one.
 TakenAnswer take_word(const std::string& typed, const std::vector<std::string>& words) {
-  const std::string* only = nullptr;
-  for (const std::string& word : words) {
-    if (word == typed) return {word, ""};
-    if (!word.starts_with(typed)) continue;
-    if (only != nullptr) return refused(fmt::format("Expected one of: {}.", fmt::join(words, ", ")));
-    only = &word;
-  }
-  if (only == nullptr) return refused(printable(fmt::format("Expected one of: {}.", fmt::join(words, ", "))));
-  return {*only, ""};
+  if (std::ranges::find(words, typed) != words.end()) return {typed, ""};
+  const auto fits = [&](const std::string& word) { return word.starts_with(typed); };
+  if (std::ranges::count_if(words, fits) != 1) return expected(words);
+  return {*std::ranges::find_if(words, fits), ""};
 }
 
 auto one_of(std::vector<std::string> words) {
@@ -229,7 +229,7 @@ TakenAnswer take_connector(const std::string& typed, const Answers& /*answers*/,
   for (const FoundOutput& output : facts.devices.outputs)
     names.push_back(output.name);
   if (names.empty() || std::ranges::find(names, typed) != names.end()) return {typed, ""};
-  return refused(printable(fmt::format("Expected one of: {}.", fmt::join(names, ", "))));
+  return expected(names);
 }
 
 Suggestion suggest_mode(const Answers& answers, const SetupFacts& facts) {

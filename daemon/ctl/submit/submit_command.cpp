@@ -16,7 +16,6 @@
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/read_model.hpp"
-#include "daemon/ctl/submit/spool_printer.hpp"
 #include "daemon/ctl/submit/spool_submission.hpp"
 #include "daemon/ctl/submit/submit_outlook.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
@@ -39,7 +38,7 @@ struct SubmitOptions {
   std::optional<double> layer_height_um, scale;
   std::optional<double> exposure_ms, bottom_exposure_ms, lift_mm, settle_ms, rest_ms;
   std::optional<int> copies;
-  std::optional<UpOption> up;
+  std::optional<std::string> up;
   bool fit = false;
   // Ticket instead of the keys above.
   std::optional<std::filesystem::path> ticket;
@@ -49,11 +48,6 @@ struct SubmitOptions {
   // nullopt: the installed configuration, if it can be read and names this spool.
   std::optional<std::filesystem::path> printer;
   bool yes = false;  // do not ask
-};
-
-struct SubmitArgs {
-  SubmitOptions options;
-  std::optional<std::string> up;  // as the user typed it
 };
 
 namespace fs = std::filesystem;
@@ -79,7 +73,7 @@ std::string ticket_of(const SubmitOptions& options) {
         std::pair("bottom_exposure_ms", options.bottom_exposure_ms), std::pair("lift_mm", options.lift_mm),
         std::pair("settle_ms", options.settle_ms), std::pair("rest_ms", options.rest_ms)})
     if (value) ticket[key] = *value;
-  if (options.up) ticket["up"] = up_json(*options.up);
+  if (const auto up = parse_up(options.up)) ticket["up"] = up_json(*up);
   if (options.supports) ticket["supports"] = *options.supports;
   if (options.scale) ticket["scale"] = *options.scale;
   if (options.fit) ticket["fit"] = true;
@@ -176,8 +170,7 @@ void tell_submitted(const ClientOptions& client, const fs::path& model, const st
 
 void add_submit(Command& program) {
   Command& command = program.add("submit", "Add models to the queue");
-  auto& args = command.arguments<SubmitArgs>();
-  SubmitOptions& options = args.options;
+  auto& options = command.arguments<SubmitOptions>();
   command.option("FILE", options.models, "Model files").required().allow_empty();
   const Option& ticket = command.option("--ticket", options.ticket, "Ticket for all models");
   const auto add = [&](const char* name, auto& variable, const char* help) -> Option& {
@@ -193,7 +186,7 @@ void add_submit(Command& program) {
   add("--settle-ms", options.settle_ms, "Wait before the exposure, ms, within the resin's ticket_limits");
   add("--rest-ms", options.rest_ms, "Wait after the exposure, ms, within the resin's ticket_limits");
   add("--copies", options.copies, "Number of copies of each model");
-  add("--up", args.up, kUpHelp).suggests(up_presets);
+  add("--up", options.up, kUpHelp).suggests(up_presets);
   add("--supports", options.supports, "Generate supports: auto or off (default: as configured)")
       .one_of({"auto", "off"});
   const Option& scale = add("--scale", options.scale, kScaleHelp);
@@ -204,11 +197,7 @@ void add_submit(Command& program) {
   command.option("--wait", options.wait, "Wait until all jobs have ended");
   command.option("--yes", options.yes, "Do not ask for confirmation of warnings");
   const ClientOptions& client = add_client_options(command);
-  command.run = [&client, &args] {
-    SubmitOptions submitted = args.options;
-    if (args.up) submitted.up = parse_up(*args.up);
-    return submit(client, submitted);
-  };
+  command.run = [&client, &options] { return submit(client, options); };
 }
 
 }  // namespace contourd::ctl

@@ -13,9 +13,9 @@
 #include <utility>
 
 #include "core/analysis/print_analysis.hpp"
+#include "daemon/client/control_defaults.hpp"
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/json/config_error.hpp"
-#include "daemon/prepare/job_outlook.hpp"
 #include "daemon/prepare/job_settings.hpp"
 #include "daemon/prepare/preprint_analysis.hpp"
 #include "daemon/prepare/print_job.hpp"
@@ -138,6 +138,23 @@ class Look {
 };
 
 }  // namespace
+
+SpoolPrinter printer_of(const fs::path& spool, const std::optional<fs::path>& given) {
+  if (given) return {load_printer_config(*given, Places::Elsewhere), ""};
+  std::string why = fmt::format("{} is for another spool", kDefaultConfig);
+  try {
+    PrinterConfig config = load_printer_config(kDefaultConfig, Places::Elsewhere);
+    std::error_code ignored;
+    if (fs::equivalent(config.spool_folder, spool, ignored)) return {std::move(config), ""};
+  } catch (const ConfigError& error) {
+    why = error.violations().empty() ? "its configuration is not valid"
+                                     : ConfigError({error.violations().front()}).what();
+  } catch (const std::exception& error) {
+    why = error.what();
+  }
+  return {std::nullopt,
+          fmt::format("the printer is unknown: {}; specify it by --printer FILE", printable(why))};
+}
 
 std::vector<ModelOutlook> outlooks_of(const OutlookQuestion& question) {
   Look look(question);

@@ -1,14 +1,27 @@
-// The forecast that contourctl submit prints before it queues models: time, resin and warnings.
+// The forecast that contourctl submit prints before it queues models: time, resin and warnings, and the
+// printer for which it is made.
 #pragma once
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "daemon/ctl/submit/spool_printer.hpp"
+#include "daemon/config/printer_config.hpp"
 
 namespace contourd::ctl {
+
+struct SpoolPrinter {
+  std::optional<PrinterConfig> config;
+  std::string unknown;  // if there is none: the reason
+};
+
+// Finds the printer that prints from a spool, if this program's user can read its configuration. Loads the
+// configuration `given`; without it the installed configuration, if it names this spool. Throws ConfigError
+// if `given` is not valid.
+[[nodiscard]] SpoolPrinter printer_of(const std::filesystem::path& spool,
+                                      const std::optional<std::filesystem::path>& given);
 
 struct OutlookQuestion {
   const std::vector<std::filesystem::path>& models;

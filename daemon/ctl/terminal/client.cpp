@@ -26,12 +26,6 @@ void print_analysis(const Json& analysis) {
     print_wrapped("warning   ", printable(warning.get<std::string>()));
 }
 
-// Returns the job's outcome: "done", or "failed: " and the reason.
-std::string end_of(const Json& job) {
-  const std::string reason = job.value("reason", "");
-  return printable(job.value("outcome", "")) + (reason.empty() ? "" : ": " + printable_lines(reason));
-}
-
 bool is_value_in(const Json& object, const Json& value) {
   return std::ranges::any_of(object, [&](const Json& each) { return each == value; });
 }
@@ -68,27 +62,24 @@ void add_request(Command& parent, const char* name, const char* help, const char
 }
 
 void print_status(const Json& status) {
-  print_wrapped("printer   ", printable(status.value("printer", "")));
-  fmt::print("state     {}\n", printable(status.value("state", "")));
-  if (status["job"].is_object()) {
-    const Json& job = status["job"];
-    print_wrapped("job       ", printable(job.value("name", "")));
+  const auto line = [](std::string_view label, const std::string& text) {
+    if (!text.empty()) print_wrapped(label, text);
+  };
+  line("printer   ", text_of(status, "printer"));
+  fmt::print("state     {}\n", text_of(status, "state"));
+  if (const Json& job = status["job"]; job.is_object()) {
+    line("job       ", text_of(job, "name"));
     if (job.contains("layer")) {
-      print_wrapped(
-          "layer     ",
-          fmt::format(
-              "{} of {}, {:.3f} mm, {} left{}", job.value("layer", 0), job.value("layers", 0),
-              job.value("height_mm", 0.0), time_left(job),
-              job["pause"].is_string() ? ", pause " + printable(job["pause"].get<std::string>()) : ""));
-      if (job["interruption"].is_string())
-        print_wrapped("stopped   ", printable(job["interruption"].get<std::string>()));
+      const std::string pause = text_of(job, "pause");
+      line("layer     ",
+           fmt::format("{} of {}, {:.3f} mm, {} left{}", job.value("layer", 0), job.value("layers", 0),
+                       job.value("height_mm", 0.0), time_left(job), pause.empty() ? "" : ", pause " + pause));
+      line("stopped   ", text_of(job, "interruption"));
     }
     if (job.contains("analysis") && job["analysis"].is_object()) print_analysis(job["analysis"]);
   }
-  print_wrapped("plate     ", printable(status.value("plate", "")) +
-                                  (status["plate_job"].is_string()
-                                       ? " by " + printable(status["plate_job"].get<std::string>())
-                                       : ""));
+  const std::string occupant = text_of(status, "plate_job");
+  line("plate     ", text_of(status, "plate") + (occupant.empty() ? "" : " by " + occupant));
   fmt::print("queue     {}\n", status.value("queued", 0));
   for (const auto& [file, why] : status["postponed"].items())
     fmt::print("postponed {}: {}\n", printable(file), why.get<std::string>());
@@ -103,18 +94,33 @@ void print_status(const Json& status) {
     fmt::print("unprinted {} in incoming: {}\n", printable(file), printable(why.get<std::string>()));
   if (const auto more = status.value("ignored_more", std::size_t{0}); more > 0)
     fmt::print("unprinted {} more in incoming\n", more);
-  if (status["not_ready_reason"].is_string())
-    print_wrapped("machine   ", printable(status["not_ready_reason"].get<std::string>()));
-  if (status["held"].is_string()) print_wrapped("held      ", printable(status["held"].get<std::string>()));
-  if (status["waiting_for"].is_string() && status["waiting_for"] != status["held"] &&
-      !is_value_in(status["unaccepted"], status["waiting_for"]))
-    print_wrapped("waiting   ", printable(status["waiting_for"].get<std::string>()));
+  line("machine   ", text_of(status, "not_ready_reason"));
+  line("held      ", text_of(status, "held"));
+  if (status["waiting_for"] != status["held"] && !is_value_in(status["unaccepted"], status["waiting_for"]))
+    line("waiting   ", text_of(status, "waiting_for"));
   for (const Json& reminder : status["reminders"])
-    print_wrapped("reminder  ", printable(reminder.get<std::string>()));
-  if (status["last"].is_object()) {
-    const Json& last = status["last"];
-    print_wrapped("last job  ", fmt::format("{}: {}", printable(last.value("job", "")), end_of(last)));
-  }
+    line("reminder  ", printable(reminder.get<std::string>()));
+  if (const Json& last = status["last"]; last.is_object()) line("last job  ", end_of(last));
+}
+
+void print_json(const Json& message) {
+  fmt::print("{}\n", message.dump(-1, ' ', true));
+}
+
+int print_refusal(const Json& answer) {
+  fmt::print(stderr, "contourctl: {}\n", printable_lines(answer["error"].value("message", "")));
+  return kFailed;
+}
+
+std::string text_of(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? printable(found->get<std::string>()) : "";
+}
+
+std::string end_of(const Json& ended) {
+  const std::string reason = ended.value("reason", "");
+  return fmt::format("{}: {}{}", text_of(ended, "job"), text_of(ended, "outcome"),
+                     reason.empty() ? "" : ": " + printable_lines(reason));
 }
 
 std::filesystem::path find_spool(const ClientOptions& options,
@@ -136,12 +142,8 @@ std::string time_left(const Json& job) {
 int request(const ClientOptions& options, const Request& request, void (*print)(const Json&)) {
   DaemonConnection connection(options.socket);
   const Json answer = connection.ask(request);
-  if (options.json) fmt::print("{}\n", answer.dump(-1, ' ', true));
-  if (answer.contains("error")) {
-    if (!options.json)
-      fmt::print(stderr, "contourctl: {}\n", printable_lines(answer["error"].value("message", "")));
-    return kFailed;
-  }
+  if (options.json) print_json(answer);
+  if (answer.contains("error")) return options.json ? kFailed : print_refusal(answer);
   if (!options.json) print(answer["result"]);
   return kOk;
 }

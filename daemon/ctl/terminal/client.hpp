@@ -25,6 +25,12 @@ inline constexpr const char* kSpoolHelp = "Spool folder, if contourd is not runn
 inline constexpr const char* kJobHelp = "Name of the job, or of its file in incoming";
 
 void print_status(const nlohmann::ordered_json& status);
+// Prints the message as one line of JSON.
+void print_json(const nlohmann::ordered_json& message);
+// Prints the reason in an answer with an error to stderr. Returns the exit code.
+int print_refusal(const nlohmann::ordered_json& answer);
+// Returns this member's text in printable form, or an empty text if there is no such member or it is no text.
+[[nodiscard]] std::string text_of(const nlohmann::ordered_json& object, const char* key);
 
 // Adds the option --socket. Returns its value, which lives as long as the command.
 ClientOptions& add_socket_option(Command& command);
@@ -44,6 +50,10 @@ int request(const ClientOptions& options, const Request& request,
 // Returns the given spool folder, or else contourd's. Throws DaemonError if contourd does not report it.
 [[nodiscard]] std::filesystem::path find_spool(const ClientOptions& options,
                                                const std::optional<std::filesystem::path>& given);
+
+// Returns the end of a job, as in a status: "tower: done", or "tower: failed: " and the reason, which may
+// have several lines.
+[[nodiscard]] std::string end_of(const nlohmann::ordered_json& ended);
 
 // Returns the remaining print time of the job in a status, in readable form.
 [[nodiscard]] std::string time_left(const nlohmann::ordered_json& job);

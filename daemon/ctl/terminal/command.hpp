@@ -2,6 +2,7 @@
 // line, completion in a shell and the manual page's lists of options are made from it. Main thread only.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <list>
@@ -56,13 +57,24 @@ struct Option {
     return set(suggest, std::move(values)).set(file_suffix, std::move(suffix));
   }
 
-  [[nodiscard]] bool is_flag() const { return std::holds_alternative<bool*>(variable); }
+  [[nodiscard]] bool is_flag() const { return holds<bool>(); }
   [[nodiscard]] bool is_positional() const { return !name.starts_with('-'); }
   // True if the option can be given several times, or the positional argument has several values.
-  [[nodiscard]] bool is_list() const;
-  [[nodiscard]] bool is_path() const;
+  [[nodiscard]] bool is_list() const {
+    return holds<std::vector<std::string>, std::vector<std::filesystem::path>>();
+  }
+  [[nodiscard]] bool is_path() const {
+    return holds<std::filesystem::path, std::optional<std::filesystem::path>,
+                 std::vector<std::filesystem::path>>();
+  }
   // Returns the name without the short one: "--output" of "-o,--output".
   [[nodiscard]] std::string long_name() const { return name.substr(name.find(',') + 1); }
+
+  // True if the variable has one of these types.
+  template <typename... Types>
+  [[nodiscard]] bool holds() const {
+    return (std::holds_alternative<Types*>(variable) || ...);
+  }
 
  private:
   template <typename Field, typename Value>
@@ -82,7 +94,9 @@ struct Command {
   std::list<Command> commands{};  // in the order of --help
   std::vector<std::shared_ptr<void>> variables{};  // of the options: see arguments()
 
-  Command& add(std::string command, std::string text);
+  Command& add(std::string command, std::string text) {
+    return commands.emplace_back(Command{.name = std::move(command), .help = std::move(text)});
+  }
   // Adds an option. The variable must outlive the command: see arguments().
   template <typename Variable>
   Option& option(std::string option, Variable& variable, std::string text) {
@@ -96,7 +110,10 @@ struct Command {
     return *made;
   }
   // Returns the command of this name, or null.
-  [[nodiscard]] const Command* find(std::string_view command) const;
+  [[nodiscard]] const Command* find(std::string_view command) const {
+    const auto found = std::ranges::find(commands, command, &Command::name);
+    return found == commands.end() ? nullptr : &*found;
+  }
 };
 
 }  // namespace contourd::ctl

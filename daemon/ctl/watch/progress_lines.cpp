@@ -18,10 +18,6 @@ using Json = ProgressLines::Json;
 
 constexpr std::size_t kBar = 30;
 
-std::string interruption_of(const Json& job) {
-  return job["interruption"].is_string() ? printable(job["interruption"].get<std::string>()) : "";
-}
-
 double part_done(const Json& job) {
   return std::clamp(job.value("layers_done", 0) / std::fmax(job.value("layers", 1), 1), 0.0, 1.0);
 }
@@ -30,10 +26,10 @@ std::string line_of(const Json& job, const std::string& state) {
   const double part = part_done(job);
   std::string bar(kBar, '.');
   std::fill_n(bar.begin(), static_cast<std::size_t>(part * static_cast<double>(bar.size())), '#');
-  const std::string interruption = interruption_of(job);
-  return fmt::format("{} [{}] {:3.0f} %  layer {}/{}  {:.2f} mm  {} left  {}{}",
-                     printable(job.value("name", "")), bar, std::floor(part * 100), job.value("layer", 0),
-                     job.value("layers", 0), job.value("height_mm", 0.0), time_left(job), state,
+  const std::string interruption = text_of(job, "interruption");
+  return fmt::format("{} [{}] {:3.0f} %  layer {}/{}  {:.2f} mm  {} left  {}{}", text_of(job, "name"), bar,
+                     std::floor(part * 100), job.value("layer", 0), job.value("layers", 0),
+                     job.value("height_mm", 0.0), time_left(job), state,
                      interruption.empty() ? "" : ", " + interruption);
 }
 
@@ -58,9 +54,9 @@ void ProgressLines::show(const Json& status, const std::string& job, bool is_und
   if (const std::string question = question_of(status, job); !question.empty()) {
     text += ": " + question;
   } else if (status["job"].is_object()) {
-    text += fmt::format(" while {} is printed", printable(status["job"].value("name", "")));
-  } else if (status["waiting_for"].is_string()) {
-    text += ": " + printable(status["waiting_for"].get<std::string>());
+    text += fmt::format(" while {} is printed", text_of(status["job"], "name"));
+  } else if (const std::string why = text_of(status, "waiting_for"); !why.empty()) {
+    text += ": " + why;
   }
   print(text, text);
 }
@@ -69,10 +65,10 @@ void ProgressLines::show_job(const Json& status) {
   if (!status["job"].is_object()) return;
   const Json& job = status["job"];
   show_warnings(job);
-  const std::string name = printable(job.value("name", "")), state = printable(status.value("state", ""));
+  const std::string name = text_of(job, "name"), state = text_of(status, "state");
   if (!job.contains("layer")) return print(fmt::format("{}: {}", name, state), state);
   print(line_of(job, state), fmt::format("{} {} {}", static_cast<int>(part_done(job) * 10),
-                                         is_worth_a_line(state) ? state : "", interruption_of(job)));
+                                         is_worth_a_line(state) ? state : "", text_of(job, "interruption")));
 }
 
 void ProgressLines::show_warnings(const Json& job) {

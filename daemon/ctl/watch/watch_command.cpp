@@ -2,10 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
+#include <ctime>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "daemon/client/daemon_connection.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
@@ -13,31 +18,223 @@
 #include "daemon/ctl/watch/progress_lines.hpp"
 #include "daemon/ctl/watch/terminal_screen.hpp"
 #include "daemon/ctl/watch/watch_end.hpp"
-#include "daemon/ctl/watch/watch_screen.hpp"
+#include "daemon/ctl/watch/watch_view.hpp"
+#include "daemon/ctl/watch/watched_mask.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {
 namespace {
 
+using namespace std::chrono_literals;
 using Json = DaemonConnection::Json;
+using SteadyClock = std::chrono::steady_clock;
 
-int print_end(const Json& ended, bool json) {
-  const std::string outcome = ended.value("outcome", ""), reason = ended.value("reason", "");
-  if (!json) {
-    fmt::print("{}: {}{}\n", printable(ended.value("job", "")), printable(outcome),
-               reason.empty() ? "" : ": " + printable_lines(reason));
+constexpr auto kTick = 1s;           // interval of countdowns and requests
+constexpr auto kQueueInterval = 5s;  // between requests of the queue's order; each status has its length
+constexpr auto kFrame = 100ms;       // minimum interval between two drawings
+constexpr auto kSilence = 5s;        // time without an answer after which this is reported
+constexpr auto kLongestGone = 60s;
+constexpr std::chrono::seconds kPatience{1};
+constexpr int kMostAtOnce = 100;  // messages that are handled before the screen is drawn
+
+// The result, to be printed after the terminal was restored.
+struct WatchResult {
+  Json ended;                         // the ended job; null if unknown
+  std::vector<std::string> warnings;  // about this job; may contain unprintable characters
+};
+
+// Collects the facts for the view and draws it. It has more members than other classes: each fact arrives at
+// a different time.
+class ScreenWatch {
+ public:
+  ScreenWatch(const ClientOptions& options, WatchEnd& end)
+      : socket_(options.socket), end_(end), connection_(std::make_unique<DaemonConnection>(socket_)) {
+    end_.begin(*connection_);
+    end_.ask_queue(*connection_);
+    printer_.job = end_.job();
   }
-  return outcome == "done" ? kOk : kFailed;
+
+  std::optional<WatchResult> run(TerminalScreen& screen, std::optional<int>& signal) {
+    while (true) {
+      const auto now = SteadyClock::now();
+      if (now >= next_frame_) draw(screen, now);
+      if (now >= next_tick_) tick(now);
+      const auto wake = std::min(next_tick_, changed_ ? next_frame_ : next_tick_);
+      screen.wait(connection_ ? connection_->descriptor() : -1, more_ ? 0 : milliseconds_until(wake));
+      if ((signal = screen.ended_by())) return std::nullopt;
+      changed_ = true;
+      if (!connection_) continue;
+      try {
+        if (auto result = receive()) return result;
+        ask_for_mask();
+      } catch (const DaemonError& error) {
+        lost(error.what());
+      }
+    }
+  }
+
+ private:
+  static int milliseconds_until(SteadyClock::time_point time) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(time - SteadyClock::now()).count();
+    return static_cast<int>(std::clamp<decltype(left)>(left, 0, 1000));
+  }
+
+  void draw(TerminalScreen& screen, SteadyClock::time_point now) {
+    if (!changed_) return;
+    changed_ = false;
+    next_frame_ = now + kFrame;
+    printer_.now = std::time(nullptr);
+    printer_.status_age_s = std::chrono::duration<double>(now - status_at_).count();
+    printer_.job_is_under_way = end_.is_under_way();
+    printer_.trouble = trouble(now);
+    const ScreenSize size = screen.size();
+    std::vector<ScreenLine> lines = watch_lines(printer_, size);
+    add_mask(lines, size);
+    screen.draw(lines);
+  }
+
+  // Adds the mask in the rows that the text leaves free, after a blank line.
+  void add_mask(std::vector<ScreenLine>& lines, ScreenSize size) {
+    const std::size_t used = std::min(lines.size() + 1, size.rows);
+    const std::vector<ScreenLine>& mask = mask_.lines({size.columns, size.rows - used});
+    if (mask.empty()) return;
+    lines.emplace_back();
+    lines.insert(lines.end(), mask.begin(), mask.end());
+  }
+
+  void ask_for_mask() {
+    if (const std::optional<Json> question = mask_.question(SteadyClock::now()))
+      connection_->send("mask", WatchedMask::kQuestion, *question);
+  }
+
+  [[nodiscard]] std::string trouble(SteadyClock::time_point now) const {
+    const auto seconds = [now](SteadyClock::time_point since) {
+      return std::chrono::floor<std::chrono::seconds>(now - since).count();
+    };
+    if (!connection_)
+      return fmt::format("{}; gone for {} s, this view is out of date", why_lost_, seconds(lost_at_));
+    if (asked_at_ && now - *asked_at_ > kSilence)
+      return fmt::format("no answer for {} s, this view is out of date", seconds(*asked_at_));
+    return "";
+  }
+
+  void tick(SteadyClock::time_point now) {
+    next_tick_ = now + kTick;
+    changed_ = true;
+    try {
+      if (!connection_) return reconnect(now);
+      if (asked_at_) return;  // one request at a time
+      asked_at_ = now;
+      end_.ask_again(*connection_);
+      if (now >= next_queue_ || queued() != queued_then_) {
+        end_.ask_queue(*connection_);
+        next_queue_ = now + kQueueInterval;
+        queued_then_ = queued();
+      }
+      end_.ask_status(*connection_);
+      ask_for_mask();
+    } catch (const DaemonError& error) {
+      lost(error.what());
+    }
+  }
+
+  [[nodiscard]] std::size_t queued() const {
+    return printer_.status.is_object() ? printer_.status.value("queued", std::size_t{0}) : 0;
+  }
+
+  void reconnect(SteadyClock::time_point now) {
+    try {
+      auto connection = std::make_unique<DaemonConnection>(socket_, kPatience);
+      end_.begin(*connection);
+      end_.ask_queue(*connection);
+      connection_ = std::move(connection);
+    } catch (const DaemonError&) {
+      if (now - lost_at_ > kLongestGone) throw;
+    }
+  }
+
+  void lost(const std::string& why) {
+    if (!connection_) throw DaemonError(why);
+    connection_.reset();
+    mask_.connection_lost();
+    asked_at_.reset();
+    more_ = false;
+    why_lost_ = why;
+    lost_at_ = SteadyClock::now();
+    next_tick_ = lost_at_ + kTick;
+  }
+
+  std::optional<WatchResult> receive() {
+    more_ = false;
+    for (int i = 0; i < kMostAtOnce; ++i) {
+      const std::optional<Json> message = connection_->receive_until(SteadyClock::now());
+      if (!message) return std::nullopt;
+      if (auto result = take(*message)) return result;
+    }
+    more_ = true;
+    return std::nullopt;
+  }
+
+  std::optional<WatchResult> take(const Json& message) {
+    const std::optional<Json> ended = end_.take(message);
+    mask_.take(message);
+    if (const Json* const queue = WatchEnd::queue_in(message)) printer_.queue = *queue;
+    if (ended) return WatchResult{*ended, warnings_of(ended->value("job", ""))};
+    const Json* const status = WatchEnd::status_in(message);
+    if (status == nullptr) return std::nullopt;
+    if (WatchEnd::is_repeated(message)) asked_at_.reset();
+    if ((*status)["job"].is_object()) last_job_ = (*status)["job"];
+    mask_.note(*status);
+    printer_.status = *status;
+    status_at_ = SteadyClock::now();
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::vector<std::string> warnings_of(const std::string& job) const {
+    std::vector<std::string> warnings;
+    if (!last_job_.is_object() || last_job_.value("name", "") != job) return warnings;
+    if (!last_job_.contains("analysis") || !last_job_["analysis"].is_object()) return warnings;
+    for (const Json& each : last_job_["analysis"]["warnings"])
+      warnings.push_back(each.get<std::string>());
+    return warnings;
+  }
+
+  std::filesystem::path socket_;
+  WatchEnd& end_;
+  std::unique_ptr<DaemonConnection> connection_;  // null: lost
+  WatchedPrinter printer_;
+  WatchedMask mask_{picture_ink()};
+  Json last_job_;
+  std::string why_lost_;
+  SteadyClock::time_point lost_at_{}, status_at_ = SteadyClock::now();
+  std::optional<SteadyClock::time_point> asked_at_;  // time of an unanswered request for the status
+  std::size_t queued_then_ = 0;
+  bool changed_ = true, more_ = false;
+  SteadyClock::time_point next_frame_{}, next_queue_{}, next_tick_ = SteadyClock::now() + kTick;
+};
+
+// Watches on a whole terminal until the end. Throws DaemonError if contourd is gone for a minute, and
+// NoSuchJob as WatchEnd does. A signal that ends a program ends the process in the usual way, after the
+// terminal was restored; the key q counts as SIGINT.
+WatchResult watch_on_screen(const ClientOptions& options, WatchEnd& end) {
+  ScreenWatch watch(options, end);
+  std::optional<int> signal;
+  {
+    TerminalScreen screen;
+    if (const std::optional<WatchResult> result = watch.run(screen, signal)) return *result;
+  }
+  (void)std::raise(signal.value_or(SIGTERM));
+  throw DaemonError("the view was ended");
 }
 
-void print_line(const Json& message) {
-  fmt::print("{}\n", message.dump(-1, ' ', true));
-  std::fflush(stdout);
+int print_end(const Json& ended, bool json) {
+  if (!json) fmt::print("{}\n", end_of(ended));
+  return ended.value("outcome", "") == "done" ? kOk : kFailed;
 }
 
 int watch_by_screen(const ClientOptions& options, WatchEnd& end) {
   const WatchResult result = watch_on_screen(options, end);
-  const std::string job = printable(result.ended.value("job", ""));
+  const std::string job = text_of(result.ended, "job");
   for (const std::string& warning : result.warnings)
     fmt::print("{}: warning: {}\n", job, printable(warning));
   return print_end(result.ended, false);
@@ -51,7 +248,10 @@ int watch_by_line(const ClientOptions& options, WatchEnd& end) {
   while (true) {
     const std::optional<Json> message = connection.receive_until(ask_at);
     if (message) {
-      if (options.json && !WatchEnd::is_repeated(*message)) print_line(*message);
+      if (options.json && !WatchEnd::is_repeated(*message)) {
+        print_json(*message);
+        std::fflush(stdout);
+      }
       const std::optional<Json> ended = end.take(*message);
       const Json* const status = WatchEnd::status_in(*message);
       if (status != nullptr && !ended && !options.json && end.is_known())

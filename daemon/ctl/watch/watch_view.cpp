@@ -12,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "daemon/ctl/terminal/client.hpp"
 #include "daemon/ctl/terminal/text_columns.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -50,11 +51,6 @@ struct Block {
   Rank rank;
   std::vector<ScreenLine> lines;
 };
-
-std::string text_of(const Json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? printable(found->get<std::string>()) : "";
-}
 
 std::optional<double> number_of(const Json& object, const char* key) {
   const auto found = object.find(key);
@@ -148,6 +144,12 @@ class View {
             {fmt::format("{:<{}}{}", block.lines.empty() ? label : "", kLabelColumns, line), ink});
     }
     blocks_.push_back(std::move(block));
+  }
+
+  // Adds a line for each text in the list.
+  void add_each(std::string_view label, const Json& list, Rank rank, Ink ink, std::string_view more = "") {
+    for (const Json& each : list)
+      if (each.is_string()) add(label, printable(each.get<std::string>()).append(more), rank, ink);
   }
 
   void add_if(std::string_view label, const std::string& text, Rank rank, Ink ink = Ink::Plain) {
@@ -264,8 +266,7 @@ class View {
     const Json& analysis = part_of(job_, "analysis");
     if (!analysis.is_object()) return;
     add("resin", fmt::format("{:.2f} ml", analysis.value("resin_ml", 0.0)), kResin);
-    for (const Json& warning : part_of(analysis, "warnings"))
-      if (warning.is_string()) add("warning", printable(warning.get<std::string>()), kWarning, Ink::Warning);
+    add_each("warning", part_of(analysis, "warnings"), kWarning, Ink::Warning);
   }
 
   // --- Without a print
@@ -277,15 +278,12 @@ class View {
     add("plate", text_of(status_, "plate") + (occupant.empty() ? "" : " by " + occupant), kWait);
     const Json& last = part_of(status_, "last");
     if (last.is_object()) {
-      const std::string reason = text_of(last, "reason");
-      const std::string outcome = text_of(last, "outcome");
+      const std::string reason = text_of(last, "reason"), outcome = text_of(last, "outcome");
       add("last job",
           fmt::format("{}: {}{}", text_of(last, "job"), outcome, reason.empty() ? "" : ": " + reason), kLast,
           outcome == "done" ? Ink::Plain : Ink::Warning);
     }
-    for (const Json& reminder : part_of(status_, "reminders"))
-      if (reminder.is_string())
-        add("reminder", printable(reminder.get<std::string>()), kReminder, Ink::Warning);
+    add_each("reminder", part_of(status_, "reminders"), kReminder, Ink::Warning);
     add_manual();
   }
 
@@ -329,8 +327,7 @@ class View {
              Ink::Plain});
     }
     if (!names.lines.empty()) blocks_.push_back(std::move(names));
-    for (const Json& file : part_of(printer_.queue, "arriving"))
-      if (file.is_string()) add("arriving", printable(file.get<std::string>()), kUnprinted);
+    add_each("arriving", part_of(printer_.queue, "arriving"), kUnprinted, Ink::Plain);
   }
 
   void add_files() {
@@ -346,10 +343,8 @@ class View {
           fmt::format("{}: waits for {} {}", printable(plate), files.size(),
                       files.size() == 1 ? "file" : "files"),
           kUnprinted, Ink::Warning);
-    for (const Json& file : part_of(status_, "deletable"))
-      if (file.is_string())
-        add("deletable", printable(file.get<std::string>()) + ": it is finished, but cannot be moved away",
-            kUnprinted, Ink::Warning);
+    add_each("deletable", part_of(status_, "deletable"), kUnprinted, Ink::Warning,
+             ": it is finished, but cannot be moved away");
   }
 
   // Returns the lines that fit on the screen.
