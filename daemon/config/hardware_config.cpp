@@ -56,10 +56,6 @@ EncoderConfig read_encoder(const JsonSection& encoder) {
   return config;
 }
 
-std::optional<std::string> read_text(const JsonSection& section, std::string_view key) {
-  return section.has(key) ? std::optional(section.text(key)) : std::nullopt;
-}
-
 GpioAxisConfig read_gpio_axis(const JsonSection& z_axis) {
   GpioAxisConfig config;
   config.travel = z_axis.length("travel_mm");
@@ -67,7 +63,7 @@ GpioAxisConfig read_gpio_axis(const JsonSection& z_axis) {
   config.homing_speed = MillimetersPerSecond{z_axis.number("homing_speed_mm_s")};
   config.top_speed = MillimetersPerSecond{z_axis.number("top_speed_mm_s")};
   config.acceleration = MillimetersPerSecondSquared{z_axis.number("acceleration_mm_s2")};
-  if (z_axis.has("jerk_mm_s3")) config.jerk_mm_s3 = z_axis.number("jerk_mm_s3");
+  config.jerk_mm_s3 = z_axis.find("jerk_mm_s3", &JsonSection::number);
   config.backlash = z_axis.length("backlash_um");
   config.switch_height = z_axis.length("switch_height_mm");
   config.homes_upwards = z_axis.boolean("homes_upwards");
@@ -87,8 +83,8 @@ GpioAxisConfig read_gpio_axis(const JsonSection& z_axis) {
 
 DrmDisplayConfig read_drm_display(const JsonSection& display) {
   DrmDisplayConfig config;
-  config.card = read_text(display, "card");
-  config.connector = read_text(display, "connector");
+  config.card = display.find("card", &JsonSection::text);
+  config.connector = display.find("connector", &JsonSection::text);
   config.width = Pixels{display.integer<std::int32_t>("width_px")};
   config.height = Pixels{display.integer<std::int32_t>("height_px")};
   config.refresh_hz = display.number("refresh_hz");

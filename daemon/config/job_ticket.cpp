@@ -2,7 +2,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/config/support_figures.hpp"
+#include "daemon/json/json_document.hpp"
 #include "daemon/json/json_schema.hpp"
+#include "daemon/json/json_section.hpp"
 
 namespace contourd {
 namespace {
@@ -20,6 +23,45 @@ void check_drain_rules(JsonDocument& document, const nlohmann::json& model, cons
     if (drain[i].is_object() && drain[i].contains("direction"))
       check_direction(document, place + "/drain/" + std::to_string(i) + "/direction");
   }
+}
+
+void check_box(JsonDocument& document, const std::string& place) {
+  for (const char* axis : {"x", "y", "z"}) {
+    const auto least = document.valid_number(place + "/min/" + axis);
+    const auto most = document.valid_number(place + "/max/" + axis);
+    if (least && most && *least > *most)
+      document.add_violation(place + "/min/" + axis, std::string("it is more than the ") + axis + " of max");
+  }
+}
+
+void check_surface(JsonDocument& document, const std::string& place, const nlohmann::json& surface) {
+  const bool has_box = surface.contains("min") || surface.contains("max");
+  const bool has_direction = surface.contains("x") || surface.contains("y") || surface.contains("z");
+  const bool whole_box = surface.contains("min") && surface.contains("max");
+  if (has_direction == has_box || (has_box && !whole_box)) {
+    document.add_violation(place,
+                           "a surface to keep clean is either a direction (x, y, z) or a box (min and max)");
+    return;
+  }
+  if (has_box) return check_box(document, place);
+  for (const auto& [axis, value] : surface.items())
+    if (value != 0) return;
+  document.add_violation(place, "a direction must not be zero in x, y and z");
+}
+
+// Checks the rules across keys for the model at the pointer `place`, which must be an object.
+void check_orientation_rules(JsonDocument& document, const std::string& place) {
+  const nlohmann::json model = document.value().at(nlohmann::json::json_pointer(place));
+  if (!model.contains("keep_clean")) return;
+  if (!model.contains("up") || model.at("up").is_object()) {
+    document.add_violation(place + "/keep_clean",
+                           "it requires \"up\": \"auto\", \"fast\", \"clean\" or \"safe\"");
+  }
+  const nlohmann::json& surfaces = model.at("keep_clean");
+  if (!surfaces.is_array()) return;
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    if (surfaces[i].is_object())
+      check_surface(document, place + "/keep_clean/" + std::to_string(i), surfaces[i]);
 }
 
 // Rules across one model's keys; `place` is its pointer.
@@ -64,8 +106,27 @@ Scale read_scale(const JsonSection& model) {
   return {scale.number("x"), scale.number("y"), scale.number("z")};
 }
 
+// Reads x, y and z; a missing one is 0.
 Direction read_direction(const JsonSection& direction) {
-  return {direction.number("x"), direction.number("y"), direction.number("z")};
+  const auto along = [&](const char* axis) { return direction.find(axis, &JsonSection::number).value_or(0); };
+  return {along("x"), along("y"), along("z")};
+}
+
+// Returns nullopt if "up" is a direction or missing. The model must satisfy check_orientation_rules().
+std::optional<OrientationTicket> read_orientation(const JsonSection& model) {
+  if (!model.has("up") || model.is_section("up")) return std::nullopt;
+  OrientationTicket ticket;
+  ticket.preset = orientation_preset(model.text("up")).value_or(OrientationPreset::Auto);
+  if (!model.has("keep_clean")) return ticket;
+  for (const JsonSection& surface : model.sections("keep_clean")) {
+    if (surface.has("min")) {
+      ticket.keep_clean.emplace_back(
+          KeepCleanBox{read_direction(surface.section("min")), read_direction(surface.section("max"))});
+    } else {
+      ticket.keep_clean.emplace_back(read_direction(surface));
+    }
+  }
+  return ticket;
 }
 
 DrainHole read_drain_hole(const JsonSection& hole) {
@@ -99,14 +160,11 @@ ModelTicket read_model(const JsonSection& root) {
 }
 
 TicketOverrides read_overrides(const JsonSection& root) {
-  const auto duration = [&root](const char* key) {
-    return root.has(key) ? std::optional(root.duration(key)) : std::nullopt;
-  };
-  return {.exposure = duration("exposure_ms"),
-          .bottom_exposure = duration("bottom_exposure_ms"),
-          .lift = root.has("lift_mm") ? std::optional(root.length("lift_mm")) : std::nullopt,
-          .settle = duration("settle_ms"),
-          .rest = duration("rest_ms")};
+  return {.exposure = root.find("exposure_ms", &JsonSection::duration),
+          .bottom_exposure = root.find("bottom_exposure_ms", &JsonSection::duration),
+          .lift = root.find("lift_mm", &JsonSection::length),
+          .settle = root.find("settle_ms", &JsonSection::duration),
+          .rest = root.find("rest_ms", &JsonSection::duration)};
 }
 
 SupportTicket read_supports(const JsonSection& root) {
@@ -117,13 +175,13 @@ SupportTicket read_supports(const JsonSection& root) {
 // Reads the settings of the whole job.
 JobTicket read_job(const JsonSection& root) {
   JobTicket ticket;
-  if (root.has("resin")) ticket.resin = root.text("resin");
-  if (root.has("layer_height_um")) ticket.layer_height = root.length("layer_height_um");
+  ticket.resin = root.find("resin", &JsonSection::text);
+  ticket.layer_height = root.find("layer_height_um", &JsonSection::length);
   if (root.has("adaptive_layers")) {
     const JsonSection adaptive = root.section("adaptive_layers");
     ticket.adaptive.emplace().cusp = adaptive.length("cusp_um");
-    if (adaptive.has("min_um")) ticket.adaptive->thinnest = adaptive.length("min_um");
-    if (adaptive.has("max_um")) ticket.adaptive->thickest = adaptive.length("max_um");
+    ticket.adaptive->thinnest = adaptive.find("min_um", &JsonSection::length);
+    ticket.adaptive->thickest = adaptive.find("max_um", &JsonSection::length);
   }
   ticket.overrides = read_overrides(root);
   ticket.cracks = root.text("cracks") == "refuse" ? CrackPolicy::Refuse : CrackPolicy::Repair;
@@ -142,66 +200,7 @@ JobTicket read_job_ticket(JsonDocument document) {
   return ticket;
 }
 
-void check_box(JsonDocument& document, const std::string& place) {
-  for (const char* axis : {"x", "y", "z"}) {
-    const auto least = document.valid_number(place + "/min/" + axis);
-    const auto most = document.valid_number(place + "/max/" + axis);
-    if (least && most && *least > *most)
-      document.add_violation(place + "/min/" + axis, std::string("it is more than the ") + axis + " of max");
-  }
-}
-
-void check_surface(JsonDocument& document, const std::string& place, const nlohmann::json& surface) {
-  const bool has_box = surface.contains("min") || surface.contains("max");
-  const bool has_direction = surface.contains("x") || surface.contains("y") || surface.contains("z");
-  const bool whole_box = surface.contains("min") && surface.contains("max");
-  if (has_direction == has_box || (has_box && !whole_box)) {
-    document.add_violation(place,
-                           "a surface to keep clean is either a direction (x, y, z) or a box (min and max)");
-    return;
-  }
-  if (has_box) return check_box(document, place);
-  for (const auto& [axis, value] : surface.items())
-    if (value != 0) return;
-  document.add_violation(place, "a direction must not be zero in x, y and z");
-}
-
-Direction read_point(const JsonSection& point) {
-  const auto along = [&point](const char* axis) { return point.has(axis) ? point.number(axis) : 0; };
-  return {along("x"), along("y"), along("z")};
-}
-
 }  // namespace
-
-void check_orientation_rules(JsonDocument& document, const std::string& place) {
-  const nlohmann::json model = document.value().at(nlohmann::json::json_pointer(place));
-  if (!model.contains("keep_clean")) return;
-  if (!model.contains("up") || model.at("up").is_object()) {
-    document.add_violation(place + "/keep_clean",
-                           "it requires \"up\": \"auto\", \"fast\", \"clean\" or \"safe\"");
-  }
-  const nlohmann::json& surfaces = model.at("keep_clean");
-  if (!surfaces.is_array()) return;
-  for (std::size_t i = 0; i < surfaces.size(); ++i)
-    if (surfaces[i].is_object())
-      check_surface(document, place + "/keep_clean/" + std::to_string(i), surfaces[i]);
-}
-
-std::optional<OrientationTicket> read_orientation(const JsonSection& model) {
-  if (!model.has("up") || model.is_section("up")) return std::nullopt;
-  OrientationTicket ticket;
-  ticket.preset = orientation_preset(model.text("up")).value_or(OrientationPreset::Auto);
-  if (!model.has("keep_clean")) return ticket;
-  for (const JsonSection& surface : model.sections("keep_clean")) {
-    if (surface.has("min")) {
-      ticket.keep_clean.emplace_back(
-          KeepCleanBox{read_point(surface.section("min")), read_point(surface.section("max"))});
-    } else {
-      ticket.keep_clean.emplace_back(read_point(surface));
-    }
-  }
-  return ticket;
-}
 
 JobTicket load_job_ticket(const std::filesystem::path& path, Links links) {
   return read_job_ticket(JsonDocument::from_file(path, links));

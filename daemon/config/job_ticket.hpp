@@ -13,8 +13,6 @@
 #include "core/orientation/orientation_figures.hpp"
 #include "daemon/config/support_figures.hpp"
 #include "daemon/config/ticket_limits.hpp"
-#include "daemon/json/json_document.hpp"
-#include "daemon/json/json_section.hpp"
 #include "daemon/system/regular_file.hpp"
 
 namespace contourd {
@@ -25,12 +23,6 @@ struct OrientationTicket {
   std::vector<KeepClean> keep_clean{};
   bool operator==(const OrientationTicket&) const = default;
 };
-
-// Checks the rules across keys for the model at the pointer `place`, which must be an object; adds violations
-// to the document.
-void check_orientation_rules(JsonDocument& document, const std::string& place);
-// Returns nullopt if "up" is a direction or missing. The model must satisfy check_orientation_rules().
-[[nodiscard]] std::optional<OrientationTicket> read_orientation(const JsonSection& model);
 
 // Right-handed rotations about the x axis first, then y, then z.
 struct RotationDegrees {

@@ -84,9 +84,8 @@ std::optional<LoadedResin> load_default_resin(JsonDocument& printer, const fs::p
   ResinMachine machine{.travel = {},
                        .irradiance_mw_cm2 = printer.valid_number("/projector/irradiance_mw_cm2"),
                        .top_speed = {}};
-  if (const auto travel = printer.valid_number("/z_axis/travel_mm")) {
+  if (const auto travel = printer.valid_number("/z_axis/travel_mm"))
     machine.travel = to_nanometers(Millimeters{*travel});
-  }
   if (const auto speed = printer.valid_number("/z_axis/top_speed_mm_s"))
     machine.top_speed = MillimetersPerSecond{*speed};
   try {
@@ -119,16 +118,8 @@ SimulatedAxisConfig::Switch read_limit_switch(const std::string& word) {
   return SimulatedAxisConfig::Switch::Works;
 }
 
-std::optional<int> read_count(const JsonSection& section, std::string_view key) {
-  return section.has(key) ? std::optional(section.integer<int>(key)) : std::nullopt;
-}
-
 std::optional<fs::path> read_path(const JsonSection& section, std::string_view key, const fs::path& folder) {
   return section.has(key) ? std::optional(resolved(folder, section.text(key))) : std::nullopt;
-}
-
-std::optional<Duration> read_duration(const JsonSection& section, std::string_view key) {
-  return section.has(key) ? std::optional(section.duration(key)) : std::nullopt;
 }
 
 SimulatedPrinterConfig read_simulated(const JsonSection& root, const fs::path& folder) {
@@ -147,14 +138,15 @@ SimulatedPrinterConfig read_simulated(const JsonSection& root, const fs::path& f
   config.display.height = Pixels{display.integer<std::int32_t>("height_px")};
   config.display.frame = Duration{std::llround(1e9 / display.number("refresh_hz"))};
   config.display.masks = read_path(simulation, "masks_folder", folder);
-  config.display.lost_after_frames = read_count(simulation, "display_lost_after_frames");
-  config.display.back_after = read_duration(simulation, "display_back_after_s");
-  config.lid_opened_after_light = read_duration(simulation, "lid_opened_after_light_s");
+  config.display.lost_after_frames = simulation.find("display_lost_after_frames", &JsonSection::integer<int>);
+  config.display.back_after = simulation.find("display_back_after_s", &JsonSection::duration);
+  config.lid_opened_after_light = simulation.find("lid_opened_after_light_s", &JsonSection::duration);
   config.lid_open_for = simulation.duration("lid_open_s");
   config.projector.warm_up = projector.duration("warm_up_s");
   config.projector.reply = simulation.duration("projector_reply_ms");
   config.projector.timeout = projector.duration("reply_timeout_s");
-  config.projector.silent_after_commands = read_count(simulation, "projector_silent_after_commands");
+  config.projector.silent_after_commands =
+      simulation.find("projector_silent_after_commands", &JsonSection::integer<int>);
   return config;
 }
 
@@ -169,13 +161,11 @@ std::optional<std::uint64_t> read_memory_limit(const JsonSection& root) {
 }
 
 WearLimits read_wear_limits(const JsonSection& reminders, std::string_view part) {
-  WearLimits limits;
-  if (!reminders.has(part)) return limits;
-  const JsonSection section = reminders.section(part);
-  if (section.has("lamp_h")) limits.lamp_h = section.number("lamp_h");
-  if (section.has("layers")) limits.layers = section.integer<std::int64_t>("layers");
-  if (section.has("prints")) limits.prints = section.integer<std::int64_t>("prints");
-  return limits;
+  if (!reminders.has(part)) return {};
+  const JsonSection limits = reminders.section(part);
+  return {.lamp_h = limits.find("lamp_h", &JsonSection::number),
+          .layers = limits.find("layers", &JsonSection::integer<std::int64_t>),
+          .prints = limits.find("prints", &JsonSection::integer<std::int64_t>)};
 }
 
 ReminderConfig read_reminders(const JsonSection& reminders) {

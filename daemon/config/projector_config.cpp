@@ -13,11 +13,11 @@ namespace {
 namespace fs = std::filesystem;
 
 SerialProjectorConfig read_serial(const JsonSection& section, const JsonSection& table) {
-  SerialProjectorConfig config{
-      .port = section.text("port"), .table = read_projector_table(table), .brightness = {}};
+  SerialProjectorConfig config{.port = section.text("port"),
+                               .table = read_projector_table(table),
+                               .brightness = section.find("brightness", &JsonSection::integer<std::int32_t>)};
   // The longer warm-up counts.
   config.table.warm_up = std::max(config.table.warm_up, section.duration("warm_up_s"));
-  if (section.has("brightness")) config.brightness = section.integer<std::int32_t>("brightness");
   return config;
 }
 

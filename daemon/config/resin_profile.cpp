@@ -61,6 +61,13 @@ std::string limits_place(std::string_view key) {
   return "/ticket_limits/" + std::string(key);
 }
 
+void check_travel(JsonDocument& document, const char* place, std::optional<double> lift_mm,
+                  const ResinMachine& machine) {
+  if (!lift_mm || !machine.travel || *lift_mm < to_millimeters(*machine.travel).count()) return;
+  document.add_violation(place, decimal(*lift_mm) + " is not less than the printer's travel, " +
+                                    decimal(to_millimeters(*machine.travel).count()) + " mm");
+}
+
 void check_ticket_limits(JsonDocument& document, const ResinMachine& machine) {
   for (const std::string_view key : kTicketSettings) {
     const std::string place = limits_place(key);
@@ -78,12 +85,8 @@ void check_ticket_limits(JsonDocument& document, const ResinMachine& machine) {
                                         decimal(*own));
     }
   }
-  const auto most_lift = document.valid_number("/ticket_limits/lift_mm/1");
-  if (most_lift && machine.travel && *most_lift >= to_millimeters(*machine.travel).count()) {
-    document.add_violation("/ticket_limits/lift_mm",
-                           decimal(*most_lift) + " is not less than the printer's travel, " +
-                               decimal(to_millimeters(*machine.travel).count()) + " mm");
-  }
+  check_travel(document, "/ticket_limits/lift_mm", document.valid_number("/ticket_limits/lift_mm/1"),
+               machine);
 }
 
 void check_rules(JsonDocument& document, const ResinMachine& machine) {
@@ -107,11 +110,7 @@ void check_rules(JsonDocument& document, const ResinMachine& machine) {
     document.add_violation("/elephant_foot_um", decimal(*foot) + " um, but elephant_foot_height_um is " +
                                                     decimal(*foot_height) + ": both are 0 or neither is");
   }
-  const auto lift = document.valid_number("/lift_mm");
-  if (lift && machine.travel && *lift >= to_millimeters(*machine.travel).count()) {
-    document.add_violation("/lift_mm", decimal(*lift) + " is not less than the printer's travel, " +
-                                           decimal(to_millimeters(*machine.travel).count()) + " mm");
-  }
+  check_travel(document, "/lift_mm", document.valid_number("/lift_mm"), machine);
   for (const char* key : {"/lift_speed_mm_s", "/retract_speed_mm_s"}) {
     const auto speed = document.valid_number(key);
     if (!speed || !machine.top_speed || *speed <= machine.top_speed->count()) continue;

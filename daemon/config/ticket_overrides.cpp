@@ -1,5 +1,7 @@
 #include "daemon/config/ticket_overrides.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -11,9 +13,10 @@
 namespace contourd {
 namespace {
 
-class Overriding {
- public:
-  explicit Overriding(const OverrideFiles& files) : files_(files) {}
+struct Overriding {
+  const OverrideFiles& files;
+  OverriddenSettings overridden{};
+  std::vector<Violation> refused{};
 
   template <typename Quantity>
   void set(std::string_view key, const std::optional<Quantity>& asked,
@@ -21,30 +24,18 @@ class Overriding {
     if (!asked) return;
     const std::string wanted = decimal(figure_of(*asked)) + " is asked for, but ";
     if (!limits) {
-      refuse(key, wanted + "the resin's profile names no ticket_limits for it: " + files_.profile.string());
+      refuse(key, wanted + "the resin's profile names no ticket_limits for it: " + files.profile.string());
     } else if (!limits->contain(*asked)) {
       refuse(key, wanted + "the resin's profile allows tickets " + decimal(figure_of(limits->least)) +
-                      " to " + decimal(figure_of(limits->most)) + ": " + files_.profile.string());
+                      " to " + decimal(figure_of(limits->most)) + ": " + files.profile.string());
     } else {
-      overridden_.push_back({key, figure_of(*asked), figure_of(setting)});
+      overridden.push_back({key, figure_of(*asked), figure_of(setting)});
       setting = *asked;
     }
   }
   void refuse(std::string_view key, std::string message) {
-    refused_.push_back({files_.ticket, "/" + std::string(key), std::move(message)});
+    refused.push_back({files.ticket, "/" + std::string(key), std::move(message)});
   }
-  void add(const OverriddenSettings& overridden) {
-    overridden_.insert(overridden_.end(), overridden.begin(), overridden.end());
-  }
-  void throw_if_refused() const {
-    if (!refused_.empty()) throw ConfigError(refused_);
-  }
-  [[nodiscard]] OverriddenSettings take() { return std::move(overridden_); }
-
- private:
-  const OverrideFiles& files_;
-  OverriddenSettings overridden_;
-  std::vector<Violation> refused_;
 };
 
 // Returns the exposures at this layer height, fixed or from the working curve.
@@ -83,7 +74,8 @@ void override_exposures(ResinProfile& resin, const JobTicket& ticket, double irr
 // Overrides the supports. They need no limits, because no shape of a support can damage the machine.
 void override_supports(ResinProfile& resin, const JobTicket& ticket, Overriding& overriding) {
   if (!ticket.supports || ticket.supports->figures.empty()) return;
-  overriding.add(override_supports(resin.supports, ticket.supports->figures));
+  std::ranges::copy(override_supports(resin.supports, ticket.supports->figures),
+                    std::back_inserter(overriding.overridden));
   for (const SupportContradiction& found : contradictions_of(resin.supports))
     overriding.refuse("supports/" + std::string(found.key), found.sentence);
 }
@@ -94,14 +86,14 @@ OverriddenSettings override_settings(ResinProfile& resin, const JobTicket& ticke
                                      const OverrideFiles& files) {
   expects(irradiance_mw_cm2 > 0, "there is light");
   const TicketOverrides& asked = ticket.overrides;
-  Overriding overriding(files);
+  Overriding overriding{files};
   override_exposures(resin, ticket, irradiance_mw_cm2, overriding);
   overriding.set("lift_mm", asked.lift, resin.limits.lift, resin.motion.lift);
   overriding.set("settle_ms", asked.settle, resin.limits.settle, resin.motion.settle);
   overriding.set("rest_ms", asked.rest, resin.limits.rest, resin.motion.rest);
   override_supports(resin, ticket, overriding);
-  overriding.throw_if_refused();
-  return overriding.take();
+  if (!overriding.refused.empty()) throw ConfigError(overriding.refused);
+  return std::move(overriding.overridden);
 }
 
 }  // namespace contourd

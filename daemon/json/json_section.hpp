@@ -5,6 +5,7 @@
 #include <concepts>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -42,6 +43,13 @@ class JsonSection {
     const std::int64_t value = int64(key);
     if (!std::in_range<T>(value)) reject(key, std::to_string(value) + " is out of range");
     return static_cast<T>(value);
+  }
+
+  // Returns what the function reads, or nullopt if there is no such key: find("fit", &JsonSection::boolean).
+  template <typename Value>
+  [[nodiscard]] std::optional<Value> find(std::string_view key,
+                                          Value (JsonSection::*read)(std::string_view) const) const {
+    return has(key) ? std::optional((this->*read)(key)) : std::nullopt;
   }
 
   // Returns a length in the unit that the key ends in, rounded to whole nanometres. REQUIRES: the key ends in
