@@ -93,6 +93,15 @@ template <typename Value>
   return found == parameters.end() ? std::nullopt : std::optional(found->get<Value>());
 }
 
+// Returns the value, or null if there is none or the text is empty.
+template <typename Value>
+[[nodiscard]] nlohmann::ordered_json or_null(const std::optional<Value>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+}
+[[nodiscard]] inline nlohmann::ordered_json or_null(const std::string& text) {
+  return text.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(text);
+}
+
 using ControlMethods = std::map<std::string, ControlMethod>;
 
 // Returns the descriptions of the methods and of their parameters.

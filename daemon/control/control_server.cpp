@@ -1,6 +1,7 @@
 #include "daemon/control/control_server.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -11,6 +12,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <ranges>
 #include <string_view>
 #include <system_error>
 #include <variant>
@@ -392,10 +394,8 @@ Json ControlServer::call(const Json& message, Client& client) {
   const std::string name = message["method"].get<std::string>();
   const auto method = methods_.find(name);
   if (method == methods_.end()) {
-    std::string known;
-    for (const auto& [each, unused] : methods_)
-      known += (known.empty() ? "" : ", ") + each;
-    return failure(kMethodNotFound, fmt::format("no method \"{}\"; there are {}", name, known));
+    return failure(kMethodNotFound, fmt::format("no method \"{}\"; there are {}", name,
+                                                fmt::join(std::views::keys(methods_), ", ")));
   }
   try {
     const Json parameters =

@@ -63,14 +63,8 @@ HistoryPage recent_jobs(const JobHistory& recent, const HistoryQuery& query) {
   return page;
 }
 
-Json json_text(const std::string& text) {
-  return text.empty() ? Json() : Json(text);
-}
-
 Json reply(HistoryPage page, const std::string& trouble) {
-  return {{"ended", std::move(page.jobs)},
-          {"before", page.before ? Json(*page.before) : Json()},
-          {"trouble", json_text(trouble)}};
+  return {{"ended", std::move(page.jobs)}, {"before", or_null(page.before)}, {"trouble", or_null(trouble)}};
 }
 
 constexpr double kSecondsPerHour = 3600;
@@ -87,11 +81,6 @@ std::vector<std::string> wear_part_names() {
   return names;
 }
 
-template <typename Number>
-Json or_null(const std::optional<Number>& number) {
-  return number ? Json(*number) : Json();
-}
-
 Json part_json(const WearPartUse& use, const WearLimits& limits) {
   return {{"part", name_of(use.part)},
           {"replaced", use.replaced ? Json(iso_time(*use.replaced)) : Json()},
@@ -101,7 +90,7 @@ Json part_json(const WearPartUse& use, const WearLimits& limits) {
           {"lamp_h_limit", or_null(limits.lamp_h)},
           {"layers_limit", or_null(limits.layers)},
           {"prints_limit", or_null(limits.prints)},
-          {"reminder", json_text(reminder_of(use, limits))}};
+          {"reminder", or_null(reminder_of(use, limits))}};
 }
 
 }  // namespace
@@ -172,13 +161,10 @@ Json HistoryControl::usage_reply(const std::optional<HistoryWorker::AllUsage>& u
   }
   for (const WearPartUse& each : usage ? usage->wear : std::vector<WearPartUse>{})
     parts.push_back(part_json(each, reminders_.limits(each.part)));
-  return {{"jobs", all.jobs},
-          {"layers", all.layers},
-          {"lamp_h", all.lit_s / kSecondsPerHour},
-          {"resin_ml", all.resin_ml},
-          {"resins", std::move(resins)},
-          {"parts", std::move(parts)},
-          {"trouble", json_text(trouble)}};
+  return {
+      {"jobs", all.jobs},           {"layers", all.layers},        {"lamp_h", all.lit_s / kSecondsPerHour},
+      {"resin_ml", all.resin_ml},   {"resins", std::move(resins)}, {"parts", std::move(parts)},
+      {"trouble", or_null(trouble)}};
 }
 
 std::optional<Json> HistoryControl::usage(const ControlCaller& caller, ControlMethod::Later later) {

@@ -419,7 +419,7 @@ Json ManualControl::inputs() const {
   for (const AxisInputState& input : context_.machine.z_axis().inputs()) {
     inputs.push_back({{"name", input.name},
                       {"line", input.line},
-                      {"active", input.active ? Json(*input.active) : Json(nullptr)},
+                      {"active", or_null(input.active)},
                       {"edges", input.edges}});
   }
   return {{"inputs", inputs}};

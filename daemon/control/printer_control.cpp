@@ -47,18 +47,14 @@ Json PrinterControl::resume() {
   require_print("resume");
   PrintMode& print = job_.print();
   if (!print.can_resume()) throw ControlRefusal("the print is not paused");
-  if (const std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty()) {
-    throw ControlRefusal("the print cannot go on: " + not_ready);
-  }
+  require_ready("the print");
   hold_.release();
   print.resume();
   return status_.status();
 }
 
 Json PrinterControl::resume_queue() {
-  if (const std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty()) {
-    throw ControlRefusal("the queue cannot go on: " + not_ready);
-  }
+  require_ready("the queue");
   hold_.release();
   scheduler_.run();
   return status_.status();
@@ -79,6 +75,11 @@ Json PrinterControl::plate_cleared() {
   hold_.release();
   scheduler_.run();
   return status_.status();
+}
+
+void PrinterControl::require_ready(std::string_view what) const {
+  if (const std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty())
+    throw ControlRefusal(fmt::format("{} cannot go on: {}", what, not_ready));
 }
 
 bool PrinterControl::has_unfinished_job() const {

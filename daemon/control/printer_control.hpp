@@ -41,6 +41,7 @@ class PrinterControl {
   Json resume_queue();
   [[nodiscard]] bool has_unfinished_job() const;
   void require_print(std::string_view what) const;
+  void require_ready(std::string_view what) const;
 
   const PrinterContext& context_;
   QueueHold& hold_;

@@ -49,6 +49,11 @@ class Exposition {
   void sample(const std::string& labels, double value) {
     add("{}{}{{{}}} {}\n", name_, suffix_, labels, value);
   }
+  // Adds a metric family with one sample.
+  void gauge(std::string_view name, std::string_view help, double value) {
+    begin(name, "gauge", help);
+    sample(value);
+  }
   std::string end() && {
     add("# EOF\n");
     return std::move(text_);
@@ -64,10 +69,8 @@ class Exposition {
 };
 
 void add_print(Exposition& text, const PrinterMetrics::Print& print) {
-  text.begin("layer", "gauge", "The current layer, from 1.");
-  text.sample(print.layer);
-  text.begin("layers", "gauge", "The layers of the current print.");
-  text.sample(print.layers);
+  text.gauge("layer", "The current layer, from 1.", print.layer);
+  text.gauge("layers", "The layers of the current print.", print.layers);
   text.begin("time_left_seconds", "gauge", "The time until the current print ends.", "seconds");
   text.sample(in_seconds(std::chrono::floor<std::chrono::seconds>(print.time_left)));
 }
@@ -77,16 +80,12 @@ void add_state(Exposition& text, const PrinterMetrics& metrics) {
   for (const std::string_view state : all_states())
     text.sample(fmt::format("state=\"{}\"", escaped(state)), state == metrics.state ? 1 : 0);
   if (metrics.print) add_print(text, *metrics.print);
-  text.begin("light_may_be_on", "gauge", "1 from the light's command until it is confirmed off.");
-  text.sample(metrics.light_may_be_on ? 1 : 0);
-  text.begin("ready", "gauge", "0 while the machine cannot print.");
-  text.sample(metrics.ready ? 1 : 0);
-  text.begin("queued_jobs", "gauge", "Jobs in the queue.");
-  text.sample(static_cast<double>(metrics.queued));
-  text.begin("queue_held", "gauge", "1 while the queue is held and waits for the user.");
-  text.sample(metrics.held ? 1 : 0);
-  text.begin("plate_occupied", "gauge", "1 while the build plate holds a part.");
-  text.sample(metrics.plate_occupied ? 1 : 0);
+  text.gauge("light_may_be_on", "1 from the light's command until it is confirmed off.",
+             metrics.light_may_be_on);
+  text.gauge("ready", "0 while the machine cannot print.", metrics.ready);
+  text.gauge("queued_jobs", "Jobs in the queue.", static_cast<double>(metrics.queued));
+  text.gauge("queue_held", "1 while the queue is held and waits for the user.", metrics.held);
+  text.gauge("plate_occupied", "1 while the build plate holds a part.", metrics.plate_occupied);
 }
 
 void add_counters(Exposition& text, const PrinterMetrics& metrics) {

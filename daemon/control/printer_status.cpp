@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/contract/expects.hpp"
+#include "daemon/control/control_method.hpp"
 #include "daemon/prepare/job_summary.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/spool/spool_folders.hpp"
@@ -22,10 +23,6 @@ void for_first(const All& all, std::size_t most, const Take& take) {
 
 std::size_t beyond(std::size_t all, std::size_t most) {
   return all > most ? all - most : 0;
-}
-
-Json text_or_null(const std::string& text) {
-  return text.empty() ? Json() : Json(text);
 }
 
 std::string_view name_of(WaitingJob::Check check) {
@@ -80,12 +77,11 @@ Json PrinterStatus::waiting_job(std::size_t number) const {
            {"file", waiting.file},
            {"job", job_name_of(waiting.file)},
            {"state", state_of(waiting)},
-           {"waiting_for", text_or_null(reason_to_wait(number))}};
+           {"waiting_for", or_null(reason_to_wait(number))}};
   for (const char* key : {"bytes", "parts", "resin", "overrides", "layers", "thinnest_layer_um",
                           "thickest_layer_um", "height_mm", "print_time_s", "supports"})
     job[key] = nullptr;
-  const bool has_resin = waiting.analyzed && waiting.analyzed->analysis.resin_ml;
-  job["resin_ml"] = has_resin ? Json(*waiting.analyzed->analysis.resin_ml) : Json();
+  job["resin_ml"] = waiting.analyzed ? or_null(waiting.analyzed->analysis.resin_ml) : Json();
   job["asks"] = waiting.asks;
   job["warnings"] = waiting.analyzed ? Json(waiting.analyzed->analysis.warnings) : Json::array();
   if (!waiting.outlook) return job;
@@ -178,7 +174,7 @@ void PrinterStatus::add_print(Json& job) const {
   job["state_left_s"] = state_left ? Json(in_seconds(*state_left)) : Json();
   job["pause_pending"] = print.pause_pending();
   job["pause"] = print.pause_pending() ? Json(print.next_pause()) : Json();
-  job["interruption"] = text_or_null(print.interruption());
+  job["interruption"] = or_null(print.interruption());
 }
 
 bool PrinterStatus::dark() const {
@@ -193,65 +189,53 @@ Json PrinterStatus::manual() const {
   Json manual{
       {"state", name_of(process.state())},
       {"operations", process.operations()},
-      {"problem", text_or_null(process.problem())},
+      {"problem", or_null(process.problem())},
       {"dark", !process.light_may_be_on() && context_.machine.projector().light_off_unconfirmed().empty()},
       {"height_mm", height ? Json(to_millimeters(*height).count()) : Json()},
       {"homing_shift_um", shift ? Json(to_millimeters(*shift).count() * 1000) : Json()},
-      {"picture", text_or_null(process.picture())},
+      {"picture", or_null(process.picture())},
       {"projector", Json()}};
   if (const std::optional<ProjectorStatus>& projector = process.projector()) {
-    manual["projector"] = {{"powered", projector->powered ? Json(*projector->powered) : Json()},
-                           {"lamp_hours", projector->lamp_hours ? Json(*projector->lamp_hours) : Json()}};
+    manual["projector"] = {{"powered", or_null(projector->powered)},
+                           {"lamp_hours", or_null(projector->lamp_hours)}};
   }
   return manual;
 }
 
 void PrinterStatus::add_incoming(Json& status) const {
-  const auto& incomplete = parts_.spool.incoming().incomplete();
-  status["incomplete"] = Json::object();
-  for_first(incomplete, kMaxIncomplete,
-            [&](const auto& plate) { status["incomplete"][plate.first] = plate.second; });
-  status["incomplete_more"] = beyond(incomplete.size(), kMaxIncomplete);
-  add_postponed(status);
-  add_unaccepted(status);
-  const auto& ignored = parts_.spool.incoming().ignored();
-  status["ignored"] = Json::object();
-  for_first(ignored, kMaxIncomplete,
-            [&](const auto& each) { status["ignored"][each.first] = sentence_for(each.second); });
-  status["ignored_more"] = beyond(ignored.size(), kMaxIncomplete);
-  const auto& originals = parts_.spool.incoming().originals();
-  status["deletable"] = Json::array();
-  for_first(originals, kMaxIncomplete, [&](const std::string& file) { status["deletable"].push_back(file); });
-  status["deletable_more"] = beyond(originals.size(), kMaxIncomplete);
-}
-
-void PrinterStatus::add_postponed(Json& status) const {
-  status["postponed"] = Json::object();
-  std::size_t postponed = 0;
+  const auto add = [&status](const std::string& key, Json first, std::size_t all) {
+    status[key] = std::move(first);
+    status[key + "_more"] = beyond(all, kMaxIncomplete);
+  };
+  const auto& incoming = parts_.spool.incoming();
+  Json incomplete = Json::object(), postponed = Json::object(), unaccepted = Json::object(),
+       ignored = Json::object(), deletable = Json::array();
+  for_first(incoming.incomplete(), kMaxIncomplete,
+            [&](const auto& plate) { incomplete[plate.first] = plate.second; });
+  std::size_t all_postponed = 0, all_unaccepted = 0;
   for (const WaitingJob& job : parts_.queue.jobs()) {
-    if (!job.postponed.empty() && ++postponed <= kMaxIncomplete)
-      status["postponed"][job.file] = job.postponed;
+    if (!job.postponed.empty() && ++all_postponed <= kMaxIncomplete) postponed[job.file] = job.postponed;
+    if (!job.asks.empty() && ++all_unaccepted <= kMaxIncomplete)
+      unaccepted[job.file] = question_about(job.file, job.asks);
   }
-  status["postponed_more"] = beyond(postponed, kMaxIncomplete);
-}
-
-void PrinterStatus::add_unaccepted(Json& status) const {
-  status["unaccepted"] = Json::object();
-  std::size_t unaccepted = 0;
-  for (const WaitingJob& job : parts_.queue.jobs()) {
-    if (!job.asks.empty() && ++unaccepted <= kMaxIncomplete)
-      status["unaccepted"][job.file] = question_about(job.file, job.asks);
-  }
-  status["unaccepted_more"] = beyond(unaccepted, kMaxIncomplete);
+  for_first(incoming.ignored(), kMaxIncomplete,
+            [&](const auto& each) { ignored[each.first] = sentence_for(each.second); });
+  for_first(incoming.originals(), kMaxIncomplete,
+            [&](const std::string& file) { deletable.push_back(file); });
+  add("incomplete", std::move(incomplete), incoming.incomplete().size());
+  add("postponed", std::move(postponed), all_postponed);
+  add("unaccepted", std::move(unaccepted), all_unaccepted);
+  add("ignored", std::move(ignored), incoming.ignored().size());
+  add("deletable", std::move(deletable), incoming.originals().size());
 }
 
 void PrinterStatus::add_reasons_to_wait(Json& status) const {
   const QueueHold& hold = parts_.hold;
   status["plate"] = hold.plate_occupant() ? "occupied" : "clear";
-  status["plate_job"] = hold.plate_occupant() ? Json(*hold.plate_occupant()) : Json();
-  status["not_ready_reason"] = text_or_null(context_.machine.why_not_ready());
-  status["held"] = text_or_null(hold.sentence());
-  status["waiting_for"] = text_or_null(parts_.scheduler.waiting_for());
+  status["plate_job"] = or_null(hold.plate_occupant());
+  status["not_ready_reason"] = or_null(context_.machine.why_not_ready());
+  status["held"] = or_null(hold.sentence());
+  status["waiting_for"] = or_null(parts_.scheduler.waiting_for());
 }
 
 }  // namespace contourd

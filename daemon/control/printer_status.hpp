@@ -54,8 +54,6 @@ class PrinterStatus {
   [[nodiscard]] std::string_view state_of(const WaitingJob& job) const;
   [[nodiscard]] std::string reason_to_wait(std::size_t number) const;
   void add_incoming(Json& status) const;
-  void add_postponed(Json& status) const;
-  void add_unaccepted(Json& status) const;
   void add_reasons_to_wait(Json& status) const;
 
   const PrinterContext& context_;

@@ -24,6 +24,11 @@ std::string job_of(const Json& given) {
   return given["job"].get<std::string>();
 }
 
+void refuse_leaving(const WaitingJob& job) {
+  if (job.check == WaitingJob::Check::Refused)
+    throw ControlRefusal(fmt::format("{} is already being moved to failed", in_quotes(job.file)));
+}
+
 // Returns the place, counted from 0.
 std::size_t place_in(const Json& given) {
   return given["to"] == "last" ? PrintQueue::kMaxInOrder : given["to"].get<std::size_t>() - 1;
@@ -68,10 +73,8 @@ Json QueueControl::look(const Json& given) const {
 }
 
 Json QueueControl::remove(const Json& given, const ControlCaller& caller) {
-  const std::size_t number = number_of(job_of(given));
-  const WaitingJob& job = queue_.jobs()[number];
-  if (job.check == WaitingJob::Check::Refused)
-    throw ControlRefusal(fmt::format("{} is already being moved to failed", in_quotes(job.file)));
+  const WaitingJob& job = queue_.jobs()[number_of(job_of(given))];
+  refuse_leaving(job);
   queue_.remove(std::string(job.file),
                 fmt::format("removed from the queue by user {}", user_name(caller.user)));
   return status_.queue();
@@ -92,8 +95,7 @@ Json QueueControl::accept(const Json& given, const ControlCaller& caller) {
   const std::optional<std::size_t> number = find(name);
   if (!number) refuse_to_accept(name);
   const WaitingJob& job = queue_.jobs()[*number];
-  if (job.check == WaitingJob::Check::Refused)
-    throw ControlRefusal(fmt::format("{} is already being moved to failed", in_quotes(job.file)));
+  refuse_leaving(job);
   if (job.asks.empty() && !queue_.questions().wanted())
     throw ControlRefusal(
         fmt::format("{} need not be accepted: this printer's ask_before is empty", in_quotes(job.file)));
