@@ -1,9 +1,9 @@
 #include "daemon/prepare/layer_choice.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <string>
 #include <utility>
 #include <variant>
 
@@ -15,10 +15,7 @@ namespace {
 void check_layer_height(Nanometers thickness, const ResinProfile& resin, const PrinterConfig& printer) {
   const auto problems = layer_height_problems(resin, thickness, printer.irradiance_mw_cm2);
   if (problems.empty()) return;
-  std::string reasons;
-  for (const std::string& problem : problems)
-    reasons += (reasons.empty() ? "" : "; ") + problem;
-  throw JobRefused(fmt::format("the layer height cannot be printed: {}", reasons));
+  throw JobRefused(fmt::format("the layer height cannot be printed: {}", fmt::join(problems, "; ")));
 }
 
 AdaptiveLayers adaptive_limits(const AdaptiveTicket& ticket, const ResinProfile& resin,
@@ -70,10 +67,9 @@ void count_layers(PrintPlan& plan, JobSummary& summary) {
   if (plan.expected_layers.empty())
     throw JobRefused(fmt::format("the model is {:.6g} mm high, too thin for a layer", summary.height_mm));
   summary.layers.count = static_cast<std::int32_t>(plan.expected_layers.size());
-  const auto [thinnest, thickest] =
-      std::minmax_element(plan.expected_layers.begin(), plan.expected_layers.end());
-  summary.layers.thinnest = *thinnest;
-  summary.layers.thickest = *thickest;
+  const auto [thinnest, thickest] = std::ranges::minmax(plan.expected_layers);
+  summary.layers.thinnest = thinnest;
+  summary.layers.thickest = thickest;
 }
 
 }  // namespace contourd

@@ -1,6 +1,7 @@
 #include "daemon/prepare/preprint_analysis.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <exception>
@@ -107,9 +108,7 @@ std::vector<std::string> asked_findings(const PreprintAnalysis& analysis, const 
 }
 
 std::string findings_text(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names)
-    text += (text.empty() ? "" : ", ") + name;
+  std::string text = fmt::format("{}", fmt::join(names, ", "));
   std::ranges::replace(text, '_', ' ');
   return text;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <span>
 #include <utility>
 
@@ -56,26 +57,41 @@ FindingWarning warning_about(std::span<const std::int32_t> layers, std::string_v
   return warning;
 }
 
-FindingWarning island_warning(const PrintFindings& findings) {
-  std::vector<Island> largest(std::min(kMaxNamedFindings, findings.islands.size()));
-  std::ranges::partial_sort_copy(findings.islands, largest,
-                                 [](const Island& a, const Island& b) { return a.area_mm2 > b.area_mm2; });
-  FindingWarning warning{fmt::format("{} with nothing under {}:",
-                                     count_of(findings.island_count, "island begins", "islands begin"),
-                                     findings.island_count == 1 ? "it" : "them"),
-                         "island",
-                         {}};
-  for (std::size_t i = 0; i < largest.size(); ++i) {
-    const Island& island = largest[i];
-    if (std::ranges::find(warning.layers, island.layer) == warning.layers.end())
-      warning.layers.push_back(island.layer);
-    warning.sentence +=
-        fmt::format("{} layer {} at {:.2f}, {:.2f} mm from the plate's centre ({})", i == 0 ? "" : ",",
-                    island.layer + 1, island.plate_mm.x, island.plate_mm.y, area_text(island.area_mm2));
+// A warning about islands, suction cups or resin traps, without the places themselves.
+struct PlacesWarning {
+  std::string sentence;  // up to the first place
+  std::string_view mark;
+  std::uint64_t count;  // including places that are not listed
+};
+
+// Adds the places with the largest figure. `text_of` describes one.
+template <typename Place, typename Text>
+FindingWarning places_warning(PlacesWarning about, const std::vector<Place>& places, double Place::*figure,
+                              std::int32_t Place::*layer, Text text_of) {
+  std::vector<Place> largest(std::min(kMaxNamedFindings, places.size()));
+  std::ranges::partial_sort_copy(places, largest, std::ranges::greater{}, figure, figure);
+  FindingWarning warning{std::move(about.sentence), about.mark, {}};
+  std::string_view comma;
+  for (const Place& place : largest) {
+    if (std::ranges::find(warning.layers, place.*layer) == warning.layers.end())
+      warning.layers.push_back(place.*layer);
+    warning.sentence += fmt::format("{} {}", std::exchange(comma, ","), text_of(place));
   }
-  if (findings.island_count > largest.size())
-    warning.sentence += fmt::format(", and {} more", findings.island_count - largest.size());
+  if (about.count > largest.size())
+    warning.sentence += fmt::format(", and {} more", about.count - largest.size());
   return warning;
+}
+
+FindingWarning island_warning(const PrintFindings& findings) {
+  const std::uint64_t count = findings.island_count;
+  return places_warning(
+      {fmt::format("{} with nothing under {}:", count_of(count, "island begins", "islands begin"),
+                   count == 1 ? "it" : "them"),
+       "island", count},
+      findings.islands, &Island::area_mm2, &Island::layer, [](const Island& island) {
+        return fmt::format("layer {} at {:.2f}, {:.2f} mm from the plate's centre ({})", island.layer + 1,
+                           island.plate_mm.x, island.plate_mm.y, area_text(island.area_mm2));
+      });
 }
 
 // Returns "800 mm3", or "1.2 ml" from one millilitre on.
@@ -94,32 +110,15 @@ std::string place_text(const PrintVoid& each) {
                      each.plate_mm.y, each.widest_layer + 1);
 }
 
-// A warning about suction cups or resin traps, without the voids themselves.
-struct VoidsWarning {
-  std::string sentence;  // up to the first void
-  std::string_view mark;
-  std::uint64_t count;        // including voids that are not listed
-  double PrintVoid::*figure;  // by which the largest voids are chosen
-};
-
-FindingWarning void_warning(VoidsWarning about, const std::vector<PrintVoid>& voids) {
-  std::vector<PrintVoid> largest(std::min(kMaxNamedFindings, voids.size()));
-  std::ranges::partial_sort_copy(voids, largest, [&about](const PrintVoid& a, const PrintVoid& b) {
-    return a.*about.figure > b.*about.figure;
-  });
-  FindingWarning warning{std::move(about.sentence), about.mark, {}};
-  for (std::size_t i = 0; i < largest.size(); ++i) {
-    const PrintVoid& each = largest[i];
-    if (std::ranges::find(warning.layers, each.widest_layer) == warning.layers.end())
-      warning.layers.push_back(each.widest_layer);
-    warning.sentence +=
-        fmt::format("{} {} ({}{}{})", i == 0 ? "" : ",", place_text(each),
-                    about.figure == &PrintVoid::area_mm2 ? area_text(each.area_mm2) + ", " : "",
-                    volume_text(each.volume_mm3), each.on_plate ? ", closed by the plate" : "");
-  }
-  if (about.count > largest.size())
-    warning.sentence += fmt::format(", and {} more", about.count - largest.size());
-  return warning;
+// `figure`: by which the largest voids are chosen.
+FindingWarning void_warning(PlacesWarning about, const std::vector<PrintVoid>& voids,
+                            double PrintVoid::*figure) {
+  const auto text = [figure](const PrintVoid& each) {
+    return fmt::format("{} ({}{}{})", place_text(each),
+                       figure == &PrintVoid::area_mm2 ? area_text(each.area_mm2) + ", " : "",
+                       volume_text(each.volume_mm3), each.on_plate ? ", closed by the plate" : "");
+  };
+  return places_warning(std::move(about), voids, figure, &PrintVoid::widest_layer, text);
 }
 
 void add_void_warnings(const PrintFindings& findings, std::vector<FindingWarning>& warnings) {
@@ -127,15 +126,15 @@ void add_void_warnings(const PrintFindings& findings, std::vector<FindingWarning
     warnings.push_back(void_warning(
         {fmt::format("{} on the film until {}:", count_of(count, "suction cup pulls", "suction cups pull"),
                      count == 1 ? "it opens or is closed" : "they open or are closed"),
-         "suction cup", count, &PrintVoid::area_mm2},
-        findings.suction_cups));
+         "suction cup", count},
+        findings.suction_cups, &PrintVoid::area_mm2));
   }
   if (const auto count = findings.resin_trap_count; count > 0) {
     warnings.push_back(
         void_warning({fmt::format("{} resin that cannot flow out:",
                                   count_of(count, "closed hollow keeps", "closed hollows keep")),
-                      "resin trap", count, &PrintVoid::volume_mm3},
-                     findings.resin_traps));
+                      "resin trap", count},
+                     findings.resin_traps, &PrintVoid::volume_mm3));
   }
 }
 
@@ -161,11 +160,16 @@ void add_empty_layers_warnings(const PrintFindings& findings, std::vector<Findin
   warn(empty.subspan(inside), "the print ends below");
 }
 
+// Returns the layers in which this number of chains is not 0.
+std::vector<std::int32_t> cracked_layers(const PrintFindings& findings, std::uint32_t LayerCracks::*chains) {
+  std::vector<std::int32_t> layers;
+  for (const CrackedLayer& each : findings.cracked_layers)
+    if (each.cracks.*chains > 0) layers.push_back(each.layer);
+  return layers;
+}
+
 FindingWarning open_contours_warning(const PrintFindings& findings) {
-  std::vector<std::int32_t> open;
-  for (const CrackedLayer& each : findings.cracked_layers) {
-    if (each.cracks.open_chains > 0) open.push_back(each.layer);
-  }
+  const std::vector<std::int32_t> open = cracked_layers(findings, &LayerCracks::open_chains);
   return warning_about(
       open, "crack",
       fmt::format(
@@ -174,10 +178,7 @@ FindingWarning open_contours_warning(const PrintFindings& findings) {
 }
 
 FindingWarning turned_chains_warning(const PrintFindings& findings) {
-  std::vector<std::int32_t> turned;
-  for (const CrackedLayer& each : findings.cracked_layers) {
-    if (each.cracks.turned_chains > 0) turned.push_back(each.layer);
-  }
+  const std::vector<std::int32_t> turned = cracked_layers(findings, &LayerCracks::turned_chains);
   return warning_about(turned, "turned facets",
                        fmt::format("facets of {} ({}) are turned against the others; they were turned back",
                                    count_of(turned.size(), "layer", "layers"), layers_text(turned)));
@@ -240,6 +241,13 @@ std::vector<std::string> warnings_about(const PrintFindings& findings) {
   return sentences;
 }
 
+Json cracks_json(const LayerCracks& cracks) {
+  return {{"open_chains", cracks.open_chains},
+          {"turned_chains", cracks.turned_chains},
+          {"gaps_closed", cracks.gaps_closed},
+          {"widest_gap_mm", cracks.widest_gap.count()}};
+}
+
 Json findings_summary_json(const PrintFindings& findings) {
   Json json;
   json["layers"] = findings.layers();
@@ -253,10 +261,7 @@ Json findings_summary_json(const PrintFindings& findings) {
   json["empty_layers"] = findings.empty_layers.size();
   json["abandoned_layers"] = findings.abandoned_layers.size();
   json["cracked_layers"] = findings.cracked_layers.size();
-  json["open_chains"] = findings.cracks.open_chains;
-  json["turned_chains"] = findings.cracks.turned_chains;
-  json["gaps_closed"] = findings.cracks.gaps_closed;
-  json["widest_gap_mm"] = findings.cracks.widest_gap.count();
+  json.update(cracks_json(findings.cracks));
   json["warnings"] = warnings_about(findings);
   return json;
 }
@@ -273,11 +278,8 @@ Json findings_json(const PrintFindings& findings) {
   for (const std::int32_t layer : findings.empty_layers)
     empty.push_back(layer + 1);
   for (const CrackedLayer& each : findings.cracked_layers) {
-    cracked.push_back({{"layer", each.layer + 1},
-                       {"open_chains", each.cracks.open_chains},
-                       {"turned_chains", each.cracks.turned_chains},
-                       {"gaps_closed", each.cracks.gaps_closed},
-                       {"widest_gap_mm", each.cracks.widest_gap.count()}});
+    cracked.push_back({{"layer", each.layer + 1}});
+    cracked.back().update(cracks_json(each.cracks));
   }
   json["island_list"] = std::move(islands);
   json["suction_cup_list"] = voids_json(findings.suction_cups);

@@ -27,6 +27,8 @@ struct FindingWarning {
 // Returns the sentences of findings_warnings().
 [[nodiscard]] std::vector<std::string> warnings_about(const PrintFindings& findings);
 
+// Returns the figures of cracks, of a layer or of many.
+[[nodiscard]] nlohmann::ordered_json cracks_json(const LayerCracks& cracks);
 // Returns the figures and the warnings, as the control socket sends them while a print runs.
 [[nodiscard]] nlohmann::ordered_json findings_summary_json(const PrintFindings& findings);
 // Returns the summary and the lists of every island, suction cup, resin trap, empty layer and cracked layer.

@@ -1,6 +1,7 @@
 // Counts the supports of a print. Values; thread-safe (no shared state).
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -23,28 +24,17 @@ struct SupportCounts {
 
 // Returns the counts of the supports.
 [[nodiscard]] inline SupportCounts counts_of(const Supports& supports) {
-  SupportCounts counts{.islands = 0,
-                       .overhangs = 0,
-                       .peel = 0,
-                       .unheld = supports.unheld.size(),
-                       .branches = supports.branches,
-                       .feet = supports.feet,
-                       .feet_on_models = supports.feet_on_models,
-                       .volume_mm3 = supports.volume_mm3};
-  for (const SupportContact& contact : supports.contacts) {
-    switch (contact.cause) {
-      case ContactCause::Island:
-        ++counts.islands;
-        break;
-      case ContactCause::Overhang:
-        ++counts.overhangs;
-        break;
-      case ContactCause::Peel:
-        ++counts.peel;
-        break;
-    }
-  }
-  return counts;
+  const auto contacts = [&](ContactCause cause) {
+    return static_cast<std::size_t>(std::ranges::count(supports.contacts, cause, &SupportContact::cause));
+  };
+  return {.islands = contacts(ContactCause::Island),
+          .overhangs = contacts(ContactCause::Overhang),
+          .peel = contacts(ContactCause::Peel),
+          .unheld = supports.unheld.size(),
+          .branches = supports.branches,
+          .feet = supports.feet,
+          .feet_on_models = supports.feet_on_models,
+          .volume_mm3 = supports.volume_mm3};
 }
 
 }  // namespace contourd

@@ -23,10 +23,8 @@ std::vector<PlotPoint> thinned(std::span<const PlotPoint> points) {
   std::vector<PlotPoint> thin;
   const std::size_t group = (points.size() + kMaxPoints - 1) / kMaxPoints;
   for (std::size_t i = 0; i < points.size(); i += group) {
-    const auto begin = points.begin() + static_cast<std::ptrdiff_t>(i);
-    const auto end = points.begin() + static_cast<std::ptrdiff_t>(std::min(i + group, points.size()));
-    thin.push_back(*std::max_element(
-        begin, end, [](const PlotPoint& a, const PlotPoint& b) { return a.value < b.value; }));
+    const auto some = points.subspan(i, std::min(group, points.size() - i));
+    thin.push_back(*std::ranges::max_element(some, {}, &PlotPoint::value));
   }
   return thin;
 }
@@ -85,6 +83,10 @@ std::string escaped(const std::string& text) {
     }
   }
   return safe;
+}
+
+std::string table_row(const std::string& name, const std::string& value) {
+  return fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, escaped(value));
 }
 
 std::string svg_plot(const std::string& title, std::span<const PlotPoint> all) {

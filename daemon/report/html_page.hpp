@@ -42,6 +42,9 @@ figcaption { font-size: .87rem; line-height: 1.35; margin-top: .3rem; }
 // Returns text, for instance from a file name or an error message, in a form that is safe inside HTML.
 [[nodiscard]] std::string escaped(const std::string& text);
 
+// Returns a row of a table. `name` is HTML, `value` is text.
+[[nodiscard]] std::string table_row(const std::string& name, const std::string& value);
+
 struct PlotPoint {
   double height_mm, value;
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <ranges>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -56,26 +57,22 @@ std::string plot_of(const PrintReport& report, const std::string& title, Value&&
   return svg_plot(title, points);
 }
 
-std::string row(const std::string& name, const std::string& value) {
-  return fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, escaped(value));
-}
-
 std::string model_rows(const ModelSummary& model) {
   std::string rows;
-  if (!model.file.empty()) rows += row("File", model.file);
-  rows += row("Size",
-              fmt::format("{:.2f} x {:.2f} x {:.2f} mm", model.size_x_mm, model.size_y_mm, model.size_z_mm));
-  rows += row("Model", fmt::format("{} facets, {}, {}", model.mesh.facets, model.format,
-                                   model.mesh.watertight ? "watertight" : "not watertight"));
-  if (model.centers.size() != 1) rows += row("Copies", std::to_string(model.centers.size()));
-  if (model.drain_holes > 0) rows += row("Drain holes", std::to_string(model.drain_holes));
+  if (!model.file.empty()) rows += table_row("File", model.file);
+  rows += table_row(
+      "Size", fmt::format("{:.2f} x {:.2f} x {:.2f} mm", model.size_x_mm, model.size_y_mm, model.size_z_mm));
+  rows += table_row("Model", fmt::format("{} facets, {}, {}", model.mesh.facets, model.format,
+                                         model.mesh.watertight ? "watertight" : "not watertight"));
+  if (model.centers.size() != 1) rows += table_row("Copies", std::to_string(model.centers.size()));
+  if (model.drain_holes > 0) rows += table_row("Drain holes", std::to_string(model.drain_holes));
   const Scale& scale = model.scale;
   if (!scale.uniform()) {
-    rows += row("Scale", fmt::format("{:.4g} x {:.4g} x {:.4g}", scale.x, scale.y, scale.z));
+    rows += table_row("Scale", fmt::format("{:.4g} x {:.4g} x {:.4g}", scale.x, scale.y, scale.z));
   } else if (scale.x != 1) {
-    rows += row("Scale", fmt::format("{:.4g}", scale.x));
+    rows += table_row("Scale", fmt::format("{:.4g}", scale.x));
   }
-  if (model.orientation) rows += row("Way up", describe(*model.orientation));
+  if (model.orientation) rows += table_row("Way up", describe(*model.orientation));
   return rows;
 }
 
@@ -88,9 +85,9 @@ std::string thickness_of(const JobSummary& summary) {
 }
 
 std::string settings_rows(const JobSummary& summary) {
-  std::string rows = row("Resin", describe_settings(summary));
+  std::string rows = table_row("Resin", describe_settings(summary));
   const std::string correction = describe_correction(summary);
-  if (!correction.empty()) rows += row("Compensation", correction);
+  if (!correction.empty()) rows += table_row("Compensation", correction);
   return rows;
 }
 
@@ -102,10 +99,11 @@ std::string exposure_rows(const std::vector<LayerRecord>& layers) {
     least = std::min(least, layer.exposure_least - layer.exposure_asked);
     most = std::max(most, layer.exposure_most - layer.exposure_asked);
   }
-  return row("Exposure", fmt::format("{:.0f} ms first, {:.0f} ms last", in_ms(layers.front().exposure_asked),
-                                     in_ms(layers.back().exposure_asked))) +
-         row("Light",
-             fmt::format("{:+.2f} to {:+.2f} ms from the requested exposure", in_ms(least), in_ms(most)));
+  return table_row("Exposure",
+                   fmt::format("{:.0f} ms first, {:.0f} ms last", in_ms(layers.front().exposure_asked),
+                               in_ms(layers.back().exposure_asked))) +
+         table_row("Light", fmt::format("{:+.2f} to {:+.2f} ms from the requested exposure", in_ms(least),
+                                        in_ms(most)));
 }
 
 std::string mask_row(const std::vector<LayerRecord>& layers) {
@@ -115,19 +113,19 @@ std::string mask_row(const std::vector<LayerRecord>& layers) {
     slowest = std::max(slowest, layer.mask_time);
     sum += layer.mask_time;
   }
-  return row("Masks", fmt::format("{:.2f} ms each, the slowest {:.2f} ms",
-                                  in_ms(sum) / static_cast<double>(layers.size()), in_ms(slowest)));
+  return table_row("Masks", fmt::format("{:.2f} ms each, the slowest {:.2f} ms",
+                                        in_ms(sum) / static_cast<double>(layers.size()), in_ms(slowest)));
 }
 
 // Returns rows for what went wrong in the print, apart from its stops and the model's warnings.
 std::string trouble_rows(const PrintReport& report) {
   std::string rows;
   if (report.late_steps > 0)
-    rows += row("Late steps",
-                fmt::format("{}: the computer was too busy to make them on time", report.late_steps));
+    rows += table_row("Late steps",
+                      fmt::format("{}: the computer was too busy to make them on time", report.late_steps));
   if (report.busiest_lit.busy > kLongestLitTurn) {
-    rows += row("Late light", fmt::format("by up to {:.0f} ms: the event loop was busy with {}",
-                                          in_ms(report.busiest_lit.busy), report.busiest_lit.source));
+    rows += table_row("Late light", fmt::format("by up to {:.0f} ms: the event loop was busy with {}",
+                                                in_ms(report.busiest_lit.busy), report.busiest_lit.source));
   }
   return rows;
 }
@@ -137,16 +135,16 @@ std::string resin_row(const PrintReport& report) {
   std::string used = fmt::format("{:.2f} ml", exposed_volume_mm3(report.layers) / 1000);
   if (report.findings && report.outcome != PrintOutcome::Done)
     used += fmt::format(" of {:.2f} ml in all layers", report.findings->resin_ml());
-  return row("Resin used", used);
+  return table_row("Resin used", used);
 }
 
 // Returns the rows of the models. A plate may hold hundreds of models; copies of a model count as one.
 std::string models_rows(const std::vector<ModelSummary>& models) {
   std::string rows;
-  for (std::size_t i = 0; i < std::min(models.size(), kMaxModels); ++i)
-    rows += model_rows(models[i]);
+  for (const ModelSummary& model : models | std::views::take(kMaxModels))
+    rows += model_rows(model);
   if (models.size() > kMaxModels)
-    rows += row("Models", fmt::format("and {} more", models.size() - kMaxModels));
+    rows += table_row("Models", fmt::format("and {} more", models.size() - kMaxModels));
   return rows;
 }
 
@@ -160,7 +158,7 @@ std::string orientation_section(const std::vector<ModelSummary>& models) {
     html += fmt::format("<h2>Ways up{}</h2>\n<table id=\"ways-up-{}\">\n",
                         model.file.empty() ? "" : ": " + escaped(model.file), tables);
     for (const OrientationFigures& each : reported(model.orientation->choice))
-      html += row(text_of(each.up), describe(each));
+      html += table_row(text_of(each.up), describe(each));
     html += "</table>\n";
   }
   return html;
@@ -168,18 +166,18 @@ std::string orientation_section(const std::vector<ModelSummary>& models) {
 
 std::string facts(const PrintReport& report) {
   const JobSummary& summary = report.summary;
-  std::string rows = row("Printer", report.printer);
-  rows += row("Started", iso_time(report.started));
-  rows += row("Print time", readable(report.print_time));
-  rows += row("Layers", fmt::format("{} of {} exposed, {}", layers_exposed(report.layers),
-                                    summary.layers.count, thickness_of(summary)));
+  std::string rows = table_row("Printer", report.printer);
+  rows += table_row("Started", iso_time(report.started));
+  rows += table_row("Print time", readable(report.print_time));
+  rows += table_row("Layers", fmt::format("{} of {} exposed, {}", layers_exposed(report.layers),
+                                          summary.layers.count, thickness_of(summary)));
   rows += resin_row(report) + models_rows(summary.models);
-  if (summary.supports) rows += row("Supports", supports_line(counts_of(*summary.supports)));
+  if (summary.supports) rows += table_row("Supports", supports_line(counts_of(*summary.supports)));
   rows += settings_rows(summary) + exposure_rows(report.layers) + trouble_rows(report);
-  rows +=
-      row("First mask", fmt::format("{:.1f} ms after the job's turn came", in_ms(report.first_mask_after)));
+  rows += table_row("First mask",
+                    fmt::format("{:.1f} ms after the job's turn came", in_ms(report.first_mask_after)));
   rows += mask_row(report.layers);
-  if (report.findings) rows += row("Analysis", findings_line(*report.findings));
+  if (report.findings) rows += table_row("Analysis", findings_line(*report.findings));
   return rows;
 }
 
@@ -201,6 +199,12 @@ std::string item(const std::string& sentence, const std::string& links = "") {
   return fmt::format("<li>{}{}</li>\n", escaped(shortened(sentence, kMaxSentence)), links);
 }
 
+// Returns how many items are beyond kMaxItems.
+template <typename Items>
+std::size_t beyond(const Items& items) {
+  return items.size() - std::min(items.size(), kMaxItems);
+}
+
 std::string more_items(std::uint64_t more) {
   return more > 0 ? item(fmt::format("and {} more", more)) : "";
 }
@@ -213,31 +217,26 @@ std::string warning_list(const PrintReport& report) {
   std::string list = "<h2>Warnings</h2>\n<ul class=\"notes warnings\">\n";
   for (const FindingWarning& warning : of_layers)
     list += item(warning.sentence, links_to(report, warning.layers));
-  const std::size_t listed = std::min(of_model.size(), kMaxItems);
-  for (std::size_t i = 0; i < listed; ++i)
-    list += item(of_model[i]);
-  return list + more_items(of_model.size() - listed) + "</ul>\n";
+  for (const std::string& warning : of_model | std::views::take(kMaxItems))
+    list += item(warning);
+  return list + more_items(beyond(of_model)) + "</ul>\n";
 }
 
 std::string stop_list(const PrintReport& report) {
   const PrintStops& stops = report.stops;
   std::string list;
-  const std::size_t pauses = std::min(stops.pauses.size(), kMaxItems);
-  const std::size_t interruptions = std::min(stops.interruptions.size(), kMaxItems);
-  for (std::size_t i = 0; i < interruptions; ++i) {
-    const PrintInterruption& each = stops.interruptions[i];
+  for (const PrintInterruption& each : stops.interruptions | std::views::take(kMaxItems)) {
     const std::int32_t layers[]{each.layer};
     list +=
         item(fmt::format("After {}, layer {}: interrupted: {}", readable(each.at), each.layer + 1, each.what),
              links_to(report, layers));
   }
-  list += more_items(stops.interruptions.size() - interruptions + stops.more_interruptions);
-  for (std::size_t i = 0; i < pauses; ++i) {
-    const PrintPause& pause = stops.pauses[i];
+  list += more_items(beyond(stops.interruptions) + stops.more_interruptions);
+  for (const PrintPause& pause : stops.pauses | std::views::take(kMaxItems)) {
     list += item(fmt::format("After {}, layer {}: stopped for {}", readable(pause.at), pause.layer + 1,
                              readable(pause.lasted)));
   }
-  list += more_items(stops.pauses.size() - pauses + stops.more_pauses);
+  list += more_items(beyond(stops.pauses) + stops.more_pauses);
   return list.empty() ? "" : "<ul class=\"notes\">\n" + list + "</ul>\n";
 }
 
@@ -270,17 +269,12 @@ std::string light_section(const PrintReport& report) {
   return html + "</p>\n";
 }
 
-struct Rings {
-  const std::vector<LayerMark>& marks;
-  std::string_view style_class, label;
-};
-
-std::string rings_on(const LayerPicture& picture, const Rings& rings) {
-  if (rings.marks.empty()) return "";
-  std::string html =
-      fmt::format("<svg class=\"{}\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">",
-                  rings.style_class, picture.width.count(), picture.height.count(), rings.label);
-  for (const LayerMark& mark : rings.marks) {
+std::string rings_on(const LayerPicture& picture, const std::vector<LayerMark>& marks,
+                     std::string_view style_class, std::string_view label) {
+  if (marks.empty()) return "";
+  std::string html = fmt::format("<svg class=\"{}\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">",
+                                 style_class, picture.width.count(), picture.height.count(), label);
+  for (const LayerMark& mark : marks) {
     html += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\"/>", mark.middle.x, mark.middle.y,
                         mark.radius);
   }
@@ -297,8 +291,8 @@ std::string figure(const PrintReport& report, const LayerPicture& picture) {
       "<figure id=\"layer-{0}\"><div class=\"shot\"><img alt=\"The projector's picture of layer {0}\" "
       "width=\"{1}\" height=\"{2}\" src=\"data:image/png;base64,{3}\">",
       picture.layer + 1, picture.width.count(), picture.height.count(), base64(picture.png));
-  html += rings_on(picture, {picture.islands, "islands", "Islands that begin here"});
-  html += rings_on(picture, {picture.voids, "voids", "Suction cups and resin traps that are widest here"});
+  html += rings_on(picture, picture.islands, "islands", "Islands that begin here");
+  html += rings_on(picture, picture.voids, "voids", "Suction cups and resin traps that are widest here");
   return html + fmt::format("</div><figcaption>Layer {}{}{}</figcaption></figure>\n", picture.layer + 1,
                             height, picture.why.empty() ? "" : ": " + escaped(picture.why));
 }

@@ -119,25 +119,23 @@ void add_stops(const PrintReport& report, Json& json) {
 }
 
 Json layer_json(const LayerRecord& layer) {
-  return {{"layer", layer.layer + 1},
-          {"thickness_um", in_mm(layer.thickness) * 1000},
-          {"plate_height_mm", in_mm(layer.plate_height)},
-          {"mask_height_mm", in_mm(layer.mask_height)},
-          {"exposure_asked_ms", in_ms(layer.exposure_asked)},
-          {"exposure_least_ms", in_ms(layer.exposure_least)},
-          {"exposure_most_ms", in_ms(layer.exposure_most)},
-          {"exposure_parts", layer.exposure_parts},
-          {"complete", layer.complete},
-          {"dark_confirmed", layer.dark_confirmed},
-          {"shown_at_s", in_ms(layer.shown_at.time_since_epoch()) / 1000},  // by the machine's clock
-          {"mask_ms", in_ms(layer.mask_time)},
-          {"area_mm2", layer.area_mm2},
-          {"intersecting_facets", layer.intersecting_facets},
-          {"loops", layer.loops},
-          {"open_chains", layer.cracks.open_chains},
-          {"turned_chains", layer.cracks.turned_chains},
-          {"gaps_closed", layer.cracks.gaps_closed},
-          {"widest_gap_mm", layer.cracks.widest_gap.count()}};
+  Json json{{"layer", layer.layer + 1},
+            {"thickness_um", in_mm(layer.thickness) * 1000},
+            {"plate_height_mm", in_mm(layer.plate_height)},
+            {"mask_height_mm", in_mm(layer.mask_height)},
+            {"exposure_asked_ms", in_ms(layer.exposure_asked)},
+            {"exposure_least_ms", in_ms(layer.exposure_least)},
+            {"exposure_most_ms", in_ms(layer.exposure_most)},
+            {"exposure_parts", layer.exposure_parts},
+            {"complete", layer.complete},
+            {"dark_confirmed", layer.dark_confirmed},
+            {"shown_at_s", in_ms(layer.shown_at.time_since_epoch()) / 1000},  // by the machine's clock
+            {"mask_ms", in_ms(layer.mask_time)},
+            {"area_mm2", layer.area_mm2},
+            {"intersecting_facets", layer.intersecting_facets},
+            {"loops", layer.loops}};
+  json.update(cracks_json(layer.cracks));
+  return json;
 }
 
 }  // namespace

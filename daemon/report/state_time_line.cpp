@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <ranges>
 
 #include "daemon/report/html_page.hpp"
 #include "daemon/system/readable.hpp"
@@ -89,13 +90,11 @@ std::string mark(const char* name, double x, const std::string& what) {
 std::string marks(const PrintReport& report) {
   const Duration total = report.states.total();
   std::string svg;
-  for (std::size_t i = 0; i < std::min(report.stops.pauses.size(), kMaxMarks); ++i) {
-    const PrintPause& pause = report.stops.pauses[i];
+  for (const PrintPause& pause : report.stops.pauses | std::views::take(kMaxMarks)) {
     svg += mark("pause", place(pause.at, total),
                 fmt::format("layer {}: stopped for {}", pause.layer + 1, readable(pause.lasted)));
   }
-  for (std::size_t i = 0; i < std::min(report.stops.interruptions.size(), kMaxMarks); ++i) {
-    const PrintInterruption& each = report.stops.interruptions[i];
+  for (const PrintInterruption& each : report.stops.interruptions | std::views::take(kMaxMarks)) {
     svg +=
         mark("interruption", place(each.at, total), fmt::format("layer {}: {}", each.layer + 1, each.what));
   }

@@ -40,45 +40,40 @@ struct AnalyzeOptions {
   std::filesystem::path model;
   bool json = false;
   std::optional<std::filesystem::path> html;  // one self-contained page
+  std::optional<std::string> supports;        // default: as configured; without a configuration none
+  std::optional<double> scale;                // factor for the model's size
 
   // Configuration and ticket of a print by contourd.
   std::optional<std::filesystem::path> printer, ticket;
   // Without a configuration: the direction that points up, the display, and the time of each layer.
-  std::optional<UpOption> up;
-  DisplayGeometry display;
-  AntiAliasing anti_aliasing = AntiAliasing::On;
-  Nanometers layer_height{50'000};
-  Duration layer_time{};
-
-  std::optional<SupportPolicy> supports;  // nullopt: as configured; without a configuration none
-  std::optional<double> scale;            // factor for the model's size
-};
-
-// Arguments as the user typed them, before they have units.
-struct AnalyzeArgs {
-  AnalyzeOptions options;
-  double layer_height_um = 50;
-  double layer_time_s = 10;
+  std::optional<std::string> up;
   DisplayArgs display;
   std::string anti_aliasing = "on";
-  std::optional<std::string> supports, up;
+  double layer_height_um = 50, layer_time_s = 10;
 };
 
-AnalyzeOptions parse_analyze(const AnalyzeArgs& args) {
+// The settings of a print without a configuration.
+struct PrintAlone {
+  std::optional<UpOption> up;
+  EngineSettings engine;
+  Nanometers layer_height;
+  Duration layer_time;
+};
+
+PrintAlone parse_alone(const AnalyzeOptions& options) {
   constexpr double kLongestLayerS = 3600;
-  AnalyzeOptions options = args.options;
-  options.up = parse_up(args.up);
-  options.display = parse_display(args.display);
-  options.anti_aliasing = args.anti_aliasing == "on" ? AntiAliasing::On : AntiAliasing::Off;
-  options.layer_height = parse_um("--layer-height-um", args.layer_height_um, 1);
+  PrintAlone print{.up = parse_up(options.up),
+                   .engine = {parse_display(options.display),
+                              options.anti_aliasing == "on" ? AntiAliasing::On : AntiAliasing::Off},
+                   .layer_height = parse_um("--layer-height-um", options.layer_height_um, 1),
+                   .layer_time = {}};
   // Negated, so that NaN is refused, too.
-  if (!(args.layer_time_s >= 0 && args.layer_time_s <= kLongestLayerS))
-    throw UsageError(fmt::format("--layer-time-s {}: expected 0 to {}", args.layer_time_s, kLongestLayerS));
-  options.layer_time = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(args.layer_time_s));
-  if (args.supports) options.supports = *args.supports == "auto" ? SupportPolicy::Auto : SupportPolicy::Off;
-  check_scale(options.scale);
-  refuse_to_overwrite_model(options.model, "--html", options.html);
-  return options;
+  if (!(options.layer_time_s >= 0 && options.layer_time_s <= kLongestLayerS))
+    throw UsageError(
+        fmt::format("--layer-time-s {}: expected 0 to {}", options.layer_time_s, kLongestLayerS));
+  print.layer_time =
+      std::chrono::duration_cast<Duration>(std::chrono::duration<double>(options.layer_time_s));
+  return print;
 }
 
 using Json = nlohmann::ordered_json;
@@ -94,28 +89,25 @@ struct AnalysisSubject {
 };
 
 // Prepares the model in the middle of a display, without a printer's configuration.
-AnalysisSubject subject_alone(const AnalyzeOptions& options) {
+AnalysisSubject subject_alone(const AnalyzeOptions& options, const PrintAlone& print) {
   AnalysisSubject subject;
-  Model model = read_turned_model(options.model, options.up, options.scale);
+  Model model = read_turned_model(options.model, print.up, options.scale);
   std::vector<std::string>& warnings = subject.model.warnings = std::move(model.warnings);
   const auto made = std::make_shared<const HeightIndex>(std::move(model.facets));
   std::ranges::move(mesh_warnings(made->turned_outwards(), made->repairs()), std::back_inserter(warnings));
   const Bounds bounds = made->bounds();
-  SupportedModel supported =
-      options.supports == SupportPolicy::Auto
-          ? support_model(made, {.display = options.display, .layer = options.layer_height})
-          : lay_on_plate(made, PixelMap::true_scale(options.display, bounds.center()));
-  subject.model.layers = PrintLayers(layers_for(supported.model.top(), options.layer_height)).all();
-  subject.layer_durations.assign(subject.model.layers.size(), options.layer_time);
-  subject.model.assumed_layer_time = options.layer_time;
-  subject.model.display = options.display;
-  subject.model.size_x_mm = bounds.size_x();
-  subject.model.size_y_mm = bounds.size_y();
-  subject.model.size_z_mm = bounds.size_z();
-  if (bounds.size_x() > options.display.width_mm() || bounds.size_y() > options.display.height_mm())
+  const DisplayGeometry& display = print.engine.display;
+  SupportedModel supported = options.supports == "auto"
+                                 ? support_model(made, {.display = display, .layer = print.layer_height})
+                                 : lay_on_plate(made, PixelMap::true_scale(display, bounds.center()));
+  subject.model.layers = PrintLayers(layers_for(supported.model.top(), print.layer_height)).all();
+  subject.layer_durations.assign(subject.model.layers.size(), print.layer_time);
+  subject.model.assumed_layer_time = print.layer_time;
+  subject.model.display = display;
+  subject.model.size_mm = {bounds.size_x(), bounds.size_y(), bounds.size_z()};
+  if (bounds.size_x() > display.width_mm() || bounds.size_y() > display.height_mm())
     warnings.emplace_back("the model is larger than the display: parts outside are not counted");
-  subject.engine = std::make_unique<ContourEngine>(
-      supported.engine(EngineSettings{options.display, options.anti_aliasing}));
+  subject.engine = std::make_unique<ContourEngine>(supported.engine(print.engine));
   subject.model.supports = std::move(supported.supports);
   if (subject.model.supports) {
     if (std::string unheld = unheld_sentence(subject.model.supports->unheld); !unheld.empty())
@@ -129,8 +121,11 @@ AnalysisSubject subject_of_printer(const AnalyzeOptions& options) {
   const PrinterConfig printer = load_printer_config(*options.printer, Places::Elsewhere);
   // Reads the model first, so that a bad file gives the same message as with other commands.
   (void)read_model(options.model);
-  PreparedJob job = prepare_model({options.model.stem().string(), options.model, options.ticket}, printer,
-                                  {options.supports, options.scale});
+  AskedOfJob asked{.supports = {}, .scale = options.scale};
+  if (options.supports)
+    asked.supports = *options.supports == "auto" ? SupportPolicy::Auto : SupportPolicy::Off;
+  PreparedJob job =
+      prepare_model({options.model.stem().string(), options.model, options.ticket}, printer, asked);
   AnalysisSubject subject;
   const PrintPlan& plan = job.plan;
   subject.layer_durations = layer_durations(plan, printer);
@@ -140,9 +135,8 @@ AnalysisSubject subject_of_printer(const AnalyzeOptions& options) {
   subject.model.display = job.display;
   subject.model.supports = std::move(job.summary.supports);
   subject.analysis = job.analysis;
-  subject.model.size_x_mm = job.summary.models.front().size_x_mm;
-  subject.model.size_y_mm = job.summary.models.front().size_y_mm;
-  subject.model.size_z_mm = job.summary.models.front().size_z_mm;
+  const ModelSummary& model = job.summary.models.front();
+  subject.model.size_mm = {model.size_x_mm, model.size_y_mm, model.size_z_mm};
   return subject;
 }
 
@@ -185,8 +179,8 @@ AnalyzedModel analyze(AnalysisSubject subject, bool with_picture) {
 
 void print_findings(const AnalyzedModel& m) {
   const PrintFindings& found = m.findings;
-  fmt::print("facets        {}\nsize          {:.6g} x {:.6g} x {:.6g} mm\n", m.facets, m.size_x_mm,
-             m.size_y_mm, m.size_z_mm);
+  fmt::print("facets        {}\nsize          {:.6g} x {:.6g} x {:.6g} mm\n", m.facets, m.size_mm[0],
+             m.size_mm[1], m.size_mm[2]);
   fmt::print("layers        {}\n", layers_text(m.layers));
   fmt::print("layer time    {}\n", layer_time_text(m));
   fmt::print("resin         {:.3f} ml\n", found.resin_ml());
@@ -206,7 +200,7 @@ void print_findings(const AnalyzedModel& m) {
 }
 
 void print_json(const AnalyzedModel& m) {
-  Json json{{"facets", m.facets}, {"size_mm", {m.size_x_mm, m.size_y_mm, m.size_z_mm}}};
+  Json json{{"facets", m.facets}, {"size_mm", m.size_mm}};
   const auto [thinnest, thickest] = std::minmax_element(m.layers.begin(), m.layers.end());
   json["layer_height_um"] = m.layers.empty() ? 0.0 : to_millimeters(*thinnest).count() * 1000;
   json["layer_height_max_um"] = m.layers.empty() ? 0.0 : to_millimeters(*thickest).count() * 1000;
@@ -221,7 +215,10 @@ void print_json(const AnalyzedModel& m) {
 }
 
 int analyze(const AnalyzeOptions& options) {
-  AnalysisSubject subject = options.printer ? subject_of_printer(options) : subject_alone(options);
+  const PrintAlone alone = parse_alone(options);
+  check_scale(options.scale);
+  refuse_to_overwrite_model(options.model, "--html", options.html);
+  AnalysisSubject subject = options.printer ? subject_of_printer(options) : subject_alone(options, alone);
   subject.model.name = options.model.filename().string();
   const AnalyzedModel model = analyze(std::move(subject), options.html.has_value());
   if (options.html) write_text(*options.html, analysis_page(model));
@@ -237,26 +234,27 @@ int analyze(const AnalyzeOptions& options) {
 
 void add_analyze(Command& program) {
   Command& command = program.add("analyze", "Forecast a whole print: resin, areas, islands, times");
-  auto& args = command.arguments<AnalyzeArgs>();
-  AnalyzeOptions& options = args.options;
+  auto& options = command.arguments<AnalyzeOptions>();
   command.option("MODEL", options.model, "Model file").required().allow_empty();
   command.option("--json", options.json, "Print JSON");
   command.option("--html", options.html, "Write a page with plots and a picture");
   const Option& printer = command.option("--printer", options.printer, kLikePrinterHelp);
   command.option("--ticket", options.ticket, "Ticket of the job").needs(printer);
   command
-      .option("--supports", args.supports, "Generate supports: auto or off (default: as configured, or off)")
+      .option("--supports", options.supports,
+              "Generate supports: auto or off (default: as configured, or off)")
       .one_of({"auto", "off"});
   command.option("--scale", options.scale, kScaleHelp);
-  command.option("--up", args.up, kUpHelp).suggests(up_presets).excludes(printer);
-  command.option("--layer-height-um", args.layer_height_um, "Layer height, um").excludes(printer);
-  command.option("--layer-time-s", args.layer_time_s, "Time that the printer needs per layer, s")
+  command.option("--up", options.up, kUpHelp).suggests(up_presets).excludes(printer);
+  command.option("--layer-height-um", options.layer_height_um, "Layer height, um").excludes(printer);
+  command.option("--layer-time-s", options.layer_time_s, "Time that the printer needs per layer, s")
       .excludes(printer);
-  command.option("--display", args.display.display, "Display size in pixels, WIDTHxHEIGHT").excludes(printer);
-  command.option("--pixel-pitch-um", args.display.pixel_pitch_um, "Side of a pixel on the plate, um")
+  command.option("--display", options.display.display, "Display size in pixels, WIDTHxHEIGHT")
       .excludes(printer);
-  command.option("--aa", args.anti_aliasing, kAntiAliasingHelp).one_of({"on", "off"}).excludes(printer);
-  command.run = [&args] { return analyze(parse_analyze(args)); };
+  command.option("--pixel-pitch-um", options.display.pixel_pitch_um, "Side of a pixel on the plate, um")
+      .excludes(printer);
+  command.option("--aa", options.anti_aliasing, kAntiAliasingHelp).one_of({"on", "off"}).excludes(printer);
+  command.run = [&options] { return analyze(options); };
 }
 
 }  // namespace contourd::ctl

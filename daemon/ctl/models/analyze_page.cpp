@@ -34,36 +34,32 @@ h2 small { font-weight: 400; opacity: .7; font-size: .85em; margin-left: .4em; }
 // Limit of rows in each table of islands, suction cups and resin traps: the largest are listed.
 constexpr std::size_t kMaxRows = 50;
 
-std::string row(const std::string& name, const std::string& value) {
-  return fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, escaped(value));
-}
-
 std::string facts(const AnalyzedModel& m) {
   const PrintFindings& found = m.findings;
   std::string rows;
-  rows += row("Model", fmt::format("{} facets, {:.2f} x {:.2f} x {:.2f} mm", m.facets, m.size_x_mm,
-                                   m.size_y_mm, m.size_z_mm));
-  rows += row("Layers", layers_text(m.layers));
-  rows += row("Time of the layers", layer_time_text(m));
-  rows += row("Resin", fmt::format("{:.2f} ml", found.resin_ml()));
-  if (m.supports) rows += row("Supports", supports_line(counts_of(*m.supports)));
-  rows += row("Largest area",
-              fmt::format("{:.2f} mm2, layer {}", found.largest_area_mm2, found.largest_area_layer + 1));
-  rows += row("Islands", std::to_string(found.island_count));
-  rows += row("Suction cups", std::to_string(found.suction_cup_count));
-  rows += row("Resin traps", std::to_string(found.resin_trap_count));
-  rows += row("Empty layers", std::to_string(found.empty_layers.size()));
-  rows +=
-      row("Cracks",
-          found.cracked_layers.empty()
-              ? "none"
-              : fmt::format("{} gaps closed, {} open and {} turned chains on {} layers, the widest {:.3f} mm",
-                            found.cracks.gaps_closed, found.cracks.open_chains, found.cracks.turned_chains,
-                            found.cracked_layers.size(), found.cracks.widest_gap.count()));
+  rows += table_row("Model", fmt::format("{} facets, {:.2f} x {:.2f} x {:.2f} mm", m.facets, m.size_mm[0],
+                                         m.size_mm[1], m.size_mm[2]));
+  rows += table_row("Layers", layers_text(m.layers));
+  rows += table_row("Time of the layers", layer_time_text(m));
+  rows += table_row("Resin", fmt::format("{:.2f} ml", found.resin_ml()));
+  if (m.supports) rows += table_row("Supports", supports_line(counts_of(*m.supports)));
+  rows += table_row("Largest area", fmt::format("{:.2f} mm2, layer {}", found.largest_area_mm2,
+                                                found.largest_area_layer + 1));
+  rows += table_row("Islands", std::to_string(found.island_count));
+  rows += table_row("Suction cups", std::to_string(found.suction_cup_count));
+  rows += table_row("Resin traps", std::to_string(found.resin_trap_count));
+  rows += table_row("Empty layers", std::to_string(found.empty_layers.size()));
+  rows += table_row(
+      "Cracks",
+      found.cracked_layers.empty()
+          ? "none"
+          : fmt::format("{} gaps closed, {} open and {} turned chains on {} layers, the widest {:.3f} mm",
+                        found.cracks.gaps_closed, found.cracks.open_chains, found.cracks.turned_chains,
+                        found.cracked_layers.size(), found.cracks.widest_gap.count()));
   for (const std::string& warning : m.warnings)
-    rows += row("Warning", warning);
+    rows += table_row("Warning", warning);
   for (const std::string& warning : warnings_about(found))
-    rows += row("Warning", warning);
+    rows += table_row("Warning", warning);
   return rows;
 }
 
@@ -75,20 +71,31 @@ double height_mm(const AnalyzedModel& m, std::int32_t layer) {
 // Returns the islands, the largest first.
 std::vector<Island> islands_by_size(const AnalyzedModel& m) {
   std::vector<Island> islands = m.findings.islands;
-  std::ranges::stable_sort(islands, [](const Island& a, const Island& b) { return a.area_mm2 > b.area_mm2; });
+  std::ranges::stable_sort(islands, std::ranges::greater{}, &Island::area_mm2);
   return islands;
+}
+
+// The beginning of a table of places, of which only the largest are listed.
+struct PlacesTable {
+  const char *title, *id, *columns;
+  std::size_t shown;
+  std::uint64_t count;
+};
+
+std::string start_of(const PlacesTable& table) {
+  return fmt::format(
+      "<h2>{}{}</h2>\n<table class=\"figures places\" id=\"{}\">\n<tr>{}</tr>\n", table.title,
+      table.shown < table.count ? fmt::format(", the largest {} of {}", table.shown, table.count) : "",
+      table.id, table.columns);
 }
 
 std::string island_table(const AnalyzedModel& m) {
   if (m.findings.islands.empty()) return "";
   const std::vector<Island> islands = islands_by_size(m);
   const std::size_t shown = std::min(islands.size(), kMaxRows);
-  std::string table = fmt::format(
-      "<h2>Islands{}</h2>\n<table class=\"figures places\" id=\"islands\">\n<tr><th>layer</th><th>height "
-      "mm</th><th>x "
-      "mm</th><th>y mm</th><th>area mm²</th></tr>\n",
-      shown < m.findings.island_count ? fmt::format(", the largest {} of {}", shown, m.findings.island_count)
-                                      : "");
+  std::string table = start_of({"Islands", "islands",
+                                "<th>layer</th><th>height mm</th><th>x mm</th><th>y mm</th><th>area mm²</th>",
+                                shown, m.findings.island_count});
   for (std::size_t i = 0; i < shown; ++i) {
     table += fmt::format(
         "<tr><td><a href=\"#mark-{}\">{}</a></td><td>{:.3f}</td><td>{:.2f}</td><td>{:.2f}</td>"
@@ -123,11 +130,10 @@ std::vector<VoidsShown> voids_shown(const AnalyzedModel& m) {
 std::string void_table(const AnalyzedModel& m, const VoidsShown& kind) {
   if (kind.voids.empty()) return "";
   const std::size_t shown = std::min(kind.voids.size(), kMaxRows);
-  std::string table = fmt::format(
-      "<h2>{}{}</h2>\n<table class=\"figures places\" id=\"{}\">\n<tr><th>layers</th><th>widest "
-      "mm</th><th>x mm</th><th>y mm</th><th>area mm²</th><th>volume mm³</th></tr>\n",
-      kind.title, shown < kind.count ? fmt::format(", the largest {} of {}", shown, kind.count) : "",
-      kind.id);
+  std::string table = start_of({kind.title, kind.id,
+                                "<th>layers</th><th>widest mm</th><th>x mm</th><th>y mm</th><th>area mm²</th>"
+                                "<th>volume mm³</th>",
+                                shown, kind.count});
   for (std::size_t i = 0; i < shown; ++i) {
     const PrintVoid& each = kind.voids[i];
     table += fmt::format(
@@ -139,40 +145,30 @@ std::string void_table(const AnalyzedModel& m, const VoidsShown& kind) {
   return table + "</table>\n";
 }
 
-std::string void_tables(const AnalyzedModel& m) {
-  std::string tables;
-  for (const VoidsShown& kind : voids_shown(m))
-    tables += void_table(m, kind);
-  return tables;
-}
-
+// Returns a plot of a value of the layers. The title has mean and standard deviation (thesis, tables 4.1 to
+// 4.4 and 4.6).
 template <typename Value>
-std::string plot_of(const AnalyzedModel& m, const std::string& title, Value&& value) {
+std::string plot_of(const AnalyzedModel& m, const char* name, const MeanAndDeviation& v, Value value) {
   std::vector<PlotPoint> points;
-  for (std::size_t i = 0; i < m.measurements.size(); ++i)
-    points.push_back({m.measurements[i].z.count(), static_cast<double>(value(i))});
-  return "<div>" + svg_plot(title, points) + "</div>\n";
-}
-
-// Returns a plot's title with mean and standard deviation (thesis, tables 4.1 to 4.4 and 4.6).
-std::string titled(const char* name, const MeanAndDeviation& v) {
-  return fmt::format("{} <small>mean {:.4g}, SD {:.4g}</small>", name, v.mean, v.deviation);
+  for (const LayerMeasurement& layer : m.measurements)
+    points.push_back({layer.z.count(), static_cast<double>(std::invoke(value, layer))});
+  return "<div>" +
+         svg_plot(fmt::format("{} <small>mean {:.4g}, SD {:.4g}</small>", name, v.mean, v.deviation),
+                  points) +
+         "</div>\n";
 }
 
 std::string plots(const AnalyzedModel& m) {
   const LayerStatistics& s = m.statistics;
-  const auto& layers = m.measurements;
-  return plot_of(m, titled("Slicing time, ms", s.slicing_ms),
-                 [&](std::size_t i) { return layers[i].slicing_ms; }) +
-         plot_of(m, titled("Contour time, ms", s.contour_ms),
-                 [&](std::size_t i) { return layers[i].contour_ms; }) +
-         plot_of(m, titled("Total time, ms", s.total_ms),
-                 [&](std::size_t i) { return layers[i].total_ms(); }) +
-         plot_of(m, titled("Intersecting facets", s.intersecting_facets),
-                 [&](std::size_t i) { return layers[i].intersecting_facets; }) +
-         plot_of(m, titled("Contour loops", s.loop_count),
-                 [&](std::size_t i) { return layers[i].loop_count; }) +
-         plot_of(m, "Exposed area, mm²", [&](std::size_t i) { return m.findings.area_mm2[i]; });
+  std::vector<PlotPoint> areas;
+  for (std::size_t i = 0; i < m.measurements.size(); ++i)
+    areas.push_back({m.measurements[i].z.count(), m.findings.area_mm2[i]});
+  return plot_of(m, "Slicing time, ms", s.slicing_ms, &LayerMeasurement::slicing_ms) +
+         plot_of(m, "Contour time, ms", s.contour_ms, &LayerMeasurement::contour_ms) +
+         plot_of(m, "Total time, ms", s.total_ms, &LayerMeasurement::total_ms) +
+         plot_of(m, "Intersecting facets", s.intersecting_facets, &LayerMeasurement::intersecting_facets) +
+         plot_of(m, "Contour loops", s.loop_count, &LayerMeasurement::loop_count) + "<div>" +
+         svg_plot("Exposed area, mm²", areas) + "</div>\n";
 }
 
 std::string correlations(const AnalyzedModel& m) {
@@ -233,15 +229,18 @@ std::string layer_time_text(const AnalyzedModel& model) {
 
 std::string analysis_page(const AnalyzedModel& model) {
   const std::string name = escaped(model.name);
+  std::string tables = island_table(model);
+  for (const VoidsShown& kind : voids_shown(model))
+    tables += void_table(model, kind);
   return page_start(name + ": analysis", kAnalysisStyle) +
          fmt::format("<h1>{}</h1>\n<div class=\"summary\">{}</div>\n", name,
                      escaped(findings_line(model.findings))) +
          marked_picture(model) +
          fmt::format(
              "<div class=\"columns\">\n<div>\n<h2>The print</h2>\n<table>\n{}</table>\n</div>\n<div>\n"
-             "<h2>Normalized correlation</h2>\n<table class=\"figures\">\n{}</table>\n{}{}</div>\n</div>\n"
+             "<h2>Normalized correlation</h2>\n<table class=\"figures\">\n{}</table>\n{}</div>\n</div>\n"
              "<div class=\"plots\">\n{}</div>\n</html>\n",
-             facts(model), correlations(model), island_table(model), void_tables(model), plots(model));
+             facts(model), correlations(model), tables, plots(model));
 }
 
 }  // namespace contourd::ctl

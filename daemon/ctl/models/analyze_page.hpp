@@ -2,6 +2,7 @@
 // thesis's plots and correlations. One self-contained file. Thread-safe.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,7 +18,7 @@ namespace contourd::ctl {
 struct AnalyzedModel {
   std::string name;
   std::size_t facets = 0;
-  double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;  // as printed
+  std::array<double, 3> size_mm{};  // as printed
   DisplayGeometry display;
   std::optional<Supports> supports;            // nullopt: not wanted
   std::vector<Nanometers> layers;              // thicknesses, from the plate up

@@ -16,7 +16,6 @@
 
 #include "core/contour/filled_area.hpp"
 #include "core/engine/contour_engine.hpp"
-#include "core/formats/model_reader.hpp"
 #include "core/layers/adaptive_layers.hpp"
 #include "core/layers/layer_statistics.hpp"
 #include "core/layers/print_layers.hpp"
@@ -26,6 +25,7 @@
 #include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/prepare/mesh_repair_text.hpp"
+#include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/system/readable.hpp"
 #include "hw/png_file.hpp"
@@ -130,16 +130,12 @@ SliceOptions parse_slice(const SliceArgs& args) {
     if (!std::isfinite(*args.z_mm))
       throw UsageError(fmt::format("--z {}: expected a finite number", *args.z_mm));
     options.z = Millimeters{*args.z_mm};
-    if (options.masks || options.csv || options.contours) {
+    if (options.masks || options.csv || options.contours)
       throw UsageError("--masks, --csv and --contours need --layer-height-um or --cusp-um");
-    }
-    if (options.force) throw UsageError("--force needs --masks or --contours");
-    check_corrections_go_with_masks(options);
-    return options;
   }
   if (options.force && !options.masks && !options.contours)
     throw UsageError("--force needs --masks or --contours");
-  if (options.mask) throw UsageError("--mask needs --z");
+  if (options.mask && !args.z_mm) throw UsageError("--mask needs --z");
   if (args.layer_height_um) options.layer_height = parse_um("--layer-height-um", *args.layer_height_um, 1);
   if (args.cusp_um) options.adaptive = parse_adaptive(args);
   check_corrections_go_with_masks(options);
@@ -192,13 +188,6 @@ void warn_if_beside_model(Millimeters z, const Bounds& bounds) {
       stderr,
       "contourctl: warning: z is {:.6g} mm, but the model is from {:.6g} to {:.6g} mm: nothing is cut\n",
       z.count(), bounds.min_z, bounds.max_z);
-}
-
-Json cracks_json(const LayerCracks& cracks) {
-  return {{"open_chains", cracks.open_chains},
-          {"turned_chains", cracks.turned_chains},
-          {"gaps_closed", cracks.gaps_closed},
-          {"widest_gap_mm", cracks.widest_gap.count()}};
 }
 
 // Adds the supports of the whole print, if there are any.

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <ranges>
 #include <string>
 #include <utility>
 #include <vector>
@@ -93,15 +93,14 @@ void print_text(const SupportedModel& supported) {
   const SupportCounts counts = counts_of(supports);
   fmt::print("supports   {}\n", supports_line(counts));
   fmt::print("lift       {:.6g} mm\n", to_millimeters(supported.model.elevation.above_plate()).count());
-  for (std::size_t i = 0; i < std::min(kMostLines, supports.contacts.size()); ++i) {
-    const SupportContact& contact = supports.contacts[i];
+  for (const SupportContact& contact : supports.contacts | std::views::take(kMostLines)) {
     fmt::print("{:<10} at {:.2f}, {:.2f} mm, {:.2f} mm above the plate, holds {:.3g} mm2\n",
                name_of(contact.cause), contact.place.x, contact.place.y, contact.place.z, contact.load_mm2);
   }
   if (supports.contacts.size() > kMostLines)
     fmt::print("and {} more contacts; --json has all\n", supports.contacts.size() - kMostLines);
-  for (std::size_t i = 0; i < std::min(kMostLines, supports.unheld.size()); ++i)
-    fmt::print("not held   {}\n", unheld_text(supports.unheld[i]));
+  for (const UnheldPlace& place : supports.unheld | std::views::take(kMostLines))
+    fmt::print("not held   {}\n", unheld_text(place));
   if (supports.unheld.size() > kMostLines)
     fmt::print("and {} more places that are not held\n", supports.unheld.size() - kMostLines);
 }
