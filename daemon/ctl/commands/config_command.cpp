@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <ranges>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -24,11 +25,6 @@
 
 namespace contourd::ctl {
 namespace {
-
-struct ConfigOptions {
-  std::filesystem::path file = kDefaultConfig;
-  std::string format = "printer";  // for config_schema(): one of config_formats()
-};
 
 using Pointer = nlohmann::json::json_pointer;
 
@@ -97,57 +93,57 @@ void print_differences(const nlohmann::json& value, const Pointer& place) {
              by_default != nullptr ? " (default " + value_text(*by_default) + ")" : "");
 }
 
-int config_check(const ConfigOptions& options) {
-  return report_mistakes([&] { check_config(options.file); });
+int config_check(const std::filesystem::path& file) {
+  return report_mistakes([&] { check_config(file); });
 }
 
-int config_show(const ConfigOptions& options) {
+int config_show(const std::filesystem::path& file) {
   return report_mistakes([&] {
     // Escaped to ASCII: no control sequence of the file reaches the terminal.
-    fmt::print("{}\n", Documents(options.file).effective.value().dump(2, ' ', true));
+    fmt::print("{}\n", Documents(file).effective.value().dump(2, ' ', true));
   });
 }
 
-int config_diff(const ConfigOptions& options) {
+int config_diff(const std::filesystem::path& file) {
   return report_mistakes([&] {
-    nlohmann::json written = Documents(options.file).written;
+    nlohmann::json written = Documents(file).written;
     written.erase("$schema");
     print_differences(written, Pointer());
   });
 }
 
-int config_schema(const ConfigOptions& options) {
-  const auto schema = schemas().find(options.format);
+int config_schema(const std::string& format) {
+  const auto schema = schemas().find(format);
   expects(schema != schemas().end(), "the format is one of config_formats()");
   fmt::print("{}", schema->second);
   return kOk;
 }
 
 std::vector<std::string> config_formats() {
-  std::vector<std::string> names;
-  for (const auto& [name, text] : schemas())
-    names.push_back(name);
-  return names;
+  const auto names = std::views::keys(schemas());
+  return {names.begin(), names.end()};
 }
 
 }  // namespace
 
 void add_config(Command& program) {
   Command& config = program.add("config", "Check and show the printer's configuration");
-  const auto add = [&config](const char* name, const char* help, int (*call)(const ConfigOptions&)) {
+  const auto add = [&config](const char* name, const char* help, int (*call)(const std::filesystem::path&)) {
     Command& command = config.add(name, help);
-    auto& options = command.arguments<ConfigOptions>();
-    command.option("FILE", options.file, "Configuration file");
-    command.run = [&options, call] { return call(options); };
+    auto& file = command.arguments<std::filesystem::path>();
+    file = kDefaultConfig;
+    command.option("FILE", file, "Configuration file");
+    command.run = [&file, call] { return call(file); };
   };
   add("check", "List the configuration's mistakes, like contourd --check-config", config_check);
   add("show", "Print the configuration with all defaults, as JSON", config_show);
   add("diff", "Print the values that differ from their defaults", config_diff);
   Command& schema = config.add("schema", "Print the JSON schema of a file format");
-  auto& options = schema.arguments<ConfigOptions>();
-  schema.option("FORMAT", options.format, "File format: printer, resin, projector, ticket or plate")
+  auto& format = schema.arguments<std::string>();
+  format = "printer";
+  schema.option("FORMAT", format, "File format: printer, resin, projector, ticket or plate")
       .one_of(config_formats());
-  schema.run = [&options] { return config_schema(options); };
+  schema.run = [&format] { return config_schema(format); };
 }
 
 }  // namespace contourd::ctl

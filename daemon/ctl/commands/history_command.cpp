@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <ctime>
 #include <string>
@@ -169,10 +170,6 @@ void print_csv(const Json& jobs) {
   }
 }
 
-std::string counted(int number, std::string_view what) {
-  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
-}
-
 // Returns " of 300" for a limit of 300, or an empty text if there is no limit.
 std::string limit_of(const Json& part, const char* key) {
   return part[key].is_number() ? fmt::format(" of {:.10g}", part[key].get<double>()) : "";
@@ -183,10 +180,10 @@ void print_part(const Json& part) {
   const std::string since = part["replaced"].is_string()
                                 ? "since " + local_time(part["replaced"].get<std::string>())
                                 : "since the history began";
-  const auto used = [&part](const char* key, const char* limit, std::string_view what) {
-    const int number = part.value(key, 0);
-    return part[limit].is_number() ? fmt::format("{}{} {}s", number, limit_of(part, limit), what)
-                                   : counted(number, what);
+  const auto used = [&part](const char* key, const char* limit, const char* one) {
+    const auto number = part.value(key, std::uint64_t{0});
+    return part[limit].is_number() ? fmt::format("{}{} {}", number, limit_of(part, limit), key)
+                                   : count_of(number, one, key);
   };
   print_wrapped(
       fmt::format("{:<10}", printable(part.value("part", "")) + " use"),
@@ -218,10 +215,11 @@ void print_usage(const Json& usage) {
              usage.value("jobs", 0), usage.value("layers", 0), usage.value("lamp_h", 0.0),
              usage.value("resin_ml", 0.0));
   for (const Json& each : usage["resins"])
-    print_wrapped("          ",
-                  fmt::format("{:.2f} ml of {}: {}, {}, {:.2f} h lit", each.value("resin_ml", 0.0),
-                              printable(each.value("resin", "")), counted(each.value("jobs", 0), "job"),
-                              counted(each.value("layers", 0), "layer"), each.value("lamp_h", 0.0)));
+    print_wrapped(
+        "          ",
+        fmt::format("{:.2f} ml of {}: {}, {}, {:.2f} h lit", each.value("resin_ml", 0.0),
+                    printable(each.value("resin", "")), count_of(each.value("jobs", 0U), "job", "jobs"),
+                    count_of(each.value("layers", 0U), "layer", "layers"), each.value("lamp_h", 0.0)));
   for (const Json& part : usage["parts"])
     print_part(part);
   for (const Json& part : usage["parts"])

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "daemon/client/control_defaults.hpp"
 #include "daemon/client/daemon_connection.hpp"
@@ -24,10 +25,6 @@
 namespace contourd::ctl {
 namespace {
 
-struct LevelOptions {
-  std::filesystem::path config = kDefaultConfig;
-};
-
 using Json = DaemonConnection::Json;
 
 constexpr double kClearance_mm = 20;  // room for hands between plate and film
@@ -38,8 +35,8 @@ constexpr double kSame_mm = 0.02;
 
 class Level {
  public:
-  Level(const ClientOptions& client, const LevelOptions& options)
-      : client_(client), file_(options.config), config_(load_printer_config(file_)) {}
+  Level(const ClientOptions& client, std::filesystem::path config)
+      : client_(client), file_(std::move(config)), config_(load_printer_config(file_)) {}
 
   int run() {
     if (::access(std::filesystem::canonical(file_).parent_path().c_str(), W_OK) != 0)
@@ -147,19 +144,16 @@ class Level {
   Dialog dialog_;
 };
 
-int level(const ClientOptions& client, const LevelOptions& options) {
-  return Level(client, options).run();
-}
-
 }  // namespace
 
 void add_level(Command& program) {
   Command& command =
       program.add("level", "Level the plate, step by step, and store the limit switch's height");
-  auto& options = command.arguments<LevelOptions>();
-  command.option("--config", options.config, "Configuration of the printer");
+  auto& config = command.arguments<std::filesystem::path>();
+  config = kDefaultConfig;
+  command.option("--config", config, "Configuration of the printer");
   const ClientOptions& client = add_socket_option(command);
-  command.run = [&client, &options] { return level(client, options); };
+  command.run = [&client, &config] { return Level(client, config).run(); };
 }
 
 }  // namespace contourd::ctl

@@ -19,7 +19,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/formats/model_reader.hpp"
 #include "core/image/test_pattern.hpp"
 #include "daemon/client/control_defaults.hpp"
 #include "daemon/client/daemon_connection.hpp"
@@ -62,6 +61,27 @@ std::string with_options(std::string sentence) {
 }
 
 enum Question { kWatch = 1, kRequest, kUpload };
+
+// Prints the part of the status that concerns manual control.
+void print_manual(const Json& status) {
+  const Json& manual = status["manual"];
+  if (manual["height_mm"].is_number())
+    fmt::print("height    {:.3f} mm\n", manual["height_mm"].get<double>());
+  else
+    fmt::print("height    unknown\n");
+  if (manual.value("homing_shift_um", Json()).is_number())
+    fmt::print("switch    {}\n", describe_homing_shift(manual["homing_shift_um"].get<double>()));
+  if (const std::string picture = text_of(manual, "picture"); !picture.empty())
+    fmt::print("picture   {}\n", picture);
+  if (!manual["projector"].is_object()) return;
+  const Json& projector = manual["projector"];
+  const auto& powered = projector["powered"];
+  fmt::print("projector {}\n", !powered.is_boolean() ? "cannot be asked"
+                               : powered.get<bool>() ? "on"
+                                                     : "off");
+  if (projector["lamp_hours"].is_number())
+    fmt::print("lamp      {} h\n", projector["lamp_hours"].get<std::int64_t>());
+}
 
 // The progress of one request, followed message by message.
 class Operation {
@@ -341,26 +361,6 @@ int control_by_hand(const ClientOptions& options, const Request& request, WaitFo
 std::string describe_homing_shift(double shift_um) {
   return fmt::format("found {:.1f} um {} than at the previous homing", std::abs(shift_um),
                      shift_um < 0 ? "lower" : "higher");
-}
-
-void print_manual(const Json& status) {
-  const Json& manual = status["manual"];
-  if (manual["height_mm"].is_number())
-    fmt::print("height    {:.3f} mm\n", manual["height_mm"].get<double>());
-  else
-    fmt::print("height    unknown\n");
-  if (manual.value("homing_shift_um", Json()).is_number())
-    fmt::print("switch    {}\n", describe_homing_shift(manual["homing_shift_um"].get<double>()));
-  if (const std::string picture = text_of(manual, "picture"); !picture.empty())
-    fmt::print("picture   {}\n", picture);
-  if (!manual["projector"].is_object()) return;
-  const Json& projector = manual["projector"];
-  const auto& powered = projector["powered"];
-  fmt::print("projector {}\n", !powered.is_boolean() ? "cannot be asked"
-                               : powered.get<bool>() ? "on"
-                                                     : "off");
-  if (projector["lamp_hours"].is_number())
-    fmt::print("lamp      {} h\n", projector["lamp_hours"].get<std::int64_t>());
 }
 
 void add_manual(Command& program) {

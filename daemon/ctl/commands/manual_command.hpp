@@ -23,7 +23,4 @@ int control_by_hand(const ClientOptions& options, const Request& request, WaitFo
 // Returns "found 1.3 um higher than at the previous homing".
 std::string describe_homing_shift(double shift_um);
 
-// Prints the part of the status that concerns manual control.
-void print_manual(const nlohmann::ordered_json& status);
-
 }  // namespace contourd::ctl

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <limits>
 #include <optional>
@@ -18,7 +20,6 @@
 #include "daemon/ctl/models/layer_measurements.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/read_model.hpp"
-#include "daemon/ctl/models/spooled_job.hpp"
 #include "daemon/ctl/terminal/client.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/picture_output.hpp"
@@ -26,6 +27,7 @@
 #include "daemon/json/config_error.hpp"
 #include "daemon/prepare/job_content.hpp"
 #include "daemon/report/job_picture.hpp"
+#include "daemon/spool/spool_folders.hpp"
 #include "daemon/system/memory_room.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -44,13 +46,93 @@ struct PreviewOptions {
 
 namespace fs = std::filesystem;
 
+// --- jobs of the spool
+
+struct SpooledJob {
+  JobFiles files;
+  SpoolFolder folder{};
+  // Other folders with a job of this name.
+  std::vector<SpoolFolder> others{};
+};
+
+constexpr std::array kFolders{SpoolFolder::Incoming, SpoolFolder::Printing, SpoolFolder::Done,
+                              SpoolFolder::Failed};
+// Kinds of names, in the order in which they are tried.
+enum class NameKind { File, Name, Readable };
+constexpr std::array kNameKinds{NameKind::File, NameKind::Name, NameKind::Readable};
+// Limit of jobs that a message names.
+constexpr std::size_t kMostNamed = 5;
+
+// Returns "incoming" and so on.
+std::string name_of(SpoolFolder folder) {
+  return SpoolFolders("").path(folder).string();
+}
+
+bool is_called(const std::string& file, const std::string& name, NameKind kind) {
+  switch (kind) {
+    case NameKind::File:
+      return file == name;
+    case NameKind::Name:
+      return job_name_of(file) == name;
+    case NameKind::Readable:
+      return printable(file) == name || printable(job_name_of(file)) == name;
+  }
+  return false;
+}
+
+// Returns the files and folders in `folder` that may be jobs and have this name.
+std::vector<std::string> found_in(const SpoolFolders& spool, SpoolFolder folder, const std::string& name,
+                                  NameKind kind) {
+  std::vector<std::string> found;
+  std::error_code code;
+  fs::directory_iterator entry(spool.path(folder), code), end;
+  for (; !code && entry != end; entry.increment(code)) {
+    const std::string file = entry->path().filename().string();
+    if (is_called(file, name, kind) && (is_model_name(file) || spool.is_plate(folder, file)))
+      found.push_back(file);
+  }
+  if (code) throw std::system_error(code, "cannot read " + spool.path(folder).string());
+  std::ranges::sort(found);
+  return found;
+}
+
+[[noreturn]] void refuse_many(const std::string& name, SpoolFolder folder,
+                              const std::vector<std::string>& found) {
+  std::string files;
+  for (std::size_t i = 0; i < std::min(found.size(), kMostNamed); ++i)
+    files += (i == 0 ? "" : ", ") + in_quotes(found[i]);
+  throw UsageError(
+      fmt::format("more than one job in {} is called {}: {}", name_of(folder), in_quotes(name), files));
+}
+
+// Finds a job by its name, its file's name, or the printable form of either; a waiting or printing job comes
+// before others. The job may be moved at any time. Returns nullopt if there is none. Throws UsageError if the
+// name fits several jobs of a folder, and std::system_error if there is no spool or a folder cannot be read.
+std::optional<SpooledJob> find_job(const SpoolFolders& spool, const std::string& name) {
+  for (const NameKind kind : kNameKinds) {
+    std::optional<SpooledJob> job;
+    for (const SpoolFolder folder : kFolders) {
+      const std::vector<std::string> found = found_in(spool, folder, name, kind);
+      if (found.empty()) continue;
+      if (job) {
+        job->others.push_back(folder);
+        continue;
+      }
+      if (found.size() > 1) refuse_many(name, folder, found);
+      job = SpooledJob{spool.files_of(folder, found.front()), folder};
+    }
+    if (job) return job;
+  }
+  return std::nullopt;
+}
+
+// --- the subject
+
 struct PreviewSubject {
   JobFiles files;
   std::string title;  // printable
   bool spooled = false;
 };
-
-// --- the subject
 
 bool is_there(const fs::path& path) {
   std::error_code code;

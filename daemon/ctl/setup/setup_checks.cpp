@@ -14,7 +14,6 @@
 #include "daemon/ctl/commands/manual_command.hpp"
 #include "daemon/ctl/setup/setup_daemon.hpp"
 #include "daemon/ctl/setup/setup_questions.hpp"
-#include "daemon/ctl/terminal/exit_codes.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -180,7 +179,7 @@ class Checks {
   // Prints the shift of the switch, from the steps counted between both homings. Returns false if the shift
   // is too large for a working axis.
   bool print_shift() {
-    const std::optional<double> shift = daemon_.homing_shift_um();
+    const std::optional<double> shift = daemon_.by_hand("homing_shift_um");
     if (!shift) return true;
     constexpr double kLayer_um = 50;  // usual layer height
     dialog_.say(fmt::format("The switch was {}.", describe_homing_shift(*shift)));
@@ -194,7 +193,7 @@ class Checks {
 
   // Moves the plate by a quarter of its travel, because the length of its steps is not known yet.
   bool check_steps() {
-    if (!daemon_.height_mm()) {
+    if (!daemon_.by_hand("height_mm")) {
       dialog_.say("The plate's position is unknown: home it first.");
       return false;
     }

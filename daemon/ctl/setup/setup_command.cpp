@@ -1,6 +1,7 @@
 #include "daemon/ctl/setup/setup_command.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,7 +12,6 @@
 #include <optional>
 #include <string>
 #include <system_error>
-#include <utility>
 #include <vector>
 
 #include "daemon/client/control_defaults.hpp"
@@ -28,7 +28,6 @@
 #include "daemon/json/config_error.hpp"
 #include "daemon/json/profile_file.hpp"
 #include "daemon/system/durable_file.hpp"
-#include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -203,51 +202,41 @@ class Setup {
     }
     for (const auto& [key, answer] : given)
       record_.answers[key] = answer;
-    given_ = std::move(given);
-    if (!given_.empty()) check_given();
-  }
-  // Checks the given answers in the order of the questions; a missing answer counts as suggested. Devices are
-  // not compared with those of this computer, because the answers may be for another one.
-  void check_given() const {
-    const SetupFacts elsewhere{.devices = {}, .tables = facts_.tables};
+    if (given.empty()) return;
     Answers answers = record_.answers;
-    for (const Question& question : questions()) {
-      if (!question.is_asked(answers, facts_)) continue;
-      const std::string key(question.key);
-      const TakenAnswer taken =
-          answers.contains(key) ? question.take(answers[key], answers, elsewhere)
-                                : question.take(question.suggest(answers, facts_).answer, answers, elsewhere);
-      if (!taken.complaint.empty() && given_.contains(key))
-        throw UsageError(fmt::format("setup: {} = {}: {}", key, in_quotes(answers[key]), taken.complaint));
-      answers[key] = taken.complaint.empty() ? taken.answer : question.suggest(answers, facts_).answer;
-    }
+    (void)complete(answers, [&given](const std::string& key) { return given.contains(key); });
   }
-
-  void take_suggestions() {
+  // Completes the answers in the order of the questions by the suggestions. Devices are not compared with
+  // those of this computer, because the answers may be for another one. Throws UsageError if an answer whose
+  // key `must_be_valid` names is not valid; the suggestion replaces any other one. Returns the keys of
+  // questions without an answer and without a safe default.
+  template <typename Names>
+  std::vector<std::string> complete(Answers& answers, Names must_be_valid) const {
     const SetupFacts elsewhere{.devices = {}, .tables = facts_.tables};
     std::vector<std::string> unknown;
-    Answers& answers = record_.answers;
     for (const Question& question : questions()) {
       if (!question.is_asked(answers, facts_)) continue;
       const std::string key(question.key);
       const Suggestion suggestion = question.suggest(answers, facts_);
       if (!answers.contains(key) && !suggestion.safe) unknown.push_back(key);
-      const TakenAnswer taken =
-          question.take(answers.contains(key) ? answers[key] : suggestion.answer, answers, elsewhere);
-      if (!taken.complaint.empty())
-        throw UsageError(fmt::format("setup: {} = {}: {}", key,
-                                     in_quotes(answers.contains(key) ? answers[key] : suggestion.answer),
-                                     taken.complaint));
-      answers[key] = taken.answer;
+      const std::string answer = answers.contains(key) ? answers[key] : suggestion.answer;
+      const TakenAnswer taken = question.take(answer, answers, elsewhere);
+      const bool is_valid = taken.complaint.empty();
+      if (!is_valid && must_be_valid(key))
+        throw UsageError(fmt::format("setup: {} = {}: {}", key, in_quotes(answer), taken.complaint));
+      answers[key] = is_valid ? taken.answer : suggestion.answer;
     }
+    return unknown;
+  }
+
+  void take_suggestions() {
+    const std::vector<std::string> unknown =
+        complete(record_.answers, [](const std::string&) { return true; });
     if (unknown.empty()) return;
-    std::string names;
-    for (const std::string& key : unknown)
-      names += (names.empty() ? "" : ", ") + key;
     throw UsageError(
         fmt::format("setup: no default is safe for {}: give an answer for each by --set KEY=VALUE, or in the "
                     "file of --answers",
-                    names));
+                    fmt::join(unknown, ", ")));
   }
 
   // --- dialog
@@ -357,13 +346,8 @@ class Setup {
   Json base_;
   SetupFacts facts_;
   SetupRecord record_;
-  Answers given_;
   SetupDialog dialog_;
 };
-
-int setup(const ClientOptions& client, const SetupOptions& options) {
-  return Setup(client, options).run();
-}
 
 }  // namespace
 
@@ -380,7 +364,7 @@ void add_setup(Command& program) {
   command.option("--replace", options.replace,
                  "Replace an edited configuration without asking (a copy is kept)");
   const ClientOptions& client = add_socket_option(command);
-  command.run = [&client, &options] { return setup(client, options); };
+  command.run = [&client, &options] { return Setup(client, options).run(); };
 }
 
 }  // namespace contourd::ctl

@@ -118,14 +118,6 @@ SetupDaemon::Json SetupDaemon::limit_switch() const {
   throw DaemonError("contourd cannot read the limit switch: contourctl status shows why");
 }
 
-std::optional<double> SetupDaemon::height_mm() const {
-  return by_hand("height_mm");
-}
-
-std::optional<double> SetupDaemon::homing_shift_um() const {
-  return by_hand("homing_shift_um");
-}
-
 std::optional<double> SetupDaemon::by_hand(const char* field) const {
   const Json number = ask("status")["manual"].value(field, Json());
   return number.is_number() ? std::optional(number.get<double>()) : std::nullopt;

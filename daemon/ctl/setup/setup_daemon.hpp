@@ -34,13 +34,11 @@ class SetupDaemon {
   // Returns the limit switch as in the answer of the method `inputs`. Throws DaemonError, also if the switch
   // cannot be read.
   [[nodiscard]] Json limit_switch() const;
-  // Returns nullopt if the plate's height is unknown.
-  [[nodiscard]] std::optional<double> height_mm() const;
-  // Returns the shift of the switch at the last homing, or nullopt if no steps were counted before it.
-  [[nodiscard]] std::optional<double> homing_shift_um() const;
+  // Returns a number of the status of manual control: "height_mm" of the plate, or nullopt if it is unknown;
+  // "homing_shift_um" of the switch, or nullopt if no steps were counted before the last homing.
+  [[nodiscard]] std::optional<double> by_hand(const char* field) const;
 
  private:
-  [[nodiscard]] std::optional<double> by_hand(const char* field) const;
   [[nodiscard]] std::optional<DaemonConnection> connect() const;
   bool restart_service();
   bool answers_as(const std::string& name);

@@ -250,10 +250,6 @@ class Offer {
   bool left_ = false;
 };
 
-int offer(const ClientOptions& client, const OfferOptions& options) {
-  return Offer(client, options).run();
-}
-
 }  // namespace
 
 void add_offer(Command& program) {
@@ -265,7 +261,7 @@ void add_offer(Command& program) {
       command.option("--once", options.once, "Queue each model only once; record queued models in this file");
   command.option("--label", options.label, "Name of this folder in the record of --once").needs(once);
   const ClientOptions& client = add_client_options(command);
-  command.run = [&client, &options] { return offer(client, options); };
+  command.run = [&client, &options] { return Offer(client, options).run(); };
 }
 
 }  // namespace contourd::ctl

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -77,8 +78,8 @@ class Look {
     outlook_.json["resin"] = job.summary.resin.name;
     if (job.summary.supports)
       outlook_.json["supports"] = supports_summary_json(counts_of(*job.summary.supports));
-    const std::string text = fmt::format("{} layer{} in {}", job.summary.layers.count,
-                                         job.summary.layers.count == 1 ? "" : "s", readable(time));
+    const auto layers = static_cast<std::uint64_t>(job.summary.layers.count);
+    const std::string text = fmt::format("{} in {}", count_of(layers, "layer", "layers"), readable(time));
     const std::optional<PreprintAnalysis> analysis = analysis_within(job, durations);
     if (!analysis) {
       add_line(model,
@@ -165,9 +166,7 @@ std::vector<ModelOutlook> outlooks_of(const OutlookQuestion& question) {
 }
 
 bool agreed_to(const std::vector<ModelOutlook>& outlooks) {
-  bool warns = false;
-  for (const ModelOutlook& each : outlooks)
-    warns = warns || each.warns;
+  const bool warns = std::ranges::any_of(outlooks, &ModelOutlook::warns);
   if (!warns || ::isatty(STDIN_FILENO) == 0 || ::isatty(STDOUT_FILENO) == 0) return true;
   fmt::print("Queue {} anyway? [Y/n] ", outlooks.size() == 1 ? "it" : "them");
   std::fflush(stdout);

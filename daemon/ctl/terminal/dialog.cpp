@@ -1,6 +1,7 @@
 #include "daemon/ctl/terminal/dialog.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <poll.h>
 #include <unistd.h>
 
@@ -12,6 +13,7 @@
 #include <csignal>
 #include <cstdio>
 #include <system_error>
+#include <utility>
 
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/terminal.hpp"
@@ -86,12 +88,10 @@ bool LineInput::wait(std::chrono::milliseconds time) {
 
 void Dialog::say(std::string_view text, std::size_t indent) const {
   const std::string margin(indent, ' ');
-  bool first = true;
+  std::string_view before;
   const std::size_t width = text_width();
-  for (const std::string& line : wrapped(printable(text), width - std::min(indent, width / 2))) {
-    fmt::print("{}{}\n", first ? "" : margin, line);
-    first = false;
-  }
+  for (const std::string& line : wrapped(printable(text), width - std::min(indent, width / 2)))
+    fmt::print("{}{}\n", std::exchange(before, margin), line);
   std::fflush(stdout);
 }
 
@@ -112,10 +112,7 @@ std::string Dialog::ask_for_word(std::string_view prompt, const std::vector<std:
     if (answer.empty()) return words.front();
     const auto fits = [&](const std::string& word) { return word.starts_with(answer); };
     if (std::ranges::count_if(words, fits) == 1) return *std::ranges::find_if(words, fits);
-    std::string choices;
-    for (const std::string& word : words)
-      choices += (choices.empty() ? "" : ", ") + word;
-    say("Expected one of: " + choices + ".");
+    say(fmt::format("Expected one of: {}.", fmt::join(words, ", ")));
   }
 }
 

@@ -55,10 +55,6 @@ sigset_t handled_signals() {
 
 }  // namespace
 
-bool has_screen() {
-  return knows_sequences() && in_foreground();
-}
-
 TerminalScreen::TerminalScreen() : out_(open_output()), colors_(wants_colors()) {
   const sigset_t handled = handled_signals();
   signals_ = FileDescriptor(::signalfd(-1, &handled, SFD_CLOEXEC | SFD_NONBLOCK));

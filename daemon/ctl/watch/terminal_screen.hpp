@@ -18,9 +18,6 @@
 
 namespace contourd::ctl {
 
-// True if standard output is a terminal on which a view can be drawn in place.
-[[nodiscard]] bool has_screen();
-
 class TerminalScreen {
  public:
   TerminalScreen();

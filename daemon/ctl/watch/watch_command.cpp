@@ -4,22 +4,26 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
+#include <cstddef>
 #include <cstdio>
 #include <ctime>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "daemon/client/daemon_connection.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/suggestions.hpp"
-#include "daemon/ctl/watch/progress_lines.hpp"
+#include "daemon/ctl/terminal/terminal.hpp"
 #include "daemon/ctl/watch/terminal_screen.hpp"
 #include "daemon/ctl/watch/watch_end.hpp"
 #include "daemon/ctl/watch/watch_view.hpp"
 #include "daemon/ctl/watch/watched_mask.hpp"
+#include "daemon/spool/spool_folders.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {
@@ -36,6 +40,8 @@ constexpr auto kSilence = 5s;        // time without an answer after which this 
 constexpr auto kLongestGone = 60s;
 constexpr std::chrono::seconds kPatience{1};
 constexpr int kMostAtOnce = 100;  // messages that are handled before the screen is drawn
+
+// --- on a whole terminal
 
 // The result, to be printed after the terminal was restored.
 struct WatchResult {
@@ -227,6 +233,89 @@ WatchResult watch_on_screen(const ClientOptions& options, WatchEnd& end) {
   throw DaemonError("the view was ended");
 }
 
+// --- line by line
+
+constexpr std::size_t kBar = 30;
+
+double part_done(const Json& job) {
+  return std::clamp(job.value("layers_done", 0) / std::fmax(job.value("layers", 1), 1), 0.0, 1.0);
+}
+
+std::string line_of(const Json& job, const std::string& state) {
+  const double part = part_done(job);
+  std::string bar(kBar, '.');
+  std::fill_n(bar.begin(), static_cast<std::size_t>(part * static_cast<double>(bar.size())), '#');
+  const std::string interruption = text_of(job, "interruption");
+  return fmt::format("{} [{}] {:3.0f} %  layer {}/{}  {:.2f} mm  {} left  {}{}", text_of(job, "name"), bar,
+                     std::floor(part * 100), job.value("layer", 0), job.value("layers", 0),
+                     job.value("height_mm", 0.0), time_left(job), state,
+                     interruption.empty() ? "" : ", " + interruption);
+}
+
+// True for states that do not occur in every layer.
+bool is_worth_a_line(const std::string& state) {
+  return state == "warming up" || state == "homing" || state == "paused" || state == "held" ||
+         state == "parking";
+}
+
+// Returns the findings that the user has to accept for this job, or an empty text.
+std::string question_of(const Json& status, const std::string& job) {
+  for (const auto& [file, question] : status["unaccepted"].items())
+    if (job_name_of(file) == job) return printable(question.get<std::string>());
+  return "";
+}
+
+// Prints a job's progress as text: a line for each tenth of the print and for other changes. Each warning is
+// printed once, in its own line.
+class ProgressLines {
+ public:
+  // Prints lines that are due. `job`: the awaited job, which may not be printed yet; empty: any job.
+  void show(const Json& status, const std::string& job, bool is_under_way) {
+    if (job.empty() || is_under_way) return show_job(status);
+    std::string text = printable(job) + ": waits";
+    if (const std::string question = question_of(status, job); !question.empty()) {
+      text += ": " + question;
+    } else if (status["job"].is_object()) {
+      text += fmt::format(" while {} is printed", text_of(status["job"], "name"));
+    } else if (const std::string why = text_of(status, "waiting_for"); !why.empty()) {
+      text += ": " + why;
+    }
+    print(text, text);
+  }
+
+ private:
+  void show_job(const Json& status) {
+    if (!status["job"].is_object()) return;
+    const Json& job = status["job"];
+    show_warnings(job);
+    const std::string name = text_of(job, "name"), state = text_of(status, "state");
+    if (!job.contains("layer")) return print(fmt::format("{}: {}", name, state), state);
+    print(line_of(job, state),
+          fmt::format("{} {} {}", static_cast<int>(part_done(job) * 10), is_worth_a_line(state) ? state : "",
+                      text_of(job, "interruption")));
+  }
+
+  void show_warnings(const Json& job) {
+    if (!job.contains("analysis") || !job["analysis"].is_object()) return;
+    const std::string name = job.value("name", "");
+    for (const Json& each : job["analysis"]["warnings"]) {
+      const std::string warning = printable(each.get<std::string>());
+      if (warned_.insert(fmt::format("{}\n{}", name, warning)).second)
+        fmt::print("{}: warning: {}\n", printable(name), warning);
+    }
+  }
+
+  // Prints the text if `step` has changed.
+  void print(const std::string& text, const std::string& step) {
+    if (step != last_step_) fmt::print("{}\n", text);
+    std::fflush(stdout);
+    last_step_ = step;
+  }
+
+  std::string last_step_;
+  std::set<std::string> warned_;  // printed warnings: job name, line break, warning
+};
+
 int print_end(const Json& ended, bool json) {
   if (!json) fmt::print("{}\n", end_of(ended));
   return ended.value("outcome", "") == "done" ? kOk : kFailed;
@@ -269,7 +358,8 @@ int watch_by_line(const ClientOptions& options, WatchEnd& end) {
 int watch(const ClientOptions& options, const std::optional<std::string>& job) {
   WatchEnd end(job);
   try {
-    return !options.json && has_screen() ? watch_by_screen(options, end) : watch_by_line(options, end);
+    const bool by_screen = !options.json && knows_sequences() && in_foreground();
+    return by_screen ? watch_by_screen(options, end) : watch_by_line(options, end);
   } catch (const WatchEnd::NoSuchJob& error) {
     fmt::print(stderr, "contourctl: {}\n", error.sentence);
     return kFailed;

@@ -315,16 +315,13 @@ class View {
   void add_queue() {
     const auto queued = status_.value("queued", std::size_t{0});
     add_blank();
-    add("queue", queued == 0 ? "empty" : fmt::format("{} {}", queued, queued == 1 ? "job" : "jobs"),
-        kQueueBlock);
+    add("queue", queued == 0 ? "empty" : count_of(queued, "job", "jobs"), kQueueBlock);
     Block names{kQueueBlock, {}};
     const Json& queue = part_of(printer_.queue, "queue");
     for (std::size_t i = 0; i < std::min(queue.size(), kMostListed); ++i) {
-      if (queue[i].is_string())
-        names.lines.push_back(
-            {cut_to_columns(fmt::format("{:>4}  {}", i + 1, printable(queue[i].get<std::string>())),
-                            size_.columns),
-             Ink::Plain});
+      if (!queue[i].is_string()) continue;
+      const std::string name = fmt::format("{:>4}  {}", i + 1, printable(queue[i].get<std::string>()));
+      names.lines.push_back({cut_to_columns(name, size_.columns), Ink::Plain});
     }
     if (!names.lines.empty()) blocks_.push_back(std::move(names));
     add_each("arriving", part_of(printer_.queue, "arriving"), kUnprinted, Ink::Plain);
@@ -340,8 +337,7 @@ class View {
     }
     for (const auto& [plate, files] : part_of(status_, "incomplete").items())
       add("unprinted",
-          fmt::format("{}: waits for {} {}", printable(plate), files.size(),
-                      files.size() == 1 ? "file" : "files"),
+          fmt::format("{}: waits for {}", printable(plate), count_of(files.size(), "file", "files")),
           kUnprinted, Ink::Warning);
     add_each("deletable", part_of(status_, "deletable"), kUnprinted, Ink::Warning,
              ": it is finished, but cannot be moved away");
