@@ -1,5 +1,6 @@
 #include "daemon/ctl/commands/commands.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -105,12 +106,7 @@ std::string local_time(const std::string& text) {
   const std::time_t time = ::timegm(&utc);
   std::tm local{};
   ::localtime_r(&time, &local);
-  std::array<char, 32> buffer{};
-  return {buffer.data(), std::strftime(buffer.data(), buffer.size(), "%Y-%m-%d %H:%M", &local)};
-}
-
-Duration seconds(double number) {
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(number));
+  return fmt::format("{:%Y-%m-%d %H:%M}", local);
 }
 
 // Returns "800 of 800 layers, 3 h 05 min, 12.34 ml of standard", or an empty text for a job that was not
@@ -118,7 +114,7 @@ Duration seconds(double number) {
 std::string figures_of(const Json& job) {
   if (job.value("resin", "").empty()) return "";
   return fmt::format("{} of {} layers, {}, {:.2f} ml of {}", job.value("layers_exposed", 0),
-                     job.value("layers", 0), readable(seconds(job.value("print_time_s", 0.0))),
+                     job.value("layers", 0), readable_seconds(job.value("print_time_s", 0.0)),
                      job.value("resin_ml", 0.0), printable(job.value("resin", "")));
 }
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -35,11 +34,6 @@ std::string layers_of(const Json& job) {
   return fmt::format("{} of {} um", job["layers"].get<std::int64_t>(), thickness);
 }
 
-std::string time_of(const Json& job) {
-  return readable(
-      std::chrono::duration_cast<Duration>(std::chrono::duration<double>(job["print_time_s"].get<double>())));
-}
-
 // Returns "exposure_ms 4000 instead of 3000, ...", or an empty text if the ticket overrides no setting of the
 // profile.
 std::string overrides_of(const Json& job) {
@@ -67,7 +61,7 @@ void print_job(const Json& job) {
   std::string state(state_of(job));
   if (job["layers"].is_number()) {
     const auto parts = job["parts"].get<std::int64_t>();
-    state += fmt::format(", {}, {}layers {}, {}, {}", time_of(job),
+    state += fmt::format(", {}, {}layers {}, {}, {}", readable_seconds(job["print_time_s"].get<double>()),
                          parts > 1 ? fmt::format("{} parts, ", parts) : "", layers_of(job),
                          text_of(job, "resin"), size_of(job));
   }
@@ -99,7 +93,7 @@ void print_waiting_job(const Json& waiting) {
   if (!job["layers"].is_number()) return;
   fmt::print("size      {}\nresin     {}\nparts     {}\nlayers    {}, {:.2f} mm high\ntime      {}\n",
              size_of(job), text_of(job, "resin"), job["parts"].get<std::int64_t>(), layers_of(job),
-             job["height_mm"].get<double>(), time_of(job));
+             job["height_mm"].get<double>(), readable_seconds(job["print_time_s"].get<double>()));
   if (const std::string set = overrides_of(job); !set.empty()) fmt::print("ticket    {}\n", set);
   if (const Json& supports = job["supports"]; supports.is_object())
     fmt::print("supports  {}\n", supports_line(supports_in_summary(supports)));

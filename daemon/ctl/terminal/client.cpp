@@ -26,10 +26,6 @@ void print_analysis(const Json& analysis) {
     print_wrapped("warning   ", printable(warning.get<std::string>()));
 }
 
-bool is_value_in(const Json& object, const Json& value) {
-  return std::ranges::any_of(object, [&](const Json& each) { return each == value; });
-}
-
 }  // namespace
 
 std::filesystem::path default_socket() {
@@ -73,7 +69,8 @@ void print_status(const Json& status) {
       const std::string pause = text_of(job, "pause");
       line("layer     ",
            fmt::format("{} of {}, {:.3f} mm, {} left{}", job.value("layer", 0), job.value("layers", 0),
-                       job.value("height_mm", 0.0), time_left(job), pause.empty() ? "" : ", pause " + pause));
+                       job.value("height_mm", 0.0), readable_seconds(job.value("time_left_s", 0.0)),
+                       pause.empty() ? "" : ", pause " + pause));
       line("stopped   ", text_of(job, "interruption"));
     }
     if (job.contains("analysis") && job["analysis"].is_object()) print_analysis(job["analysis"]);
@@ -96,7 +93,8 @@ void print_status(const Json& status) {
     fmt::print("unprinted {} more in incoming\n", more);
   line("machine   ", text_of(status, "not_ready_reason"));
   line("held      ", text_of(status, "held"));
-  if (status["waiting_for"] != status["held"] && !is_value_in(status["unaccepted"], status["waiting_for"]))
+  const Json &waiting_for = status["waiting_for"], &unaccepted = status["unaccepted"];
+  if (waiting_for != status["held"] && std::ranges::find(unaccepted, waiting_for) == unaccepted.end())
     line("waiting   ", text_of(status, "waiting_for"));
   for (const Json& reminder : status["reminders"])
     line("reminder  ", printable(reminder.get<std::string>()));
@@ -134,9 +132,8 @@ std::filesystem::path find_spool(const ClientOptions& options,
   return spool;
 }
 
-std::string time_left(const Json& job) {
-  const std::chrono::duration<double> seconds(job.value("time_left_s", 0.0));
-  return readable(std::chrono::duration_cast<Duration>(seconds));
+std::string readable_seconds(double seconds) {
+  return readable(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds)));
 }
 
 int request(const ClientOptions& options, const Request& request, void (*print)(const Json&)) {

@@ -55,7 +55,7 @@ int request(const ClientOptions& options, const Request& request,
 // have several lines.
 [[nodiscard]] std::string end_of(const nlohmann::ordered_json& ended);
 
-// Returns the remaining print time of the job in a status, in readable form.
-[[nodiscard]] std::string time_left(const nlohmann::ordered_json& job);
+// Returns seconds of a reply in readable form: "12 min 30 s".
+[[nodiscard]] std::string readable_seconds(double seconds);
 
 }  // namespace contourd::ctl

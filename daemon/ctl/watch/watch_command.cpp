@@ -248,7 +248,7 @@ std::string line_of(const Json& job, const std::string& state) {
   const std::string interruption = text_of(job, "interruption");
   return fmt::format("{} [{}] {:3.0f} %  layer {}/{}  {:.2f} mm  {} left  {}{}", text_of(job, "name"), bar,
                      std::floor(part * 100), job.value("layer", 0), job.value("layers", 0),
-                     job.value("height_mm", 0.0), time_left(job), state,
+                     job.value("height_mm", 0.0), readable_seconds(job.value("time_left_s", 0.0)), state,
                      interruption.empty() ? "" : ", " + interruption);
 }
 
