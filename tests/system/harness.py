@@ -650,6 +650,13 @@ class Daemon:
         """Waits until any job has ended, and returns {"job", "outcome", "reason"}."""
         return self.watcher.wait_for(lambda m: m.get("method") == "ended", "the end of a job")["params"]["last"]
 
+    def wait_outcomes(self, expected):
+        """Waits until as many jobs have ended as are expected, in any order, and asserts that they are these jobs with these
+        outcomes. Returns the jobs in the order in which they ended."""
+        ends = [self.wait_next_end() for _ in expected]
+        self.test.assertEqual({end["job"]: end["outcome"] for end in ends}, expected, self.log())
+        return [end["job"] for end in ends]
+
     def wait_done(self, job):
         """Waits until the job is printed, and returns its report."""
         end = self.wait_ended(job)
@@ -706,3 +713,34 @@ class Daemon:
 
     def report(self, job, folder="done"):
         return json.loads(self.read(folder, job + ".report.json"))
+
+
+# --- tests of the spool
+
+SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
+WAITS = {"wait_for_plate_cleared": True}
+
+
+class SpoolTest(FolderTest):
+    """A test of the spool, with the simulated printer."""
+
+    def daemon(self, config=None, resin=None, **options):
+        return Daemon(self, config, resin, **options)
+
+    def printing_daemon(self, **config):
+        return self.printing("first.stl", SMALL, **config)
+
+    def second_daemon(self, name, config):
+        """Returns another daemon in the same folder, with its own configuration, socket and log."""
+        second = Daemon(self)
+        second.config_path, second.log_path = self.path(name + ".json"), self.path(name + ".log")
+        second.spool, second.socket_path = self.path(config["spool_folder"]), self.path(name + ".sock")
+        merge(second.config, {**config, "control_socket": name + ".sock"})
+        second.write_config()
+        return second
+
+    def looks_pass(self, daemon):
+        """Waits until the daemon refuses an empty file; meanwhile it looks at all incomplete files several times."""
+        daemon.refused("empty.stl", b"")
+        for suffix in ("stl", "reason.txt"):
+            os.unlink(daemon.file("failed", "empty." + suffix))
