@@ -1,6 +1,7 @@
 #include "core/layers/layers.hpp"
 
 #include "tests/catch.hpp"
+#include "tests/message_of.hpp"
 #include "tests/random_shapes.hpp"
 
 namespace {
@@ -33,12 +34,8 @@ TEST_CASE("A model without height has no layers") {
 
 TEST_CASE("Too many layers are refused with their number if it can be counted") {
   const auto complaint = [](double height_mm) -> std::string {
-    try {
-      (void)layers_for(Millimeters{height_mm}, kFiftyMicrometers);
-    } catch (const TooManyLayers& error) {
-      return error.what();
-    }
-    return "";
+    return testing::message_of<TooManyLayers>(
+        [&] { (void)layers_for(Millimeters{height_mm}, kFiftyMicrometers); });
   };
   const std::string uncounted = "the model has more than 10000000 layers";
   CHECK(count_for(500'000, kFiftyMicrometers) == 10'000'000);

@@ -51,18 +51,11 @@ class PrinterServiceFixture {
   // Runs until the file exists in the spool. Calls `look` after every step. May be called only once, because
   // an event loop cannot run again.
   void run_until(const std::string& file, const std::function<void()>& look) {
-    bool there = false;
-    const auto given_up =
-        loop.at(std::chrono::steady_clock::now() + 20s, "the test", [this] { loop.stop(); });
-    const auto steps = loop.when_idle("the test's clock", [&] {
+    CHECK(testing::run_loop_until(loop, [&] {
       look();
-      there = has(file);
-      if (there) loop.stop();
       (void)clock.run_next();
-      return !there;
-    });
-    loop.run();
-    CHECK(there);
+      return has(file);
+    }));
   }
   // Runs until the invalid model `bad`, dropped after the others, is refused: the others have had their turn
   // then.

@@ -60,66 +60,61 @@ struct SleepInhibitorFixture : SleepingPrint {
 
 }  // namespace
 
-TEST_CASE("The computer is kept awake only while a print runs") {
-  SleepInhibitorFixture fixture;
-  CHECK(fixture.authority.asked.empty());
-  fixture.inhibitor.hold(true);
-  fixture.inhibitor.hold(true);
-  fixture.authority.answer();
-  CHECK(fixture.authority.asked.size() == 2);
-  CHECK(fixture.block());
-  CHECK(fixture.delay());
-  fixture.inhibitor.hold(false);
-  CHECK_FALSE(fixture.block());
-  CHECK_FALSE(fixture.delay());
+TEST_CASE_METHOD(SleepInhibitorFixture, "The computer is kept awake only while a print runs") {
+  CHECK(authority.asked.empty());
+  inhibitor.hold(true);
+  inhibitor.hold(true);
+  authority.answer();
+  CHECK(authority.asked.size() == 2);
+  CHECK(block());
+  CHECK(delay());
+  inhibitor.hold(false);
+  CHECK_FALSE(block());
+  CHECK_FALSE(delay());
 }
 
-TEST_CASE("A lock granted after the print's end is released at once") {
-  SleepInhibitorFixture fixture;
-  fixture.inhibitor.hold(true);
-  fixture.inhibitor.hold(false);
-  fixture.authority.answer();
-  CHECK_FALSE(fixture.block());
-  CHECK_FALSE(fixture.delay());
-  CHECK(fixture.reported.empty());
+TEST_CASE_METHOD(SleepInhibitorFixture, "A lock granted after the print's end is released at once") {
+  inhibitor.hold(true);
+  inhibitor.hold(false);
+  authority.answer();
+  CHECK_FALSE(block());
+  CHECK_FALSE(delay());
+  CHECK(reported.empty());
 }
 
-TEST_CASE("Sleep is delayed until the light of the interrupted print is off") {
-  SleepInhibitorFixture fixture;
-  fixture.authority.refuses[static_cast<std::size_t>(SleepAuthority::Lock::Block)] = true;
-  fixture.inhibitor.hold(true);
-  fixture.authority.answer();
-  CHECK(fixture.reported.empty());  // one of the two is enough
-  fixture.authority.sleep(true);
-  CHECK(fixture.interruptions == 1);
-  CHECK(fixture.delay());
-  REQUIRE(fixture.clock.run_next());
-  CHECK(fixture.delay());
-  fixture.is_dark = true;
-  REQUIRE(fixture.clock.run_next());
-  CHECK_FALSE(fixture.delay());
+TEST_CASE_METHOD(SleepInhibitorFixture, "Sleep is delayed until the light of the interrupted print is off") {
+  authority.refuses[static_cast<std::size_t>(SleepAuthority::Lock::Block)] = true;
+  inhibitor.hold(true);
+  authority.answer();
+  CHECK(reported.empty());  // one of the two is enough
+  authority.sleep(true);
+  CHECK(interruptions == 1);
+  CHECK(delay());
+  REQUIRE(clock.run_next());
+  CHECK(delay());
+  is_dark = true;
+  REQUIRE(clock.run_next());
+  CHECK_FALSE(delay());
 
   // After the wake-up the print still exists and may be resumed.
-  fixture.authority.sleep(false);
-  fixture.authority.answer();
-  CHECK(fixture.delay());
+  authority.sleep(false);
+  authority.answer();
+  CHECK(delay());
 }
 
-TEST_CASE("Sleep while nothing prints interrupts nothing") {
-  SleepInhibitorFixture fixture;
-  fixture.authority.sleep(true);
-  fixture.authority.sleep(false);
-  CHECK(fixture.interruptions == 0);
-  CHECK(fixture.authority.asked.empty());
+TEST_CASE_METHOD(SleepInhibitorFixture, "Sleep while nothing prints interrupts nothing") {
+  authority.sleep(true);
+  authority.sleep(false);
+  CHECK(interruptions == 0);
+  CHECK(authority.asked.empty());
 }
 
-TEST_CASE("A print without a lock is reported once") {
-  SleepInhibitorFixture fixture;
-  fixture.authority.refuses = {true, true};
+TEST_CASE_METHOD(SleepInhibitorFixture, "A print without a lock is reported once") {
+  authority.refuses = {true, true};
   for (int print = 0; print < 3; ++print) {
-    fixture.inhibitor.hold(true);
-    fixture.authority.answer();
-    fixture.inhibitor.hold(false);
+    inhibitor.hold(true);
+    authority.answer();
+    inhibitor.hold(false);
   }
-  CHECK(fixture.reported == std::vector<std::string>{"Permission denied"});
+  CHECK(reported == std::vector<std::string>{"Permission denied"});
 }

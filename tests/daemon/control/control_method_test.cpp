@@ -1,6 +1,7 @@
 #include "daemon/control/control_method.hpp"
 
 #include "tests/catch.hpp"
+#include "tests/message_of.hpp"
 
 using Json = ControlMethod::Json;
 using Parameter = ControlParameter;
@@ -20,13 +21,10 @@ ControlMethod move_method() {
 
 // Returns why the parameters are refused, or an empty text.
 std::string move_refusal(const Json& parameters) {
-  try {
+  return testing::message_of<InvalidParameters>([&] {
     const Json checked = move_method().check("move", parameters);
     CHECK(checked == parameters);
-  } catch (const InvalidParameters& invalid) {
-    return invalid.what();
-  }
-  return "";
+  });
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "tests/catch.hpp"
 #include "tests/daemon/control/control_fixture.hpp"
+#include "tests/message_of.hpp"
 
 using Json = PrinterControl::Json;
 
@@ -14,12 +15,7 @@ class PrinterControlFixture : public testing::ControlFixture {
   }
   // Calls the method and returns why it is refused; empty if it is not.
   std::string refusal_of(const std::string& method) {
-    try {
-      reply = methods.at(method).call(Json::object(), {});
-    } catch (const ControlRefusal& refusal) {
-      return refusal.what();
-    }
-    return "";
+    return testing::message_of<ControlRefusal>([&] { reply = methods.at(method).call(Json::object(), {}); });
   }
   // Runs a job to the state, calls the method, and returns why it is refused.
   std::string refusal_in(std::string_view state, const std::string& method) {
@@ -48,28 +44,26 @@ class PrinterControlFixture : public testing::ControlFixture {
 
 }  // namespace
 
-TEST_CASE("Without a print there is nothing to pause, resume or cancel") {
-  PrinterControlFixture fixture;
-  CHECK(fixture.refusal_of("pause") == "there is no print to pause");
-  CHECK(fixture.refusal_of("resume") == "there is no print to resume");
-  CHECK(fixture.refusal_of("cancel") == "there is no print to cancel");
+TEST_CASE_METHOD(PrinterControlFixture, "Without a print there is nothing to pause, resume or cancel") {
+  CHECK(refusal_of("pause") == "there is no print to pause");
+  CHECK(refusal_of("resume") == "there is no print to resume");
+  CHECK(refusal_of("cancel") == "there is no print to cancel");
 }
 
-TEST_CASE(
+TEST_CASE_METHOD(
+    PrinterControlFixture,
     "A job that is being read can be cancelled, but neither paused nor resumed, nor its plate cleared") {
-  PrinterControlFixture fixture;
-  fixture.begin();
-  CHECK(fixture.refusal_of("pause") == "there is no print to pause");
-  CHECK(fixture.refusal_of("resume") == "there is no print to resume");
-  CHECK(fixture.refusal_of("plate_cleared") == "part is being printed");
-  CHECK(fixture.refusal_of("cancel").empty());
-  CHECK(fixture.job.job()->cancel_wanted);
+  begin();
+  CHECK(refusal_of("pause") == "there is no print to pause");
+  CHECK(refusal_of("resume") == "there is no print to resume");
+  CHECK(refusal_of("plate_cleared") == "part is being printed");
+  CHECK(refusal_of("cancel").empty());
+  CHECK(job.job()->cancel_wanted);
 }
 
-TEST_CASE("The reply to a command is the resulting status") {
-  PrinterControlFixture fixture;
-  CHECK(fixture.refusal_in("exposing", "pause").empty());
-  CHECK(fixture.reply["job"]["pause_pending"] == true);
+TEST_CASE_METHOD(PrinterControlFixture, "The reply to a command is the resulting status") {
+  CHECK(refusal_in("exposing", "pause").empty());
+  CHECK(reply["job"]["pause_pending"] == true);
 }
 
 TEST_CASE("A print that is not paused cannot be resumed") {
@@ -83,52 +77,48 @@ TEST_CASE("A print whose layers are done can be neither paused nor cancelled") {
         "all layers are printed, the plate goes up");
 }
 
-TEST_CASE("A print does not resume while the machine is not ready") {
-  PrinterControlFixture fixture;
-  fixture.machine.open_lid();
-  CHECK(fixture.refusal_in("held", "resume") == "the print cannot go on: the lid is open");
-  fixture.machine.close_lid();
-  CHECK(fixture.refusal_of("resume").empty());
-  CHECK(fixture.job.print().state().name == "warming up");
+TEST_CASE_METHOD(PrinterControlFixture, "A print does not resume while the machine is not ready") {
+  machine.open_lid();
+  CHECK(refusal_in("held", "resume") == "the print cannot go on: the lid is open");
+  machine.close_lid();
+  CHECK(refusal_of("resume").empty());
+  CHECK(job.print().state().name == "warming up");
 }
 
-TEST_CASE("Resuming a held print also releases the queue") {
-  PrinterControlFixture fixture;
-  fixture.hold.hold("the emergency stop was pressed");
-  CHECK(fixture.refusal_in("held", "resume").empty());
-  CHECK_FALSE(fixture.hold.reason());
+TEST_CASE_METHOD(PrinterControlFixture, "Resuming a held print also releases the queue") {
+  hold.hold("the emergency stop was pressed");
+  CHECK(refusal_in("held", "resume").empty());
+  CHECK_FALSE(hold.reason());
 }
 
-TEST_CASE("Resuming a held queue starts the next job, but not while the machine is not ready") {
-  PrinterControlFixture fixture;
-  fixture.hold.hold("part failed");
-  fixture.arrive("next.stl");
-  fixture.machine.open_lid();
-  CHECK(fixture.refusal_of("resume") == "the queue cannot go on: the lid is open");
-  CHECK(fixture.hold.reason());
-  fixture.machine.close_lid();
-  CHECK(fixture.refusal_of("resume").empty());
-  CHECK_FALSE(fixture.hold.reason());
-  CHECK(fixture.reply["state"] == "preparing");
-  CHECK(fixture.reply["job"]["name"] == "next");
+TEST_CASE_METHOD(PrinterControlFixture,
+                 "Resuming a held queue starts the next job, but not while the machine is not ready") {
+  hold.hold("part failed");
+  arrive("next.stl");
+  machine.open_lid();
+  CHECK(refusal_of("resume") == "the queue cannot go on: the lid is open");
+  CHECK(hold.reason());
+  machine.close_lid();
+  CHECK(refusal_of("resume").empty());
+  CHECK_FALSE(hold.reason());
+  CHECK(reply["state"] == "preparing");
+  CHECK(reply["job"]["name"] == "next");
 }
 
-TEST_CASE("A cleared plate releases the queue, and the next job begins") {
-  PrinterControlFixture fixture;
-  fixture.hold.set_plate_occupant("part");
-  fixture.hold.hold("part failed");
-  fixture.arrive("next.stl");
-  CHECK(fixture.reply.is_null());
-  CHECK(fixture.refusal_of("plate_cleared").empty());
-  CHECK(fixture.log.has("info: the plate is clear"));
-  CHECK(fixture.reply["plate"] == "clear");
-  CHECK(fixture.reply["held"].is_null());
-  CHECK(fixture.job.name() == "next");
+TEST_CASE_METHOD(PrinterControlFixture, "A cleared plate releases the queue, and the next job begins") {
+  hold.set_plate_occupant("part");
+  hold.hold("part failed");
+  arrive("next.stl");
+  CHECK(reply.is_null());
+  CHECK(refusal_of("plate_cleared").empty());
+  CHECK(log.has("info: the plate is clear"));
+  CHECK(reply["plate"] == "clear");
+  CHECK(reply["held"].is_null());
+  CHECK(job.name() == "next");
 }
 
-TEST_CASE("Only methods that change something are logged") {
-  PrinterControlFixture fixture;
-  for (const auto& [name, method] : fixture.methods) {
+TEST_CASE_METHOD(PrinterControlFixture, "Only methods that change something are logged") {
+  for (const auto& [name, method] : methods) {
     CAPTURE(name);
     const bool asks = name == "status";
     CHECK(method.changes != asks);

@@ -58,18 +58,7 @@ class MetricsFileFixture {
     return ::stat(path.c_str(), &status) == 0 ? status.st_ino : 0;
   }
   // May be called only once, because an event loop cannot run again.
-  bool run_until(const std::function<bool()>& so) {
-    bool reached = false;
-    const auto given_up =
-        loop.at(std::chrono::steady_clock::now() + 20s, "the test", [this] { loop.stop(); });
-    const auto looks_at_it = loop.when_idle("the test", [&] {
-      reached = so();
-      if (reached) loop.stop();
-      return !reached;
-    });
-    loop.run();
-    return reached;
-  }
+  bool run_until(const std::function<bool()>& so) { return testing::run_loop_until(loop, so); }
 
   testing::TemporaryFolder folder;
   fs::path path = folder.path() / "metrics" / "contourd.prom";

@@ -12,63 +12,59 @@ class PrinterStatusFixture : public testing::ControlFixture {
 
 }  // namespace
 
-TEST_CASE("An idle printer's status has all keys in their order") {
-  PrinterStatusFixture fixture;
+TEST_CASE_METHOD(PrinterStatusFixture, "An idle printer's status has all keys in their order") {
   std::string keys;
-  const auto status = fixture.status.status();
-  for (const auto& [key, value] : status.items())
+  const auto shown = status.status();
+  for (const auto& [key, value] : shown.items())
     keys += key + " ";
   CHECK(keys ==
         "printer spool state job queued incomplete incomplete_more postponed postponed_more "
         "unaccepted unaccepted_more ignored "
         "ignored_more deletable deletable_more plate plate_job not_ready_reason held waiting_for "
         "reminders last dark manual ");
-  CHECK(status["state"] == "idle");
+  CHECK(shown["state"] == "idle");
   for (const char* nothing : {"job", "plate_job", "not_ready_reason", "held", "waiting_for", "last"})
-    CHECK(status[nothing].is_null());
-  CHECK(status["plate"] == "clear");
+    CHECK(shown[nothing].is_null());
+  CHECK(shown["plate"] == "clear");
 }
 
-TEST_CASE("A reply does not grow with the number of jobs") {
-  PrinterStatusFixture fixture;
+TEST_CASE_METHOD(PrinterStatusFixture, "A reply does not grow with the number of jobs") {
   for (int i = 0; i < 1'002; ++i) {
-    fixture.queue.arrived(std::to_string(i) + ".stl");
-    fixture.queue.check_next();
+    queue.arrived(std::to_string(i) + ".stl");
+    queue.check_next();
   }
-  CHECK(fixture.status.queue()["queue"].size() == 1'000);
-  CHECK(fixture.status.queue()["queue"][0] == "0.stl");
-  CHECK(fixture.status.queue()["more"] == 2);
-  const auto status = fixture.status.status();
-  CHECK(status["queued"] == 1'002);
-  CHECK(status["postponed"].size() == 10);
-  CHECK(status["postponed"]["0.stl"] == "it takes 900 MB");
-  CHECK(status["postponed_more"] == 992);
+  CHECK(status.queue()["queue"].size() == 1'000);
+  CHECK(status.queue()["queue"][0] == "0.stl");
+  CHECK(status.queue()["more"] == 2);
+  const auto shown = status.status();
+  CHECK(shown["queued"] == 1'002);
+  CHECK(shown["postponed"].size() == 10);
+  CHECK(shown["postponed"]["0.stl"] == "it takes 900 MB");
+  CHECK(shown["postponed_more"] == 992);
 }
 
-TEST_CASE("A job is preparing, then its print's state, then finishing") {
-  PrinterStatusFixture fixture;
-  fixture.begin();
-  CHECK(fixture.status.status()["state"] == "preparing");
-  CHECK(fixture.status.status()["job"].size() == 2);  // name and analysis
+TEST_CASE_METHOD(PrinterStatusFixture, "A job is preparing, then its print's state, then finishing") {
+  begin();
+  CHECK(status.status()["state"] == "preparing");
+  CHECK(status.status()["job"].size() == 2);  // name and analysis
   std::vector<std::string> states;
-  REQUIRE(fixture.run_to_end([&] {
-    if (fixture.job.job() == nullptr) return;
-    const auto status = fixture.status.status();
-    const auto state = status["state"].get<std::string>();
+  REQUIRE(run_to_end([&] {
+    if (job.job() == nullptr) return;
+    const auto shown = status.status();
+    const auto state = shown["state"].get<std::string>();
     if (state == "preparing") return;  // until the reader has finished
     if (states.empty() || states.back() != state) states.push_back(state);
-    if (state == "exposing" && status["job"]["layers_done"] == 0) {
-      CHECK(status["job"]["layer"] == 1);
-      CHECK(status["plate_job"] == "part");
+    if (state == "exposing" && shown["job"]["layers_done"] == 0) {
+      CHECK(shown["job"]["layer"] == 1);
+      CHECK(shown["plate_job"] == "part");
     }
   }));
   CHECK(states.front() == "warming up");
   CHECK(states.back() == "finishing");
 }
 
-TEST_CASE("The status has the job that ended last, without its analysis") {
-  PrinterStatusFixture fixture;
-  fixture.history.add({"one", "done", "", {{"layers", 3}}});
-  fixture.history.add({"two", "failed", "no model"});
-  CHECK(fixture.status.status()["last"].dump() == R"({"job":"two","outcome":"failed","reason":"no model"})");
+TEST_CASE_METHOD(PrinterStatusFixture, "The status has the job that ended last, without its analysis") {
+  history.add({"one", "done", "", {{"layers", 3}}});
+  history.add({"two", "failed", "no model"});
+  CHECK(status.status()["last"].dump() == R"({"job":"two","outcome":"failed","reason":"no model"})");
 }

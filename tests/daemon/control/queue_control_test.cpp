@@ -3,6 +3,7 @@
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/control/control_fixture.hpp"
+#include "tests/message_of.hpp"
 
 using Json = QueueControl::Json;
 using testing::Names;
@@ -28,12 +29,7 @@ class QueueControlFixture : public testing::ControlFixture {
   }
   // Calls the method and returns why it is refused; empty if it is not.
   std::string refusal_of(const std::string& method, const Json& parameters) {
-    try {
-      (void)call(method, parameters);
-    } catch (const ControlRefusal& refusal) {
-      return refusal.what();
-    }
-    return "";
+    return testing::message_of<ControlRefusal>([&] { (void)call(method, parameters); });
   }
   [[nodiscard]] Names order() { return call("queue")["queue"].get<Names>(); }
 

@@ -48,75 +48,72 @@ class ScreenCopyFixture : public testing::PrinterFixture {
 
 }  // namespace
 
-TEST_CASE("A copy of the screen has its pixels and their description") {
-  ScreenCopyFixture fixture;
-  fixture.ask();
-  fixture.ask();
-  REQUIRE(fixture.run_until([&] { return fixture.all_answered(); }));
-  const auto picture = fixture.answers[0].picture;
+TEST_CASE_METHOD(ScreenCopyFixture, "A copy of the screen has its pixels and their description") {
+  ask();
+  ask();
+  REQUIRE(run_until([&] { return all_answered(); }));
+  const auto picture = answers[0].picture;
   REQUIRE(picture);
-  CHECK(decode_png(picture->png, kWidth, kHeight) == fixture.mask);
+  CHECK(decode_png(picture->png, kWidth, kHeight) == mask);
   CHECK(picture->number == 1);
   CHECK(picture->name == "part");
   CHECK(picture->layer == 4);
   CHECK(picture->cut_at == Nanometers{225'000});
-  CHECK(fixture.answers[1].picture == picture);
-  CHECK(fixture.copy.picture(1) == picture);
-  CHECK(fixture.copy.picture(2) == nullptr);
+  CHECK(answers[1].picture == picture);
+  CHECK(copy.picture(1) == picture);
+  CHECK(copy.picture(2) == nullptr);
 }
 
-TEST_CASE("Each request for the same copy is answered in its own turn of the loop") {
-  ScreenCopyFixture fixture;
-  fixture.loop.on_turn_over([&](const EventLoop::Turn&) { fixture.this_turn = 0; });
+TEST_CASE_METHOD(ScreenCopyFixture,
+                 "Each request for the same copy is answered in its own turn of the loop") {
+  loop.on_turn_over([&](const EventLoop::Turn&) { this_turn = 0; });
   for (int i = 0; i < 64; ++i)
-    fixture.ask();
-  REQUIRE(fixture.run_until([&] { return fixture.all_answered(); }));
-  CHECK(fixture.most_a_turn == 1);
-  CHECK(std::ranges::all_of(fixture.answers, [&](const ScreenCopyFixture::Answer& answer) {
-    return answer.picture && answer.picture == fixture.answers[0].picture;
+    ask();
+  REQUIRE(run_until([&] { return all_answered(); }));
+  CHECK(most_a_turn == 1);
+  CHECK(std::ranges::all_of(answers, [&](const ScreenCopyFixture::Answer& answer) {
+    return answer.picture && answer.picture == answers[0].picture;
   }));
-  fixture.loop.on_turn_over(nullptr);
+  loop.on_turn_over(nullptr);
 }
 
-TEST_CASE("A copy contains a single mask, even if the mask changes meanwhile") {
-  ScreenCopyFixture fixture;
+TEST_CASE_METHOD(ScreenCopyFixture, "A copy contains a single mask, even if the mask changes meanwhile") {
   const Mask next = grey_mask(200);
   int looks = 0;
-  fixture.look = [&] {
-    if (++looks == 4) fixture.shown = {&next, 2, "part", 5, Nanometers{275'000}};
+  look = [&] {
+    if (++looks == 4) shown = {&next, 2, "part", 5, Nanometers{275'000}};
   };
-  fixture.ask();
-  REQUIRE(fixture.run_until([&] { return fixture.all_answered(); }));
-  const auto picture = fixture.answers[0].picture;
+  ask();
+  REQUIRE(run_until([&] { return all_answered(); }));
+  const auto picture = answers[0].picture;
   REQUIRE(picture);
   CHECK(picture->number == 2);
   CHECK(picture->layer == 5);
   CHECK(decode_png(picture->png, kWidth, kHeight) == next);
 }
 
-TEST_CASE("A copy fails if the masks change too fast or nothing is shown") {
-  ScreenCopyFixture fixture;
+TEST_CASE_METHOD(ScreenCopyFixture, "A copy fails if the masks change too fast or nothing is shown") {
   SECTION("the masks change too fast") {
-    fixture.look = [&] { ++fixture.shown.number; };
-    fixture.ask();
-    REQUIRE(fixture.run_until([&] { return fixture.all_answered(); }));
-    CHECK(fixture.answers[0].trouble == "the masks change faster than they can be copied");
+    look = [&] { ++shown.number; };
+    ask();
+    REQUIRE(run_until([&] { return all_answered(); }));
+    CHECK(answers[0].trouble == "the masks change faster than they can be copied");
   }
   SECTION("the mask disappears meanwhile") {
     int looks = 0;
-    fixture.look = [&] {
-      if (++looks == 3) fixture.shown.mask = nullptr;
+    look = [&] {
+      if (++looks == 3) shown.mask = nullptr;
     };
-    fixture.ask();
-    REQUIRE(fixture.run_until([&] { return fixture.all_answered(); }));
-    CHECK(fixture.answers[0].trouble == "nothing is shown");
+    ask();
+    REQUIRE(run_until([&] { return all_answered(); }));
+    CHECK(answers[0].trouble == "nothing is shown");
   }
   SECTION("nothing is shown") {
-    fixture.shown.mask = nullptr;
-    fixture.ask();
-    REQUIRE(fixture.run_until([&] { return fixture.all_answered(); }));
-    CHECK(fixture.answers[0].trouble == "nothing is shown");
+    shown.mask = nullptr;
+    ask();
+    REQUIRE(run_until([&] { return all_answered(); }));
+    CHECK(answers[0].trouble == "nothing is shown");
   }
-  CHECK(fixture.answers[0].picture == nullptr);
-  CHECK(fixture.copy.picture(1) == nullptr);
+  CHECK(answers[0].picture == nullptr);
+  CHECK(copy.picture(1) == nullptr);
 }

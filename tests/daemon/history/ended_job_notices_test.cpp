@@ -59,20 +59,7 @@ class EndedJobNoticesFixture {
     for (int i = 0; i < count; ++i)
       end("job" + std::to_string(i));
   }
-  // Runs until `condition` holds; false after 20 s. To be called once, since an event loop does not run
-  // again.
-  bool run_until(const std::function<bool()>& condition) {
-    bool reached = false;
-    const auto given_up =
-        loop.at(std::chrono::steady_clock::now() + 20s, "the test", [this] { loop.stop(); });
-    const auto looks = loop.when_idle("the test", [&] {
-      reached = condition();
-      if (reached) loop.stop();
-      return !reached;
-    });
-    loop.run();
-    return reached;
-  }
+  bool run_until(const std::function<bool()>& so) { return testing::run_loop_until(loop, so); }
 
   testing::TemporaryFolder folder;
   fs::path path = folder.path() / "ended.socket";

@@ -28,51 +28,47 @@ class ContentMarkFixture : public testing::SpoolFixture {
 
 }  // namespace
 
-TEST_CASE("An acceptance is valid for its findings and content only") {
-  AcceptancesFixture fixture;
-  fixture.acceptances.add("a1", {"islands", "cracks"});
-  CHECK(fixture.acceptances.has("a1", "islands"));
-  CHECK(fixture.acceptances.has("a1", "cracks"));
-  CHECK_FALSE(fixture.acceptances.has("a1", "empty_layers"));
-  CHECK_FALSE(fixture.acceptances.has("a2", "islands"));
-  fixture.acceptances.remove("a1");
-  CHECK_FALSE(fixture.acceptances.has("a1", "islands"));
+TEST_CASE_METHOD(AcceptancesFixture, "An acceptance is valid for its findings and content only") {
+  acceptances.add("a1", {"islands", "cracks"});
+  CHECK(acceptances.has("a1", "islands"));
+  CHECK(acceptances.has("a1", "cracks"));
+  CHECK_FALSE(acceptances.has("a1", "empty_layers"));
+  CHECK_FALSE(acceptances.has("a2", "islands"));
+  acceptances.remove("a1");
+  CHECK_FALSE(acceptances.has("a1", "islands"));
 }
 
-TEST_CASE("Acceptances are saved for the next process, one write at a time and the latest last") {
-  AcceptancesFixture fixture;
-  fixture.acceptances.load({"a0 islands"});
-  CHECK(fixture.acceptances.has("a0", "islands"));
-  fixture.acceptances.add("a1", {"islands"});
-  fixture.acceptances.add("a2", {"islands"});
-  fixture.acceptances.remove("a0");
-  REQUIRE(fixture.work.saved.size() == 1);
-  CHECK(fixture.work.saved.back() == Names{"a0 islands", "a1 islands"});
-  fixture.work.save_done("");
-  REQUIRE(fixture.work.saved.size() == 2);
-  CHECK(fixture.work.saved.back() == Names{"a1 islands", "a2 islands"});
-  fixture.work.save_done("");
-  CHECK(fixture.work.saved.size() == 2);
+TEST_CASE_METHOD(AcceptancesFixture,
+                 "Acceptances are saved for the next process, one write at a time and the latest last") {
+  acceptances.load({"a0 islands"});
+  CHECK(acceptances.has("a0", "islands"));
+  acceptances.add("a1", {"islands"});
+  acceptances.add("a2", {"islands"});
+  acceptances.remove("a0");
+  REQUIRE(work.saved.size() == 1);
+  CHECK(work.saved.back() == Names{"a0 islands", "a1 islands"});
+  work.save_done("");
+  REQUIRE(work.saved.size() == 2);
+  CHECK(work.saved.back() == Names{"a1 islands", "a2 islands"});
+  work.save_done("");
+  CHECK(work.saved.size() == 2);
 }
 
-TEST_CASE("A failure to save an acceptance is reported once") {
-  AcceptancesFixture fixture;
+TEST_CASE_METHOD(AcceptancesFixture, "A failure to save an acceptance is reported once") {
   for (const char* content : {"a", "b", "c"}) {
-    fixture.acceptances.add(content, {"islands"});
-    fixture.work.save_done("no room");
+    acceptances.add(content, {"islands"});
+    work.save_done("no room");
   }
-  CHECK(fixture.work.saved.size() == 3);
-  CHECK(
-      fixture.log.count("warning: cannot save what was accepted; it must be confirmed again after a restart: "
-                        "no room") == 1);
+  CHECK(work.saved.size() == 3);
+  CHECK(log.count("warning: cannot save what was accepted; it must be confirmed again after a restart: "
+                  "no room") == 1);
 }
 
-TEST_CASE("The oldest acceptance is forgotten beyond a thousand") {
-  AcceptancesFixture fixture;
+TEST_CASE_METHOD(AcceptancesFixture, "The oldest acceptance is forgotten beyond a thousand") {
   for (int i = 0; i <= static_cast<int>(Acceptances::kMaxLines); ++i)
-    fixture.acceptances.add(std::to_string(i), {"islands"});
-  CHECK_FALSE(fixture.acceptances.has("0", "islands"));
-  CHECK(fixture.acceptances.has("1", "islands"));
+    acceptances.add(std::to_string(i), {"islands"});
+  CHECK_FALSE(acceptances.has("0", "islands"));
+  CHECK(acceptances.has("1", "islands"));
 }
 
 TEST_CASE("The mark of a job's content stays when the job is moved, and changes when any of its files does") {

@@ -40,155 +40,143 @@ class StartedReaderFixture : public ReaderFixture {
 
 }  // namespace
 
-TEST_CASE("A job whose turn has come is prepared, and its files stay in printing/") {
-  StartedReaderFixture fixture;
-  fixture.put(Spool::Folder::Printing, "part.stl");
+TEST_CASE_METHOD(StartedReaderFixture,
+                 "A job whose turn has come is prepared, and its files stay in printing/") {
+  put(Spool::Folder::Printing, "part.stl");
   std::optional<ReadJob> read;
-  fixture.reader->read(fixture.spool.files_of(Spool::Folder::Printing, "part.stl"), std::nullopt,
-                       [&](ReadJob job) { read = std::move(job); });
-  REQUIRE(fixture.run_until([&] { return read.has_value(); }));
+  reader->read(spool.files_of(Spool::Folder::Printing, "part.stl"), std::nullopt,
+               [&](ReadJob job) { read = std::move(job); });
+  REQUIRE(run_until([&] { return read.has_value(); }));
   REQUIRE(std::holds_alternative<PreparedJob>(*read));
   CHECK(std::get<PreparedJob>(*read).summary.layers.count > 0);
-  CHECK(fixture.has("printing/part.stl"));
+  CHECK(has("printing/part.stl"));
 }
 
-TEST_CASE("A valid waiting job is not refused") {
-  StartedReaderFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  CHECK_FALSE(fixture.check("part.stl"));
+TEST_CASE_METHOD(StartedReaderFixture, "A valid waiting job is not refused") {
+  put(Spool::Folder::Incoming, "part.stl");
+  CHECK_FALSE(check("part.stl"));
 }
 
-TEST_CASE("The check of a waiting job returns its outlook") {
-  StartedReaderFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  fixture.put_text(Spool::Folder::Incoming, "part.json", R"({"layer_height_um": 50, "copies": 3})");
-  REQUIRE_FALSE(fixture.check("part.stl"));
-  REQUIRE(fixture.outlook);
-  const JobOutlook& outlook = *fixture.outlook;
+TEST_CASE_METHOD(StartedReaderFixture, "The check of a waiting job returns its outlook") {
+  put(Spool::Folder::Incoming, "part.stl");
+  put_text(Spool::Folder::Incoming, "part.json", R"({"layer_height_um": 50, "copies": 3})");
+  REQUIRE_FALSE(check("part.stl"));
+  REQUIRE(outlook);
   // The file of the box has 84 bytes and 12 facets of 50 bytes; its ticket has 36 bytes.
-  CHECK(outlook.bytes == 684 + 36);
-  CHECK(outlook.parts == 3);
-  CHECK(outlook.resin == "standard");
-  CHECK(outlook.layers == 4);
-  CHECK(outlook.thinnest_layer == Nanometers{50'000});
-  CHECK(outlook.thickest_layer == Nanometers{50'000});
-  CHECK(outlook.height_mm == testing::Approx(0.2));
+  CHECK(outlook->bytes == 684 + 36);
+  CHECK(outlook->parts == 3);
+  CHECK(outlook->resin == "standard");
+  CHECK(outlook->layers == 4);
+  CHECK(outlook->thinnest_layer == Nanometers{50'000});
+  CHECK(outlook->thickest_layer == Nanometers{50'000});
+  CHECK(outlook->height_mm == testing::Approx(0.2));
   // More than four exposures, and less than four minutes.
-  CHECK(outlook.print_time > std::chrono::seconds{4});
-  CHECK(outlook.print_time < std::chrono::minutes{4});
+  CHECK(outlook->print_time > std::chrono::seconds{4});
+  CHECK(outlook->print_time < std::chrono::minutes{4});
 }
 
-TEST_CASE("A waiting job that is not a model is refused for good, with a reason") {
-  StartedReaderFixture fixture;
-  fixture.put_text(Spool::Folder::Incoming, "part.stl", "no model");
-  const auto refusal = fixture.check("part.stl");
+TEST_CASE_METHOD(StartedReaderFixture,
+                 "A waiting job that is not a model is refused for good, with a reason") {
+  put_text(Spool::Folder::Incoming, "part.stl", "no model");
+  const auto refusal = check("part.stl");
   REQUIRE(refusal);
   CHECK_FALSE(refusal->reason.empty());
   CHECK_FALSE(refusal->for_now);
   CHECK(refusal->profile.empty());
 }
 
-TEST_CASE("A job that would need too much memory even in an otherwise empty process is refused for good") {
-  StartedReaderFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  fixture.config.memory_limit_bytes = 1;
-  const auto refusal = fixture.check("part.stl");
+TEST_CASE_METHOD(
+    StartedReaderFixture,
+    "A job that would need too much memory even in an otherwise empty process is refused for good") {
+  put(Spool::Folder::Incoming, "part.stl");
+  config.memory_limit_bytes = 1;
+  const auto refusal = check("part.stl");
   REQUIRE(refusal);
   CHECK_FALSE(refusal->reason.empty());
   CHECK_FALSE(refusal->for_now);
 }
 
-TEST_CASE("An unusable profile is reported as a problem of the profile") {
-  StartedReaderFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  fixture.config.resin = "none-such";
-  const auto refusal = fixture.check("part.stl");
+TEST_CASE_METHOD(StartedReaderFixture, "An unusable profile is reported as a problem of the profile") {
+  put(Spool::Folder::Incoming, "part.stl");
+  config.resin = "none-such";
+  const auto refusal = check("part.stl");
   REQUIRE(refusal);
   CHECK(refusal->profile.starts_with("the resin profile "));
 }
 
-TEST_CASE("A ticket that names a missing profile is a problem of the job") {
-  StartedReaderFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  fixture.put_text(Spool::Folder::Incoming, "part.json", R"({"resin": "none-such"})");
-  const auto refusal = fixture.check("part.stl");
+TEST_CASE_METHOD(StartedReaderFixture, "A ticket that names a missing profile is a problem of the job") {
+  put(Spool::Folder::Incoming, "part.stl");
+  put_text(Spool::Folder::Incoming, "part.json", R"({"resin": "none-such"})");
+  const auto refusal = check("part.stl");
   REQUIRE(refusal);
   CHECK(refusal->profile.empty());
 }
 
-TEST_CASE("A job that the last process was reading when it ended is not read") {
-  ReaderFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  const fs::path record = fixture.state() / "reading", kept = fixture.folder.path() / "kept";
+TEST_CASE_METHOD(ReaderFixture, "A job that the last process was reading when it ended is not read") {
+  put(Spool::Folder::Incoming, "part.stl");
+  const fs::path record = state() / "reading", kept = folder.path() / "kept";
   {
     ReadingRecord dying(record);
-    const ReadingRecord::Reading under_way(dying,
-                                           fixture.spool.files_of(Spool::Folder::Incoming, "part.stl"));
+    const ReadingRecord::Reading under_way(dying, spool.files_of(Spool::Folder::Incoming, "part.stl"));
     fs::copy_file(record, kept);
   }
   fs::rename(kept, record);
-  fixture.start();
-  const auto refusal = fixture.check("part.stl");
+  start();
+  const auto refusal = check("part.stl");
   REQUIRE(refusal);
   CHECK(refusal->reason == kEndedAProcess);
 }
 
-TEST_CASE("Jobs are read in the order of the requests") {
-  StartedReaderFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "a.stl");
-  fixture.put_text(Spool::Folder::Incoming, "b.stl", "no model");
+TEST_CASE_METHOD(StartedReaderFixture, "Jobs are read in the order of the requests") {
+  put(Spool::Folder::Incoming, "a.stl");
+  put_text(Spool::Folder::Incoming, "b.stl", "no model");
   std::vector<std::string> order;
   for (const std::string file : {"a.stl", "b.stl"})
-    fixture.reader->check(file, JobReader::Keep::Nothing,
-                          [&order, file](const auto&) { order.push_back(file); });
-  REQUIRE(fixture.run_until([&] { return order.size() == 2; }));
+    reader->check(file, JobReader::Keep::Nothing, [&order, file](const auto&) { order.push_back(file); });
+  REQUIRE(run_until([&] { return order.size() == 2; }));
   CHECK(order == std::vector<std::string>{"a.stl", "b.stl"});
 }
 
-TEST_CASE("A check is given up when a job's turn comes, or when its own job is forgotten") {
-  StartedReaderFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  fixture.put(Spool::Folder::Printing, "next.stl");
+TEST_CASE_METHOD(StartedReaderFixture,
+                 "A check is given up when a job's turn comes, or when its own job is forgotten") {
+  put(Spool::Folder::Incoming, "part.stl");
+  put(Spool::Folder::Printing, "next.stl");
   std::optional<CheckedJob> found;
   // The first check keeps the reader's thread busy until the second is requested and given up.
-  models::write_binary_stl(fixture.spool.folder(Spool::Folder::Incoming) / "large.stl",
-                           models::sphere(20, 100));
-  fixture.reader->check("large.stl", JobReader::Keep::Nothing, [](const auto&) {});
-  fixture.reader->check("part.stl", JobReader::Keep::Nothing, [&](const CheckedJob& said) { found = said; });
+  models::write_binary_stl(spool.folder(Spool::Folder::Incoming) / "large.stl", models::sphere(20, 100));
+  reader->check("large.stl", JobReader::Keep::Nothing, [](const auto&) {});
+  reader->check("part.stl", JobReader::Keep::Nothing, [&](const CheckedJob& said) { found = said; });
   SECTION("a turn comes") {
-    fixture.reader->read(fixture.spool.files_of(Spool::Folder::Printing, "next.stl"), std::nullopt,
-                         [](const auto&) {});
+    reader->read(spool.files_of(Spool::Folder::Printing, "next.stl"), std::nullopt, [](const auto&) {});
   }
   SECTION("the job is forgotten") {
-    fixture.reader->forget("part.stl");
+    reader->forget("part.stl");
   }
-  REQUIRE(fixture.run_until([&] { return found.has_value(); }));
+  REQUIRE(run_until([&] { return found.has_value(); }));
   CHECK(std::holds_alternative<ReadingGivenUp>(*found));
 }
 
-TEST_CASE("The check of the next job gives up the other checks") {
-  StartedReaderFixture fixture;
-  models::write_binary_stl(fixture.spool.folder(Spool::Folder::Incoming) / "large.stl",
-                           models::sphere(20, 100));
-  fixture.put(Spool::Folder::Incoming, "next.stl");
+TEST_CASE_METHOD(StartedReaderFixture, "The check of the next job gives up the other checks") {
+  models::write_binary_stl(spool.folder(Spool::Folder::Incoming) / "large.stl", models::sphere(20, 100));
+  put(Spool::Folder::Incoming, "next.stl");
   std::optional<CheckedJob> large, next;
-  fixture.reader->check("large.stl", JobReader::Keep::Nothing, [&](const CheckedJob& said) { large = said; });
-  fixture.reader->check("next.stl", JobReader::Keep::Prepared, [&](const CheckedJob& said) { next = said; });
-  REQUIRE(fixture.run_until([&] { return next.has_value(); }));
+  reader->check("large.stl", JobReader::Keep::Nothing, [&](const CheckedJob& said) { large = said; });
+  reader->check("next.stl", JobReader::Keep::Prepared, [&](const CheckedJob& said) { next = said; });
+  REQUIRE(run_until([&] { return next.has_value(); }));
   REQUIRE(large);
   CHECK(std::holds_alternative<ReadingGivenUp>(*large));
   CHECK(std::holds_alternative<JobOutlook>(*next));
 }
 
-TEST_CASE("The reading of a job whose turn has come can be given up in its search for supports") {
-  StartedReaderFixture fixture;
-  fixture.config.supports = SupportPolicy::Auto;
-  models::write_binary_stl(fixture.spool.folder(Spool::Folder::Printing) / "ball.stl", models::sphere(5, 60));
+TEST_CASE_METHOD(StartedReaderFixture,
+                 "The reading of a job whose turn has come can be given up in its search for supports") {
+  config.supports = SupportPolicy::Auto;
+  models::write_binary_stl(spool.folder(Spool::Folder::Printing) / "ball.stl", models::sphere(5, 60));
   std::optional<bool> given_up;
-  fixture.reader->read(fixture.spool.files_of(Spool::Folder::Printing, "ball.stl"), std::nullopt,
-                       [&](const ReadJob& job) { given_up = std::holds_alternative<ReadingGivenUp>(job); });
-  fixture.reader->give_up_reading();
-  REQUIRE(fixture.run_until([&] { return given_up.has_value(); }));
+  reader->read(spool.files_of(Spool::Folder::Printing, "ball.stl"), std::nullopt,
+               [&](const ReadJob& job) { given_up = std::holds_alternative<ReadingGivenUp>(job); });
+  reader->give_up_reading();
+  REQUIRE(run_until([&] { return given_up.has_value(); }));
   CHECK(*given_up);
 }
 
@@ -212,42 +200,39 @@ JobAnalysisOutcome analyzed(
 
 }  // namespace
 
-TEST_CASE("The analysis of a job returns its resin volume, content and settings") {
-  StartedReaderFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  const JobFiles files = fixture.spool.files_of(Spool::Folder::Incoming, "part.stl");
-  const JobAnalysisOutcome found = analyzed(fixture, "part.stl");
+TEST_CASE_METHOD(StartedReaderFixture,
+                 "The analysis of a job returns its resin volume, content and settings") {
+  put(Spool::Folder::Incoming, "part.stl");
+  const JobFiles files = spool.files_of(Spool::Folder::Incoming, "part.stl");
+  const JobAnalysisOutcome found = analyzed(*this, "part.stl");
   REQUIRE(std::holds_alternative<AnalyzedJob>(found));
   const auto& job = std::get<AnalyzedJob>(found);
   CHECK(job.analysis.findings.empty());
   // 3 x 2 x 0.2 mm.
   CHECK(job.analysis.resin_ml == testing::Approx(0.0012).epsilon(0.01));
   CHECK(job.content == content_mark(files));
-  CHECK(job.settings == read_settings(files, fixture.config));
+  CHECK(job.settings == read_settings(files, config));
 }
 
-TEST_CASE("An analysis refuses an invalid model, too") {
-  StartedReaderFixture fixture;
-  fixture.put_text(Spool::Folder::Incoming, "part.stl", "no model");
-  CHECK(std::holds_alternative<JobRefusal>(analyzed(fixture, "part.stl")));
+TEST_CASE_METHOD(StartedReaderFixture, "An analysis refuses an invalid model, too") {
+  put_text(Spool::Folder::Incoming, "part.stl", "no model");
+  CHECK(std::holds_alternative<JobRefusal>(analyzed(*this, "part.stl")));
 }
 
-TEST_CASE("An analysis is given up when a job's turn comes, or when its own job is forgotten") {
-  StartedReaderFixture fixture;
+TEST_CASE_METHOD(StartedReaderFixture,
+                 "An analysis is given up when a job's turn comes, or when its own job is forgotten") {
   // Thousands of layers, so that the analysis is not over too early.
-  models::write_binary_stl(fixture.spool.folder(Spool::Folder::Incoming) / "part.stl",
+  models::write_binary_stl(spool.folder(Spool::Folder::Incoming) / "part.stl",
                            models::box({0, 0, 0}, {90, 50, 100}));
-  fixture.put(Spool::Folder::Printing, "next.stl");
+  put(Spool::Folder::Printing, "next.stl");
   SECTION("a turn comes") {
-    const JobAnalysisOutcome found = analyzed(fixture, "part.stl", [&] {
-      fixture.reader->read(fixture.spool.files_of(Spool::Folder::Printing, "next.stl"), std::nullopt,
-                           [](const auto&) {});
+    const JobAnalysisOutcome found = analyzed(*this, "part.stl", [&] {
+      reader->read(spool.files_of(Spool::Folder::Printing, "next.stl"), std::nullopt, [](const auto&) {});
     });
     CHECK(std::holds_alternative<ReadingGivenUp>(found));
   }
   SECTION("the job is forgotten") {
-    const JobAnalysisOutcome found =
-        analyzed(fixture, "part.stl", [&] { fixture.reader->forget("part.stl"); });
+    const JobAnalysisOutcome found = analyzed(*this, "part.stl", [&] { reader->forget("part.stl"); });
     CHECK(std::holds_alternative<ReadingGivenUp>(found));
   }
 }

@@ -90,63 +90,58 @@ void replace_in(const fs::path& file, std::string_view from, std::string_view to
 
 }  // namespace
 
-TEST_CASE("A job that its check has prepared is not prepared again if nothing has changed") {
-  CachedJobFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  fixture.put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 2})");
-  const Turn turn = fixture.take_turn("part.stl");
+TEST_CASE_METHOD(CachedJobFixture,
+                 "A job that its check has prepared is not prepared again if nothing has changed") {
+  put(Spool::Folder::Incoming, "part.stl");
+  put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 2})");
+  const Turn turn = take_turn("part.stl");
   CHECK(turn.prepared_before);
   CHECK(turn.plan_name == "part");
   CHECK(turn.height_mm == contourd::testing::Approx(0.4));
 }
 
-TEST_CASE("A plate that its check has prepared is not prepared again because of other files in its folder") {
-  CachedJobFixture fixture;
-  fixture.put_plate("plate");
-  CHECK(fixture
-            .take_turn("plate",
-                       [&] {
-                         fixture.rewrite("plate/unused.stl", 5);
-                         fixture.put_text(Spool::Folder::Incoming, "plate/note.txt", "for myself");
-                       })
-            .prepared_before);
+TEST_CASE_METHOD(
+    CachedJobFixture,
+    "A plate that its check has prepared is not prepared again because of other files in its folder") {
+  put_plate("plate");
+  CHECK(take_turn("plate", [&] {
+          rewrite("plate/unused.stl", 5);
+          put_text(Spool::Folder::Incoming, "plate/note.txt", "for myself");
+        }).prepared_before);
 }
 
-TEST_CASE("A job that its check has prepared is printed under its name in printing/") {
-  CachedJobFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  fixture.put(Spool::Folder::Done, "part.stl");
-  const Turn turn = fixture.take_turn("part.stl");
+TEST_CASE_METHOD(CachedJobFixture,
+                 "A job that its check has prepared is printed under its name in printing/") {
+  put(Spool::Folder::Incoming, "part.stl");
+  put(Spool::Folder::Done, "part.stl");
+  const Turn turn = take_turn("part.stl");
   CHECK(turn.prepared_before);
   CHECK(turn.plan_name != "part");
 }
 
-TEST_CASE("A job whose model was replaced is prepared again") {
-  CachedJobFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  const Turn turn = fixture.take_turn("part.stl", [&] {
-    const fs::path other = fixture.folder.path() / "other.stl";
+TEST_CASE_METHOD(CachedJobFixture, "A job whose model was replaced is prepared again") {
+  put(Spool::Folder::Incoming, "part.stl");
+  const Turn turn = take_turn("part.stl", [&] {
+    const fs::path other = folder.path() / "other.stl";
     models::write_binary_stl(other, models::box({0, 0, 0}, {3, 2, 0.6F}));
-    fs::rename(other, fixture.incoming("part.stl").model);
+    fs::rename(other, incoming("part.stl").model);
   });
   CHECK_FALSE(turn.prepared_before);
   CHECK(turn.height_mm == contourd::testing::Approx(0.6));
 }
 
-TEST_CASE("A job whose model was rewritten in place is prepared again") {
-  CachedJobFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  const Turn turn = fixture.take_turn("part.stl", [&] { fixture.rewrite("part.stl", 0.6F); });
+TEST_CASE_METHOD(CachedJobFixture, "A job whose model was rewritten in place is prepared again") {
+  put(Spool::Folder::Incoming, "part.stl");
+  const Turn turn = take_turn("part.stl", [&] { rewrite("part.stl", 0.6F); });
   CHECK_FALSE(turn.prepared_before);
   CHECK(turn.height_mm == contourd::testing::Approx(0.6));
 }
 
-TEST_CASE("A job whose ticket was edited is prepared again") {
-  CachedJobFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  fixture.put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 2})");
-  const Turn turn = fixture.take_turn(
-      "part.stl", [&] { fixture.put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 3})"); });
+TEST_CASE_METHOD(CachedJobFixture, "A job whose ticket was edited is prepared again") {
+  put(Spool::Folder::Incoming, "part.stl");
+  put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 2})");
+  const Turn turn =
+      take_turn("part.stl", [&] { put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 3})"); });
   CHECK_FALSE(turn.prepared_before);
   CHECK(turn.height_mm == contourd::testing::Approx(0.6));
 }
@@ -168,29 +163,20 @@ TEST_CASE("A job that got or lost a ticket is prepared again") {
   }
 }
 
-TEST_CASE("A job whose resin's profile was edited is prepared again") {
-  CachedJobFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  CHECK_FALSE(fixture
-                  .take_turn("part.stl",
-                             [&] {
-                               const fs::path profile = fixture.resins / (fixture.config.resin + ".json");
-                               replace_in(profile, "\"bottom_layers\": ", "\"bottom_layers\": 1");
-                             })
-                  .prepared_before);
+TEST_CASE_METHOD(CachedJobFixture, "A job whose resin's profile was edited is prepared again") {
+  put(Spool::Folder::Incoming, "part.stl");
+  CHECK_FALSE(take_turn("part.stl", [&] {
+                const fs::path profile = resins / (config.resin + ".json");
+                replace_in(profile, "\"bottom_layers\": ", "\"bottom_layers\": 1");
+              }).prepared_before);
 }
 
-TEST_CASE("A job is prepared again if the printer's resin has changed") {
-  CachedJobFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  CHECK_FALSE(fixture
-                  .take_turn("part.stl",
-                             [&] {
-                               fs::copy(fixture.resins / (fixture.config.resin + ".json"),
-                                        fixture.resins / "other.json");
-                               fixture.config.resin = "other";
-                             })
-                  .prepared_before);
+TEST_CASE_METHOD(CachedJobFixture, "A job is prepared again if the printer's resin has changed") {
+  put(Spool::Folder::Incoming, "part.stl");
+  CHECK_FALSE(take_turn("part.stl", [&] {
+                fs::copy(resins / (config.resin + ".json"), resins / "other.json");
+                config.resin = "other";
+              }).prepared_before);
 }
 
 TEST_CASE("A plate is prepared again if one of its models or its ticket has changed") {
@@ -215,81 +201,73 @@ TEST_CASE("A plate is prepared again if one of its models or its ticket has chan
   }));
 }
 
-TEST_CASE("A job that is forgotten is prepared again") {
-  CachedJobFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  CHECK_FALSE(fixture.take_turn("part.stl", [&] { fixture.reader.forget("part.stl"); }).prepared_before);
+TEST_CASE_METHOD(CachedJobFixture, "A job that is forgotten is prepared again") {
+  put(Spool::Folder::Incoming, "part.stl");
+  CHECK_FALSE(take_turn("part.stl", [&] { reader.forget("part.stl"); }).prepared_before);
 }
 
-TEST_CASE("A job stays in the cache when another job is forgotten, or checked after it") {
-  CachedJobFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  fixture.put(Spool::Folder::Incoming, "other.stl");
-  CHECK(fixture
-            .take_turn(
-                "part.stl", [&] { fixture.reader.forget("other.stl"); },
-                CachedJobFixture::OtherCheck{"other.stl", JobReader::Keep::Nothing})
+TEST_CASE_METHOD(CachedJobFixture,
+                 "A job stays in the cache when another job is forgotten, or checked after it") {
+  put(Spool::Folder::Incoming, "part.stl");
+  put(Spool::Folder::Incoming, "other.stl");
+  CHECK(take_turn(
+            "part.stl", [&] { reader.forget("other.stl"); },
+            CachedJobFixture::OtherCheck{"other.stl", JobReader::Keep::Nothing})
             .prepared_before);
 }
 
-TEST_CASE("Only the last of several checked jobs is cached") {
-  CachedJobFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  fixture.put(Spool::Folder::Incoming, "other.stl");
-  CHECK_FALSE(fixture
-                  .take_turn(
-                      "part.stl", [] {}, CachedJobFixture::OtherCheck{"other.stl", JobReader::Keep::Prepared})
+TEST_CASE_METHOD(CachedJobFixture, "Only the last of several checked jobs is cached") {
+  put(Spool::Folder::Incoming, "part.stl");
+  put(Spool::Folder::Incoming, "other.stl");
+  CHECK_FALSE(take_turn(
+                  "part.stl", [] {}, CachedJobFixture::OtherCheck{"other.stl", JobReader::Keep::Prepared})
                   .prepared_before);
 }
 
-TEST_CASE("The cached job is dropped when a check needs its memory") {
-  CachedJobFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  fixture.put(Spool::Folder::Incoming, "other.stl");
+TEST_CASE_METHOD(CachedJobFixture, "The cached job is dropped when a check needs its memory") {
+  put(Spool::Folder::Incoming, "part.stl");
+  put(Spool::Folder::Incoming, "other.stl");
   // The check of the other job would have enough memory in a process that held nothing else.
   const std::vector<char> held(200'000'000, 1);
-  CHECK_FALSE(fixture
-                  .take_turn(
-                      "part.stl",
-                      [&] {
-                        constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
-                        fixture.config.memory_limit_bytes = memory_room(kMost).held + 1'000'000;
-                      },
-                      CachedJobFixture::OtherCheck{"other.stl", JobReader::Keep::Nothing})
+  CHECK_FALSE(take_turn(
+                  "part.stl",
+                  [&] {
+                    constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
+                    config.memory_limit_bytes = memory_room(kMost).held + 1'000'000;
+                  },
+                  CachedJobFixture::OtherCheck{"other.stl", JobReader::Keep::Nothing})
                   .prepared_before);
   CHECK(held.back() == 1);
 }
 
-TEST_CASE("A model behind a symbolic link is not cached, because its changes would go unnoticed") {
-  CachedJobFixture fixture;
-  fixture.put_plate("plate");
-  const fs::path model = fixture.incoming("plate").model / "b.stl",
-                 elsewhere = fixture.folder.path() / "b.stl";
+TEST_CASE_METHOD(CachedJobFixture,
+                 "A model behind a symbolic link is not cached, because its changes would go unnoticed") {
+  put_plate("plate");
+  const fs::path model = incoming("plate").model / "b.stl", elsewhere = folder.path() / "b.stl";
   fs::rename(model, elsewhere);
   fs::create_symlink(elsewhere, model);
-  const JobFiles files = fixture.incoming("plate");
+  const JobFiles files = incoming("plate");
   PreparedJobCache cache;
   cache.keep(files, mark_of(files), PreparedJob{});
   CHECK(cache.empty());
 }
 
-TEST_CASE("A job whose files change while they are read is not cached") {
-  CachedJobFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  const JobFiles files = fixture.incoming("part.stl");
+TEST_CASE_METHOD(CachedJobFixture, "A job whose files change while they are read is not cached") {
+  put(Spool::Folder::Incoming, "part.stl");
+  const JobFiles files = incoming("part.stl");
   const std::string mark = mark_of(files);
   PreparedJobCache cache;
   cache.keep(files, mark, PreparedJob{});
   CHECK_FALSE(cache.empty());
-  fixture.rewrite("part.stl", 0.6F);
+  rewrite("part.stl", 0.6F);
   cache.keep(files, mark, PreparedJob{});
   CHECK(cache.empty());
 }
 
-TEST_CASE("A job without settings is not taken from the cache, because its ticket is invalid") {
-  CachedJobFixture fixture;
-  fixture.put(Spool::Folder::Incoming, "part.stl");
-  const JobFiles files = fixture.incoming("part.stl");
+TEST_CASE_METHOD(CachedJobFixture,
+                 "A job without settings is not taken from the cache, because its ticket is invalid") {
+  put(Spool::Folder::Incoming, "part.stl");
+  const JobFiles files = incoming("part.stl");
   PreparedJobCache cache;
   cache.keep(files, mark_of(files), PreparedJob{});
   CHECK_FALSE(cache.take(files, std::nullopt));

@@ -64,13 +64,12 @@ class ArchivistFixture {
 
 }  // namespace
 
-TEST_CASE("A finished print is in done/ with its report, page and picture") {
-  ArchivistFixture fixture;
-  const FiledPrint filed = fixture.file(fixture.ended(PrintOutcome::Done));
+TEST_CASE_METHOD(ArchivistFixture, "A finished print is in done/ with its report, page and picture") {
+  const FiledPrint filed = file(ended(PrintOutcome::Done));
   CHECK(filed.troubles.empty());
   for (const char* name : {"part.stl", "part.report.json", "part.report.html", "part.preview.png"})
-    CHECK(fixture.has(std::string("done/") + name));
-  CHECK_FALSE(fixture.has("printing/part.stl"));
+    CHECK(has(std::string("done/") + name));
+  CHECK_FALSE(has("printing/part.stl"));
 }
 
 TEST_CASE("The picture shows the printed part of a model at the model's height above the plate") {
@@ -95,26 +94,25 @@ TEST_CASE("The picture shows the printed part of a model at the model's height a
   CHECK(brightest_in_picture(Elevation(Nanometers{1'100'000})) < 100);  // all of it is faint
 }
 
-TEST_CASE("A failure to write the report is reported, and the job is filed without it") {
-  ArchivistFixture fixture;
+TEST_CASE_METHOD(ArchivistFixture,
+                 "A failure to write the report is reported, and the job is filed without it") {
   // A folder cannot be replaced by a file.
-  fs::create_directory(fixture.spool.folder(Spool::Folder::Failed) / "part.report.json");
-  const FiledPrint filed = fixture.file(fixture.ended(PrintOutcome::Failed, "the sky fell"));
+  fs::create_directory(spool.folder(Spool::Folder::Failed) / "part.report.json");
+  const FiledPrint filed = file(ended(PrintOutcome::Failed, "the sky fell"));
   REQUIRE(filed.troubles.size() == 1);
   CHECK(filed.troubles.front().starts_with("no report: cannot write "));
-  CHECK(fixture.has("failed/part.stl"));
-  CHECK(fixture.has("failed/part.reason.txt"));
+  CHECK(has("failed/part.stl"));
+  CHECK(has("failed/part.reason.txt"));
 }
 
-TEST_CASE("A failure to write the page is reported, and everything else is there") {
-  ArchivistFixture fixture;
-  fs::create_directory(fixture.spool.folder(Spool::Folder::Done) / "part.report.html");
-  const FiledPrint filed = fixture.file(fixture.ended(PrintOutcome::Done));
+TEST_CASE_METHOD(ArchivistFixture, "A failure to write the page is reported, and everything else is there") {
+  fs::create_directory(spool.folder(Spool::Folder::Done) / "part.report.html");
+  const FiledPrint filed = file(ended(PrintOutcome::Done));
   REQUIRE(filed.troubles.size() == 1);
   CHECK(filed.troubles.front().starts_with("no report.html: "));
-  CHECK(fixture.has("done/part.report.json"));
-  CHECK(fixture.has("done/part.preview.png"));
-  CHECK(fixture.has("done/part.stl"));
+  CHECK(has("done/part.report.json"));
+  CHECK(has("done/part.preview.png"));
+  CHECK(has("done/part.stl"));
 }
 
 TEST_CASE("A job that cannot be moved is reported, and the end of its print can be read afterwards") {
@@ -137,42 +135,40 @@ TEST_CASE("A job that cannot be moved is reported, and the end of its print can 
   }
 }
 
-TEST_CASE("The end of a print is unknown without a record, or with an invalid one or another job's") {
-  ArchivistFixture fixture;
-  CHECK_FALSE(recorded_end(fixture.spool, "part"));
+TEST_CASE_METHOD(ArchivistFixture,
+                 "The end of a print is unknown without a record, or with an invalid one or another job's") {
+  CHECK_FALSE(recorded_end(spool, "part"));
   for (const char* text :
        {"", "{", "[]", R"({"job": "part", "outcome": 3})", R"({"job": "part", "outcome": "splendid"})",
         R"({"outcome": "done", "key": 1})", R"({"job": "part", "outcome": "done"})",
         R"({"job": "other", "outcome": "done", "key": 1})"}) {
     CAPTURE(text);
-    fixture.spool.records().keep_end_of_print(text);
-    CHECK_FALSE(recorded_end(fixture.spool, "part"));
+    spool.records().keep_end_of_print(text);
+    CHECK_FALSE(recorded_end(spool, "part"));
   }
 }
 
-TEST_CASE("The end of a print is on the disk before the print is filed, and removed after that") {
-  ArchivistFixture fixture;
-  PrintArchivist archivist(fixture.loop, fixture.spool);
+TEST_CASE_METHOD(ArchivistFixture,
+                 "The end of a print is on the disk before the print is filed, and removed after that") {
+  PrintArchivist archivist(loop, spool);
   archivist.record("part", {PrintOutcome::Failed, "the sky fell"});
-  archivist.file(fixture.ended(PrintOutcome::Failed, "the sky fell"),
-                 [&](const FiledPrint&) { fixture.loop.stop(); });
-  fixture.loop.run();
-  CHECK_FALSE(recorded_end(fixture.spool, "part"));
-  CHECK(fixture.has("failed/part.stl"));
+  archivist.file(ended(PrintOutcome::Failed, "the sky fell"), [&](const FiledPrint&) { loop.stop(); });
+  loop.run();
+  CHECK_FALSE(recorded_end(spool, "part"));
+  CHECK(has("failed/part.stl"));
   archivist.record("next", {PrintOutcome::Failed, "the sky fell"});
-  while (!recorded_end(fixture.spool, "next"))
+  while (!recorded_end(spool, "next"))
     std::this_thread::yield();
-  CHECK(recorded_end(fixture.spool, "next")->reason == "the sky fell");
-  CHECK_FALSE(recorded_end(fixture.spool, "part"));
+  CHECK(recorded_end(spool, "next")->reason == "the sky fell");
+  CHECK_FALSE(recorded_end(spool, "part"));
 }
 
-TEST_CASE("A running job has no outcome, even if an earlier job had its name") {
-  ArchivistFixture fixture;
-  fixture.spool.records().keep_end_of_print(R"({"job": "new", "outcome": "done", "reason": "", "key": 1})");
-  REQUIRE(recorded_end(fixture.spool, "new"));
-  std::ofstream(fixture.spool.folder(Spool::Folder::Incoming) / "new.stl") << "a model";
-  CHECK(fixture.spool.begin("new.stl").name == "new");
-  CHECK_FALSE(recorded_end(fixture.spool, "new"));
+TEST_CASE_METHOD(ArchivistFixture, "A running job has no outcome, even if an earlier job had its name") {
+  spool.records().keep_end_of_print(R"({"job": "new", "outcome": "done", "reason": "", "key": 1})");
+  REQUIRE(recorded_end(spool, "new"));
+  std::ofstream(spool.folder(Spool::Folder::Incoming) / "new.stl") << "a model";
+  CHECK(spool.begin("new.stl").name == "new");
+  CHECK_FALSE(recorded_end(spool, "new"));
 }
 
 TEST_CASE("A print is filed in a folder that was removed meanwhile") {
@@ -189,12 +185,11 @@ TEST_CASE("A print is filed in a folder that was removed meanwhile") {
   }
 }
 
-TEST_CASE("An archivist files one print at a time") {
-  ArchivistFixture fixture;
-  PrintArchivist archivist(fixture.loop, fixture.spool);
+TEST_CASE_METHOD(ArchivistFixture, "An archivist files one print at a time") {
+  PrintArchivist archivist(loop, spool);
   // In the child process only: it files one print, and must not file a second one.
   CHECK(testing::contract_broken_by([&] {
           for (int print = 0; print < 2; ++print)
-            archivist.file(fixture.ended(PrintOutcome::Done), [](const FiledPrint&) {});
+            archivist.file(ended(PrintOutcome::Done), [](const FiledPrint&) {});
         }) == "no other print is being filed");
 }

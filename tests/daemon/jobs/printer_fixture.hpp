@@ -72,6 +72,21 @@ class NoSpoolObserver : public SpoolObserver {
   void incoming_replaced() override {}
 };
 
+// Runs the loop until `so` returns true; returns false after 20 s. To be called once for a loop, because an
+// event loop does not run again.
+inline bool run_loop_until(EventLoop& loop, const std::function<bool()>& so) {
+  bool reached = false;
+  const auto given_up = loop.at(std::chrono::steady_clock::now() + std::chrono::seconds(20), "the test",
+                                [&loop] { loop.stop(); });
+  const auto looks = loop.when_idle("the test", [&] {
+    reached = so();
+    if (reached) loop.stop();
+    return !reached;
+  });
+  loop.run();
+  return reached;
+}
+
 class PrinterFixture {
  public:
   // Puts a model 0.2 mm high into a folder of the spool.
@@ -90,21 +105,13 @@ class PrinterFixture {
   }
   [[nodiscard]] std::filesystem::path state() const { return folder.path() / "spool.state"; }
 
-  // Runs the loop, and the machine's time with it, until `so` returns true; returns false after 20 s. To be
-  // called once, because an event loop does not run again.
+  // Runs the loop, and the machine's time with it, until `so` returns true, as run_loop_until() does.
   bool run_until(const std::function<bool()>& so) {
-    using namespace std::chrono_literals;
-    bool reached = false;
-    const auto given_up =
-        loop.at(std::chrono::steady_clock::now() + 20s, "the test", [this] { loop.stop(); });
-    const auto steps = loop.when_idle("the test's clock", [&] {
-      reached = so();
-      if (reached) loop.stop();
+    return run_loop_until(loop, [&] {
+      const bool reached = so();
       (void)clock.run_next();
-      return !reached;
+      return reached;
     });
-    loop.run();
-    return reached;
   }
 
   // Calls each step after the spool's thread has done what the last one wanted of it. To be called once, as

@@ -3,6 +3,7 @@
 #include "daemon/prepare/model_turn.hpp"
 #include "daemon/prepare/plate_arrangement.hpp"
 #include "tests/catch.hpp"
+#include "tests/message_of.hpp"
 #include "tests/models/models.hpp"
 
 namespace {
@@ -32,22 +33,14 @@ std::string refusal_of(const DrainHole& hole, std::chrono::seconds time = std::c
   HoleSearch search{{kSquareDisplay, AntiAliasing::On}, {}, MaskBudget::Clock::now() + time};
   for (std::int64_t layer = 0; layer < 20; ++layer)
     search.heights.emplace_back(500'000 * layer + 250'000);
-  try {
+  return testing::message_of<JobRefused>([&] {
     refuse_holes_beside({model, ticket, cylinders}, "the model", search);
-  } catch (const JobRefused& refusal) {
-    return refusal.what();
-  }
-  return "";
+  });
 }
 
 std::string refusal_of_scaled(ModelTicket ticket, double scale) {
   ticket.scale = Scale{scale};
-  try {
-    static_cast<void>(drain_cylinders(ticket, *ticket.scale, {}));
-  } catch (const JobRefused& refusal) {
-    return refusal.what();
-  }
-  return "";
+  return testing::message_of<JobRefused>([&] { (void)(drain_cylinders(ticket, *ticket.scale, {})); });
 }
 
 }  // namespace

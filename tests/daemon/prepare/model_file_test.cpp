@@ -4,6 +4,7 @@
 
 #include "daemon/prepare/plate_arrangement.hpp"
 #include "tests/catch.hpp"
+#include "tests/message_of.hpp"
 #include "tests/models/models.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -14,12 +15,7 @@ namespace {
 const models::Facets kTwelveFacets = models::box({0, 0, 0}, {20, 20, 20});
 
 std::string refusal_of(const fs::path& path, const std::string& name = "") {
-  try {
-    (void)ModelFile(path, name, Links::Refuse).read();
-  } catch (const JobRefused& refusal) {
-    return refusal.what();
-  }
-  return "";
+  return testing::message_of<JobRefused>([&] { (void)ModelFile(path, name, Links::Refuse).read(); });
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "daemon/prepare/plate_arrangement.hpp"
 
 #include "tests/catch.hpp"
+#include "tests/message_of.hpp"
 #include "tests/models/models.hpp"
 
 namespace {
@@ -21,12 +22,8 @@ std::optional<PlateOffset> at(double x, double y) {
 }
 
 std::string refusal_of(const std::vector<ModelToPlace>& models) {
-  try {
-    check_arrangement(models, arrange(models, kVolume), kVolume, kLayer);
-  } catch (const JobRefused& refusal) {
-    return refusal.what();
-  }
-  return "";
+  return testing::message_of<JobRefused>(
+      [&] { check_arrangement(models, arrange(models, kVolume), kVolume, kLayer); });
 }
 
 bool on_grid(double line_mm) {

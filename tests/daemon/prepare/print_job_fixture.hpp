@@ -10,6 +10,7 @@
 
 #include "daemon/prepare/print_job.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
+#include "tests/message_of.hpp"
 #include "tests/models/models.hpp"
 
 namespace contourd::testing {
@@ -17,12 +18,7 @@ namespace contourd::testing {
 // Calls `prepare` and returns why it refuses the job; empty if it does not.
 template <typename Prepare>
 std::string refusal_by(Prepare prepare) {
-  try {
-    prepare();
-  } catch (const JobRefused& refusal) {
-    return refusal.what();
-  }
-  return "";
+  return testing::message_of<JobRefused>([&] { prepare(); });
 }
 
 // A job of one model.

@@ -7,15 +7,16 @@
 #include "daemon/prepare/support_counts.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/prepare/print_job_fixture.hpp"
+#include "tests/message_of.hpp"
 
-TEST_CASE("A model is turned to its best orientation if its ticket leaves that to contourd") {
-  PrintJobFixture fixture;
+TEST_CASE_METHOD(PrintJobFixture,
+                 "A model is turned to its best orientation if its ticket leaves that to contourd") {
   // Drawn standing on its point.
   models::Facets cone = models::cone(6, 20, 48);
   orient(cone, {.up = Direction{0, 0, -1}});
-  const PreparedJob drawn = fixture.prepare(cone);
+  const PreparedJob drawn = prepare(cone);
   CHECK_FALSE(drawn.summary.models[0].orientation);
-  const PreparedJob job = fixture.prepare(cone, R"({"up": "auto"})");
+  const PreparedJob job = prepare(cone, R"({"up": "auto"})");
   const ModelSummary& model = job.summary.models[0];
   REQUIRE(model.orientation);
   CHECK(model.up == Direction{0, 0, -1});
@@ -30,35 +31,34 @@ TEST_CASE("A model that prints well as drawn is not turned") {
   CHECK(lit_box(job.plan.engine->mask_at(Nanometers{1'000'000})) == Lit{760, 1159, 340, 739});
 }
 
-TEST_CASE("A model that is too high for the machine is laid down if contourd chooses the orientation") {
-  PrintJobFixture fixture;
+TEST_CASE_METHOD(
+    PrintJobFixture,
+    "A model that is too high for the machine is laid down if contourd chooses the orientation") {
   const models::Facets column = models::box({0, 0, 0}, {10, 10, 80});
-  fixture.printer.travel = Nanometers{60'000'000};
-  CHECK_FALSE(fixture.refusal_of(column).empty());
-  CHECK(fixture.prepare(column, R"({"up": "auto"})").summary.height_mm < 50);
+  printer.travel = Nanometers{60'000'000};
+  CHECK_FALSE(refusal_of(column).empty());
+  CHECK(prepare(column, R"({"up": "auto"})").summary.height_mm < 50);
 }
 
-TEST_CASE("The orientation depends on the resin's weights, the scale and the surfaces to be kept clean") {
-  PrintJobFixture fixture;
+TEST_CASE_METHOD(
+    PrintJobFixture,
+    "The orientation depends on the resin's weights, the scale and the surfaces to be kept clean") {
   const models::Facets plate = models::box({0, 0, 0}, {20, 4, 20});
-  CHECK(fixture.prepare(plate, R"({"up": "auto"})").summary.height_mm == 20);
-  fixture.resin.orientation = {
-      .support = 0, .contacts = 0, .peel = 0, .height = 1, .standing = 0, .keep_clean = 0};
-  CHECK(std::abs(fixture.prepare(plate, R"({"up": "auto"})").summary.height_mm - 4) <
-        1e-5);  // float's rounding
-  CHECK(std::abs(fixture.prepare(plate, R"({"up": "auto", "scale": 2})").summary.height_mm - 8) < 1e-5);
-  fixture.resin.orientation.keep_clean = 100;
+  CHECK(prepare(plate, R"({"up": "auto"})").summary.height_mm == 20);
+  resin.orientation = {.support = 0, .contacts = 0, .peel = 0, .height = 1, .standing = 0, .keep_clean = 0};
+  CHECK(std::abs(prepare(plate, R"({"up": "auto"})").summary.height_mm - 4) < 1e-5);  // float's rounding
+  CHECK(std::abs(prepare(plate, R"({"up": "auto", "scale": 2})").summary.height_mm - 8) < 1e-5);
+  resin.orientation.keep_clean = 100;
   const std::string clean = R"({"up": "auto", "keep_clean": [{"y": 1}, {"y": -1}]})";
-  CHECK(fixture.prepare(plate, clean).summary.height_mm == 20);
+  CHECK(prepare(plate, clean).summary.height_mm == 20);
 }
 
 TEST_CASE("A model without facets is refused even if contourd chooses the orientation") {
   CHECK_FALSE(PrintJobFixture().refusal_of({}, R"({"up": "auto"})").empty());
 }
 
-TEST_CASE("A cube lies in the middle of the display, at its true size") {
-  PrintJobFixture fixture;
-  const PreparedJob job = fixture.prepare(kCube);
+TEST_CASE_METHOD(PrintJobFixture, "A cube lies in the middle of the display, at its true size") {
+  const PreparedJob job = prepare(kCube);
   CHECK(job.summary.layers.count == 400);
   CHECK(job.plan.expected_layers == std::vector(400, Nanometers{50'000}));
   const Mask& mask = job.plan.engine->mask_at(Nanometers{1'000'000});
@@ -75,97 +75,89 @@ TEST_CASE("Any error during preparation refuses the job with a sentence") {
   CHECK(reason == "the job cannot be prepared: the uniformity mask does not have the display's size");
 }
 
-TEST_CASE("A ticket's position moves the part to the right and up") {
-  PrintJobFixture fixture;
-  const PreparedJob job = fixture.prepare(kCube, R"({"position_mm": {"x": 10, "y": 5}})");
+TEST_CASE_METHOD(PrintJobFixture, "A ticket's position moves the part to the right and up") {
+  const PreparedJob job = prepare(kCube, R"({"position_mm": {"x": 10, "y": 5}})");
   CHECK(lit_box(job.plan.engine->mask_at(Nanometers{1'000'000})) == Lit{960, 1359, 240, 639});
 }
 
-TEST_CASE("Copies lie side by side around the plate's centre, 2 mm apart") {
-  PrintJobFixture fixture;
-  const PreparedJob job = fixture.prepare(kCube, R"({"copies": 4})");
+TEST_CASE_METHOD(PrintJobFixture, "Copies lie side by side around the plate's centre, 2 mm apart") {
+  const PreparedJob job = prepare(kCube, R"({"copies": 4})");
   const Mask& mask = job.plan.engine->mask_at(Nanometers{1'000'000});
   // Two by two copies: 42 mm, 840 pixels.
   CHECK(lit_box(mask) == Lit{540, 1379, 120, 959});
   CHECK(mask.lit_area() == 4 * 160000.0);
 }
 
-TEST_CASE("Eight copies fill the plate and nine are refused") {
-  PrintJobFixture fixture;
-  CHECK(fixture.prepare(kCube, R"({"copies": 8})").plan.engine->mask_at(Nanometers{1'000'000}).lit_area() ==
+TEST_CASE_METHOD(PrintJobFixture, "Eight copies fill the plate and nine are refused") {
+  CHECK(prepare(kCube, R"({"copies": 8})").plan.engine->mask_at(Nanometers{1'000'000}).lit_area() ==
         8 * 160000.0);
-  CHECK(fixture.refusal_of(kCube, R"({"copies": 9})") ==
+  CHECK(refusal_of(kCube, R"({"copies": 9})") ==
         "9 copies of 20.00 x 20.00 mm do not fit on the plate (96.00 x 54.00 mm); there is room for 8");
 }
 
-TEST_CASE("Fit makes the part as large as the display allows, in all three directions alike") {
-  PrintJobFixture fixture;
-  const PreparedJob job = fixture.prepare(kCube, R"({"fit": true})");
+TEST_CASE_METHOD(PrintJobFixture,
+                 "Fit makes the part as large as the display allows, in all three directions alike") {
+  const PreparedJob job = prepare(kCube, R"({"fit": true})");
   // Equation 3.8: R = height - 1 pixels, for 20 mm.
   CHECK(job.summary.models[0].scale.x == testing::Approx(1079 * 0.05 / 20).epsilon(1e-6));
   CHECK(job.summary.models[0].size_z_mm == testing::Approx(1079 * 0.05).epsilon(1e-6));
   CHECK(job.summary.models[0].size_x_mm == testing::Approx(job.summary.models[0].size_z_mm).epsilon(1e-6));
 }
 
-TEST_CASE("Fit makes a tower no higher than the machine can print") {
-  PrintJobFixture fixture;
-  const PreparedJob job = fixture.prepare(models::box({0, 0, 0}, {1, 1, 100}), R"({"fit": true})");
+TEST_CASE_METHOD(PrintJobFixture, "Fit makes a tower no higher than the machine can print") {
+  const PreparedJob job = prepare(models::box({0, 0, 0}, {1, 1, 100}), R"({"fit": true})");
   // 160 mm of travel less 6 mm of lift, with the rounding of float coordinates.
   CHECK(job.summary.models[0].size_z_mm == testing::Approx(154.0).epsilon(1e-6));
 }
 
-TEST_CASE("A rotation stands a flat box up, and it is printed from its new lowest point") {
-  PrintJobFixture fixture;
+TEST_CASE_METHOD(PrintJobFixture,
+                 "A rotation stands a flat box up, and it is printed from its new lowest point") {
   const PreparedJob job =
-      fixture.prepare(models::box({0, 0, 0}, {10, 20, 5}), R"({"rotation_deg": {"x": 90, "y": 0, "z": 0}})");
+      prepare(models::box({0, 0, 0}, {10, 20, 5}), R"({"rotation_deg": {"x": 90, "y": 0, "z": 0}})");
   CHECK(job.summary.models[0].size_y_mm == 5.0);
   CHECK(job.summary.models[0].size_z_mm == 20.0);
   CHECK(job.summary.layers.count == 400);
 }
 
-TEST_CASE("A model that cannot be printed is refused with a sentence that has the figures") {
-  PrintJobFixture fixture;
+TEST_CASE_METHOD(PrintJobFixture,
+                 "A model that cannot be printed is refused with a sentence that has the figures") {
   CHECK(
-      fixture.refusal_of(models::box({0, 0, 0}, {97, 10, 10})) ==
+      refusal_of(models::box({0, 0, 0}, {97, 10, 10})) ==
       "the model (97.00 x 10.00 mm, its centre 0.00, 0.00 mm from the plate's) reaches 0.50 mm over the left "
       "edge and 0.50 mm over the right edge of the build area (96.00 x 54.00 mm)");
-  CHECK(fixture.refusal_of(models::box({0, 0, 0}, {10, 10, 155})) ==
+  CHECK(refusal_of(models::box({0, 0, 0}, {10, 10, 155})) ==
         "the model is 155.00 mm high, the machine can print 154.00 mm (its travel less the lift)");
-  CHECK(fixture.refusal_of({}) == "the file holds no facets");
-  CHECK(fixture.refusal_of(models::box({0, 0, 3}, {10, 10, 3})) ==
-        "the model is flat: it has no height to print");
-  CHECK(fixture.refusal_of(models::box({0, 0, 0}, {1e38F, 1, 1}), R"({"scale": 1000})") ==
+  CHECK(refusal_of({}) == "the file holds no facets");
+  CHECK(refusal_of(models::box({0, 0, 3}, {10, 10, 3})) == "the model is flat: it has no height to print");
+  CHECK(refusal_of(models::box({0, 0, 0}, {1e38F, 1, 1}), R"({"scale": 1000})") ==
         "the model is too large: its coordinates leave the range of numbers");
 }
 
-TEST_CASE("A model that its position moves over the plate's edge is refused") {
-  PrintJobFixture fixture;
-  CHECK(fixture.refusal_of(kCube, R"({"position_mm": {"x": 38.1, "y": 0}})")
+TEST_CASE_METHOD(PrintJobFixture, "A model that its position moves over the plate's edge is refused") {
+  CHECK(refusal_of(kCube, R"({"position_mm": {"x": 38.1, "y": 0}})")
             .find("reaches 0.10 mm over the right edge") != std::string::npos);
-  CHECK(fixture.refusal_of(kCube, R"({"position_mm": {"x": 38, "y": 0}})").empty());
+  CHECK(refusal_of(kCube, R"({"position_mm": {"x": 38, "y": 0}})").empty());
 }
 
-TEST_CASE("A wrong ticket refuses the job with all of its mistakes") {
-  PrintJobFixture fixture;
-  const std::string refusal = fixture.refusal_of(kCube, R"({"copies": 0, "colour": "red"})");
+TEST_CASE_METHOD(PrintJobFixture, "A wrong ticket refuses the job with all of its mistakes") {
+  const std::string refusal = refusal_of(kCube, R"({"copies": 0, "colour": "red"})");
   CHECK(refusal.find("/copies") != std::string::npos);
   CHECK(refusal.find("colour") != std::string::npos);
 }
 
-TEST_CASE("An up direction turns a flat box as the equivalent angles do") {
-  PrintJobFixture fixture;
-  const PreparedJob job = fixture.prepare(models::box({0, 0, 0}, {10, 20, 5}), R"({"up": {"y": 3}})");
+TEST_CASE_METHOD(PrintJobFixture, "An up direction turns a flat box as the equivalent angles do") {
+  const PreparedJob job = prepare(models::box({0, 0, 0}, {10, 20, 5}), R"({"up": {"y": 3}})");
   CHECK(job.summary.models[0].size_y_mm == 5.0);
   CHECK(job.summary.models[0].size_z_mm == 20.0);
 }
 
-TEST_CASE("Drain holes are removed from the part, and a hole that misses it refuses the job") {
-  PrintJobFixture fixture;
+TEST_CASE_METHOD(PrintJobFixture,
+                 "Drain holes are removed from the part, and a hole that misses it refuses the job") {
   // One hole goes up from the bottom face, the other into a side.
   const std::string holes = R"({"copies": 2, "drain": [
     {"position_mm": {"x": 10, "y": 10}, "direction": {"z": 1}, "diameter_mm": 4, "depth_mm": 5},
     {"position_mm": {"x": 0, "y": 10, "z": 10}, "direction": {"x": 1}, "diameter_mm": 2}]})";
-  const PreparedJob job = fixture.prepare(kCube, holes);
+  const PreparedJob job = prepare(kCube, holes);
   CHECK(job.summary.models[0].drain_holes == 2);
   for (ContourEngine* engine : {job.plan.engine.get(), job.analysis_engine.get()}) {
     // A circle with a radius of 40 pixels; counting pixel centres is accurate to a thousandth.
@@ -176,15 +168,15 @@ TEST_CASE("Drain holes are removed from the part, and a hole that misses it refu
     CHECK(320000 - engine->mask_at(Nanometers{10'000'000}).lit_area() ==
           testing::Approx(2 * 4000).epsilon(0.01));
   }
-  const std::string refusal = fixture.refusal_of(kCube, R"({"drain": [
+  const std::string refusal = refusal_of(kCube, R"({"drain": [
     {"position_mm": {"x": 10, "y": 40}, "direction": {"z": 1}, "diameter_mm": 4}]})");
   CHECK(refusal.find("drain hole 1 of the model misses it: the hole starts at 10, 40, 0 mm") == 0);
 }
 
-TEST_CASE("Scale factors by axis and the resin's shrinkage apply to the printed cube") {
-  PrintJobFixture fixture;
-  fixture.resin.shrinkage_factors = {1.25, 1, 1};
-  const PreparedJob job = fixture.prepare(kCube, R"({"scale": {"y": 0.5, "z": 0.25}})");
+TEST_CASE_METHOD(PrintJobFixture,
+                 "Scale factors by axis and the resin's shrinkage apply to the printed cube") {
+  resin.shrinkage_factors = {1.25, 1, 1};
+  const PreparedJob job = prepare(kCube, R"({"scale": {"y": 0.5, "z": 0.25}})");
   // 25 mm by 10 mm around the middle.
   const Mask& mask = job.plan.engine->mask_at(Nanometers{1'000'000});
   CHECK(lit_box(mask) == Lit{710, 1209, 440, 639});
@@ -193,17 +185,15 @@ TEST_CASE("Scale factors by axis and the resin's shrinkage apply to the printed 
   CHECK(job.summary.models[0].scale == Scale{1, 0.5, 0.25});
 }
 
-TEST_CASE("Fit fills the display with the part as enlarged to compensate shrinkage") {
-  PrintJobFixture fixture;
-  fixture.resin.shrinkage_factors = {1, 1.25, 1};
-  const PreparedJob job = fixture.prepare(kCube, R"({"fit": true})");
+TEST_CASE_METHOD(PrintJobFixture, "Fit fills the display with the part as enlarged to compensate shrinkage") {
+  resin.shrinkage_factors = {1, 1.25, 1};
+  const PreparedJob job = prepare(kCube, R"({"fit": true})");
   CHECK(job.summary.models[0].size_y_mm == testing::Approx(1079 * 0.05).epsilon(1e-6));
   CHECK(job.summary.models[0].size_x_mm == testing::Approx(1079 * 0.05 / 1.25).epsilon(1e-6));
 }
 
-TEST_CASE("A model that needs no supports is printed the same with supports on") {
-  PrintJobFixture fixture;
-  PreparedJob without = fixture.prepare(kCube), with = fixture.prepare(kCube, R"({"supports": "auto"})");
+TEST_CASE_METHOD(PrintJobFixture, "A model that needs no supports is printed the same with supports on") {
+  PreparedJob without = prepare(kCube), with = prepare(kCube, R"({"supports": "auto"})");
   CHECK_FALSE(without.summary.supports);
   REQUIRE(with.summary.supports);
   CHECK_FALSE(counts_of(*with.summary.supports).any());
@@ -213,10 +203,10 @@ TEST_CASE("A model that needs no supports is printed the same with supports on")
     REQUIRE(with.plan.engine->mask_at(height) == without.plan.engine->mask_at(height));
 }
 
-TEST_CASE("A supported ball is lifted by whole layers, and both engines expose its supports") {
-  PrintJobFixture fixture;
+TEST_CASE_METHOD(PrintJobFixture,
+                 "A supported ball is lifted by whole layers, and both engines expose its supports") {
   const models::Facets ball = models::sphere(5, 32);
-  PreparedJob job = fixture.prepare(ball, R"({"supports": "auto", "layer_height_um": 70})");
+  PreparedJob job = prepare(ball, R"({"supports": "auto", "layer_height_um": 70})");
   REQUIRE(job.summary.supports);
   const SupportCounts counts = counts_of(*job.summary.supports);
   CHECK(counts.islands >= 1);
@@ -234,34 +224,30 @@ TEST_CASE("A supported ball is lifted by whole layers, and both engines expose i
   CHECK(job.plan.engine->intersecting_facets() == 0);
 }
 
-TEST_CASE("The printer's file turns supports on, and a ticket can turn them off") {
-  PrintJobFixture fixture;
-  fixture.printer.supports = SupportPolicy::Auto;
-  CHECK(fixture.prepare(models::sphere(5, 32)).summary.supports);
-  CHECK_FALSE(fixture.prepare(models::sphere(5, 32), R"({"supports": "off"})").summary.supports);
+TEST_CASE_METHOD(PrintJobFixture, "The printer's file turns supports on, and a ticket can turn them off") {
+  printer.supports = SupportPolicy::Auto;
+  CHECK(prepare(models::sphere(5, 32)).summary.supports);
+  CHECK_FALSE(prepare(models::sphere(5, 32), R"({"supports": "off"})").summary.supports);
 }
 
-TEST_CASE("A model that is too high once lifted is refused with the figures") {
-  PrintJobFixture fixture;
+TEST_CASE_METHOD(PrintJobFixture, "A model that is too high once lifted is refused with the figures") {
   // 154 mm can be printed: 160 mm less the lift of 6 mm.
-  CHECK(fixture.refusal_of(models::sphere(20, 32), R"({"supports": "auto", "scale": {"z": 3.8}})") ==
+  CHECK(refusal_of(models::sphere(20, 32), R"({"supports": "auto", "scale": {"z": 3.8}})") ==
         "the model is 152.00 mm high and stands 5.00 mm above the plate, on supports: 157.00 mm, and the "
         "machine can print 154.00 mm (its travel less the lift)");
-  CHECK(fixture.refusal_of(models::sphere(20, 32), R"({"supports": "off", "scale": {"z": 3.8}})").empty());
+  CHECK(refusal_of(models::sphere(20, 32), R"({"supports": "off", "scale": {"z": 3.8}})").empty());
 }
 
-TEST_CASE("A model with fit leaves room for supports beneath it") {
-  PrintJobFixture fixture;
+TEST_CASE_METHOD(PrintJobFixture, "A model with fit leaves room for supports beneath it") {
   const PreparedJob job =
-      fixture.prepare(models::box({0, 0, 0}, {2, 2, 100}), R"({"supports": "auto", "fit": true})");
+      prepare(models::box({0, 0, 0}, {2, 2, 100}), R"({"supports": "auto", "fit": true})");
   CHECK(job.summary.height_mm == testing::Approx(154 - 5 - 0.1));  // the thickest layer is 0.1 mm
 }
 
-TEST_CASE("Copies with supports are spaced so that a foot fits between them") {
-  PrintJobFixture fixture;
+TEST_CASE_METHOD(PrintJobFixture, "Copies with supports are spaced so that a foot fits between them") {
   const auto distance = [&](const models::Facets& facets) {
     const auto centers =
-        fixture.prepare(facets, R"({"supports": "auto", "copies": 2})").summary.models.front().centers;
+        prepare(facets, R"({"supports": "auto", "copies": 2})").summary.models.front().centers;
     return std::abs(centers[1].x - centers[0].x) + std::abs(centers[1].y - centers[0].y);
   };
   CHECK(distance(kCube) == testing::Approx(20 + 2));
@@ -269,20 +255,18 @@ TEST_CASE("Copies with supports are spaced so that a foot fits between them") {
         testing::Approx(10 + 4 + 2 * 0.5).margin(0.01));  // mm: a mesh of 32 corners
 }
 
-TEST_CASE("A stopped search for supports prepares no job") {
-  PrintJobFixture fixture;
+TEST_CASE_METHOD(PrintJobFixture, "A stopped search for supports prepares no job") {
   std::stop_source stop;
   stop.request_stop();
   const std::string supported = R"({"supports": "auto"})";
-  CHECK_FALSE(fixture.prepare_until(models::sphere(5, 32), supported, stop.get_token()));
-  CHECK(fixture.prepare_until(models::sphere(5, 32), supported, {}));
+  CHECK_FALSE(prepare_until(models::sphere(5, 32), supported, stop.get_token()));
+  CHECK(prepare_until(models::sphere(5, 32), supported, {}));
 }
 
-TEST_CASE("A plate's models are printed together, each with the settings of its entry") {
-  PlateFixture fixture;
-  fixture.add("cube.stl", kCube);
-  fixture.add("bar.stl", models::box({100, 100, 100}, {110, 104, 102}));
-  const PreparedJob job = fixture.prepare(R"({"layer_height_um": 100, "models": [
+TEST_CASE_METHOD(PlateFixture, "A plate's models are printed together, each with the settings of its entry") {
+  add("cube.stl", kCube);
+  add("bar.stl", models::box({100, 100, 100}, {110, 104, 102}));
+  const PreparedJob job = prepare(R"({"layer_height_um": 100, "models": [
     {"file": "cube.stl", "position_mm": {"x": -20}, "scale": 0.5},
     {"file": "bar.stl", "position_mm": {"x": 10, "y": 5}, "copies": 2, "up": {"x": 1}}]})");
   CHECK(job.summary.plate);
@@ -299,41 +283,39 @@ TEST_CASE("A plate's models are printed together, each with the settings of its 
   CHECK(job.plan.engine->contours_at(Nanometers{5'000'000}).loops.size() == 2);
 }
 
-TEST_CASE("A plate is refused with a sentence that names the faulty model") {
-  PlateFixture fixture;
-  fixture.add("cube.stl", kCube);
-  fixture.add("flat.stl", models::box({0, 0, 3}, {10, 10, 3}));
-  fixture.add("none.stl", {});
-  CHECK(fixture.refusal_of(R"({"models": [{"file": "cube.stl"}, {"file": "flat.stl"}]})") ==
+TEST_CASE_METHOD(PlateFixture, "A plate is refused with a sentence that names the faulty model") {
+  add("cube.stl", kCube);
+  add("flat.stl", models::box({0, 0, 3}, {10, 10, 3}));
+  add("none.stl", {});
+  CHECK(refusal_of(R"({"models": [{"file": "cube.stl"}, {"file": "flat.stl"}]})") ==
         "flat.stl is flat: it has no height to print");
-  CHECK(fixture.refusal_of(R"({"models": [{"file": "none.stl"}]})") == "none.stl: the file holds no facets");
-  CHECK(fixture.refusal_of(R"({"models": [{"file": "cube.stl", "position_mm": {"y": -20}}]})") ==
+  CHECK(refusal_of(R"({"models": [{"file": "none.stl"}]})") == "none.stl: the file holds no facets");
+  CHECK(refusal_of(R"({"models": [{"file": "cube.stl", "position_mm": {"y": -20}}]})") ==
         "cube.stl (20.00 x 20.00 mm, its centre 0.00, -20.00 mm from the plate's) reaches 3.00 mm over the "
         "front edge of the build area (96.00 x 54.00 mm)");
-  CHECK(fixture.refusal_of(R"({"models": [{"file": "gone.stl"}]})").find("gone.stl") != std::string::npos);
-  CHECK(fixture.refusal_of(R"({"models": [{"file": "cube.stl", "colour": 1}]})").find("/models/0/colour") !=
+  CHECK(refusal_of(R"({"models": [{"file": "gone.stl"}]})").find("gone.stl") != std::string::npos);
+  CHECK(refusal_of(R"({"models": [{"file": "cube.stl", "colour": 1}]})").find("/models/0/colour") !=
         std::string::npos);
 }
 
-TEST_CASE("A part that grows beyond the display is printed with a warning") {
-  PrintJobFixture fixture;
+TEST_CASE_METHOD(PrintJobFixture, "A part that grows beyond the display is printed with a warning") {
   const models::Facets wide = models::box({0, 0, 0}, {96, 20, 1});
-  CHECK(fixture.prepare(wide).summary.warnings.empty());
-  fixture.resin.compensation.growth = Micrometers{80};
-  CHECK(fixture.prepare(wide).summary.warnings ==
+  CHECK(prepare(wide).summary.warnings.empty());
+  resin.compensation.growth = Micrometers{80};
+  CHECK(prepare(wide).summary.warnings ==
         std::vector<std::string>{
             "the resin's growth_um moves contours 80 um beyond the display, where they are cut off"});
-  CHECK(fixture.prepare(kCube).summary.warnings.empty());
-  fixture.resin.compensation.growth = Micrometers{-80};
-  CHECK(fixture.prepare(wide).summary.warnings.empty());
+  CHECK(prepare(kCube).summary.warnings.empty());
+  resin.compensation.growth = Micrometers{-80};
+  CHECK(prepare(wide).summary.warnings.empty());
 }
 
-TEST_CASE(
+TEST_CASE_METHOD(
+    PrintJobFixture,
     "A job whose masks exceed their time budget is refused, and an accepted job has the budget in its plan") {
-  PrintJobFixture fixture;
-  CHECK(fixture.prepare(kCube).plan.mask_budget == std::chrono::seconds{1});
-  fixture.printer.mask_budget = Duration{0};
-  CHECK(fixture.refusal_of(kCube).find("the mask of layer 1 of 400 takes longer than mask_budget_ms, 0 ms") !=
+  CHECK(prepare(kCube).plan.mask_budget == std::chrono::seconds{1});
+  printer.mask_budget = Duration{0};
+  CHECK(refusal_of(kCube).find("the mask of layer 1 of 400 takes longer than mask_budget_ms, 0 ms") !=
         std::string::npos);
 }
 
@@ -353,21 +335,19 @@ std::string refusal_of_sparse(const PrinterConfig& printer, std::uint32_t facets
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "huge.stl";
   write_sparse_stl(path, facets);
-  try {
+  return testing::message_of<JobTooLarge>([&] {
     (void)prepare_job({"huge", path, std::nullopt}, {JobTicket{}, find_resin(printer, printer.resin)},
                       printer);
-  } catch (const JobTooLarge& refusal) {
-    return refusal.what();
-  }
-  return "";
+  });
 }
 
 }  // namespace
 
-TEST_CASE("A model that needs more memory than is available is refused with both figures before it is read") {
-  PrintJobFixture fixture;
-  fixture.printer.memory_limit_bytes = 800'000'000;
-  const std::string refusal = refusal_of_sparse(fixture.printer, 85'899'344);
+TEST_CASE_METHOD(
+    PrintJobFixture,
+    "A model that needs more memory than is available is refused with both figures before it is read") {
+  printer.memory_limit_bytes = 800'000'000;
+  const std::string refusal = refusal_of_sparse(printer, 85'899'344);
   CHECK(refusal.starts_with("the model holds 85899344 facets, for which "));
   // 800 MB less the memory of this program: some tens of MB, or more than a hundred with sanitizers.
   const std::string before_room = " MB of memory are needed, and there is room for ";
@@ -378,17 +358,17 @@ TEST_CASE("A model that needs more memory than is available is refused with both
   CHECK(room_mb < 800);
   CHECK(refusal.find(" MB: memory_limit_mb is 800, and contourd holds ") != std::string::npos);
   // More than any computer has, so that the refusal does not depend on the free memory of this one.
-  fixture.printer.memory_limit_bytes.reset();
-  const std::string more_than_any = refusal_of_sparse(fixture.printer, 0xFFFFFFFF);
+  printer.memory_limit_bytes.reset();
+  const std::string more_than_any = refusal_of_sparse(printer, 0xFFFFFFFF);
   CHECK(more_than_any.starts_with("the model holds 4294967295 facets, for which "));
   CHECK(more_than_any.find(" MB stay free") != std::string::npos);
 }
 
-TEST_CASE("Entries of a plate with the same file, turned and scaled alike, share one model") {
-  PlateFixture fixture;
-  fixture.add("cube.stl", kCube);
-  fixture.add("same.stl", kCube);
-  const PreparedJob job = fixture.prepare(R"({"models": [
+TEST_CASE_METHOD(PlateFixture,
+                 "Entries of a plate with the same file, turned and scaled alike, share one model") {
+  add("cube.stl", kCube);
+  add("same.stl", kCube);
+  const PreparedJob job = prepare(R"({"models": [
     {"file": "cube.stl", "scale": 0.4}, {"file": "cube.stl", "scale": 0.4, "copies": 2},
     {"file": "cube.stl", "scale": 0.5}, {"file": "cube.stl", "scale": 0.4, "position_mm": {"x": 30}},
     {"file": "same.stl", "scale": 0.4}, {"file": "cube.stl", "scale": 0.4, "up": {"x": 1}}]})");

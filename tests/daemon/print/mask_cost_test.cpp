@@ -7,6 +7,7 @@
 
 #include "daemon/print/job_refused.hpp"
 #include "tests/catch.hpp"
+#include "tests/message_of.hpp"
 #include "tests/models/damage.hpp"
 #include "tests/models/models.hpp"
 
@@ -31,12 +32,7 @@ models::Facets soup(std::size_t count) {
 }
 
 std::string refusal_of(ContourEngine& engine, std::span<const Nanometers> layers, Duration budget) {
-  try {
-    refuse_costly_masks(engine, layers, budget);
-  } catch (const JobRefused& refusal) {
-    return refusal.what();
-  }
-  return "";
+  return testing::message_of<JobRefused>([&] { refuse_costly_masks(engine, layers, budget); });
 }
 
 }  // namespace

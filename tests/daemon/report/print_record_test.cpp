@@ -26,23 +26,21 @@ LayerRecord layer(std::int32_t number) {
 
 }  // namespace
 
-TEST_CASE("A record counts only the late steps of its own print") {
-  PrintRecordFixture fixture;
-  PrintRecord record = fixture.begin();
-  fixture.machine.axis.late.count = 12;
+TEST_CASE_METHOD(PrintRecordFixture, "A record counts only the late steps of its own print") {
+  PrintRecord record = begin();
+  machine.axis.late.count = 12;
   CHECK(record.take_report().late_steps == 7);
 }
 
-TEST_CASE("A record contains all late steps of an axis that was opened again and counts from 0") {
-  PrintRecordFixture fixture;
-  PrintRecord record = fixture.begin();
-  fixture.machine.axis.late.count = 2;
+TEST_CASE_METHOD(PrintRecordFixture,
+                 "A record contains all late steps of an axis that was opened again and counts from 0") {
+  PrintRecord record = begin();
+  machine.axis.late.count = 2;
   CHECK(record.take_report().late_steps == 2);
 }
 
-TEST_CASE("A record keeps the longest turn of the event loop with light") {
-  PrintRecordFixture fixture;
-  PrintRecord record = fixture.begin();
+TEST_CASE_METHOD(PrintRecordFixture, "A record keeps the longest turn of the event loop with light") {
+  PrintRecord record = begin();
   record.add_lit_turn({"a client", 3ms, 1ms});
   record.add_lit_turn({"the spool", 9ms, 2ms});
   record.add_lit_turn({"a timer", 4ms, 4ms});
@@ -51,9 +49,8 @@ TEST_CASE("A record keeps the longest turn of the event loop with light") {
   CHECK(report.busiest_lit.busy == 9ms);
 }
 
-TEST_CASE("A record keeps layers and interruptions in order") {
-  PrintRecordFixture fixture;
-  PrintRecord record = fixture.begin();
+TEST_CASE_METHOD(PrintRecordFixture, "A record keeps layers and interruptions in order") {
+  PrintRecord record = begin();
   record.add(layer(0));
   record.add_interruption(1, "the lid was opened");
   record.add(layer(1));
@@ -69,21 +66,19 @@ TEST_CASE("A record keeps layers and interruptions in order") {
   CHECK(report.masks == "masks/part");
 }
 
-TEST_CASE("A record measures time by the machine's clock") {
-  PrintRecordFixture fixture;
-  PrintRecord record = fixture.begin();
-  const auto timer = fixture.clock.call_at(fixture.clock.now() + 90s, [] {});
-  CHECK(fixture.clock.run_next());
+TEST_CASE_METHOD(PrintRecordFixture, "A record measures time by the machine's clock") {
+  PrintRecord record = begin();
+  const auto timer = clock.call_at(clock.now() + 90s, [] {});
+  CHECK(clock.run_next());
   CHECK(record.elapsed() == 90s);
   CHECK(record.take_report().print_time == 90s);
 }
 
-TEST_CASE("A record contains each pause with its layer, start and duration") {
-  PrintRecordFixture fixture;
-  PrintRecord record = fixture.begin();
+TEST_CASE_METHOD(PrintRecordFixture, "A record contains each pause with its layer, start and duration") {
+  PrintRecord record = begin();
   const auto go_on_for = [&](Duration duration) {
-    const auto timer = fixture.clock.call_at(fixture.clock.now() + duration, [] {});
-    REQUIRE(fixture.clock.run_next());
+    const auto timer = clock.call_at(clock.now() + duration, [] {});
+    REQUIRE(clock.run_next());
   };
   record.enter(print_state("exposing"), 6);
   go_on_for(20s);
@@ -107,9 +102,8 @@ TEST_CASE("A record contains each pause with its layer, start and duration") {
   CHECK(report.states.total() == 125s);
 }
 
-TEST_CASE("A record keeps a limited number of stops and counts the others") {
-  PrintRecordFixture fixture;
-  PrintRecord record = fixture.begin();
+TEST_CASE_METHOD(PrintRecordFixture, "A record keeps a limited number of stops and counts the others") {
+  PrintRecord record = begin();
   for (std::size_t i = 0; i < PrintStops::kMost + 7; ++i) {
     record.add_interruption(2, "the lid was opened");
     record.enter(print_state("paused"), 2);

@@ -25,89 +25,84 @@ class PrintingCopiesFixture : public testing::SpoolFixture {
 
 }  // namespace
 
-TEST_CASE("A copy is complete in printing/, and its original is removed if possible") {
-  PrintingCopiesFixture fixture;
-  const JobCopy copy = fixture.copies.copy("part.stl");
+TEST_CASE_METHOD(PrintingCopiesFixture,
+                 "A copy is complete in printing/, and its original is removed if possible") {
+  const JobCopy copy = copies.copy("part.stl");
   REQUIRE(copy.job);
   CHECK(copy.job->original.empty());
-  CHECK(fixture.text_of("printing/part.stl") == "one");
-  CHECK(fixture.has("printing/part.json"));
-  CHECK_FALSE(fixture.has("incoming/part.stl"));
-  CHECK_FALSE(fixture.has("incoming/part.json"));
-  CHECK_FALSE(fixture.has("printing/.copies"));
+  CHECK(text_of("printing/part.stl") == "one");
+  CHECK(has("printing/part.json"));
+  CHECK_FALSE(has("incoming/part.stl"));
+  CHECK_FALSE(has("incoming/part.json"));
+  CHECK_FALSE(has("printing/.copies"));
 }
 
-TEST_CASE("A copy gets a name that no job has") {
-  PrintingCopiesFixture fixture;
-  fixture.put("done/part.stl");
-  const JobCopy copy = fixture.copies.copy("part.stl");
+TEST_CASE_METHOD(PrintingCopiesFixture, "A copy gets a name that no job has") {
+  put("done/part.stl");
+  const JobCopy copy = copies.copy("part.stl");
   REQUIRE(copy.job);
   CHECK(copy.job->name != "part");
 }
 
-TEST_CASE("A copy removes the recorded end of the previous print") {
-  PrintingCopiesFixture fixture;
-  fixture.records.keep_end_of_print("{}");
-  REQUIRE(fixture.copies.copy("part.stl").job);
-  CHECK(fixture.records.end_of_print().empty());
+TEST_CASE_METHOD(PrintingCopiesFixture, "A copy removes the recorded end of the previous print") {
+  records.keep_end_of_print("{}");
+  REQUIRE(copies.copy("part.stl").job);
+  CHECK(records.end_of_print().empty());
 }
 
-TEST_CASE("A job that cannot be read can be refused with the reason") {
-  PrintingCopiesFixture fixture;
-  fs::remove(fixture.original().model);
-  fs::create_symlink("elsewhere.stl", fixture.folder.path() / "incoming" / "part.stl");
-  const JobCopy copy = fixture.copies.copy("part.stl");
+TEST_CASE_METHOD(PrintingCopiesFixture, "A job that cannot be read can be refused with the reason") {
+  fs::remove(original().model);
+  fs::create_symlink("elsewhere.stl", folder.path() / "incoming" / "part.stl");
+  const JobCopy copy = copies.copy("part.stl");
   CHECK_FALSE(copy.job);
   CHECK_FALSE(copy.unreadable.empty());
   CHECK(copy.trouble.empty());
 }
 
-TEST_CASE("A plate whose ticket is wrong can be refused") {
-  PrintingCopiesFixture fixture;
-  fixture.put("incoming/plate/plate.json", "no ticket");
-  CHECK(fixture.copies.copy("plate").unreadable.starts_with("the job ticket is wrong: "));
+TEST_CASE_METHOD(PrintingCopiesFixture, "A plate whose ticket is wrong can be refused") {
+  put("incoming/plate/plate.json", "no ticket");
+  CHECK(copies.copy("plate").unreadable.starts_with("the job ticket is wrong: "));
 }
 
-TEST_CASE("A copy that the disk does not accept leaves nothing in printing/ and can be retried") {
-  PrintingCopiesFixture fixture;
-  fs::create_directories(fixture.folder.path() / "state" / "copied-originals" / "full");
-  const JobCopy copy = fixture.copies.copy("part.stl");
+TEST_CASE_METHOD(PrintingCopiesFixture,
+                 "A copy that the disk does not accept leaves nothing in printing/ and can be retried") {
+  fs::create_directories(folder.path() / "state" / "copied-originals" / "full");
+  const JobCopy copy = copies.copy("part.stl");
   CHECK_FALSE(copy.job);
   CHECK_FALSE(copy.trouble.empty());
-  CHECK(fs::is_empty(fixture.folders.path(SpoolFolder::Printing)));
-  CHECK(fixture.has("incoming/part.stl"));
+  CHECK(fs::is_empty(folders.path(SpoolFolder::Printing)));
+  CHECK(has("incoming/part.stl"));
 }
 
-TEST_CASE("After a stop, nothing is copied") {
-  PrintingCopiesFixture fixture;
-  fixture.copies.stop();
-  const JobCopy copy = fixture.copies.copy("part.stl");
+TEST_CASE_METHOD(PrintingCopiesFixture, "After a stop, nothing is copied") {
+  copies.stop();
+  const JobCopy copy = copies.copy("part.stl");
   CHECK_FALSE(copy.job);
   CHECK_FALSE(copy.trouble.empty());
-  CHECK(fs::is_empty(fixture.folders.path(SpoolFolder::Printing)));
+  CHECK(fs::is_empty(folders.path(SpoolFolder::Printing)));
 }
 
-TEST_CASE("A copy that is taken back is removed, and its original can be taken again") {
-  PrintingCopiesFixture fixture;
-  JobFiles copy = fixture.original();
-  copy.model = fixture.folder.path() / "printing" / "part.stl";
-  copy.ticket = fixture.folder.path() / "printing" / "part.json";
+TEST_CASE_METHOD(PrintingCopiesFixture,
+                 "A copy that is taken back is removed, and its original can be taken again") {
+  JobFiles copy = original();
+  copy.model = folder.path() / "printing" / "part.stl";
+  copy.ticket = folder.path() / "printing" / "part.json";
   copy.original = "part.stl";
-  fixture.put("printing/part.stl", "one");
-  fixture.put("printing/part.json", "{}");
-  fixture.originals.add(mark_of(fixture.original()));
-  REQUIRE(fixture.originals.contains(fixture.original()));
-  fixture.copies.take_back(copy);
-  CHECK_FALSE(fixture.originals.contains(fixture.original()));
-  CHECK(fs::is_empty(fixture.folders.path(SpoolFolder::Printing)));
-  CHECK(fixture.has("incoming/part.stl"));
+  put("printing/part.stl", "one");
+  put("printing/part.json", "{}");
+  originals.add(mark_of(original()));
+  REQUIRE(originals.contains(original()));
+  copies.take_back(copy);
+  CHECK_FALSE(originals.contains(original()));
+  CHECK(fs::is_empty(folders.path(SpoolFolder::Printing)));
+  CHECK(has("incoming/part.stl"));
 }
 
-TEST_CASE("The unfinished copy of a killed daemon is removed, and jobs in printing/ stay") {
-  PrintingCopiesFixture fixture;
-  fixture.put("printing/.copies/half.stl");
-  fixture.put("printing/part.stl");
-  fixture.copies.remove_leftovers();
-  CHECK_FALSE(fixture.has("printing/.copies"));
-  CHECK(fixture.has("printing/part.stl"));
+TEST_CASE_METHOD(PrintingCopiesFixture,
+                 "The unfinished copy of a killed daemon is removed, and jobs in printing/ stay") {
+  put("printing/.copies/half.stl");
+  put("printing/part.stl");
+  copies.remove_leftovers();
+  CHECK_FALSE(has("printing/.copies"));
+  CHECK(has("printing/part.stl"));
 }

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "tests/catch.hpp"
+#include "tests/message_of.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace fs = std::filesystem;
@@ -37,11 +38,7 @@ TEST_CASE("Other users cannot read the lock, and a missing folder is an error") 
   lock.take(folder.path());
   CHECK(fs::status(folder.path() / ".lock").permissions() ==
         (fs::perms::owner_read | fs::perms::owner_write));
-  std::string refusal;
-  try {
-    lock.take(folder.path() / "gone");
-  } catch (const std::runtime_error& error) {
-    refusal = error.what();
-  }
-  CHECK(refusal.starts_with("cannot write to the spool "));
+  CHECK(testing::message_of<std::runtime_error>([&] {
+          lock.take(folder.path() / "gone");
+        }).starts_with("cannot write to the spool "));
 }

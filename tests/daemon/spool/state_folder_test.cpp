@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include "tests/catch.hpp"
+#include "tests/message_of.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace fs = std::filesystem;
@@ -44,11 +45,8 @@ TEST_CASE("A state folder that is a link, a file or cannot be made is refused wi
   for (const fs::path& path :
        {folder.path() / "link", folder.path() / "file", folder.path() / "no" / "state"}) {
     CAPTURE(path);
-    try {
-      make_state_folder(path);
-      FAIL("it should have thrown");
-    } catch (const std::runtime_error& error) {
-      CHECK(std::string(error.what()).starts_with("cannot use the state folder " + path.string() + ": "));
-    }
+    CHECK(testing::message_of<std::runtime_error>([&] {
+            make_state_folder(path);
+          }).starts_with("cannot use the state folder " + path.string() + ": "));
   }
 }
