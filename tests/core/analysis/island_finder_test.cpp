@@ -181,46 +181,37 @@ using Counts = std::vector<std::size_t>;
 
 }  // namespace
 
-TEST_CASE("A speck that is gone in the next layer is no island") {
-  CHECK(islands_in({{"####...."}, {"####..#."}, {"####...."}}) == Counts{0, 0, 0});
-  CHECK(islands_in({{"####...."}, {"####..#."}}) == Counts{0, 0});
-}
-
-TEST_CASE("A speck may be as bright as its limit and no brighter") {
-  CHECK(islands_in({{"####...."}, {"####..##"}, {"####...."}}) == Counts{0, 0, 0});
-  CHECK(islands_in({{"####....."}, {"####..##4"}, {"####....."}}) == Counts{0, 1, 0});
-}
-
-TEST_CASE("A speck under an island is not reported in addition") {
-  CHECK(islands_in({{"####......"}, {"####....#."}, {"####..####"}}) == Counts{0, 0, 1});
-}
-
-TEST_CASE("A speck that something else carries in the next layer is no island") {
-  CHECK(islands_in({{"####...."}, {"####..#."}, {"#######."}}) == Counts{0, 0, 0});
-}
-
-TEST_CASE("A speck that continues by itself is an island of its first layer") {
-  CHECK(islands_in({{"####...."}, {"####..#."}, {"####..#."}, {"#######."}}) == Counts{0, 1, 0, 0});
-  CHECK(islands_in({{"####...."}, {"####..#."}, {"####.###"}, {"####.###"}}) == Counts{0, 1, 0, 0});
-}
-
-TEST_CASE("Specks that grow together with nothing else are islands") {
-  CHECK(islands_in({{"####......"}, {"####..#.#."}, {"####..###."}}) == Counts{0, 2, 0});
-  CHECK(islands_in({{"####......"}, {"####..#.#."}, {"#########."}}) == Counts{0, 0, 0});
+TEST_CASE("A speck is an island if it continues, and carries or is carried by nothing else") {
+  struct Row {
+    const char* what;
+    std::vector<std::vector<std::string>> layers;
+    Counts islands;
+  };
+  for (const Row& row : {
+           Row{"gone in the next layer", {{"####...."}, {"####..#."}, {"####...."}}, {0, 0, 0}},
+           Row{"in the last layer", {{"####...."}, {"####..#."}}, {0, 0}},
+           Row{"as bright as its limit", {{"####...."}, {"####..##"}, {"####...."}}, {0, 0, 0}},
+           Row{"brighter", {{"####....."}, {"####..##4"}, {"####....."}}, {0, 1, 0}},
+           Row{"under an island", {{"####......"}, {"####....#."}, {"####..####"}}, {0, 0, 1}},
+           Row{"carried by something else", {{"####...."}, {"####..#."}, {"#######."}}, {0, 0, 0}},
+           Row{"continuing", {{"####...."}, {"####..#."}, {"####..#."}, {"#######."}}, {0, 1, 0, 0}},
+           Row{"growing", {{"####...."}, {"####..#."}, {"####.###"}, {"####.###"}}, {0, 1, 0, 0}},
+           Row{"two that grow together", {{"####......"}, {"####..#.#."}, {"####..###."}}, {0, 2, 0}},
+           Row{"two that grow together with more",
+               {{"####......"}, {"####..#.#."}, {"#########."}},
+               {0, 0, 0}},
+           Row{"faint at first", {{"####....."}, {"####..0.."}, {"####..##."}, {"####..##."}}, {0, 0, 1, 0}},
+           Row{"larger than a speck", {{"####....."}, {"####..###"}, {"#########"}}, {0, 1, 0}},
+       }) {
+    CAPTURE(row.what);
+    CHECK(islands_in(row.layers) == row.islands);
+  }
 }
 
 TEST_CASE("Faint pixels connect nothing") {
   const Mask standing = mask_of({".###......"}), both = mask_of({".###0####."});
   CHECK(islands_of(both, standing, 64, 4).size() == 1);
   CHECK(islands_of(both, standing, 30, 4).empty());
-}
-
-TEST_CASE("A part that begins faintly is an island where it becomes bright") {
-  CHECK(islands_in({{"####....."}, {"####..0.."}, {"####..##."}, {"####..##."}}) == Counts{0, 0, 1, 0});
-}
-
-TEST_CASE("A part larger than a speck is an island at once") {
-  CHECK(islands_in({{"####....."}, {"####..###"}, {"#########"}}) == Counts{0, 1, 0});
 }
 
 namespace {

@@ -170,36 +170,31 @@ TEST_CASE("A cup with its floor at the plate sucks until the print ends") {
   CHECK(voids[0].center.y == 2.5);
 }
 
-TEST_CASE("A cup with its mouth on the plate is closed by the plate") {
-  const auto voids = voids_of({kRing, kRing, kFull});
-  REQUIRE(voids.size() == 1);
-  CHECK(figures_of(voids[0]) == VoidFigures{0, 1, 0, 1, 200, true, true});
-}
-
-TEST_CASE("A cup with its mouth above the plate does not suck") {
-  CHECK(voids_of({kNothing, kRing, kRing, kFull}).empty());
-}
-
-TEST_CASE("A tube on the plate sucks up to its end") {
-  const auto voids = voids_of({kRing, kRing, kRing});
-  REQUIRE(voids.size() == 1);
-  CHECK(figures_of(voids[0]) == VoidFigures{0, 2, 0, 1, 300, true, false});
-}
-
-TEST_CASE("A closed hollow is closed by the layer above it") {
-  const auto voids = voids_of({kFull, kRing, kRing, kFull, kFull});
-  REQUIRE(voids.size() == 1);
-  CHECK(figures_of(voids[0]) == VoidFigures{1, 2, 1, 1, 200, false, true});
-}
-
-TEST_CASE("A hollow with a hole in its side sucks up to the hole and is never closed") {
-  const auto voids = voids_of({kFull, kRing, kOpenRing, kRing, kRing, kFull});
-  REQUIRE(voids.size() == 1);
-  CHECK(figures_of(voids[0]) == VoidFigures{1, 1, 1, 1, 100, false, false});
-}
-
-TEST_CASE("A hollow with a hole at its bottom never sucks") {
-  CHECK(voids_of({kOpenRing, kRing, kRing, kFull}).empty());
+TEST_CASE("A hollow sucks from where it is closed below, and up to its hole, its roof or the print's end") {
+  struct Row {
+    const char* what;
+    std::vector<Rows> layers;
+    std::optional<VoidFigures> figures;  // none if the hollow does not suck
+  };
+  for (const Row& row : {
+           Row{"a cup with its mouth on the plate, which closes it",
+               {kRing, kRing, kFull},
+               VoidFigures{0, 1, 0, 1, 200, true, true}},
+           Row{"a cup with its mouth above the plate", {kNothing, kRing, kRing, kFull}, {}},
+           Row{"a tube on the plate", {kRing, kRing, kRing}, VoidFigures{0, 2, 0, 1, 300, true, false}},
+           Row{"a closed hollow",
+               {kFull, kRing, kRing, kFull, kFull},
+               VoidFigures{1, 2, 1, 1, 200, false, true}},
+           Row{"a hollow with a hole in its side, which is never closed",
+               {kFull, kRing, kOpenRing, kRing, kRing, kFull},
+               VoidFigures{1, 1, 1, 1, 100, false, false}},
+           Row{"a hollow with a hole at its bottom", {kOpenRing, kRing, kRing, kFull}, {}},
+       }) {
+    CAPTURE(row.what);
+    const auto voids = voids_of(row.layers);
+    REQUIRE(voids.size() == (row.figures ? 1U : 0U));
+    if (row.figures) CHECK(figures_of(voids[0]) == *row.figures);
+  }
 }
 
 TEST_CASE("Two hollows that meet are one from there on, and a corner is no way out") {

@@ -1,6 +1,7 @@
 #include "core/contour/open_chain_joiner.hpp"
 
 #include "tests/catch.hpp"
+#include "tests/core/near.hpp"
 #include "tests/random_shapes.hpp"
 
 namespace {
@@ -53,28 +54,37 @@ TEST_CASE("No chains give no loops") {
   CHECK(result.cracks.open_chains == 0);
 }
 
-TEST_CASE("A chain whose ends nearly meet is one sound loop") {
-  const JoinedChains result = joined({{{0, 0}, {0.001, 0}}});
-  REQUIRE(result.loops.size() == 1);
-  CHECK_FALSE(result.loops[0].repaired);
-  CHECK(result.cracks.open_chains == 0);
-  CHECK(result.cracks.gaps_closed == 1);
-  CHECK(result.cracks.widest_gap == Millimeters{0.001});
-  CHECK_FALSE(result.links[0].reversed);
-}
-
-TEST_CASE("A chain whose ends are too far apart is closed as a guess") {
-  const JoinedChains result = joined({{{0, 0}, {3, 4}}});
-  REQUIRE(result.loops.size() == 1);
-  CHECK(result.loops[0].repaired);
-  CHECK(result.cracks.open_chains == 1);
-  CHECK(result.cracks.gaps_closed == 0);
-  CHECK(result.cracks.widest_gap == Millimeters{5});
-}
-
-TEST_CASE("A gap of just the tolerance is closed and one just above it is a guess") {
-  CHECK(joined({{{0, 0}, {0.05, 0}}}).cracks.open_chains == 0);
-  CHECK(joined({{{0, 0}, {std::nextafter(0.05, 1.0), 0}}}).cracks.open_chains == 1);
+TEST_CASE("Ends that nearly meet are joined, others are closed as a guess, and either is counted") {
+  struct Row {
+    const char* what;
+    std::vector<OpenChain> chains;
+    std::uint32_t gaps_closed, open_chains;
+    double widest_gap;
+    Millimeters tolerance = kJoinTolerance;
+  };
+  for (const Row& row : {
+           Row{"a chain whose ends nearly meet", {{{0, 0}, {0.001, 0}}}, 1, 0, 0.001},
+           Row{"a gap of just the tolerance", {{{0, 0}, {0.05, 0}}}, 1, 0, 0.05},
+           Row{"one just above it", {{{0, 0}, {std::nextafter(0.05, 1.0), 0}}}, 0, 1, 0.05},
+           Row{"a chain whose ends are too far apart", {{{0, 0}, {3, 4}}}, 0, 1, 5},
+           Row{"the very same points are no gap", {{{0, 0}, {10, 0}}, {{0, 0}, {10, 0}}}, 0, 0, 0},
+           Row{"a join and a guess", {{{0, 0}, {10, 0}}, {{10, 0.01}, {10, 10}}}, 1, 1, std::hypot(10, 10)},
+           Row{"no tolerance", {{{0, 0}, {10, 0}}, {{10, 0}, {20, 0}}}, 0, 1, 20, Millimeters{0}},
+           Row{"far larger than the tolerance",
+               {{{1e17, 1e17}, {3e17, 1e17}}, {{3e17, 1e17}, {1e17, 1e17}}},
+               0,
+               0,
+               0},
+       }) {
+    CAPTURE(row.what);
+    const JoinedChains result = joined(row.chains, row.tolerance);
+    REQUIRE(result.loops.size() == 1);
+    CHECK(result.loops[0].repaired == (row.open_chains > 0));
+    CHECK(result.cracks.gaps_closed == row.gaps_closed);
+    CHECK(result.cracks.open_chains == row.open_chains);
+    CHECK(near(result.cracks.widest_gap.count(), row.widest_gap));
+  }
+  CHECK_FALSE(joined({{{0, 0}, {0.001, 0}}}).links[0].reversed);
 }
 
 TEST_CASE("Chains follow each other head to tail") {
@@ -90,14 +100,6 @@ TEST_CASE("Chains follow each other head to tail") {
     order.push_back(link.chain);
   }
   CHECK(order == std::vector<std::uint32_t>{0, 3, 1, 2});
-}
-
-TEST_CASE("Ends in the very same point are no gap") {
-  const JoinedChains result = joined({{{0, 0}, {10, 0}}, {{0, 0}, {10, 0}}});
-  CHECK(result.loops.size() == 1);
-  CHECK(result.cracks.gaps_closed == 0);
-  CHECK(result.cracks.open_chains == 0);
-  CHECK(result.cracks.widest_gap == Millimeters{0});
 }
 
 TEST_CASE("The heaviest of chains that disagree sets the loop's direction") {
@@ -184,25 +186,11 @@ TEST_CASE("A short segment among cracks is not closed on itself") {
   CHECK(joined({{{0, 0}, {0.02, 0}}, {{50, 0}, {50.02, 0}}}).loops.size() == 2);
 }
 
-TEST_CASE("A loop with joins within the tolerance and guesses counts as repaired") {
-  const JoinedChains result = joined({{{0, 0}, {10, 0}}, {{10, 0.01}, {10, 10}}});
-  REQUIRE(result.loops.size() == 1);
-  CHECK(result.loops[0].repaired);
-  CHECK(result.cracks.gaps_closed == 1);
-  CHECK(result.cracks.open_chains == 1);
-}
-
 TEST_CASE("Two loops far from each other stay separate") {
   const JoinedChains result = joined({{{0, 0}, {0, 0.01}, 3}, {{50, 0}, {50, 1}, 3}});
   CHECK(result.loops.size() == 2);
   CHECK(result.cracks.open_chains == 1);
   CHECK(std::ranges::count_if(result.loops, [](const auto& loop) { return loop.repaired; }) == 1);
-}
-
-TEST_CASE("A tolerance of 0 joins only ends that meet") {
-  const JoinedChains result = joined({{{0, 0}, {10, 0}}, {{10, 0}, {20, 0}}}, Millimeters{0});
-  CHECK(result.cracks.open_chains == 1);
-  CHECK(result.cracks.gaps_closed == 0);
 }
 
 TEST_CASE("Each of any chains becomes part of one loop") {
@@ -238,10 +226,4 @@ TEST_CASE("Thousands of chains that all end in one point are joined without weig
   const JoinedChains result = joined(chains);
   CHECK(every_chain_once(result, chains.size()));
   CHECK(result.cracks.widest_gap == Millimeters{0});
-}
-
-TEST_CASE("Ends with coordinates far larger than the tolerance are joined") {
-  const JoinedChains result = joined({{{1e17, 1e17}, {3e17, 1e17}}, {{3e17, 1e17}, {1e17, 1e17}}});
-  CHECK(result.loops.size() == 1);
-  CHECK(result.cracks.open_chains == 0);
 }

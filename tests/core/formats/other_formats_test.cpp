@@ -5,6 +5,7 @@
 
 #include "core/formats/model_reader.hpp"
 #include "tests/catch.hpp"
+#include "tests/message_of.hpp"
 #include "tests/models/models.hpp"
 
 namespace {
@@ -12,12 +13,7 @@ namespace {
 using std::string_view_literals::operator""sv;
 
 std::string refusal_of_text(std::string_view bytes) {
-  try {
-    static_cast<void>(read_model(std::as_bytes(std::span(bytes))));
-  } catch (const ModelError& error) {
-    return error.what();
-  }
-  return {};
+  return testing::message_of<ModelError>([&] { (void)(read_model(std::as_bytes(std::span(bytes)))); });
 }
 
 }  // namespace

@@ -38,6 +38,11 @@ class RealPrinterFixture {
   ConfigFolder folder_;
 };
 
+json encoder_with(const std::string& more, int counts_per_mm = 800) {
+  return json::parse(fmt::format(R"({{"a": {{"line": 7}}, "b": {{"line": 8}}, "counts_per_mm": {}{}}})",
+                                 counts_per_mm, more));
+}
+
 Complaints real_complaints_with(const std::string& pointer, const json& value) {
   RealPrinterFixture printer;
   printer.at(pointer) = value;
@@ -307,31 +312,26 @@ TEST_CASE("a switch at the bottom must be near the height where the plate touche
 
 TEST_CASE("an encoder's tolerance is at least one count") {
   RealPrinterFixture printer;
-  printer.at("/z_axis/encoder") =
-      nlohmann::json::parse(R"({"a": {"line": 7}, "b": {"line": 8}, "counts_per_mm": 20})");
+  printer.at("/z_axis/encoder") = encoder_with("", 20);
   CHECK(printer.complaints().empty());  // 50 um, as without the key
   printer.at("/z_axis/encoder/tolerance_um") = 49;
   CHECK(printer.complaints() ==
         Complaints{"/z_axis/encoder/tolerance_um: 49 is less than one count of the encoder, 50 um: every "
                    "move would look as if steps were lost"});
-  printer.at("/z_axis/encoder") =
-      nlohmann::json::parse(R"({"a": {"line": 7}, "b": {"line": 8}, "counts_per_mm": 19})");
+  printer.at("/z_axis/encoder") = encoder_with("", 19);
   CHECK(printer.complaints().size() == 1);
 }
 
 TEST_CASE("an encoder's correction per move is more than its tolerance and at most the sum's limit") {
   RealPrinterFixture printer;
-  const auto encoder = [](const char* more) {
-    return json::parse(R"({"a": {"line": 7}, "b": {"line": 8}, "counts_per_mm": 800, "policy": "correct")" +
-                       std::string(more) + "}");
-  };
-  printer.at("/z_axis/encoder") = encoder("");
+  const std::string corrects = R"(, "policy": "correct")";
+  printer.at("/z_axis/encoder") = encoder_with(corrects);
   CHECK(printer.complaints().empty());
-  printer.at("/z_axis/encoder") = encoder(R"(, "tolerance_um": 300)");
+  printer.at("/z_axis/encoder") = encoder_with(corrects + R"(, "tolerance_um": 300)");
   CHECK(printer.complaints() ==
         Complaints{"/z_axis/encoder/most_correction_um: 250 is not more than tolerance_um, 300 um: no move "
                    "would ever be corrected"});
-  printer.at("/z_axis/encoder") = encoder(R"(, "most_correction_um": 600)");
+  printer.at("/z_axis/encoder") = encoder_with(corrects + R"(, "most_correction_um": 600)");
   CHECK(printer.complaints() ==
         Complaints{"/z_axis/encoder/most_correction_sum_um: 500 is less than most_correction_um for a single "
                    "move, 600 um"});
@@ -341,21 +341,17 @@ TEST_CASE("an encoder's correction per move is more than its tolerance and at mo
 
 TEST_CASE("an encoder's index needs its distance, more than twice the tolerance, and a line of its own") {
   RealPrinterFixture printer;
-  const auto encoder = [](const char* more) {
-    return json::parse(R"({"a": {"line": 7}, "b": {"line": 8}, "counts_per_mm": 800)" + std::string(more) +
-                       "}");
-  };
-  printer.at("/z_axis/encoder") = encoder(R"(, "index": {"line": 9}, "index_every_mm": 0.5)");
+  printer.at("/z_axis/encoder") = encoder_with(R"(, "index": {"line": 9}, "index_every_mm": 0.5)");
   CHECK(printer.complaints().empty());
-  printer.at("/z_axis/encoder") = encoder(R"(, "index": {"line": 8}, "index_every_mm": 0.1)");
+  printer.at("/z_axis/encoder") = encoder_with(R"(, "index": {"line": 8}, "index_every_mm": 0.1)");
   CHECK(printer.complaints() ==
         Complaints{"/z_axis/encoder/index: line \"8\" of \"gpiochip0\" is already used for z_axis/encoder/b",
                    "/z_axis/encoder/index_every_mm: 0.1 mm are not more than twice tolerance_um, 50 um: a "
                    "wrong count would never be detected"});
-  printer.at("/z_axis/encoder") = encoder(R"(, "index": {"line": 9})");
+  printer.at("/z_axis/encoder") = encoder_with(R"(, "index": {"line": 9})");
   CHECK(printer.complaints() ==
         Complaints{"/z_axis/encoder/index: this needs z_axis/encoder/index_every_mm, which is missing"});
-  printer.at("/z_axis/encoder") = encoder(R"(, "index_every_mm": 5)");
+  printer.at("/z_axis/encoder") = encoder_with(R"(, "index_every_mm": 5)");
   CHECK(printer.complaints() ==
         Complaints{"/z_axis/encoder/index_every_mm: this needs z_axis/encoder/index, which is missing"});
 }

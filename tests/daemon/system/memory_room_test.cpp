@@ -16,6 +16,11 @@ class Kernel {
     write("proc/self/cgroup", "0::/system.slice/contourd.service\n");
   }
   void write(const std::string& file, const std::string& text) { folder_.write(file, text); }
+  // Limits a control group of version 2.
+  void limit(const std::string& group, const std::string& most, const std::string& used) {
+    write("cgroup/" + group + "memory.max", most + "\n");
+    write("cgroup/" + group + "memory.current", used + "\n");
+  }
   [[nodiscard]] MemoryRoom room(std::optional<std::uint64_t> limit = {}) const {
     return memory_room(limit, {folder_.path() / "proc", folder_.path() / "cgroup"});
   }
@@ -25,6 +30,7 @@ class Kernel {
 };
 
 constexpr std::uint64_t kReserve = 64'000'000;
+const std::string kSlice = "system.slice/", kService = kSlice + "contourd.service/";
 
 }  // namespace
 
@@ -43,43 +49,33 @@ TEST_CASE("A limit is for the whole process, so memory that it already holds cou
   CHECK(Kernel().room(10'000'000).held == 10'000'000);
 }
 
-TEST_CASE("A control group's limit minus its use counts if this is less than the machine has available") {
+TEST_CASE("A control group's limit, hard or soft, minus its use counts if the machine has more available") {
   Kernel kernel;
-  kernel.write("cgroup/system.slice/contourd.service/memory.max", "900000000\n");
-  kernel.write("cgroup/system.slice/contourd.service/memory.high", "max\n");
-  kernel.write("cgroup/system.slice/contourd.service/memory.current", "300000000\n");
+  kernel.limit(kService, "900000000", "300000000");
+  kernel.write("cgroup/" + kService + "memory.high", "max\n");
   CHECK(kernel.room().bytes == 600'000'000 - kReserve);
   CHECK(kernel.room().reason == "600 MB are available in the control group, of which 64 MB stay free");
+  // Above the soft limit, the control group is slowed down.
+  kernel.write("cgroup/" + kService + "memory.high", "500000000\n");
+  CHECK(kernel.room().bytes == 200'000'000 - kReserve);
 }
 
 TEST_CASE("File pages held by a control group count as available") {
   Kernel kernel;
-  kernel.write("cgroup/system.slice/contourd.service/memory.max", "900000000\n");
-  kernel.write("cgroup/system.slice/contourd.service/memory.current", "880000000\n");
-  kernel.write("cgroup/system.slice/contourd.service/memory.stat",
+  kernel.limit(kService, "900000000", "880000000");
+  kernel.write("cgroup/" + kService + "memory.stat",
                "anon 80000000\nfile 800000000\ninactive_anon 1\nactive_anon 2\ninactive_file 500000000\n"
                "active_file 100000000\n");
   CHECK(kernel.room().bytes == 620'000'000 - kReserve);
 }
 
-TEST_CASE("The soft limit above which a control group is slowed down is a limit") {
-  Kernel kernel;
-  kernel.write("cgroup/system.slice/contourd.service/memory.max", "900000000\n");
-  kernel.write("cgroup/system.slice/contourd.service/memory.high", "500000000\n");
-  kernel.write("cgroup/system.slice/contourd.service/memory.current", "300000000\n");
-  CHECK(kernel.room().bytes == 200'000'000 - kReserve);
-}
-
 TEST_CASE("The control group with the least room counts, at any level") {
   Kernel kernel;
-  kernel.write("cgroup/system.slice/contourd.service/memory.max", "max\n");
-  kernel.write("cgroup/system.slice/contourd.service/memory.current", "1\n");
-  kernel.write("cgroup/system.slice/memory.max", "700000000\n");
-  kernel.write("cgroup/system.slice/memory.current", "400000000\n");
+  kernel.limit(kService, "max", "1");
+  kernel.limit(kSlice, "700000000", "400000000");
   CHECK(kernel.room().bytes == 300'000'000 - kReserve);
   // In a container, the root group has a limit too.
-  kernel.write("cgroup/memory.max", "250000000\n");
-  kernel.write("cgroup/memory.current", "50000000\n");
+  kernel.limit("", "250000000", "50000000");
   CHECK(kernel.room().bytes == 200'000'000 - kReserve);
 }
 
@@ -97,8 +93,7 @@ TEST_CASE("Control groups of version 1 are read, and an invisible group is ignor
 
 TEST_CASE("Use above the limit leaves no room, and unknown figures impose no limit") {
   Kernel kernel;
-  kernel.write("cgroup/memory.max", "100\n");
-  kernel.write("cgroup/memory.current", "200\n");
+  kernel.limit("", "100", "200");
   CHECK(kernel.room().bytes == 0);
   kernel.write("cgroup/memory.max", "nonsense\n");
   CHECK(kernel.room().bytes == 1'024'000'000 - kReserve);

@@ -47,8 +47,7 @@ std::size_t told(const Plant& plant, MachineEvent::Kind kind, const std::string&
 
 TEST_CASE("An encoder that loses a few counts in every lift does not make the plate drift in 200 layers") {
   for (const bool index : {false, true}) {
-    Plant plant(corrected_config(EncoderConfig::Policy::Correct, index));
-    plant.build_homed();
+    HomedPlant plant(corrected_config(EncoderConfig::Policy::Correct, index));
     std::int64_t steps = 0;
     // 4 counts, 5 um, of the way down: 1 mm in 200 layers.
     plant.loses_count = [&] { return !plant.direction->level && ++steps % 110 == 0; };
@@ -66,8 +65,7 @@ TEST_CASE("However often an encoder loses counts, 200 layers end in a fault or w
   std::minstd_rand random(1);
   for (const unsigned one_in : {15U, 60U, 200U, 800U, 3'000U}) {
     for (const auto& [up, down] : {std::pair{true, false}, std::pair{false, true}, std::pair{true, true}}) {
-      Plant plant(corrected_config(EncoderConfig::Policy::Correct, up && down));
-      plant.build_homed();
+      HomedPlant plant(corrected_config(EncoderConfig::Policy::Correct, up && down));
       plant.loses_count = [&, loses_up = up, loses_down = down] {
         return (plant.direction->level ? loses_up : loses_down) && random() % one_in == 0;
       };
@@ -82,8 +80,7 @@ TEST_CASE("However often an encoder loses counts, 200 layers end in a fault or w
 }
 
 TEST_CASE("A correction is reported with its figures, and one beyond the limit is a fault") {
-  Plant plant(corrected_config());
-  plant.build_homed();
+  HomedPlant plant(corrected_config());
   int lost = 0;
   for (int i = 1; i <= 4; ++i) {
     lost = 0;
@@ -105,8 +102,7 @@ TEST_CASE("A correction is reported with its figures, and one beyond the limit i
 }
 
 TEST_CASE("More lost steps in one move than may be corrected are a fault while the motor turns") {
-  Plant plant(corrected_config());
-  plant.build_homed();
+  HomedPlant plant(corrected_config());
   plant.pulses.clear();
   plant.dead = true;
   CHECK(plant.move_to(10) == MoveResult::Fault);
@@ -117,8 +113,7 @@ TEST_CASE("More lost steps in one move than may be corrected are a fault while t
 TEST_CASE("Disturbed encoder lines are a fault while the motor turns, but a few spikes are not") {
   for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
     for (const int spikes : {9, 12}) {
-      Plant plant(corrected_config(policy));
-      plant.build_homed();
+      HomedPlant plant(corrected_config(policy));
       std::vector<std::unique_ptr<Timer>> timers;
       for (int i = 0; i < spikes; ++i) {
         timers.push_back(

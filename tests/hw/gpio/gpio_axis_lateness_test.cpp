@@ -88,8 +88,7 @@ TEST_CASE("Homing continues after its motor was delayed, reports that, and is ex
 TEST_CASE("With an encoder a move continues after a delay, and the encoder tells whether steps were lost") {
   for (const double pull_in : {kPullIn, 1e9}) {
     for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
-      Plant plant(late_config(policy));
-      plant.build_homed();
+      HomedPlant plant(late_config(policy));
       plant.pull_in = pull_in;
       bool told_at_once = false;
       const auto hold_up = plant.clock.call_after(1s, [&] { plant.hold_up_steps(1s); });
@@ -105,8 +104,7 @@ TEST_CASE("With an encoder a move continues after a delay, and the encoder tells
 
 TEST_CASE("With an encoder, steps lost in a delay are a fault or are corrected, by policy") {
   for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
-    Plant plant(late_config(policy));
-    plant.build_homed();
+    HomedPlant plant(late_config(policy));
     int lost = 0;
     const auto hold_up = plant.clock.call_after(1s, [&] {
       plant.hold_up_steps(1s);

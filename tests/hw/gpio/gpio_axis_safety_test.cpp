@@ -56,8 +56,7 @@ constexpr Duration kForGood = 1000s;
 }  // namespace
 
 TEST_CASE("An emergency stop slows the motor from its first edge on, and halts it if it lasts") {
-  Plant plant(guarded_config());
-  plant.build_homed();
+  HomedPlant plant(guarded_config());
   bool answered_before = true;
   plant.on_event = [&] { answered_before = !plant.axis->moving(); };
   const Press press(plant, AxisInput::EmergencyStop, 2s, kForGood);
@@ -78,8 +77,7 @@ TEST_CASE("An emergency stop slows the motor from its first edge on, and halts i
 }
 
 TEST_CASE("An emergency stop halts the motor while the event loop is busy, and the fault is reported later") {
-  Plant plant(guarded_config());
-  plant.build_homed();
+  HomedPlant plant(guarded_config());
   std::optional<MoveResult> result;
   plant.axis->move_to(mm(50), MillimetersPerSecond{5}, [&](MoveResult r) { result = r; });
   plant.run_for(2s);
@@ -93,8 +91,7 @@ TEST_CASE("An emergency stop halts the motor while the event loop is busy, and t
 }
 
 TEST_CASE("While the emergency stop is pressed nothing moves, and after its release the operator decides") {
-  Plant plant(guarded_config());
-  plant.build();
+  BuiltPlant plant(guarded_config());
   plant.press(AxisInput::EmergencyStop, true);
   plant.run_for(100ms);
   CHECK(kinds(plant) == Kinds{Kind::Interlock, Kind::Fault});
@@ -114,8 +111,7 @@ TEST_CASE("While the emergency stop is pressed nothing moves, and after its rele
 }
 
 TEST_CASE("The callback for an emergency stop may abort the move, whose answer is then dropped") {
-  Plant plant(guarded_config());
-  plant.build_homed();
+  HomedPlant plant(guarded_config());
   bool answered = false;
   plant.on_event = [&] { plant.axis->abort(); };
   plant.axis->move_to(mm(50), MillimetersPerSecond{5}, [&](MoveResult) { answered = true; });
@@ -127,8 +123,7 @@ TEST_CASE("The callback for an emergency stop may abort the move, whose answer i
 }
 
 TEST_CASE("A spike on the emergency stop's line stops a move, which then continues with a known position") {
-  Plant plant(guarded_config());
-  plant.build_homed();
+  HomedPlant plant(guarded_config());
   const Press spike(plant, AxisInput::EmergencyStop, 2s, 1ms);
   CHECK(plant.move_to(20) == MoveResult::Reached);
   CHECK(plate_above_switch(plant) == 16'000);
@@ -151,8 +146,7 @@ TEST_CASE("A spike on the emergency stop's line stops a move, which then continu
 }
 
 TEST_CASE("No step is made before it is known whether the emergency stop is pressed") {
-  Plant plant(guarded_config());
-  plant.build_homed();
+  HomedPlant plant(guarded_config());
   const bool lasts = GENERATE(false, true);
   plant.pulses.clear();
   const Press press(plant, AxisInput::EmergencyStop, 1ms, lasts ? kForGood : Duration{2ms});
@@ -171,8 +165,7 @@ TEST_CASE("No step is made before it is known whether the emergency stop is pres
 TEST_CASE("A move that a spike has stopped does not continue before the spike is over") {
   GpioAxisConfig c = guarded_config();
   c.acceleration = MillimetersPerSecondSquared{5'000};  // at rest from 5 mm/s within a millisecond
-  Plant plant(c);
-  plant.build_homed();
+  HomedPlant plant(c);
   const Press spike(plant, AxisInput::EmergencyStop, 2s, 4ms);
   CHECK(plant.move_to(20) == MoveResult::Reached);
   CHECK(plate_above_switch(plant) == 16'000);
@@ -183,8 +176,7 @@ TEST_CASE("A move that a spike has stopped does not continue before the spike is
 }
 
 TEST_CASE("A move that waits for the emergency stop to settle can be stopped and aborted") {
-  Plant plant(guarded_config());
-  plant.build_homed();
+  HomedPlant plant(guarded_config());
   plant.pulses.clear();
   std::optional<MoveResult> result;
   const Press press(plant, AxisInput::EmergencyStop, 0ms, 4ms);
@@ -200,8 +192,7 @@ TEST_CASE("A move that waits for the emergency stop to settle can be stopped and
 
 TEST_CASE(
     "A move that is stopped because of a spike ends there, and the next one waits for the spike's end") {
-  Plant plant(guarded_config());
-  plant.build_homed();
+  HomedPlant plant(guarded_config());
   REQUIRE(plant.move_to(30) == MoveResult::Reached);
   plant.on_event = [&] { plant.axis->stop(); };  // like a print on its way down
   const Press spike(plant, AxisInput::EmergencyStop, 1s, 1ms);
@@ -231,8 +222,7 @@ TEST_CASE("A spike while homing does not shift the position that it finds") {
 }
 
 TEST_CASE("An abort because of a spike while homing leaves an axis that can be homed again") {
-  Plant plant(guarded_config());
-  plant.build();
+  BuiltPlant plant(guarded_config());
   plant.on_event = [&] { plant.axis->abort(); };  // like a print, which is held then
   const Press spike(plant, AxisInput::EmergencyStop, 500ms, 1ms);
   bool answered = false;
@@ -248,8 +238,7 @@ TEST_CASE("An abort because of a spike while homing leaves an axis that can be h
 TEST_CASE(
     "Moves with spikes on both safety inputs end where they should, and only interruptions are reported") {
   CHECK(rc::check([] {
-    Plant plant(guarded_config());
-    plant.build();
+    BuiltPlant plant(guarded_config());
     RC_ASSERT(plant.home() == HomingResult::Homed);
     std::vector<std::unique_ptr<Press>> spikes;
     for (auto count = draw(1, 6); count > 0; --count) {
@@ -271,8 +260,7 @@ TEST_CASE(
 }
 
 TEST_CASE("An emergency stop that chatters for longer than its debounce time counts as pressed, once") {
-  Plant plant(guarded_config());
-  plant.build_homed();
+  HomedPlant plant(guarded_config());
   std::vector<std::unique_ptr<Press>> touches;
   for (int i = 0; i < 1'000; ++i)
     touches.push_back(std::make_unique<Press>(plant, AxisInput::EmergencyStop, 2s + i * 4ms, 300us));
@@ -283,8 +271,7 @@ TEST_CASE("An emergency stop that chatters for longer than its debounce time cou
 }
 
 TEST_CASE("A spike while nothing moves blocks moves until it has settled, and is reported") {
-  Plant plant(guarded_config());
-  plant.build();
+  BuiltPlant plant(guarded_config());
   const Press spike(plant, AxisInput::EmergencyStop, 1ms, 1ms);
   plant.run_for(3ms);
   CHECK(plant.axis->why_not_ready() == Sentences{"the emergency stop is pressed"});
@@ -294,8 +281,7 @@ TEST_CASE("A spike while nothing moves blocks moves until it has settled, and is
 }
 
 TEST_CASE("Lid and emergency stop together are two interruptions and one fault") {
-  Plant plant(guarded_config());
-  plant.build_homed();
+  HomedPlant plant(guarded_config());
   const Press lid(plant, AxisInput::Lid, 1s, 2s), stop(plant, AxisInput::EmergencyStop, 1s, 2s);
   CHECK(plant.move_to(50) == MoveResult::Fault);
   CHECK(plant.axis->why_not_ready() == Sentences{"the emergency stop is pressed", "the lid is open"});
@@ -305,8 +291,7 @@ TEST_CASE("Lid and emergency stop together are two interruptions and one fault")
 }
 
 TEST_CASE("An open lid is one interruption, which ends when it closes, and the motor does not stop") {
-  Plant plant(guarded_config());
-  plant.build_homed();
+  HomedPlant plant(guarded_config());
   const Duration lasting = GENERATE(Duration{1ms}, Duration{2s});
   const Press open(plant, AxisInput::Lid, 1s, lasting);
   CHECK(plant.move_to(20) == MoveResult::Reached);
@@ -317,8 +302,7 @@ TEST_CASE("An open lid is one interruption, which ends when it closes, and the m
 }
 
 TEST_CASE("A safety input that cannot be read is reported and prevents a print") {
-  Plant plant(guarded_config());
-  plant.build_homed();
+  HomedPlant plant(guarded_config());
   plant.lines[static_cast<std::size_t>(AxisInput::Lid)]->unreadable = true;
   plant.run_for(100ms);
   CHECK(kinds(plant) == Kinds{Kind::Interlock});
@@ -338,8 +322,7 @@ TEST_CASE("A safety input that cannot be read is reported and prevents a print")
 }
 
 TEST_CASE("A limit switch that cannot be read ends a move and homing with one fault that names it") {
-  Plant plant(guarded_config());
-  plant.build();
+  BuiltPlant plant(guarded_config());
   const AxisInput which = GENERATE(AxisInput::LimitSwitch, AxisInput::SecondSwitch);
   const bool homes = GENERATE(false, true);
   if (!homes) REQUIRE(plant.home() == HomingResult::Homed);

@@ -137,8 +137,7 @@ TEST_CASE("Homing ends after five millimetres if the limit switch stays closed")
 }
 
 TEST_CASE("A spike on the limit switch's line does not end a pass") {
-  Plant plant(screw_config());
-  plant.build();
+  BuiltPlant plant;
   const auto press = plant.clock.call_after(500ms, [&] { plant.press(AxisInput::LimitSwitch, true); });
   const auto release = plant.clock.call_after(502ms, [&] { plant.press(AxisInput::LimitSwitch, false); });
   CHECK(plant.home() == HomingResult::Homed);
@@ -146,8 +145,7 @@ TEST_CASE("A spike on the limit switch's line does not end a pass") {
 }
 
 TEST_CASE("A lost edge of the limit switch is found by its level") {
-  Plant plant(screw_config());
-  plant.build();
+  BuiltPlant plant;
   plant.lines[0]->loses_edges = true;
   CHECK(plant.home() == HomingResult::Homed);
   // The level is read every 20 ms: 40 steps at 2,000 steps/s.
@@ -165,8 +163,7 @@ TEST_CASE("A motor that turns the wrong way is noticed by the second switch") {
 }
 
 TEST_CASE("Homing reports how far the switch has shifted since the last homing, by the steps in between") {
-  Plant plant(screw_config());
-  plant.build_homed();
+  HomedPlant plant;
   CHECK_FALSE(plant.axis->homing_shift());
   REQUIRE(plant.move_to(20) == MoveResult::Reached);
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -182,8 +179,7 @@ TEST_CASE("Homing reports how far the switch has shifted since the last homing, 
 }
 
 TEST_CASE("Homing from an unknown position reports no shift, nor does one that does not finish") {
-  Plant plant(screw_config());
-  plant.build_homed();
+  HomedPlant plant;
   SECTION("the position was lost") {
     REQUIRE(plant.nudge(1) == MoveResult::Reached);
     REQUIRE(plant.home() == HomingResult::Homed);
@@ -209,8 +205,7 @@ TEST_CASE("A nudge moves its distance from an unknown position and leaves the po
   for (const double way : {2.0, -2.0, 0.3}) {
     CAPTURE(way);
     for (const bool homed : {false, true}) {
-      Plant plant(with_enable());
-      plant.build();
+      BuiltPlant plant(with_enable());
       if (homed) REQUIRE(plant.home() == HomingResult::Homed);
       if (homed) REQUIRE(plant.move_to(5) == MoveResult::Reached);
       const std::int64_t from = plant.plate();
@@ -248,8 +243,7 @@ TEST_CASE("A nudge ends where the switch closes, whichever way the motor turns, 
 }
 
 TEST_CASE("A nudge also ends at a spike on the switch's line") {
-  Plant plant(screw_config());
-  plant.build();
+  BuiltPlant plant;
   const auto press = plant.clock.call_after(500ms, [&] { plant.press(AxisInput::LimitSwitch, true); });
   const auto release = plant.clock.call_after(502ms, [&] { plant.press(AxisInput::LimitSwitch, false); });
   CHECK(plant.nudge(2) == MoveResult::AtSwitch);
@@ -270,23 +264,20 @@ TEST_CASE("A nudge ends at the second switch, at the emergency stop and at a sto
   SECTION("the emergency stop") {
     GpioAxisConfig c = screw_config();
     c.emergency_stop = GpioInputConfig{{"gpiochip0", "5", false}};
-    Plant plant(c);
-    plant.build();
+    BuiltPlant plant(c);
     const auto press = plant.clock.call_after(500ms, [&] { plant.press(AxisInput::EmergencyStop, true); });
     CHECK(plant.nudge(2) == MoveResult::Fault);
     CHECK(plant.plate() < 4'800);
   }
   SECTION("a stop") {
-    Plant plant(screw_config());
-    plant.build();
+    BuiltPlant plant;
     const auto stop = plant.clock.call_after(500ms, [&] { plant.axis->stop(); });
     CHECK(plant.nudge(2) == MoveResult::Stopped);
     CHECK(plant.plate() < 4'800);
     CHECK_FALSE(plant.axis->height());
   }
   SECTION("an abort, after which it homes as usual") {
-    Plant plant(screw_config());
-    plant.build();
+    BuiltPlant plant;
     plant.axis->nudge(mm(-2), MillimetersPerSecond{1}, [](MoveResult) { FAIL("it was aborted"); });
     plant.run_for(500ms);
     plant.axis->abort();
@@ -299,8 +290,7 @@ TEST_CASE("A nudge ends at the second switch, at the emergency stop and at a sto
 
 TEST_CASE("Moves end on the nearest microstep, in any direction and after any number of moves") {
   CHECK(rc::check([] {
-    Plant plant(screw_config());
-    plant.build();
+    BuiltPlant plant;
     RC_ASSERT(plant.home() == HomingResult::Homed);
     for (int i = 0; i < 3; ++i) {
       const double target = draw_real(0, 5);
@@ -312,8 +302,7 @@ TEST_CASE("Moves end on the nearest microstep, in any direction and after any nu
 }
 
 TEST_CASE("Moves beyond the travel are refused without a step") {
-  Plant plant(screw_config());
-  plant.build_homed();
+  HomedPlant plant;
   plant.pulses.clear();
   CHECK(plant.move_to(100.001) == MoveResult::OutsideTravel);
   CHECK(plant.move_to(-0.001) == MoveResult::OutsideTravel);
@@ -322,8 +311,7 @@ TEST_CASE("Moves beyond the travel are refused without a step") {
 }
 
 TEST_CASE("A move takes its predicted time") {
-  Plant plant(screw_config());
-  plant.build_homed();
+  HomedPlant plant;
   const TimePoint start = plant.clock.now();
   REQUIRE(plant.move_to(10) == MoveResult::Reached);
   const Duration foretold = plant.axis->move_duration(mm(10), MillimetersPerSecond{5});
@@ -332,8 +320,7 @@ TEST_CASE("A move takes its predicted time") {
 }
 
 TEST_CASE("A move is limited to the axis' top speed") {
-  Plant plant(screw_config());
-  plant.build_homed();
+  HomedPlant plant;
   plant.pulses.clear();
   REQUIRE(plant.move_to(20, 1000) == MoveResult::Reached);
   Duration shortest = 1s;
@@ -370,8 +357,7 @@ TEST_CASE("A top speed at which the pulses do not fit is refused with its figure
 }
 
 TEST_CASE("The motor is enabled and settles before the first step, and stays enabled") {
-  Plant plant(with_enable());
-  plant.build();
+  BuiltPlant plant(with_enable());
   CHECK_FALSE(plant.enable->level);
   const TimePoint start = plant.clock.now();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -381,8 +367,7 @@ TEST_CASE("The motor is enabled and settles before the first step, and stays ena
 }
 
 TEST_CASE("An enable line that cannot be set is a fault, and no step is made") {
-  Plant plant(with_enable());
-  plant.build();
+  BuiltPlant plant(with_enable());
   plant.enable->refuses = true;
   CHECK(plant.home() == HomingResult::Fault);
   CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "line 22 of gpiochip0"));
@@ -390,16 +375,14 @@ TEST_CASE("An enable line that cannot be set is a fault, and no step is made") {
 }
 
 TEST_CASE("A step line that cannot be set is a fault") {
-  Plant plant(screw_config());
-  plant.build();
+  BuiltPlant plant;
   const auto refuse = plant.clock.call_after(500ms, [&] { plant.step->refuses = true; });
   CHECK(plant.home() == HomingResult::Fault);
   CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "line 17 of gpiochip0"));
 }
 
 TEST_CASE("Stop slows down, and the position stays known") {
-  Plant plant(screw_config());
-  plant.build_homed();
+  HomedPlant plant;
   plant.pulses.clear();
   TimePoint asked{};
   const auto stop = plant.clock.call_after(2s, [&] {
@@ -418,8 +401,7 @@ TEST_CASE("Stop slows down, and the position stays known") {
 
 TEST_CASE("A stop at any moment of homing ends it soon") {
   CHECK(rc::check([] {
-    Plant plant(screw_config());
-    plant.build();
+    BuiltPlant plant;
     std::optional<HomingResult> result;
     TimePoint asked{};
     auto stop = plant.clock.call_after(std::chrono::milliseconds{draw(0, 5'000)}, [&] {
@@ -437,8 +419,7 @@ TEST_CASE("A stop at any moment of homing ends it soon") {
 }
 
 TEST_CASE("An abort makes no further step and drops the answer and the position") {
-  Plant plant(screw_config());
-  plant.build_homed();
+  HomedPlant plant;
   bool answered = false;
   plant.axis->move_to(mm(50), MillimetersPerSecond{5}, [&](MoveResult) { answered = true; });
   plant.run_for(1s);
@@ -455,8 +436,7 @@ TEST_CASE("An abort makes no further step and drops the answer and the position"
 }
 
 TEST_CASE("Homing right after the abort of a slow move waits for that move's end") {
-  Plant plant(screw_config());
-  plant.build_homed();
+  HomedPlant plant;
   plant.axis->move_to(mm(50), MillimetersPerSecond{0.01}, [](MoveResult) {});
   plant.run_for(1s);
   plant.axis->abort();
@@ -464,8 +444,7 @@ TEST_CASE("Homing right after the abort of a slow move waits for that move's end
 }
 
 TEST_CASE("An abort while nothing moves leaves the position known") {
-  Plant plant(screw_config());
-  plant.build_homed();
+  HomedPlant plant;
   plant.axis->abort();
   CHECK(plant.axis->height() == Nanometers{0});
 }
@@ -506,8 +485,7 @@ TEST_CASE("The plate's height is correct wherever a move with backlash is stoppe
 }
 
 TEST_CASE("The height during a move follows the past and the planned steps") {
-  Plant plant(screw_config());
-  plant.build_homed();
+  HomedPlant plant;
   std::vector<std::pair<TimePoint, Nanometers>> seen, foretold;
   const TimePoint start = plant.clock.now();
   std::vector<std::unique_ptr<Timer>> looks;
@@ -533,8 +511,7 @@ TEST_CASE("The height during a move follows the past and the planned steps") {
 
 TEST_CASE("Late steps shift the rest of the move and never come in a burst") {
   CHECK(rc::check([] {
-    Plant plant(screw_config());
-    plant.build();
+    BuiltPlant plant;
     RC_ASSERT(plant.home() == HomingResult::Homed);
     plant.pulses.clear();
     const LateSteps before = plant.axis->late_steps();
@@ -561,8 +538,7 @@ TEST_CASE("Late steps shift the rest of the move and never come in a burst") {
 }
 
 TEST_CASE("A limit switch that closes in the middle of a move halts it as a fault") {
-  Plant plant(screw_config());
-  plant.build_homed();
+  HomedPlant plant;
   std::size_t made = 0;
   const auto press = plant.clock.call_after(2s, [&] {
     plant.limit.stuck = true;
@@ -598,8 +574,7 @@ TEST_CASE("The second switch halts a move as a fault") {
 }
 
 TEST_CASE("With an encoder the height is the measured one") {
-  Plant plant(with_encoder(EncoderConfig::Policy::Fault));
-  plant.build_homed();
+  HomedPlant plant(with_encoder(EncoderConfig::Policy::Fault));
   int lost = 0;
   plant.loses_step = [&] { return lost < 20 && ++lost > 0; };  // 25 um: within the tolerance of 50
   CHECK(plant.move_to(10) == MoveResult::Reached);
@@ -609,8 +584,7 @@ TEST_CASE("With an encoder the height is the measured one") {
 }
 
 TEST_CASE("Steps lost beyond the tolerance are a fault while the motor turns") {
-  Plant plant(with_encoder(EncoderConfig::Policy::Fault));
-  plant.build_homed();
+  HomedPlant plant(with_encoder(EncoderConfig::Policy::Fault));
   plant.pulses.clear();
   const auto dies = plant.clock.call_after(2s, [&] { plant.dead = true; });
   CHECK(plant.move_to(50) == MoveResult::Fault);
@@ -630,8 +604,7 @@ TEST_CASE("A dead motor is noticed while homing") {
 }
 
 TEST_CASE("Lost steps are corrected with the policy Correct") {
-  Plant plant(with_encoder(EncoderConfig::Policy::Correct));
-  plant.build_homed();
+  HomedPlant plant(with_encoder(EncoderConfig::Policy::Correct));
   int lost = 0;
   plant.loses_step = [&] { return lost < 100 && ++lost > 0; };
   CHECK(plant.move_to(10) == MoveResult::Reached);
@@ -640,8 +613,7 @@ TEST_CASE("Lost steps are corrected with the policy Correct") {
 }
 
 TEST_CASE("A motor that dies is a fault even with the policy Correct") {
-  Plant plant(with_encoder(EncoderConfig::Policy::Correct));
-  plant.build_homed();
+  HomedPlant plant(with_encoder(EncoderConfig::Policy::Correct));
   plant.dead = true;
   plant.pulses.clear();
   CHECK(plant.move_to(0.2) == MoveResult::Fault);  // short enough for one correction to be tried
@@ -654,8 +626,7 @@ TEST_CASE("A motor that dies is a fault even with the policy Correct") {
 TEST_CASE("A wrongly reversed encoder ends homing as no movement") {
   GpioAxisConfig c = with_encoder(EncoderConfig::Policy::Fault);
   c.encoder->reversed = true;
-  Plant plant(c);
-  plant.build();
+  BuiltPlant plant(c);
   CHECK(plant.home() == HomingResult::NoMovement);
 }
 

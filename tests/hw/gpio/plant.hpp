@@ -79,7 +79,7 @@ inline TimePoint plant_now() noexcept {
   return plant_clock->now();
 }
 
-class Plant final : public DescriptorWatcher {
+class Plant : public DescriptorWatcher {
  public:
   struct Switch {
     std::int64_t at = 0;          // closed from this plate position on, away from the middle of the travel

@@ -27,6 +27,15 @@ inline GpioAxisConfig with_encoder(EncoderConfig::Policy policy, GpioAxisConfig 
   return config;
 }
 
+// A plant whose axis has been built.
+struct BuiltPlant : Plant {
+  explicit BuiltPlant(const GpioAxisConfig& of = screw_config()) : Plant(of) { build(); }
+};
+// A plant whose axis has homed.
+struct HomedPlant : Plant {
+  explicit HomedPlant(const GpioAxisConfig& of = screw_config()) : Plant(of) { build_homed(); }
+};
+
 // Returns how many steps the plate is above the switch.
 inline std::int64_t plate_above_switch(const Plant& plant) {
   return plant.plate() - plant.limit.at;

@@ -32,30 +32,30 @@ std::vector<std::string> heard(ReplyReader& reader, const std::string& bytes, Ti
 
 using Words = std::vector<std::string>;
 
+// A reader of the text table's replies.
+struct TextReader {
+  const ProjectorTable table = text_table();
+  ReplyReader reader{table};
+};
+
 }  // namespace
 
-TEST_CASE("replies go to the oldest command that they fit") {
-  const ProjectorTable table = text_table();
-  ReplyReader reader(table);
+TEST_CASE_METHOD(TextReader, "replies go to the oldest command that they fit") {
   reader.expect(1, table.power_on, kNow, kPatience);
   reader.expect(2, *table.power, kNow, kPatience);
   reader.expect(3, table.power_on, kNow, kPatience);
   CHECK(heard(reader, "P\rOK1\rP\rP\r") == Words{"1 P", "2 OK1", "3 P"});
 }
 
-TEST_CASE("a command before one that was answered has gone unanswered") {
-  const ProjectorTable table = text_table();
-  ReplyReader reader(table);
+TEST_CASE_METHOD(TextReader, "a command before one that was answered has gone unanswered") {
   reader.expect(1, table.power_on, kNow, kPatience);
   reader.expect(2, *table.power, kNow, kPatience);
   CHECK(heard(reader, "OK1\rP\r") == Words{"2 OK1"});
   CHECK(reader.unexplained() == "P\r");
 }
 
-TEST_CASE("bytes that began to come before a command was sent are no reply to it") {
+TEST_CASE_METHOD(TextReader, "bytes that began to come before a command was sent are no reply to it") {
   SECTION("a line") {
-    const ProjectorTable table = text_table();
-    ReplyReader reader(table);
     CHECK(heard(reader, "P").empty());
     reader.expect(1, *table.light_off, kNow, kPatience);
     SECTION("that ends after it") {
@@ -67,36 +67,31 @@ TEST_CASE("bytes that began to come before a command was sent are no reply to it
     CHECK(heard(reader, "P\r") == Words{"1 P"});
   }
   SECTION("a line that belongs to the command before it") {
-    const ProjectorTable table = text_table();
-    ReplyReader reader(table);
     reader.expect(1, table.power_on, kNow, kPatience);
     CHECK(heard(reader, "P").empty());
     reader.expect(2, *table.light_off, kNow, kPatience);
     CHECK(heard(reader, "\rP\r") == Words{"1 P", "2 P"});
   }
   SECTION("blanks, which do not begin a line") {
-    const ProjectorTable table = text_table();
-    ReplyReader reader(table);
     CHECK(heard(reader, " \x7F").empty());
     reader.expect(1, *table.light_off, kNow, kPatience);
     CHECK(heard(reader, "P\r") == Words{"1 P"});
   }
   SECTION("bytes") {
-    const ProjectorTable table = bytes_table();
+    const ProjectorTable bytes = bytes_table();
     const std::string reply("\x03\x14\x00\x00\x00\x14", 6);
     for (std::size_t early = 0; early <= reply.size(); ++early) {
       CAPTURE(early);
-      ReplyReader reader(table);
-      (void)heard(reader, reply.substr(0, early));
-      reader.expect(1, table.power_on, kNow, kPatience);
-      CHECK(heard(reader, reply.substr(early)).size() == (early == 0 ? 1U : 0U));
+      ReplyReader of_bytes(bytes);
+      (void)heard(of_bytes, reply.substr(0, early));
+      of_bytes.expect(1, bytes.power_on, kNow, kPatience);
+      CHECK(heard(of_bytes, reply.substr(early)).size() == (early == 0 ? 1U : 0U));
     }
   }
 }
 
-TEST_CASE("a reply is awaited as long as the previous one, and for its own time again after that one") {
-  const ProjectorTable table = text_table();
-  ReplyReader reader(table);
+TEST_CASE_METHOD(
+    TextReader, "a reply is awaited as long as the previous one, and for its own time again after that one") {
   reader.expect(1, *table.light_on, kNow, 3 * kPatience);
   reader.expect(2, *table.light_off, kNow, kPatience);
   const TimePoint late = kNow + 2 * kPatience;
@@ -148,14 +143,13 @@ TEST_CASE("a reply is ambiguous while one like it may still answer a request tha
   CHECK(ambiguous(2, kNow + kPatience + 1ns) == 0);
 }
 
-TEST_CASE(
+TEST_CASE_METHOD(
+    TextReader,
     "after an ambiguous reply, the request's own reply may still come, and be taken for a later one's") {
-  const ProjectorTable table = text_table();
-  ReplyReader reader(table);
   reader.expect(1, *table.light_off, kNow, kPatience);
   reader.expect(2, table.power_on, kNow, kPatience);
   CHECK(heard(reader, "F\rF\r") == Words{"1 F", "2 F"});  // both are light off's
-  const auto ambiguous = [&reader](const std::string& bytes, TimePoint then) {
+  const auto ambiguous = [this](const std::string& bytes, TimePoint then) {
     ReplyReader::Heard last;
     for (const char byte : bytes)
       last = reader.take(byte, then);
@@ -174,17 +168,14 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a reply that comes too late is ignored") {
-  const ProjectorTable table = text_table();
-  ReplyReader reader(table);
+TEST_CASE_METHOD(TextReader, "a reply that comes too late is ignored") {
   reader.expect(1, table.power_on, kNow, kPatience);
   CHECK(heard(reader, "P\r", kLater + 1ns).empty());
   CHECK(heard(reader, "P\r").empty());
 }
 
-TEST_CASE("blanks, line feeds and NULs around a reply are not part of it, and count as explained") {
-  const ProjectorTable table = text_table();
-  ReplyReader reader(table);
+TEST_CASE_METHOD(TextReader,
+                 "blanks, line feeds and NULs around a reply are not part of it, and count as explained") {
   reader.expect(1, table.power_on, kNow, kPatience);
   CHECK(heard(reader, std::string("\r\n \0P \r\n\0\r", 10)) == Words{"1 P"});
   CHECK(reader.unexplained().empty());
@@ -220,9 +211,7 @@ TEST_CASE("raw replies are found after noise, and not without their checksum") {
   CHECK(heard(reader, std::string("\xff\x05\x14\x00\x03\x00\x00\x00\x01\x18", 10)).size() == 1);
 }
 
-TEST_CASE("a line that never ends is cut, and its last bytes are kept to be shown") {
-  const ProjectorTable table = text_table();
-  ReplyReader reader(table);
+TEST_CASE_METHOD(TextReader, "a line that never ends is cut, and its last bytes are kept to be shown") {
   reader.expect(1, table.power_on, kNow, kPatience);
   CHECK(heard(reader, std::string(10'000, 'x')).empty());
   CHECK(reader.unexplained() == std::string(64, 'x'));

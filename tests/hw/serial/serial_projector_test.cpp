@@ -23,7 +23,7 @@ using Messages = std::vector<std::string>;
 struct SerialProjectorFixture : VirtualTimeFixture {
   explicit SerialProjectorFixture(ProjectorTable table = text_table())
       : projector(channel, clock, std::move(table)) {
-    channel.projector = [this](const std::string& message) { behave(message); };
+    behave_again();
     projector.on_event([this](const MachineEvent& one) { events.push_back(one); });
   }
 
@@ -38,6 +38,15 @@ struct SerialProjectorFixture : VirtualTimeFixture {
   }
   void fall_silent() {
     channel.projector = [](const std::string&) {};
+  }
+  void behave_again() {
+    channel.projector = [this](const std::string& message) { behave(message); };
+  }
+  // Behaves, but for this message.
+  void refuse(const std::string& refused) {
+    channel.projector = [this, refused](const std::string& message) {
+      message == refused ? channel.send("F\r") : behave(message);
+    };
   }
   void answer_always(const std::string& bytes) {
     channel.projector = [this, bytes](const std::string&) { channel.send(bytes, reply); };
@@ -141,10 +150,7 @@ TEST_CASE_METHOD(
 }
 
 TEST_CASE_METHOD(SerialProjectorFixture, "a projector that refuses light off when it is warm is reported") {
-  channel.projector = [&](const std::string& message) {
-    if (message == "~0002 1\r") return channel.send("F\r");
-    behave(message);
-  };
+  refuse("~0002 1\r");
   CHECK(answer_to_power_on() == ProjectorReply::Refused);
   CHECK(now() >= 30s);
   CHECK(now() < 33s);  // an attempt a second
@@ -302,7 +308,7 @@ TEST_CASE_METHOD(
   CHECK_FALSE(projector.why_not_ready().empty());
   CHECK(projector.light_off_unconfirmed().find("did not answer \"light off\"") != std::string::npos);
 
-  channel.projector = [&](const std::string& message) { behave(message); };
+  behave_again();
   pass(2s);
   CHECK_FALSE(light);
   CHECK(projector.why_not_ready().empty());
@@ -376,10 +382,7 @@ TEST_CASE_METHOD(
 }
 
 TEST_CASE_METHOD(SerialProjectorFixture, "a projector that is off and refuses light off is dark") {
-  channel.projector = [&](const std::string& message) {
-    if (message == "~0002 1\r") return channel.send("F\r");  // as Optoma's do in standby
-    behave(message);
-  };
+  refuse("~0002 1\r");  // as Optoma's do in standby
   projector.light_off();
   pass(60s);
   CHECK(channel.messages() == Messages{"~0002 1\r", "~00124 1\r"});
@@ -688,7 +691,7 @@ TEST_CASE_METHOD(SerialProjectorFixture,
   projector.light_off();
   pass(2500ms);
   CHECK_FALSE(dark_at);
-  channel.projector = [&](const std::string& message) { behave(message); };
+  behave_again();
   pass(2s);
   REQUIRE(dark_at);
   CHECK_FALSE(light);
@@ -804,7 +807,7 @@ TEST_CASE("a power off that waits for a question to be answered is sent when lig
   REQUIRE(fixture.is_on);
   fixture.projector.ask_status([](const ProjectorStatus&) {});
   fixture.pass(500ms);
-  fixture.channel.projector = [&](const std::string& message) { fixture.behave(message); };
+  fixture.behave_again();
   fixture.projector.light_off();
   fixture.pass(2s);
   CHECK_FALSE(fixture.is_on);
@@ -1138,13 +1141,10 @@ TEST_CASE("power off is repeated until the projector confirms it or says that it
 TEST_CASE_METHOD(SerialProjectorFixture,
                  "a print that begins while power off is not yet confirmed does not lose its power later") {
   power_on();
-  channel.projector = [&](const std::string& message) {
-    if (message == "~0000 0\r") return channel.send("F\r");
-    behave(message);
-  };
+  refuse("~0000 0\r");
   projector.power_off();
   pass(12s);
-  channel.projector = [&](const std::string& message) { behave(message); };
+  behave_again();
   power_on();
   pass(120s);
   CHECK(is_on);
@@ -1200,7 +1200,7 @@ TEST_CASE_METHOD(SerialProjectorFixture,
   fall_silent();
   projector.power_off_if_on();
   pass(20s);
-  channel.projector = [&](const std::string& message) { behave(message); };
+  behave_again();
   pass(60s);
   CHECK_FALSE(is_on);
   channel.sent.clear();

@@ -10,6 +10,14 @@ WatchedExposure exposure(Duration end, bool off_asked = false, std::uint64_t num
   return {number, kStart + end, off_asked};
 }
 
+// Returns a deadline that watches this exposure from the start.
+LightDeadline armed(const WatchedExposure& watched, std::optional<Duration> gap = {}) {
+  LightDeadline deadline;
+  if (gap) deadline.set_gap(*gap);
+  deadline.arm(watched, kStart, kStart);
+  return deadline;
+}
+
 struct Done {
   Duration at;
   LightDeadline::Act act;
@@ -56,8 +64,7 @@ TEST_CASE("A light watchdog with no exposure to watch does nothing, and ends whe
 }
 
 TEST_CASE("An exposure that ends in time is left alone while the daemon is alive") {
-  LightDeadline deadline;
-  deadline.arm(exposure(2s), kStart, kStart);
+  LightDeadline deadline = armed(exposure(2s));
   CHECK(run_with_beats(deadline, exposure(2s), 0ms, 2s).empty());
   CHECK(run_with_beats(deadline, exposure(2s, true), 2s, 30s).empty());  // a slow projector confirms
   deadline.disarm(1);
@@ -65,9 +72,7 @@ TEST_CASE("An exposure that ends in time is left alone while the daemon is alive
 }
 
 TEST_CASE("The light goes off 200 ms after the last sign of life, three times, the screen with the second") {
-  LightDeadline deadline;
-  deadline.set_gap(108ms);
-  deadline.arm(exposure(10s), kStart, kStart);
+  LightDeadline deadline = armed(exposure(10s), 108ms);
   CHECK(run_with_beats(deadline, exposure(10s), 0ms, 1s).empty());
   const auto done = run(deadline, 1s, 1900ms);
   REQUIRE(done.size() == 3);
@@ -85,9 +90,7 @@ TEST_CASE("The light goes off 200 ms after the last sign of life, three times, t
 }
 
 TEST_CASE("Light off is repeated every second while the daemon is silent, and no more once it is back") {
-  LightDeadline deadline;
-  deadline.set_gap(100ms);
-  deadline.arm(exposure(10s), kStart, kStart);
+  LightDeadline deadline = armed(exposure(10s), 100ms);
   CHECK(run(deadline, 0ms, 5450ms).size() == 8);  // at 0.2, 0.3, 0.4, 1.4 ... 5.4 s
   CHECK(run_with_beats(deadline, exposure(10s, true), 5500ms, 60s).empty());
   // The exposure is still watched.
@@ -98,18 +101,14 @@ TEST_CASE("Light off is repeated every second while the daemon is silent, and no
 }
 
 TEST_CASE("Light off is sent three times even if the daemon is back at once: one may have been in the gap") {
-  LightDeadline deadline;
-  deadline.set_gap(100ms);
-  deadline.arm(exposure(10s), kStart, kStart);
+  LightDeadline deadline = armed(exposure(10s), 100ms);
   CHECK(deadline.due(kStart + 200ms).trip == LightTrip::Silence);
   CHECK(run_with_beats(deadline, exposure(10s, true), 250ms, 10s).size() == 2);
 }
 
 TEST_CASE("The daemon's death turns the light off at once, and ends the watchdog after three light offs") {
   for (const bool off_asked : {false, true}) {
-    LightDeadline deadline;
-    deadline.set_gap(100ms);
-    deadline.arm(exposure(10s, off_asked), kStart, kStart);
+    LightDeadline deadline = armed(exposure(10s, off_asked), 100ms);
     deadline.daemon_is_gone();
     const auto done = run(deadline, 0ms, 1h);
     REQUIRE(done.size() == 3);
@@ -123,8 +122,7 @@ TEST_CASE("The daemon's death turns the light off at once, and ends the watchdog
 }
 
 TEST_CASE("A daemon that dies after it fell silent is not waited for") {
-  LightDeadline deadline;
-  deadline.arm(exposure(10s), kStart, kStart);
+  LightDeadline deadline = armed(exposure(10s));
   CHECK(run(deadline, 0ms, 20s).size() > 3);
   deadline.daemon_is_gone();
   const auto done = run(deadline, 20s, 1h);
@@ -134,8 +132,7 @@ TEST_CASE("A daemon that dies after it fell silent is not waited for") {
 }
 
 TEST_CASE("The light of a live daemon is turned off 250 ms after the exposure's end if it is still on") {
-  LightDeadline deadline;
-  deadline.arm(exposure(2s), kStart, kStart);
+  LightDeadline deadline = armed(exposure(2s));
   CHECK(run_with_beats(deadline, exposure(2s), 0ms, 2150ms).empty());
   const auto done = run_with_beats(deadline, exposure(2s), 2200ms, 2300ms);
   REQUIRE_FALSE(done.empty());
@@ -144,15 +141,13 @@ TEST_CASE("The light of a live daemon is turned off 250 ms after the exposure's 
 }
 
 TEST_CASE("The deadline moves with the exposure's end, which counts from when light on is sent") {
-  LightDeadline deadline;
-  deadline.arm(exposure(2s), kStart, kStart);
+  LightDeadline deadline = armed(exposure(2s));
   CHECK(run_with_beats(deadline, exposure(3s), 0ms, 3200ms).empty());
   CHECK(run_with_beats(deadline, exposure(3s), 3250ms, 3250ms)[0].act.trip == LightTrip::Overrun);
 }
 
 TEST_CASE("Messages that were delayed are no sign of life, nor are messages from the future") {
-  LightDeadline deadline;
-  deadline.arm(exposure(10s), kStart, kStart);
+  LightDeadline deadline = armed(exposure(10s));
   deadline.heartbeat(exposure(10s), kStart + 10ms, kStart + 199ms);
   CHECK(run(deadline, 199ms, 209ms).empty());
   CHECK(deadline.due(kStart + 210ms).trip == LightTrip::Silence);
@@ -168,8 +163,7 @@ TEST_CASE("Messages that were delayed are no sign of life, nor are messages from
 }
 
 TEST_CASE("Messages about another exposure neither keep a watch alive nor end it") {
-  LightDeadline deadline;
-  deadline.arm(exposure(10s, false, 7), kStart, kStart);
+  LightDeadline deadline = armed(exposure(10s, false, 7));
   deadline.heartbeat(exposure(10s, true, 6), kStart + 150ms, kStart + 150ms);
   deadline.disarm(6);
   CHECK(deadline.exposure() == 7);
@@ -177,8 +171,7 @@ TEST_CASE("Messages about another exposure neither keep a watch alive nor end it
 }
 
 TEST_CASE("A watchdog that has turned a light off watches the next exposure like the first") {
-  LightDeadline deadline;
-  deadline.arm(exposure(10s), kStart, kStart);
+  LightDeadline deadline = armed(exposure(10s));
   CHECK_FALSE(run(deadline, 0ms, 300ms).empty());
   deadline.disarm(1);
   CHECK(run(deadline, 301ms, 5s).empty());
@@ -188,9 +181,7 @@ TEST_CASE("A watchdog that has turned a light off watches the next exposure like
 }
 
 TEST_CASE("An exposure that is confirmed dark while light off is repeated gets no further light off") {
-  LightDeadline deadline;
-  deadline.set_gap(100ms);
-  deadline.arm(exposure(10s), kStart, kStart);
+  LightDeadline deadline = armed(exposure(10s), 100ms);
   CHECK(deadline.due(kStart + 200ms).light_off);
   deadline.disarm(1);
   CHECK(run(deadline, 201ms, 1h).empty());

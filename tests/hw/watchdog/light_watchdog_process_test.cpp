@@ -110,12 +110,17 @@ struct WatchdogProcess {
   std::uint64_t exposure = 0;
 };
 
-}  // namespace
-
-TEST_CASE("A light watchdog whose daemon ends without a light on ends too, and sends nothing") {
+// A watchdog that has been given a projector's port, of which the test keeps a copy.
+struct GivenProjector {
+  GivenProjector() { watchdog.give(projector); }
   SerialLine projector;
   WatchdogProcess watchdog;
-  watchdog.give(projector);
+};
+
+}  // namespace
+
+TEST_CASE_METHOD(GivenProjector,
+                 "A light watchdog whose daemon ends without a light on ends too, and sends nothing") {
   projector.port = FileDescriptor();
   watchdog.arm();
   watchdog.say(WatchdogMessageType::Disarm, 0s);
@@ -124,10 +129,8 @@ TEST_CASE("A light watchdog whose daemon ends without a light on ends too, and s
   CHECK(projector.heard(1).empty());
 }
 
-TEST_CASE("When the daemon's end of the socket closes in an exposure, light off is sent thrice") {
-  SerialLine projector;
-  WatchdogProcess watchdog;
-  watchdog.give(projector);
+TEST_CASE_METHOD(GivenProjector,
+                 "When the daemon's end of the socket closes in an exposure, light off is sent thrice") {
   projector.port = FileDescriptor();
   watchdog.arm();
   const TimePoint closed = now();
@@ -137,10 +140,7 @@ TEST_CASE("When the daemon's end of the socket closes in an exposure, light off 
   CHECK(watchdog.ended() == 0);
 }
 
-TEST_CASE("A daemon that falls silent has its light turned off, and is informed") {
-  SerialLine projector;
-  WatchdogProcess watchdog;
-  watchdog.give(projector);
+TEST_CASE_METHOD(GivenProjector, "A daemon that falls silent has its light turned off, and is informed") {
   const TimePoint armed = now();
   watchdog.arm();
   CHECK(projector.heard(kOff.size()) == kOff);
@@ -159,10 +159,8 @@ TEST_CASE("A daemon that falls silent has its light turned off, and is informed"
   CHECK(watchdog.reply().trip == LightTrip::Silence);
 }
 
-TEST_CASE("A live daemon has its light turned off if it has not done so when the exposure is over") {
-  SerialLine projector;
-  WatchdogProcess watchdog;
-  watchdog.give(projector);
+TEST_CASE_METHOD(GivenProjector,
+                 "A live daemon has its light turned off if it has not done so when the exposure is over") {
   TimePoint armed;
   LightTrip trip = LightTrip::Silence;
   // A test that was itself held up for that long counts as silent, and is tried again.
@@ -181,10 +179,7 @@ TEST_CASE("A live daemon has its light turned off if it has not done so when the
   CHECK(projector.heard(kOff.size()) == kOff);
 }
 
-TEST_CASE("The signals that end a daemon end no light watchdog") {
-  SerialLine projector;
-  WatchdogProcess watchdog;
-  watchdog.give(projector);
+TEST_CASE_METHOD(GivenProjector, "The signals that end a daemon end no light watchdog") {
   projector.port = FileDescriptor();
   for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGABRT, SIGPIPE, SIGALRM, SIGUSR1})
     REQUIRE(::kill(watchdog.process, signal) == 0);
@@ -206,10 +201,8 @@ TEST_CASE("A new port replaces the old one, which is closed") {
   CHECK(after.heard(kOff.size()) == kOff);
 }
 
-TEST_CASE("A port that is withdrawn is closed, and the light watchdog goes on without it") {
-  SerialLine projector;
-  WatchdogProcess watchdog;
-  watchdog.give(projector);
+TEST_CASE_METHOD(GivenProjector,
+                 "A port that is withdrawn is closed, and the light watchdog goes on without it") {
   projector.port = FileDescriptor();
   SerialMessage none{};
   none.type = WatchdogMessageType::Serial;
