@@ -4,11 +4,11 @@ import json
 import os
 import subprocess
 
-from harness import BAD_USAGE, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, OK, REALTIME, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, wait_until
+from harness import (
+    BAD_USAGE, CONTOURCTL, ENDLESS, FAILED, ISLAND, NIMBLE_RESIN, OK, REALTIME, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, wait_until,
+)  # fmt: skip
 
 SOUND = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
-# One part begins in the third layer, with nothing under it.
-ISLAND = binary_stl([*box((0, 0, 0), (10, 5, 0.2)), *box((15, 0, 0.1), (20, 5, 0.2))])
 # A plate on a foot with 1 % of the plate's area.
 ON_A_FOOT = binary_stl([*box((4, 2, 0), (5, 2.5, 0.05)), *box((0, 0, 0.05), (10, 5, 0.2))])
 OPEN = binary_stl(box((0, 0, 0), (10, 5, 0.2))[1:])

@@ -7,13 +7,11 @@ import os
 import re
 
 from harness import (
-    BAD_DATA, BAD_USAGE, CANNOT_CREATE, NO_INPUT, OK, SOURCE, Daemon, FolderTest, binary_stl, box, contourctl, cube, inside_out, read_png, source_json,
-    text_of, wedge,
+    BAD_DATA, BAD_USAGE, CANNOT_CREATE, FLOATING, NO_INPUT, OK, SOURCE, Daemon, FolderTest, binary_stl, box, contourctl, cube, inside_out, read_png,
+    source_json, text_of, wedge,
 )  # fmt: skip
 
 BAD_CONFIG = 78
-# A slab, a gap of 1 mm, and a box above the gap: 60 layers of 50 um.
-FLOATING = binary_stl(box((0, 0, 0), (10, 10, 1)) + box((2, 3, 2), (4, 5, 3)))
 
 
 class AnalyzeTest(FolderTest):

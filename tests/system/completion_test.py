@@ -5,10 +5,9 @@ import shutil
 import subprocess
 import unittest
 
-from harness import BIN, ENDLESS, NIMBLE_RESIN, REALTIME, SOURCE, Daemon, FolderTest, binary_stl, box, wait_until
+from harness import BIN, ENDLESS, NIMBLE_RESIN, REALTIME, SMALL, SOURCE, Daemon, FolderTest, binary_stl, box, wait_until
 
 FOLDER = os.path.join(SOURCE, "daemon/ctl/completions")
-SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
 BASH = r"""
 source "$0"
 COMP_WORDS=(contourctl "$@")

@@ -295,8 +295,7 @@ class CommandLine(ConfigTest):
         reader, writer = os.pipe()
         os.close(reader)
         process = subprocess.Popen([CONTOURD, "--config", daemon.config_path], stdout=writer, stderr=writer)
-        self.addCleanup(process.wait)
-        self.addCleanup(process.kill)
+        self.killed_at_the_end(process)
         os.close(writer)
         daemon.drop("part.stl", binary_stl(box((0, 0, 0), (5, 5, 1))))
         end = time.monotonic() + DEADLINE_S
@@ -319,9 +318,7 @@ class CommandLine(ConfigTest):
         plate = {"models": [{"file": f"{'m' * 180}{number}.stl"} for number in range(60)]}
         names = {f"plate{number}" for number in range(10)}
         for name in names:
-            os.mkdir(self.path(name))
-            self.write(os.path.join(name, "plate.json"), json.dumps(plate))
-            os.rename(self.path(name), daemon.file("incoming", name))
+            daemon.drop_plate(name, plate, {})
         wait_until(lambda: set(daemon.status()["incomplete"]) == names, "all plates to be reported as incomplete")
         self.assertEqual(daemon.status()["state"], "exposing")
 

@@ -9,12 +9,10 @@ import subprocess
 import sys
 
 from harness import (
-    CONTOURD, DEADLINE_S, ENDLESS, NIMBLE_RESIN, SOURCE, Daemon, FolderTest, binary_stl, box, check_generated, run, wait_until,
+    CONTOURD, DEADLINE_S, ENDLESS, ISLAND, NIMBLE_RESIN, SMALL, SOURCE, Daemon, FolderTest, binary_stl, box, check_generated, run, wait_until,
 )  # fmt: skip
 
 PAGE = (pathlib.Path(SOURCE) / "docs/control-api.md").read_text(encoding="utf-8")
-SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))  # 4 layers
-ISLAND = binary_stl([*box((0, 0, 0), (10, 5, 0.2)), *box((15, 0, 0.1), (20, 5, 0.2))])
 # The code for an exception, which no request can cause.
 INTERNAL_ERROR = -32603
 # The code for a caller of another user and group, tested in manual_test.py.

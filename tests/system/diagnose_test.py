@@ -5,9 +5,8 @@ import os
 import stat
 import tarfile
 
-from harness import BAD_USAGE, CANNOT_CREATE, ENDLESS, NIMBLE_RESIN, OK, Daemon, FolderTest, binary_stl, box, contourctl, source_json, text_of
+from harness import BAD_USAGE, CANNOT_CREATE, ENDLESS, NIMBLE_RESIN, OK, SMALL, Daemon, FolderTest, contourctl, source_json, text_of
 
-SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
 ALWAYS = {"README.txt", "configuration/check.txt", "configuration/contourd.json", "configuration/projectors.txt", "configuration/resins/standard.json", "displays.txt",
           "gpio.txt", "journal.txt", "kernel.txt", "serial.txt", "status.json", "versions.txt"}  # fmt: skip
 

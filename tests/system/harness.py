@@ -144,6 +144,15 @@ def ascii_stl(facets):
     return ("\n".join(lines + ["endsolid test"]) + "\n").encode()
 
 
+# Layers have 50 um.
+SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))  # 4 layers
+SLAB = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
+# A slab, a gap of 1 mm, and a box above the gap: 60 layers.
+FLOATING = binary_stl(box((0, 0, 0), (10, 10, 1)) + box((2, 3, 2), (4, 5, 3)))
+# One part begins in the third layer, with nothing under it.
+ISLAND = binary_stl([*box((0, 0, 0), (10, 5, 0.2)), *box((15, 0, 0.1), (20, 5, 0.2))])
+
+
 # --- pictures
 
 
@@ -284,7 +293,7 @@ class FolderTest(unittest.TestCase):
     def printing(self, name="part.stl", model=None, resin=None, **config):
         """Starts a daemon in real time, and returns it when it exposes the first layer of a print, by default until the test ends it."""
         daemon = Daemon(self, realtime(**config), {**NIMBLE_RESIN, **(ENDLESS if resin is None else resin)}).start()
-        daemon.begin(name, model or binary_stl(box((0, 0, 0), (10, 5, 1))))
+        daemon.begin(name, model or SLAB)
         return daemon
 
     def reachable(self, program):
@@ -296,6 +305,12 @@ class FolderTest(unittest.TestCase):
         except OSError:
             shutil.copy(program, path)
         return path
+
+    def killed_at_the_end(self, process):
+        """Has the process killed when the test ends, if it still runs then."""
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        return process
 
     def write(self, name, data):
         path = os.path.join(os.fsencode(self.folder), os.fsencode(name))
@@ -625,6 +640,17 @@ class Daemon:
             self._put(os.path.splitext(name)[0] + ".json", text.encode() if isinstance(text, str) else text)
         self._put(name, data)
 
+    def drop_plate(self, name, ticket, files):
+        """Puts a complete plate into the spool; `files` has the contents of its models by name."""
+        staging = os.path.join(self.folder, "staged-plate")
+        os.mkdir(staging)
+        text = ticket if isinstance(ticket, (str, bytes)) else json.dumps(ticket)
+        for file, data in {**files, "plate.json": text.encode() if isinstance(text, str) else text}.items():
+            with open(os.path.join(staging, file), "wb") as out:
+                out.write(data)
+        os.makedirs(self.file("incoming"), exist_ok=True)
+        os.rename(staging, self.file("incoming", name))
+
     def _put(self, name, data):
         # Written elsewhere and moved in, so that the daemon never sees half a file.
         staging = os.path.join(self.folder, "staging")
@@ -717,7 +743,6 @@ class Daemon:
 
 # --- tests of the spool
 
-SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
 WAITS = {"wait_for_plate_cleared": True}
 
 
@@ -728,7 +753,7 @@ class SpoolTest(FolderTest):
         return Daemon(self, config, resin, **options)
 
     def printing_daemon(self, **config):
-        return self.printing("first.stl", SMALL, **config)
+        return self.printing("first.stl", SLAB, **config)
 
     def second_daemon(self, name, config):
         """Returns another daemon in the same folder, with its own configuration, socket and log."""

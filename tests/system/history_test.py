@@ -10,11 +10,9 @@ import time
 import unittest
 
 from harness import (
-    BAD_USAGE, FAILED, NIMBLE_RESIN, OK, REALTIME, SANITIZED, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contents, contourctl, on_terminal,
-    wait_until,
+    BAD_USAGE, FAILED, NIMBLE_RESIN, OK, REALTIME, SANITIZED, SMALL, UNAVAILABLE, Daemon, FolderTest, contents, contourctl, on_terminal, wait_until,
 )  # fmt: skip
 
-SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))  # 4 layers
 HOSTILE = '=1+1,"x"\x1b[31m'
 
 

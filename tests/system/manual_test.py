@@ -13,11 +13,10 @@ import time
 import unittest
 
 from harness import (
-    BAD_CONFIG, BAD_USAGE, CONTOURCTL, CONTOURD, DEADLINE_S, ENDLESS, FAILED, NIMBLE_RESIN, OK, REALTIME, SLOWNESS, UNAVAILABLE, Daemon, FolderTest,
-    binary_stl, box, contourctl, realtime, text_of, wait_until,
+    BAD_CONFIG, BAD_USAGE, CONTOURCTL, CONTOURD, DEADLINE_S, ENDLESS, FAILED, NIMBLE_RESIN, OK, REALTIME, SLOWNESS, SMALL, UNAVAILABLE, Daemon,
+    FolderTest, contourctl, realtime, text_of, wait_until,
 )  # fmt: skip
 
-SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
 # Every motion takes seconds, so that a test can end it.
 SLOW = realtime(z_axis={"homing_speed_mm_s": 2, "travel_speed_mm_s": 2, "travel_mm": 100}, simulation={"start_height_mm": 60})
 
@@ -36,12 +35,13 @@ class ManualTest(FolderTest):
     def manual(self, daemon):
         return daemon.status()["manual"]
 
-    def start(self, daemon, *words):
+    def start(self, daemon, *words, until=None):
+        """Starts a command, and waits until the status of manual control is `until`."""
         process = subprocess.Popen([CONTOURCTL, *words, "--socket", daemon.socket_path], stdin=subprocess.DEVNULL,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
-        self.addCleanup(process.wait)
-        self.addCleanup(process.kill)
-        return process
+        if until:
+            wait_until(lambda: self.manual(daemon)["state"] == until, f"manual control to be {until}")
+        return self.killed_at_the_end(process)
 
 
 class Commands(ManualTest):
@@ -104,8 +104,7 @@ class Commands(ManualTest):
         self.assertEqual(inputs, [{"name": "limit switch", "line": "simulated", "active": True, "edges": 0}])
         process = subprocess.Popen([CONTOURCTL, "switches", "--socket", daemon.socket_path], stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, text=True)  # fmt: skip
-        self.addCleanup(process.wait)
-        self.addCleanup(process.kill)
+        self.killed_at_the_end(process)
         self.assertIn("0 edges", process.stdout.readline())
         self.well(self.run_ctl(daemon, "home"))
         line = process.stdout.readline()
@@ -132,8 +131,7 @@ class Jog(ManualTest):
         termios.tcsetwinsize(its, (24, columns))
         process = subprocess.Popen([CONTOURCTL, "jog", "--socket", daemon.socket_path, *words], stdin=its, stdout=its, stderr=its,
                                    env={**os.environ, "TERM": terminal})  # fmt: skip
-        self.addCleanup(process.wait)
-        self.addCleanup(process.kill)
+        self.killed_at_the_end(process)
         os.close(its)
         shown = b""
 
@@ -147,6 +145,10 @@ class Jog(ManualTest):
             return shown.decode()
         self.beginning = press("", until)
         return process, press, mine
+
+    def quit(self, process, press, key="q"):
+        press(key, "\n")
+        self.assertEqual(process.wait(DEADLINE_S), OK)
 
     def test_keys_home_and_move_the_plate_and_refusals_are_shown(self):
         daemon = self.daemon()
@@ -162,8 +164,7 @@ class Jog(ManualTest):
         press("g", "idle   shows grid")
         press("g", "idle   shows border")
         press("m", "height unknown")
-        press("q", "\n")
-        self.assertEqual(process.wait(DEADLINE_S), OK)
+        self.quit(process, press)
         wait_until(lambda: self.manual(daemon)["picture"] is None, "the picture to be removed")
 
     def test_jog_shows_that_a_job_is_being_printed(self):
@@ -171,8 +172,7 @@ class Jog(ManualTest):
         daemon.begin("part.stl", SMALL)
         process, press, _ = self.jog(daemon, until="step 1 mm   printing")
         press("k", "part is being printed")
-        press("q", "\n")
-        self.assertEqual(process.wait(DEADLINE_S), OK)
+        self.quit(process, press)
         daemon.rpc("cancel")
 
     def test_nothing_is_wider_than_a_narrow_terminal(self):
@@ -181,8 +181,7 @@ class Jog(ManualTest):
         said = self.beginning + press("h", "height 0.000 mm   step 1 mm   idle") + press("g", "step 1 mm   idle   s")
         for line in re.split("[\r\n]+", said.replace("\x1b[K", "")):
             self.assertLessEqual(len(line), 40, line)
-        press("q", "\n")
-        self.assertEqual(process.wait(DEADLINE_S), OK)
+        self.quit(process, press)
 
     def test_a_dumb_terminal_gets_no_control_sequences(self):
         daemon = self.daemon()
@@ -191,8 +190,7 @@ class Jog(ManualTest):
         self.assertNotIn("\x1b", said)
         lines = said.replace("\r", "").splitlines()
         self.assertTrue(all(line != before for line, before in zip(lines[1:], lines)), lines)
-        press("q", "\n")
-        self.assertEqual(process.wait(DEADLINE_S), OK)
+        self.quit(process, press)
 
     def test_light_asks_for_confirmation_and_only_y_confirms(self):
         daemon = self.daemon()
@@ -203,8 +201,7 @@ class Jog(ManualTest):
         press("l", "for 0.1 s")
         press("y", "lit")
         press("", "idle")
-        press("\x03", "\n")
-        self.assertEqual(process.wait(DEADLINE_S), OK)
+        self.quit(process, press, "\x03")
 
     def test_space_quitting_a_lost_terminal_and_a_signal_end_a_motion_and_restore_the_terminal(self):
         for how in ("space", "quit", "hang up", "terminate"):
@@ -301,8 +298,7 @@ class Ends(ManualTest):
         for number in (signal.SIGKILL, signal.SIGINT, signal.SIGHUP):
             with self.subTest(number):
                 daemon = self.daemon()
-                process = self.start(daemon, "light", "on", "--seconds", "30", "--confirm", "--in-resin")
-                wait_until(lambda: self.manual(daemon)["state"] == "lit", "the light to be on")
+                process = self.start(daemon, "light", "on", "--seconds", "30", "--confirm", "--in-resin", until="lit")
                 process.send_signal(number)
                 self.ended_within(daemon, lambda: self.manual(daemon)["state"] == "idle", time.monotonic())
                 self.assertIn("by hand: stopped", daemon.log())
@@ -310,8 +306,7 @@ class Ends(ManualTest):
 
     def test_the_plate_stops_when_its_client_is_killed(self):
         daemon = self.daemon(SLOW)
-        process = self.start(daemon, "home")
-        wait_until(lambda: self.manual(daemon)["state"] == "homing", "the plate to home")
+        process = self.start(daemon, "home", until="homing")
         process.kill()
         self.ended_within(daemon, lambda: self.manual(daemon)["state"] == "idle", time.monotonic())
 
@@ -343,8 +338,7 @@ class Ends(ManualTest):
         for end in ("stop", "reload"):
             with self.subTest(end):
                 daemon = self.daemon()
-                process = self.start(daemon, "light", "on", "--seconds", "30", "--confirm", "--in-resin")
-                wait_until(lambda: self.manual(daemon)["state"] == "lit", "the light to be on")
+                process = self.start(daemon, "light", "on", "--seconds", "30", "--confirm", "--in-resin", until="lit")
                 if end == "stop":
                     daemon.stop()
                 else:
@@ -355,8 +349,7 @@ class Ends(ManualTest):
 
     def test_any_client_can_stop_the_operation(self):
         daemon = self.daemon(SLOW)
-        process = self.start(daemon, "home")
-        wait_until(lambda: self.manual(daemon)["state"] == "homing", "the plate to home")
+        process = self.start(daemon, "home", until="homing")
         self.well(self.run_ctl(daemon, "stop"))
         self.assertEqual(process.wait(DEADLINE_S), FAILED)
         self.assertEqual(self.manual(daemon)["problem"], "stopped")
@@ -374,8 +367,7 @@ class WithJobs(ManualTest):
 
     def test_a_job_that_arrives_waits_until_the_operation_ends(self):
         daemon = self.daemon(SLOW)
-        process = self.start(daemon, "home")
-        wait_until(lambda: self.manual(daemon)["state"] == "homing", "the plate to home")
+        process = self.start(daemon, "home", until="homing")
         daemon.drop("part.stl", SMALL)
         daemon.wait_status("waiting_for")
         self.assertEqual(daemon.status()["waiting_for"], 'the printer is controlled by hand; "contourctl stop" ends that')

@@ -7,9 +7,8 @@ import signal
 import struct
 import unittest
 
-from harness import BAD_DATA, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, SANITIZED, Daemon, FolderTest, binary_stl, box, contourctl, realtime, run, wait_until
+from harness import BAD_DATA, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, SANITIZED, SLAB, Daemon, FolderTest, contourctl, realtime, run, wait_until
 
-SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
 HUGE = 85_899_344  # facets of 4 GB
 # The cells of a ball, and a limit in MB that is enough to print one ball but not to read a second one at the same time.
 CELLS = 200
@@ -75,7 +74,7 @@ class MemoryTest(FolderTest):
 class Room(MemoryTest):
     def test_a_model_that_exceeds_the_limit_is_refused_during_a_print_without_being_read(self):
         daemon = self.daemon({"memory_limit_mb": 400}).start()
-        daemon.begin("part.stl", SMALL)
+        daemon.begin("part.stl", SLAB)
         self.put_sparse(daemon, "huge.stl", HUGE)
         reason = daemon.wait_refused("huge")
         self.assertIn(f"the model holds {HUGE} facets, for which ", reason)
@@ -94,7 +93,7 @@ class Room(MemoryTest):
 
             daemon.rights = {"preexec_fn": join}
             daemon.start()
-            daemon.begin("part.stl", SMALL)
+            daemon.begin("part.stl", SLAB)
             self.put_sparse(daemon, "huge.stl", HUGE)
             self.assertRegex(daemon.wait_refused("huge"), r"\d+ MB are available in the control group, of which 64 MB stay free")
             self.assertEqual(daemon.status()["state"], "exposing")
@@ -130,9 +129,9 @@ class Room(MemoryTest):
 
     def test_only_the_next_job_is_prepared_during_a_print(self):
         daemon = self.daemon({"memory_limit_mb": 400}).start()
-        daemon.begin("part.stl", SMALL)
+        daemon.begin("part.stl", SLAB)
         for job in ("next", "last"):
-            daemon.drop(job + ".stl", SMALL)
+            daemon.drop(job + ".stl", SLAB)
         # Jobs are checked in their order, so these two have been checked when bad has.
         daemon.refused("bad.stl", b"no model")
         for job in ("next", "last"):
@@ -165,7 +164,7 @@ class Room(MemoryTest):
             json.dump({"models": [{"file": name} for name in names]}, file)
         self.put(daemon, plate)
         self.assertIn("100", daemon.wait_refused("many"))
-        self.assertIn("cut short: the header says 4294967295 facets", daemon.refused("claims.stl", SMALL[:80] + b"\xff\xff\xff\xff" + SMALL[84:-1]))
+        self.assertIn("cut short: the header says 4294967295 facets", daemon.refused("claims.stl", SLAB[:80] + b"\xff\xff\xff\xff" + SLAB[84:-1]))
         # A text of 4 GB in a single line.
         with open(self.path("line.stl"), "wb") as file:
             file.write(b"solid".ljust(2000))
@@ -192,9 +191,9 @@ class EndedInReading(MemoryTest):
         self.gate = os.path.join(daemon.put_on_slow_disk(), "models")
         daemon.start()
         if beside_a_print:
-            daemon.begin("first.stl", SMALL)
+            daemon.begin("first.stl", SLAB)
         self.write(self.gate, b"")
-        daemon.drop("second.stl", SMALL)
+        daemon.drop("second.stl", SLAB)
         wait_until(lambda: os.path.exists(os.path.join(os.path.dirname(self.gate), "waiting")), "the daemon to read the model")
         return daemon
 
@@ -210,7 +209,7 @@ class EndedInReading(MemoryTest):
 
     def test_a_model_during_whose_reading_the_daemon_was_killed_is_refused_and_others_are_printed(self):
         daemon = self.reading_daemon(beside_a_print=True)
-        daemon.drop("third.stl", SMALL)
+        daemon.drop("third.stl", SLAB)
         daemon.wait_status("queued", 2)
         daemon.kill(while_reading=True)
         self.start_again(daemon)
@@ -239,7 +238,7 @@ class EndedInReading(MemoryTest):
                 daemon.start()
         status = daemon.status()
         self.assertEqual((status["held"], status["plate"]), (None, "clear"))
-        daemon.begin("next.stl", SMALL)
+        daemon.begin("next.stl", SLAB)
 
     def test_a_model_that_is_being_read_at_a_stop_is_read_again_at_the_next_start(self):
         for beside_a_print in (True, False):

@@ -9,11 +9,9 @@ import subprocess
 import unittest
 
 from harness import (
-    BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, NO_INPUT, OK, SOURCE, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contents, contourctl,
-    limit_memory,
+    BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, NO_INPUT, OK, SMALL, SOURCE, UNAVAILABLE, Daemon, FolderTest, contents, contourctl, limit_memory,
 )  # fmt: skip
 
-SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
 MOST = 20  # models in one run
 UNIT = os.path.join(SOURCE, "systemd", "contourd-usb@.service")
 

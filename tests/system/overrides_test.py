@@ -5,10 +5,9 @@ import json
 import os
 
 from harness import (
-    BAD_CONFIG, BAD_USAGE, CONTOURD, ENDLESS, NIMBLE_RESIN, OK, REALTIME, Daemon, FolderTest, binary_stl, box, contourctl, run, source_json, wait_until,
+    BAD_CONFIG, BAD_USAGE, CONTOURD, ENDLESS, NIMBLE_RESIN, OK, REALTIME, SMALL, Daemon, FolderTest, contourctl, run, source_json, wait_until,
 )  # fmt: skip
 
-SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))  # 4 layers
 LIMITS = {"exposure_ms": [2000, 8000], "bottom_exposure_ms": [4000, 60000], "lift_mm": [4, 10], "settle_ms": [0, 5000], "rest_ms": [0, 2000]}
 # The shipped resin has 3000 and 30000 ms, 6 mm, 1000 and 500 ms.
 ASKED = {"exposure_ms": 4000.5, "bottom_exposure_ms": 9000, "lift_mm": 8, "settle_ms": 250, "rest_ms": 0}
@@ -71,10 +70,8 @@ class Printed(OverridesTest):
 
     def test_the_overrides_of_a_plate_apply_to_all_its_models_and_copies(self):
         daemon = Daemon(self, resin=BOTTOM).start()
-        os.makedirs(self.path("plate"))
-        self.write("plate/a.stl", SMALL)
-        self.write("plate/plate.json", json.dumps({**ASKED, "models": [{"file": "a.stl", "copies": 3}, {"file": "a.stl", "rotation_deg": {"z": 90}}]}))
-        os.rename(self.path("plate"), daemon.file("incoming", "plate"))
+        models = [{"file": "a.stl", "copies": 3}, {"file": "a.stl", "rotation_deg": {"z": 90}}]
+        daemon.drop_plate("plate", {**ASKED, "models": models}, {"a.stl": SMALL})
         report = daemon.wait_done("plate")
         self.assertEqual([len(model["positions_mm"]) for model in report["models"]], [3, 1])
         self.assert_light(report)

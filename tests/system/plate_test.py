@@ -4,9 +4,8 @@ import json
 import os
 import signal
 
-from harness import Daemon, FolderTest, binary_stl, box, contourctl, read_png, wait_until
+from harness import WAITS, Daemon, FolderTest, binary_stl, box, contourctl, read_png, wait_until
 
-WAITS = {"wait_for_plate_cleared": True}
 CUBE = binary_stl(box((0, 0, 0), (10, 10, 1)))  # 20 layers
 POST = binary_stl(box((50, 50, 50), (54, 52, 52)))  # 40 layers
 BOTH = {"models": [{"file": "cube.stl", "position_mm": {"x": -20}},
@@ -29,17 +28,7 @@ class PlateTest(FolderTest):
         os.rename(staging, os.fsencode(daemon.file("incoming", name)))
 
     def drop_plate(self, daemon, name, ticket, files=None):
-        """Puts a complete plate into incoming/ by one rename."""
-        staging = self.path("staged-plate")
-        os.mkdir(staging)
-        for file, data in (files or {"cube.stl": CUBE, "post.stl": POST}).items():
-            with open(os.path.join(staging, file), "wb") as out:
-                out.write(data)
-        with open(os.path.join(staging, "plate.json"), "wb") as out:
-            data = text(ticket)
-            out.write(data if isinstance(data, bytes) else data.encode())
-        os.makedirs(daemon.file("incoming"), exist_ok=True)
-        os.rename(staging, daemon.file("incoming", name))
+        daemon.drop_plate(name, ticket, files or {"cube.stl": CUBE, "post.stl": POST})
 
     def refused(self, daemon, name, ticket, *words, files=None):
         self.drop_plate(daemon, name, ticket, files)

@@ -3,9 +3,7 @@
 import json
 import os
 
-from harness import BAD_USAGE, FAILED, NIMBLE_RESIN, OK, REALTIME, Daemon, FolderTest, binary_stl, box, text_of, wait_until
-
-SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
+from harness import BAD_USAGE, FAILED, NIMBLE_RESIN, OK, REALTIME, SMALL, Daemon, FolderTest, text_of, wait_until
 
 
 class Queue(FolderTest):

@@ -10,11 +10,9 @@ import shutil
 import subprocess
 import time
 
-from harness import DEADLINE_S, Daemon, FolderTest, binary_stl, box, skip_file, text_of
+from harness import DEADLINE_S, FLOATING, Daemon, FolderTest, skip_file, text_of
 
 CHROMIUM = shutil.which("chromium")
-# A slab, a gap of 1 mm, and a box above the gap: 60 layers of 50 um.
-FLOATING = binary_stl(box((0, 0, 0), (10, 10, 1)) + box((2, 3, 2), (4, 5, 3)))
 HOSTILE = 'a & b "quoted" <b>bold <script>alert(1)<img src=x onerror=y>'
 
 

@@ -5,12 +5,10 @@ import html
 import html.parser
 import re
 
-from harness import ENDLESS, NIMBLE_RESIN, REALTIME, Daemon, FolderTest, binary_stl, box, read_png, wedge
+from harness import ENDLESS, FLOATING, NIMBLE_RESIN, REALTIME, Daemon, FolderTest, binary_stl, box, read_png, wedge
 
 LARGEST_PAGE = 3_000_000  # docs/printing.md
 HOSTILE = 'a & b "quoted" <b>bold <script>alert(1)<img src=x onerror=y>'
-# A slab, a gap of 1 mm, and a box above the gap: 60 layers of 50 um.
-FLOATING = binary_stl(box((0, 0, 0), (10, 10, 1)) + box((2, 3, 2), (4, 5, 3)))
 
 
 class Page(html.parser.HTMLParser):

@@ -10,11 +10,10 @@ import unittest
 import zlib
 
 from harness import (
-    BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, NO_INPUT, OK, REALTIME, SANITIZED, UNAVAILABLE, Daemon, FolderTest,
-    Picture, binary_stl, box, contents, contourctl, read_png, wait_until,
+    BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, NO_INPUT, OK, REALTIME, SANITIZED, SMALL, UNAVAILABLE, Daemon,
+    FolderTest, Picture, contents, contourctl, read_png, wait_until,
 )  # fmt: skip
 
-SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
 BLACK = "nothing is shown: the screen is black"
 
 

@@ -172,8 +172,7 @@ class TerminalTest(SetupTest):
         fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
         process = subprocess.Popen([CONTOURCTL, *self.setup_words(*words, **answers)], stdin=its, stdout=its, stderr=its, start_new_session=True,
                                    preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0))  # fmt: skip
-        self.addCleanup(process.wait)
-        self.addCleanup(process.kill)
+        self.killed_at_the_end(process)
         os.close(its)
         self.mine, self.process, self.shown, self.at = mine, process, "", 0
 
@@ -206,6 +205,10 @@ class TerminalTest(SetupTest):
         for prompt, line in dialog:
             self.expect(prompt)
             self.type(line)
+
+    def quit(self):
+        self.type("quit")
+        return self.ended(FAILED)
 
     def ended(self, code):
         while self.read_some():
@@ -248,8 +251,7 @@ class OnTerminal(TerminalTest):
             self.assertEqual(self.process.wait(DEADLINE_S), -signal.SIGINT)
 
         def leave():
-            self.type("quit")
-            self.assertIn(f"Quit. contourctl setup --config {self.config} continues from here", " ".join(self.ended(FAILED).split()))
+            self.assertIn(f"Quit. contourctl setup --config {self.config} continues from here", " ".join(self.quit().split()))
 
         self.begin(hardware="real")
         self.answer(("name:", "Mine"))
@@ -275,8 +277,7 @@ class OnTerminal(TerminalTest):
         self.begin(travel_mm=90)
         self.answer(("Enter: replace", ""))
         self.expect("printer.json.before-setup", "skip: no checks:")
-        self.type("quit")
-        self.ended(FAILED)
+        self.quit()
         self.assertEqual(self.written(self.path("printer.json.before-setup")), before)
         self.assertEqual(self.written()["z_axis"]["travel_mm"], 90)
 
@@ -287,8 +288,7 @@ class OnTerminal(TerminalTest):
                 self.answer(("name:", ""))
                 self.answer(*((f"{key}:", "") for key in ("steps_per_turn", "microsteps", "top_speed_mm_s", "step_line")))
                 self.expect("direction_line:")
-                self.type("quit")
-                for line in self.ended(FAILED).splitlines():
+                for line in self.quit().splitlines():
                     if self.folder not in line:
                         self.assertLessEqual(len(line), min(columns, 100), line)
 
@@ -305,6 +305,13 @@ class Checks(TerminalTest):
 
     def daemon(self, **simulation):
         return Daemon(self, realtime(name="Mine", simulation=simulation), NIMBLE_RESIN).start()
+
+    def checked_daemon(self, **simulation):
+        """Returns a daemon that has restarted with a new configuration, whose checks setup begins."""
+        daemon = self.daemon(**simulation)
+        self.configured(daemon)
+        self.restarted(daemon)
+        return daemon
 
     def configured(self, daemon):
         """Writes a configuration, and begins setup on a terminal with all questions answered."""
@@ -338,26 +345,19 @@ class Checks(TerminalTest):
         self.restarted(daemon)
         self.expect("Check: the limit switch.")
         self.assertEqual(self.outcomes()["configuration"], "taken")
-        self.type("quit")
-        self.ended(FAILED)
+        self.quit()
 
     def test_a_daemon_of_another_printer_is_detected(self):
         daemon = self.daemon()
         self.configured(daemon)
-        self.expect("skip: no checks:")
-        daemon.stop()
         daemon.config["name"] = "Other"
         daemon.write_config()
-        daemon.start()
-        self.type("")
+        self.restarted(daemon)
         self.expect("contourd runs as Other, not as Mine.")
-        self.type("quit")
-        self.ended(FAILED)
+        self.quit()
 
     def test_without_a_daemon_setup_lists_what_was_not_checked(self):
-        daemon = self.daemon()
-        self.configured(daemon)
-        self.restarted(daemon)
+        daemon = self.checked_daemon()
         self.expect("Check: the limit switch.", "skip:")
         daemon.stop()
         self.type("")
@@ -371,9 +371,7 @@ class Checks(TerminalTest):
         self.assertEqual(set(self.outcomes().values()), {"taken", "skipped"})
 
     def test_each_check_is_made_and_its_result_is_written_to_the_configuration(self):
-        daemon = self.daemon(pace="fast", start_height_mm=6)
-        self.configured(daemon)
-        self.restarted(daemon)
+        daemon = self.checked_daemon(pace="fast", start_height_mm=6)
         self.answer(("Check: the limit switch.", ""))
         self.expect("Enter: skip.")
         self.assertEqual(contourctl("home", "--socket", daemon.socket_path).returncode, OK)
@@ -410,9 +408,7 @@ class Checks(TerminalTest):
         self.ended(OK)
 
     def test_a_plate_that_moves_the_wrong_way_inverts_dir(self):
-        daemon = self.daemon(start_height_mm=6)
-        self.configured(daemon)
-        self.restarted(daemon)
+        daemon = self.checked_daemon(start_height_mm=6)
         self.answer(("Check: the limit switch.", "skip"), ("Check: the motor's direction.", ""), ("It moved:", "down"))
         self.expect("DIR is inverted.")
         self.restarted(daemon)
@@ -420,13 +416,10 @@ class Checks(TerminalTest):
         self.answer(("Enter: move;", ""), ("It moved:", "no"), ("Check the driver's supply", ""), ("It moved:", "up"))
         self.expect("Check: homing.")
         self.assertEqual(self.outcomes()["direction"], "passed")
-        self.type("quit")
-        self.ended(FAILED)
+        self.quit()
 
     def test_a_switch_contact_of_the_other_kind_is_detected(self):
-        daemon = self.daemon(start_height_mm=0)
-        self.configured(daemon)
-        self.restarted(daemon)
+        daemon = self.checked_daemon(start_height_mm=0)
         self.answer(("Check: the limit switch.", ""))
         self.expect("Enter: skip.")
         self.assertEqual(contourctl("home", "--socket", daemon.socket_path).returncode, OK)
@@ -434,5 +427,4 @@ class Checks(TerminalTest):
         self.restarted(daemon)
         self.expect("Check: the motor's direction.")
         self.assertEqual(self.written()["z_axis"]["limit_switch"]["contact"], "normally_open")
-        self.type("quit")
-        self.ended(FAILED)
+        self.quit()

@@ -4,12 +4,11 @@ import fcntl
 import json
 import os
 import signal
-import socket
 import subprocess
 import sys
 import unittest
 
-from harness import CONTOURCTL, CONTOURD, MAKE_MODEL, SMALL, SOURCE, WAITS, SpoolTest, contents, merge, run, text_of, wait_until
+from harness import CONTOURCTL, CONTOURD, MAKE_MODEL, SLAB, SOURCE, WAITS, SpoolTest, contents, merge, run, text_of, wait_until
 
 
 @unittest.skipUnless(os.geteuid() == 0, "only root can run a daemon and a member of its group as users of their own")
@@ -52,7 +51,7 @@ class Members(SpoolTest):
 
     def plate_at_home(self, name, ticket=None):
         self.member(f"mkdir {name}")
-        for file, data in (("part.stl", SMALL), ("plate.json", json.dumps(ticket or {"models": [{"file": "part.stl"}]}))):
+        for file, data in (("part.stl", SLAB), ("plate.json", json.dumps(ticket or {"models": [{"file": "part.stl"}]}))):
             path = self.write(f"home/{name}/{file}", data)
             os.chown(path, self.MEMBER, self.MEMBER)
 
@@ -63,7 +62,7 @@ class Members(SpoolTest):
         """Asserts that the jobs are neither printed nor refused again, now or after a restart."""
         self.are_deletable(*jobs)
         self.printer.restart()
-        self.printer.printed("another.stl", SMALL)
+        self.printer.printed("another.stl", SLAB)
         self.are_deletable(*jobs)
         for job in jobs:
             self.assertFalse(any(name.startswith(job + "-2") for folder in ("done", "failed") for name in self.printer.names_in(folder)))
@@ -114,7 +113,7 @@ class Members(SpoolTest):
         self.is_not_printed_again("plate")
 
     def test_models_of_any_owner_are_moved(self):
-        self.write("home/model.stl", SMALL)
+        self.write("home/model.stl", SLAB)
         self.member("cp model.stl $incoming/copied.stl")
         self.printer.wait_done("copied")
         self.member("cp model.stl mine.stl; mv mine.stl $incoming/moved.stl")
@@ -125,7 +124,7 @@ class Members(SpoolTest):
         self.plate_at_home("bad", {"models": [{"file": "part.stl", "colour": "red"}]})
         self.plate_at_home("closed")
         self.plate_at_home("odd")
-        self.write("home/model.stl", SMALL)
+        self.write("home/model.stl", SLAB)
         self.member("cp -r bad $incoming/; mkdir $incoming/folder.stl")
         self.member("cp -r closed $incoming/; cp model.stl $incoming/secret.stl", umask="077")
         self.member('chmod 0 odd/part.stl; mv odd "$incoming/line\nbreak"')
@@ -143,7 +142,7 @@ class Members(SpoolTest):
         merge(self.printer.config, WAITS)
         self.printer.write_config()
         self.printer.start()
-        self.printer.printed("first.stl", SMALL)
+        self.printer.printed("first.stl", SLAB)
         self.plate_at_home("bad", {"models": [{"file": "part.stl", "colour": "red"}]})
         self.plate_at_home("good")
         self.member("cp -r bad good $incoming/")
@@ -167,8 +166,7 @@ class Members(SpoolTest):
             "time.sleep(600)\n")  # fmt: skip
         flood = subprocess.Popen(
             [sys.executable, "-c", script, self.printer.socket_path, request.decode()], stdout=subprocess.PIPE)
-        self.addCleanup(flood.wait)
-        self.addCleanup(flood.kill)
+        self.killed_at_the_end(flood)
         self.addCleanup(flood.stdout.close)
         flood.stdout.readline()
 
@@ -178,7 +176,7 @@ class Members(SpoolTest):
             for _ in range(3):
                 self.assertEqual(self.printer.status()["state"], "idle")
         # The daemon's first watcher, which is root's, is still connected.
-        self.printer.printed("part.stl", SMALL)
+        self.printer.printed("part.stl", SLAB)
 
     def test_a_command_is_logged_with_its_user_and_a_query_is_not_logged(self):
         call = [self.contourctl, "cancel", "--socket", self.printer.socket_path]
@@ -213,7 +211,7 @@ class PlantedFiles(SpoolTest):
         # If a name is taken, a job that ends gets a number.
         end = daemon.wait_next_end()
         self.assertEqual(end["outcome"], "failed")
-        daemon.drop("part.stl", SMALL)
+        daemon.drop("part.stl", SLAB)
         end = daemon.wait_next_end()
         self.assertEqual(end["outcome"], "done")
         daemon.restart()
@@ -227,7 +225,7 @@ class PlantedFiles(SpoolTest):
         daemon.start()
         status = daemon.status()
         self.assertEqual((status["held"], status["plate"]), (None, "clear"))
-        daemon.printed("part.stl", SMALL)
+        daemon.printed("part.stl", SLAB)
         for name in ("plate-occupied", "queue-held"):
             os.unlink(daemon.file(name))
         daemon.restart()
@@ -242,7 +240,7 @@ class PlantedFiles(SpoolTest):
         os.chmod(self.path("own"), 0o2775)
         daemon.environment["STATE_DIRECTORY"] = self.path("own")
         daemon.start()
-        daemon.printed("part.stl", SMALL)
+        daemon.printed("part.stl", SLAB)
         daemon.stop()
         self.assertIn("plate-occupied", os.listdir(self.path("own")))
         self.assertEqual(os.stat(self.path("own")).st_mode & 0o777, 0o700)
@@ -261,7 +259,7 @@ class PlantedFiles(SpoolTest):
 class ReplacedFolders(SpoolTest):
     WATCHED = "the new folder is watched"
 
-    def put(self, daemon, name, data=SMALL, folder="incoming"):
+    def put(self, daemon, name, data=SLAB, folder="incoming"):
         self.write(daemon.file(folder, name), data)
 
     def printed(self, daemon, name):
@@ -300,7 +298,7 @@ class ReplacedFolders(SpoolTest):
 
     def test_jobs_of_the_old_folder_leave_the_queue_and_jobs_of_the_new_one_arrive(self):
         daemon = self.printing_daemon()
-        daemon.drop("old.stl", SMALL)
+        daemon.drop("old.stl", SLAB)
         wait_until(lambda: daemon.rpc("queue")["result"]["queue"] == ["old.stl"], "the job in the queue")
         os.mkdir(daemon.file("other"))
         self.put(daemon, "new.stl", folder="other")
@@ -311,7 +309,7 @@ class ReplacedFolders(SpoolTest):
 
     def test_jobs_that_were_removed_while_events_were_lost_leave_the_queue(self):
         daemon = self.printing_daemon()
-        daemon.drop("waits.stl", SMALL)
+        daemon.drop("waits.stl", SLAB)
         os.mkdir(daemon.file("incoming", "plate"))
         self.put(daemon, "plate.json", json.dumps({"models": [{"file": "part.stl"}]}).encode(), "incoming/plate")
         wait_until(lambda: "plate" in daemon.status()["incomplete"] and daemon.status()["queued"] == 1, "the job and the plate to wait")

@@ -7,8 +7,8 @@ import time
 import unittest
 
 from harness import (
-    CONTOURCTL, CONTOURD, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, REALTIME, SANITIZED, SLOWNESS, SMALL, WAITS, SpoolTest, binary_stl, box, realtime,
-    run, source_json, wait_until,
+    CONTOURCTL, CONTOURD, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, REALTIME, SANITIZED, SLAB, SLOWNESS, WAITS, SpoolTest, binary_stl, box, realtime, run,
+    source_json, wait_until,
 )  # fmt: skip
 
 THIN = binary_stl(box((0, 0, 0), (10, 5, 0.05)))  # a single layer
@@ -19,8 +19,8 @@ class Plate(SpoolTest):
         daemon = self.daemon(WAITS).start()
         daemon.refused("bad.stl", b"no model")
         self.assertEqual(daemon.status()["plate"], "clear")  # nothing was printed
-        daemon.drop("one.stl", SMALL)
-        daemon.drop("two.stl", SMALL)
+        daemon.drop("one.stl", SLAB)
+        daemon.drop("two.stl", SLAB)
         daemon.wait_done("one")
         status = daemon.wait_status("waiting_for")
         self.assertEqual((status["plate"], status["plate_job"], status["queued"]), ("occupied", "one", 1))
@@ -40,14 +40,14 @@ class Plate(SpoolTest):
         daemon.kill()
         daemon.start()
         self.assertEqual(daemon.status()["plate"], "clear")
-        daemon.printed("three.stl", SMALL)
+        daemon.printed("three.stl", SLAB)
 
     def test_a_restart_does_not_clear_the_plate(self):
         daemon = self.daemon(WAITS).start()
-        daemon.printed("one.stl", SMALL)
+        daemon.printed("one.stl", SLAB)
         for end in (daemon.stop, daemon.kill):
             end()
-            daemon.drop("two.stl", SMALL)
+            daemon.drop("two.stl", SLAB)
             daemon.start()
             status = daemon.wait_status("waiting_for")
             self.assertEqual((status["plate_job"], status["queued"]), ("one", 1))
@@ -94,10 +94,7 @@ class Profiles(SpoolTest):
         daemon.drop("none.stl", tall)
         daemon.drop("empty.stl", tall, {})
         daemon.drop("named.stl", tall, {"resin": "standard"})
-        os.mkdir(self.path("plate"))
-        self.write("plate/part.stl", tall)
-        self.write("plate/plate.json", json.dumps({"models": [{"file": "part.stl"}]}))
-        os.rename(self.path("plate"), daemon.file("incoming", "plate"))
+        daemon.drop_plate("plate", {"models": [{"file": "part.stl"}]}, {"part.stl": tall})
         for job in ("none", "empty", "named", "plate"):
             self.assertEqual(self.exposure(daemon.wait_done(job)), (3500, 3500), job)
             self.assertIn(f"{job}: standard: exposure 3500 ms", daemon.log())
@@ -111,7 +108,7 @@ class Profiles(SpoolTest):
 
     def test_a_profile_edited_during_a_print_applies_from_the_next_job_on(self):
         daemon = self.printing_daemon()
-        daemon.drop("next.stl", SMALL)
+        daemon.drop("next.stl", SLAB)
         daemon.wait_status("queued", 1)
         daemon.write_resin("standard", {**NIMBLE_RESIN, "exposure_ms": 2, "bottom_exposure_ms": 2})
         self.assertEqual(daemon.cancel("first")["outcome"], "cancelled")
@@ -125,8 +122,8 @@ class Profiles(SpoolTest):
                 self.break_resin("standard", text)
                 if text == "gone":
                     os.unlink(self.path("resins", "standard.json"))
-                daemon.drop("one.stl", SMALL)
-                daemon.drop("two.stl", SMALL, {"resin": "standard"})
+                daemon.drop("one.stl", SLAB)
+                daemon.drop("two.stl", SLAB, {"resin": "standard"})
                 self.waits_for(daemon, "standard", *words, "fixed")
                 daemon.wait_status("queued", 2)
                 self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), ([], []))
@@ -145,21 +142,21 @@ class Profiles(SpoolTest):
         daemon = self.daemon()
         self.break_resin("tough")
         daemon.start()
-        daemon.drop("part.stl", SMALL, {"resin": "tough"})
+        daemon.drop("part.stl", SLAB, {"resin": "tough"})
         self.waits_for(daemon, "tough", "tough.json", "/lift_mm")
         # Once the file is removed, the other jobs continue.
         os.unlink(daemon.file("incoming", "part.stl"))
-        daemon.printed("other.stl", SMALL)
+        daemon.printed("other.stl", SLAB)
         self.assertEqual(daemon.names_in("failed"), [])
 
     def test_a_profile_that_breaks_or_vanishes_while_jobs_wait_gives_a_warning_and_refuses_none(self):
         daemon = self.printing_daemon()
         daemon.write_resin("tough", NIMBLE_RESIN)
-        daemon.drop("checked.stl", SMALL, {"resin": "tough"})
+        daemon.drop("checked.stl", SLAB, {"resin": "tough"})
         daemon.refused("bad.stl", b"no model")  # by then the job before it has been checked
         os.unlink(self.path("resins", "tough.json"))
         self.break_resin("standard")
-        daemon.drop("late.stl", SMALL)
+        daemon.drop("late.stl", SLAB)
         wait_until(lambda: "late.stl: the resin profile" in daemon.log(), "the warning")
         self.assertIsNone(daemon.status()["waiting_for"])  # a print is under way
         daemon.cancel("first")
@@ -174,7 +171,7 @@ class Profiles(SpoolTest):
     def test_waiting_for_a_profile_takes_almost_no_processor_time(self):
         daemon = self.daemon().start()
         self.break_resin()
-        daemon.drop("part.stl", SMALL)
+        daemon.drop("part.stl", SLAB)
         self.waits_for(daemon, "standard")
         used = self.cpu_s(daemon)
         end = time.monotonic() + 3
@@ -188,10 +185,10 @@ class Profiles(SpoolTest):
         daemon.config["resin"] = "tough"
         daemon.write_resin("tough", {"exposure_ms": 4000})
         daemon.write_config()
-        report = daemon.printed("part.stl", SMALL)
+        report = daemon.printed("part.stl", SLAB)
         self.assertEqual((report["resin"], report["settings"]["exposure_ms"]), ("standard", 3000))
         daemon.restart()
-        self.assertEqual(daemon.printed("again.stl", SMALL)["resin"], "tough")
+        self.assertEqual(daemon.printed("again.stl", SLAB)["resin"], "tough")
 
 
 class Interruption(SpoolTest):
@@ -206,7 +203,7 @@ class Interruption(SpoolTest):
         self.assertIn("interrupted", daemon.read("failed", "first.reason.txt"))
         status = daemon.status()
         self.assertEqual((status["state"], status["plate"], status["plate_job"]), ("idle", "occupied", "first"))
-        daemon.drop("next.stl", SMALL)
+        daemon.drop("next.stl", SLAB)
         daemon.wait_status("waiting_for")
         daemon.rpc("plate_cleared")
         daemon.wait_state("exposing")
@@ -216,7 +213,7 @@ class Interruption(SpoolTest):
         daemon = self.printing_daemon()
         for ended, end, following in (("first", daemon.kill, "second"), ("second", daemon.stop, "third")):
             with self.subTest(ended):
-                daemon.drop(following + ".stl", SMALL)
+                daemon.drop(following + ".stl", SLAB)
                 # Waits until the job has been read, since a kill during the reading would have it refused.
                 daemon.wait_job(following, "ready")
                 end()
@@ -237,7 +234,7 @@ class Interruption(SpoolTest):
     def test_a_killed_print_keeps_its_ticket(self):
         daemon = self.printing_daemon()
         daemon.rpc("cancel")
-        daemon.begin("second.stl", SMALL, {"copies": 2})
+        daemon.begin("second.stl", SLAB, {"copies": 2})
         daemon.kill()
         daemon.start()
         self.assertTrue(daemon.has("failed", "second.stl"))
@@ -262,7 +259,7 @@ class Interruption(SpoolTest):
     def test_sigterm_ends_a_print_with_the_light_off_and_a_restart_works(self):
         daemon = self.end_by_signal(signal.SIGTERM)
         daemon.rpc("plate_cleared")
-        daemon.begin("next.stl", SMALL)
+        daemon.begin("next.stl", SLAB)
         self.assertEqual(daemon.status()["job"]["name"], "next")
 
     def test_sigint_ends_a_print_with_the_light_off(self):
@@ -275,12 +272,12 @@ class Interruption(SpoolTest):
 
     def test_a_job_that_fails_before_its_first_exposure_does_not_clear_the_plate(self):
         daemon = self.daemon().start()
-        daemon.printed("one.stl", SMALL)
+        daemon.printed("one.stl", SLAB)
         daemon.stop()
         daemon.config["simulation"]["limit_switch"] = "stuck_open"
         daemon.write_config()
         daemon.start()
-        daemon.refused("two.stl", SMALL)
+        daemon.refused("two.stl", SLAB)
         status = daemon.status()
         self.assertEqual((status["plate"], status["plate_job"]), ("occupied", "one"))
 
@@ -292,7 +289,7 @@ class Interruption(SpoolTest):
         wait_until(lambda: daemon.has("printing", "large.stl"), "the job to be claimed")
         self.assertEqual(daemon.status()["state"], "preparing", "the model is read too fast for this test")
         daemon.stop()
-        os.replace(self.write("small", SMALL), os.fsencode(daemon.file(
+        os.replace(self.write("small", SLAB), os.fsencode(daemon.file(
             "incoming" if daemon.has("incoming", "large.stl") else "printing", "large.stl")))  # fmt: skip
         daemon.start()
         self.assertFalse(daemon.has("failed", "large.stl"), "nothing was printed, yet it counts as interrupted")
@@ -301,7 +298,7 @@ class Interruption(SpoolTest):
     def test_a_job_whose_ticket_alone_was_claimed_before_a_power_cut_keeps_its_ticket(self):
         # A claim renames two files. The power was cut in between.
         daemon = self.daemon()
-        daemon.drop("part.stl", SMALL, {"copies": 3})
+        daemon.drop("part.stl", SLAB, {"copies": 3})
         os.makedirs(daemon.file("printing"))
         os.rename(daemon.file("incoming", "part.json"), daemon.file("printing", "part.json"))
         daemon.start()
@@ -313,7 +310,7 @@ class Interruption(SpoolTest):
         # The model was claimed before its ticket. A ticket that is younger than the claim belongs to another job.
         daemon = self.daemon()
         for name in ("part", "other"):
-            daemon.drop(name + ".stl", SMALL, {"copies": 3} if name == "part" else None)
+            daemon.drop(name + ".stl", SLAB, {"copies": 3} if name == "part" else None)
             os.makedirs(daemon.file("printing"), exist_ok=True)
             os.rename(daemon.file("incoming", name + ".stl"), daemon.file("printing", name + ".stl"))
         self.write(os.path.relpath(daemon.file("incoming", "other.json"), self.path()), b"{}")
@@ -325,7 +322,7 @@ class Interruption(SpoolTest):
     def test_a_filed_job_gets_its_ticket_that_was_not_filed_yet(self):
         daemon = self.daemon()
         for folder in ("done", "failed"):
-            daemon.drop(folder + ".stl", SMALL, {"copies": 3})
+            daemon.drop(folder + ".stl", SLAB, {"copies": 3})
             os.makedirs(daemon.file(folder), exist_ok=True)
             os.makedirs(daemon.file("printing"), exist_ok=True)
             os.rename(daemon.file("incoming", folder + ".stl"), daemon.file(folder, folder + ".stl"))
@@ -357,17 +354,17 @@ class Outcome(SpoolTest):
     def test_a_print_whose_done_folder_was_removed_is_done(self):
         daemon = self.daemon().start()
         os.rmdir(daemon.file("done"))
-        daemon.printed("part.stl", SMALL)
+        daemon.printed("part.stl", SLAB)
         self.assertTrue(daemon.has("done", "part.stl"))
 
     def test_a_print_that_cannot_be_filed_is_filed_at_the_next_start_with_its_outcome(self):
         daemon = self.daemon().start()
         os.rmdir(daemon.file("done"))
         self.write(daemon.file("done"), b"")
-        daemon.drop("part.stl", SMALL)
+        daemon.drop("part.stl", SLAB)
         self.assertEqual(daemon.wait_ended("part")["outcome"], "done")
         self.assertEqual(daemon.names_in("printing"), ["part.stl"])
-        daemon.drop("next.stl", SMALL)
+        daemon.drop("next.stl", SLAB)
         status = daemon.wait_status("waiting_for")
         self.assertIn("part is not filed yet", status["waiting_for"])
         # Files are read one after the other. A file that is being read when the daemon is killed would not be read again.
@@ -402,7 +399,7 @@ class SlowDisk(SpoolTest):
         daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, "exposure_ms": 150, "bottom_exposure_ms": 150})
         slow = daemon.put_on_slow_disk()
         daemon.start()
-        daemon.begin("part.stl", SMALL)
+        daemon.begin("part.stl", SLAB)
         return daemon, slow
 
     def goes_on(self, daemon, slow, gate):
@@ -430,7 +427,7 @@ class SlowDisk(SpoolTest):
         slow = daemon.put_on_slow_disk()
         daemon.environment["STATE_DIRECTORY"] = self.path("state")  # on another disk, which answers
         daemon.start()
-        daemon.printed("first.stl", SMALL)
+        daemon.printed("first.stl", SLAB)
         self.write(os.path.join(slow, "writes"), b"")
         daemon.drop("bad.stl", b"no model")
         wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "the reason file to wait for the disk")
@@ -472,7 +469,7 @@ class SlowFiling(SpoolTest):
         slow = daemon.put_on_slow_disk()
         self.gate = os.path.join(slow, gate)
         daemon.start()
-        daemon.begin("first.stl", SMALL)
+        daemon.begin("first.stl", SLAB)
         self.write(self.gate, b"")
         if end:
             daemon.rpc(end)
@@ -482,7 +479,7 @@ class SlowFiling(SpoolTest):
 
     def test_while_a_print_is_filed_the_daemon_answers_and_the_next_job_waits(self):
         daemon = self.finishing_daemon()
-        daemon.drop("next.stl", SMALL)
+        daemon.drop("next.stl", SLAB)
         self.assertIn("no print", daemon.rpc("cancel")["error"]["message"])
         status = daemon.wait_status("queued")
         self.assertEqual((status["state"], status["job"]["name"], status["last"]), ("finishing", "first", None))
@@ -543,7 +540,7 @@ class SlowFiling(SpoolTest):
         self.gate = os.path.join(slow, "pictures")
         self.write(self.gate, b"")
         daemon.start()
-        daemon.drop("first.stl", SMALL)
+        daemon.drop("first.stl", SLAB)
         wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "the archivist to wait for the disk")
         self.restarted_after_kill(daemon)
         self.assertIn("homing failed", daemon.read("failed", "first.reason.txt"))
@@ -561,7 +558,7 @@ class DiskThatTakesNothing(SpoolTest):
         daemon = self.daemon(realtime(**config), {**NIMBLE_RESIN, **ENDLESS})
         self.slow = daemon.put_on_slow_disk()
         daemon.start()
-        daemon.begin("first.stl", SMALL)
+        daemon.begin("first.stl", SLAB)
         return daemon
 
     def becomes(self, state):
@@ -582,7 +579,7 @@ class DiskThatTakesNothing(SpoolTest):
         """Kills a daemon during a print and restarts it on this disk, twice. No job begins and nothing is lost; once the disk is
         repaired, the interrupted print is filed. Returns the log up to the repair."""
         daemon = self.printing_daemon()
-        daemon.drop("next.stl", SMALL)
+        daemon.drop("next.stl", SLAB)
         # A file that is being read when the daemon is killed would not be read again.
         daemon.refused("bad.stl", b"no model")
         for name in ("bad.stl", "bad.reason.txt"):
@@ -601,7 +598,7 @@ class DiskThatTakesNothing(SpoolTest):
         self.assertEqual(log.count("cannot save the state for the next start"), 2, log)
         self.assertEqual(log.count("first: stays in printing"), 2, log)
         self.is_repaired(state)
-        daemon.drop("more.stl", SMALL)
+        daemon.drop("more.stl", SLAB)
         wait_until(lambda: daemon.has("failed", "first.stl"), "first in failed")
         self.assertIn("interrupted", daemon.read("failed", "first.reason.txt"))
         self.assertIn("first", daemon.state("queue-held"))
@@ -629,18 +626,18 @@ class DiskThatTakesNothing(SpoolTest):
         daemon = self.printing_daemon()
         self.becomes("printing-read-only")
         for name in ("one", "two"):
-            daemon.drop(name + ".stl", SMALL)
+            daemon.drop(name + ".stl", SLAB)
         daemon.wait_status("queued", 2)
         daemon.cancel("first")
         status = daemon.wait_status("waiting_for")
         self.assertEqual(status["queued"], 2)
         self.assertIn("one.stl cannot be claimed", status["waiting_for"])
         for name in ("three", "four"):  # each arrival makes the daemon try the first job again
-            daemon.drop(name + ".stl", SMALL)
+            daemon.drop(name + ".stl", SLAB)
         daemon.wait_status("queued", 4)
         self.assertEqual(daemon.log().count("cannot be claimed"), 1, daemon.log())
         self.is_repaired("printing-read-only")
-        daemon.begin("five.stl", SMALL)
+        daemon.begin("five.stl", SLAB)
         self.assertEqual(daemon.status()["job"]["name"], "one")
         self.assertIsNone(daemon.status()["waiting_for"])
         self.assertEqual(daemon.rpc("queue")["result"]["queue"], ["two.stl", "three.stl", "four.stl", "five.stl"])
@@ -653,6 +650,6 @@ class DiskThatTakesNothing(SpoolTest):
         self.assertEqual(daemon.status()["state"], "exposing")
         self.is_repaired("read-only")
         wait_until(lambda: daemon.has("incoming"), "the new incoming folder")
-        daemon.drop("next.stl", SMALL)
+        daemon.drop("next.stl", SLAB)
         daemon.wait_status("queued", 1)
         self.assertEqual(daemon.log().count("incoming folder"), 1)

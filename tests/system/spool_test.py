@@ -6,7 +6,7 @@ import socket
 import time
 import unittest
 
-from harness import SANITIZED, SMALL, WAITS, SpoolTest, ascii_stl, binary_stl, box, contents, cube, wait_until
+from harness import SANITIZED, SLAB, WAITS, SpoolTest, ascii_stl, binary_stl, box, contents, cube, wait_until
 
 
 class Arrival(SpoolTest):
@@ -18,18 +18,18 @@ class Arrival(SpoolTest):
 
     def test_a_file_moved_copied_or_linked_in_is_printed_and_ends_in_done(self):
         daemon = self.daemon().start()
-        report = daemon.printed("part.stl", SMALL)
+        report = daemon.printed("part.stl", SLAB)
         self.assertEqual((report["outcome"], report["layers"], report["layers_exposed"]), ("done", 20, 20))
         self.assertEqual(daemon.names_in("done"), ["part.preview.png", "part.report.html", "part.report.json", "part.stl"])
-        self.assertEqual(contents(daemon.file("done", "part.stl")), SMALL)
-        self.write(daemon.file("incoming", "copied.stl"), SMALL)
+        self.assertEqual(contents(daemon.file("done", "part.stl")), SLAB)
+        self.write(daemon.file("incoming", "copied.stl"), SLAB)
         daemon.wait_done("copied")
-        original = self.write("original.stl", SMALL)
+        original = self.write("original.stl", SLAB)
         os.link(original, os.fsencode(daemon.file("incoming", "linked.stl")))
         daemon.wait_done("linked")
-        self.assertEqual(contents(original), SMALL)
+        self.assertEqual(contents(original), SLAB)
         # An extension in upper case is a model's, too.
-        daemon.drop("LOUD.STL", SMALL, {"copies": 2})
+        daemon.drop("LOUD.STL", SLAB, {"copies": 2})
         daemon.drop("mixed.StL", ascii_stl(cube(1)))
         self.assertEqual(daemon.wait_done("LOUD")["model"]["copies"], 2)
         self.assertEqual(daemon.wait_done("mixed")["model"]["format"], "ascii")
@@ -43,14 +43,14 @@ class Arrival(SpoolTest):
         made = time.monotonic()
         others = [".hidden.stl", "notes.txt", "part.stl.part", "part.obj", "stl", ".stl", "orphan.json"]
         for name in others:
-            daemon.drop(name, SMALL)
+            daemon.drop(name, SLAB)
         with open(daemon.file("incoming", "slow.stl"), "wb", buffering=0) as file:
-            for start in range(0, len(SMALL), 200):
-                file.write(SMALL[start : start + 200])
+            for start in range(0, len(SLAB), 200):
+                file.write(SLAB[start : start + 200])
             # An empty file is refused after three seconds, three looks; this one is filled after two. The test is about time, so
             # there is no event to wait for.
             wait_until(lambda: time.monotonic() >= made + 2, "two looks")
-            self.write(later, SMALL)
+            self.write(later, SLAB)
             self.assertEqual(daemon.wait_done("later")["layers"], 20)
             self.write(daemon.file("incoming", "empty.stl"), b"")
             self.assertIn("empty", daemon.wait_refused("empty"))
@@ -62,7 +62,7 @@ class Arrival(SpoolTest):
             self.assertEqual(daemon.names_in("incoming"), sorted([*others, "slow.stl", "touched.stl"]))
             self.assertEqual(daemon.status()["queued"], 0)
         self.assertEqual(daemon.wait_done("slow")["layers"], 20)
-        self.write(touched, SMALL)
+        self.write(touched, SLAB)
         self.assertEqual(daemon.wait_done("touched")["layers"], 20)
         self.assertEqual(daemon.names_in("incoming"), sorted(others))
 
@@ -70,7 +70,7 @@ class Arrival(SpoolTest):
         daemon = self.daemon()
         names = ["m", "z", "a", "k"]
         for name in names:
-            daemon.drop(name + ".stl", SMALL)
+            daemon.drop(name + ".stl", SLAB)
         daemon.start()
         ended = daemon.wait_outcomes(dict.fromkeys(names, "done"))
         self.assertEqual(ended, names)
@@ -79,7 +79,7 @@ class Arrival(SpoolTest):
         daemon = self.printing_daemon()
         names = ["c", "a", "d", "b"]
         for name in names:
-            daemon.drop(name + ".stl", SMALL)
+            daemon.drop(name + ".stl", SLAB)
         daemon.refused("bad.stl", b"no model")
         self.assertEqual(daemon.status()["state"], "exposing")
         self.assertEqual(daemon.rpc("queue")["result"]["queue"], [name + ".stl" for name in names])
@@ -92,7 +92,7 @@ class Arrival(SpoolTest):
         larger = binary_stl(box((0, 0, 0), (10, 5, 2)))
         daemon = self.printing_daemon()
         for name in ("withdrawn.stl", "replaced.stl", "overwritten.stl"):
-            daemon.drop(name, SMALL)
+            daemon.drop(name, SLAB)
         daemon.wait_status("queued", 3)
         os.rename(daemon.file("incoming", "withdrawn.stl"), self.path("taken.stl"))
         daemon.wait_status("queued", 2)
@@ -170,7 +170,7 @@ class RefusingTest(SpoolTest):
         self.printer = self.daemon().start()
 
     def tearDown(self):
-        self.printer.printed("good.stl", SMALL)
+        self.printer.printed("good.stl", SLAB)
 
 
 class Refusal(RefusingTest):
@@ -209,7 +209,7 @@ class Refusal(RefusingTest):
         }
         for name, (ticket, *words) in tickets.items():
             with self.subTest(name):
-                reason = self.refused(name + ".stl", SMALL, ticket, *words)
+                reason = self.refused(name + ".stl", SLAB, ticket, *words)
                 self.assertLess(len(reason), 2000)
 
     def test_a_model_as_large_as_the_machine_is_printed_and_unprintable_ones_are_refused_with_the_reason(self):
@@ -218,12 +218,12 @@ class Refusal(RefusingTest):
             ("wide", binary_stl(box((0, 0, 0), (97, 10, 10))), None, "97", "96"),
             ("deep", binary_stl(box((0, 0, 0), (10, 55, 10))), None, "55", "54"),
             ("tall", binary_stl(box((0, 0, 0), (10, 10, 155))), None, "155", "154"),
-            ("beside", SMALL, {"position_mm": {"x": 44, "y": 0}}, "44"),
+            ("beside", SLAB, {"position_mm": {"x": 44, "y": 0}}, "44"),
             ("many", binary_stl(box((0, 0, 0), (30, 30, 1))), {"copies": 100}, "100"),
             ("flat", binary_stl([((0, 0, 5), (9, 0, 5), (0, 9, 5))]), None, "flat"),
             ("none", binary_stl([]), None, "no facets"),
             ("thin", binary_stl(box((0, 0, 0), (9, 9, 1e-5))), None),
-            ("cut", SMALL[:-20], None, "cut short"),
+            ("cut", SLAB[:-20], None, "cut short"),
             ("junk", b"MZ" + bytes(1000), None),
             ("text", b"solid\nhello\n", None, "line 2"),
         ):
@@ -231,7 +231,7 @@ class Refusal(RefusingTest):
                 self.refused(name + ".stl", data, ticket, *words)
 
     def test_names_that_were_used_before_get_numbers(self):
-        for folder, data, jobs in (("done", SMALL, ("part", "part-2", "part-3")), ("failed", b"no model", ("part-4", "part-5"))):
+        for folder, data, jobs in (("done", SLAB, ("part", "part-2", "part-3")), ("failed", b"no model", ("part-4", "part-5"))):
             for job in jobs:
                 self.printer.drop("part.stl", data)
                 self.assertEqual(self.printer.wait_ended(job)["outcome"], folder)
@@ -239,9 +239,9 @@ class Refusal(RefusingTest):
                 self.assertTrue(self.printer.has(folder, job + ".stl"))
 
     def test_a_job_named_like_another_job_s_report_overwrites_nothing(self):
-        self.printer.printed("part.stl", SMALL)
+        self.printer.printed("part.stl", SLAB)
         before = self.printer.read("done", "part.report.json")
-        self.printer.drop("part.report.stl", SMALL, {"copies": 2})
+        self.printer.drop("part.report.stl", SLAB, {"copies": 2})
         self.printer.wait_next_end()
         self.assertEqual(self.printer.read("done", "part.report.json"), before)
 
@@ -250,14 +250,14 @@ class Refusal(RefusingTest):
                  "'\"`$(x)", "a.b.c", "tab\there", "trailing ", "back\\slash"]  # fmt: skip
         for name in names:
             with self.subTest(name):
-                self.printer.printed(name + ".stl", SMALL)
+                self.printer.printed(name + ".stl", SLAB)
                 self.assertNotIn("<img src=x", self.printer.read("done", name + ".report.html"))
                 self.printer.drop(name + "x.stl", b"no model")
                 self.printer.wait_refused(name + "x")
 
     def test_a_file_whose_name_is_not_utf_8_is_printed(self):
         path = os.path.join(os.fsencode(self.printer.file("incoming")), b"\xff\xfe\x80.stl")
-        os.rename(self.write("staging", SMALL), path)
+        os.rename(self.write("staging", SLAB), path)
         end = self.printer.wait_next_end()
         self.assertEqual(end["outcome"], "done")
         self.assertIn(b"\xff\xfe\x80.stl", os.listdir(os.fsencode(self.printer.file("done"))))
@@ -265,7 +265,7 @@ class Refusal(RefusingTest):
     def test_names_about_as_long_as_possible_are_handled_like_any_other(self):
         # A name has at most 255 bytes, so the files of a job with such a name need shorter names.
         for length in (255, 250, 240):
-            for data, folder, suffix in ((SMALL, "done", "report.json"), (b"no model", "failed", "reason.txt")):
+            for data, folder, suffix in ((SLAB, "done", "report.json"), (b"no model", "failed", "reason.txt")):
                 with self.subTest(length=length, folder=folder):
                     before = self.printer.names_in(folder)
                     self.printer.drop("n" * (length - 4) + ".stl", data)
@@ -293,19 +293,19 @@ class NotAFile(RefusingTest):
         self.printer.wait_refused("socket")
 
     def test_a_link_to_a_model_or_ticket_is_refused_and_its_target_is_not_read(self):
-        original = self.write("original.stl", SMALL)
+        original = self.write("original.stl", SLAB)
         ticket = self.write("original.json", b'{"secret": 1}')
         for name, target in (("absolute", os.fsdecode(original)), ("relative", "../../original.stl")):
             os.symlink(target, self.printer.file("incoming", name + ".stl"))
             self.assertIn("it is a symbolic link", self.printer.wait_refused(name))
         os.symlink(ticket, os.fsencode(self.printer.file("incoming", "ticket.json")))
-        reason = self.printer.refused("ticket.stl", SMALL)
+        reason = self.printer.refused("ticket.stl", SLAB)
         self.assertIn("it is a symbolic link", reason)
         self.assertNotIn("secret", reason)
-        self.assertEqual(contents(original), SMALL)
+        self.assertEqual(contents(original), SLAB)
 
     def test_a_link_in_a_plate_is_refused(self):
-        self.write("original.stl", SMALL)
+        self.write("original.stl", SLAB)
         os.mkdir(self.path("linked"))
         os.symlink("../../../original.stl", self.path("linked", "part.stl"))
         self.write("linked/plate.json", json.dumps({"models": [{"file": "part.stl"}]}))
@@ -314,15 +314,15 @@ class NotAFile(RefusingTest):
 
     def test_a_ticket_that_is_no_file_refuses_the_job(self):
         os.mkfifo(self.printer.file("incoming", "fifo.json"))
-        self.printer.refused("fifo.stl", SMALL)
+        self.printer.refused("fifo.stl", SLAB)
         os.mkdir(self.printer.file("incoming", "folder.json"))
-        self.printer.refused("folder.stl", SMALL)
+        self.printer.refused("folder.stl", SLAB)
         os.symlink("nowhere", self.printer.file("incoming", "link.json"))
-        self.printer.refused("link.stl", SMALL)
+        self.printer.refused("link.stl", SLAB)
 
     @unittest.skipIf(os.geteuid() == 0, "permissions do not stop root")
     def test_a_file_that_cannot_be_read_is_refused(self):
-        path = self.write("secret", SMALL)
+        path = self.write("secret", SLAB)
         os.chmod(path, 0)
         os.rename(path, os.fsencode(self.printer.file("incoming", "secret.stl")))
         self.assertIn("ermission", self.printer.wait_refused("secret"))
@@ -336,7 +336,7 @@ class TicketOfTwoModels(SpoolTest):
     def test_both_models_are_printed_with_the_ticket(self):
         daemon = self.daemon()
         for name in ("part.json", "part.stl", "part.STL"):
-            daemon.drop(name, self.TICKET if name.endswith("json") else SMALL)
+            daemon.drop(name, self.TICKET if name.endswith("json") else SLAB)
         daemon.start()
         self.assertEqual([daemon.wait_done(job)["layers"] for job in ("part", "part-2")], [10, 10])
         for job in ("part", "part-2"):
@@ -345,7 +345,7 @@ class TicketOfTwoModels(SpoolTest):
 
     def test_the_ticket_is_kept_for_the_second_model_if_the_first_is_refused(self):
         daemon = self.printing_daemon()
-        for name, data in (("part.json", self.TICKET), ("part.STL", b"no model"), ("part.stl", SMALL)):
+        for name, data in (("part.json", self.TICKET), ("part.STL", b"no model"), ("part.stl", SLAB)):
             daemon.drop(name, data)
         daemon.wait_refused("part")
         self.assertTrue(daemon.has("failed", "part.json"))
@@ -357,11 +357,11 @@ class TicketOfTwoModels(SpoolTest):
     def test_a_ticket_that_is_a_fifo_refuses_a_model_and_the_next_job_is_printed(self):
         daemon = self.daemon()
         for name in ("part.stl", "part.STL"):
-            daemon.drop(name, SMALL)
+            daemon.drop(name, SLAB)
         os.mkfifo(daemon.file("incoming", "part.json"))
         daemon.start()
         daemon.wait_refused("part")
-        daemon.printed("next.stl", SMALL)
+        daemon.printed("next.stl", SLAB)
 
 
 class OddNames(SpoolTest):
@@ -378,15 +378,12 @@ class OddNames(SpoolTest):
     def test_odd_names_reach_terminal_log_and_report_without_control_characters(self):
         daemon = self.daemon().start()
         for odd in self.ODD:
-            daemon.printed(f"good{odd}.stl", SMALL)
+            daemon.printed(f"good{odd}.stl", SLAB)
             daemon.drop(f"bad{odd}.stl", f"solid {odd}\nfacet {odd}\n{odd}".encode())
             daemon.wait_ended(f"bad{odd}")
             self.assert_harmless(daemon.ctl("status").stdout, "status")
             self.assert_harmless(daemon.ctl("status", "--json").stdout, "status as JSON")
-            os.mkdir(self.path("plate"))
-            self.write("plate/plate.json", json.dumps({"models": [{"file": f"{odd}.stl"}], odd: 1}))
-            self.write(f"plate/{odd}.stl", SMALL)
-            os.rename(self.path("plate"), daemon.file("incoming", f"plate{odd}"))
+            daemon.drop_plate(f"plate{odd}", {"models": [{"file": f"{odd}.stl"}], odd: 1}, {f"{odd}.stl": SLAB})
             daemon.wait_ended(f"plate{odd}")
         self.assert_harmless(daemon.log(), "log")
         for folder in ("done", "failed"):
@@ -416,7 +413,7 @@ class OddNames(SpoolTest):
         self.write("masks", b"no folder")
         daemon.start()
         for odd in self.ODD:
-            daemon.drop(f"good{odd}.stl", SMALL)
+            daemon.drop(f"good{odd}.stl", SLAB)
             self.assertEqual(daemon.wait_ended(f"good{odd}")["outcome"], "failed")
             self.assert_harmless(daemon.read("failed", f"good{odd}.reason.txt"), "reason")
         self.assert_harmless(daemon.log(), "log")
@@ -438,13 +435,13 @@ class IgnoredFiles(SpoolTest):
             if name != "before.obj":
                 daemon.drop(name, b"something")
         os.mkdir(daemon.file("incoming", "folder"))
-        self.write("spool/incoming/folder/part.stl", SMALL)
+        self.write("spool/incoming/folder/part.stl", SLAB)
         os.symlink("part.3mf", daemon.file("incoming", "link"))
         # These files may be part of a job, so they are not listed.
         for name in ("ticket.json", ".hidden.3mf", "part.stl.part", "other.3mf.crdownload"):
             daemon.drop(name, b"{}")
         # A file that soon gets its right name is not listed either.
-        daemon.drop("upload", SMALL)
+        daemon.drop("upload", SLAB)
         os.rename(daemon.file("incoming", "upload"), daemon.file("incoming", "renamed.stl"))
         daemon.wait_done("renamed")
         status = self.listed(daemon, *files, "folder", "link")
@@ -458,7 +455,7 @@ class IgnoredFiles(SpoolTest):
             self.assertEqual(daemon.log().count(f"{name}: is ignored"), 1)
         self.assertEqual(len(daemon.names_in("incoming")), 12)
         # Each file is logged once, even if others change.
-        daemon.printed("good.stl", SMALL)
+        daemon.printed("good.stl", SLAB)
         for name in (*files, "link"):
             os.unlink(daemon.file("incoming", name))
         self.listed(daemon, "folder")
@@ -477,27 +474,27 @@ class IgnoredFiles(SpoolTest):
         wait_until(lambda: "more in incoming are ignored" in daemon.log(), "the summary in the log")
         self.assertLess(daemon.log().count("ignored"), 40)
         self.assertNotIn(b"\x1b", daemon.ctl("status").stdout)
-        daemon.printed("good.stl", SMALL)
+        daemon.printed("good.stl", SLAB)
 
 
 class ManyAndLong(SpoolTest):
     def test_a_ticket_with_tens_of_thousands_of_mistakes_has_a_short_reason(self):
         daemon = self.daemon().start()
-        reason = daemon.refused("long.stl", SMALL, "{" + ",".join(f'"{number}":1' for number in range(80000)) + "}")
+        reason = daemon.refused("long.stl", SLAB, "{" + ",".join(f'"{number}":1' for number in range(80000)) + "}")
         self.assertLess(len(reason), 10000)
         self.assertIn("and at least 980 more", reason)
         # Sixty nested objects with keys of a thousand bytes.
         nested = "".join('{"' + "k" * 1000 + '":' for _ in range(60)) + "1" + "}" * 60
-        self.assertLess(len(daemon.refused("deep.stl", SMALL, nested)), 10000)
+        self.assertLess(len(daemon.refused("deep.stl", SLAB, nested)), 10000)
         self.assertLess(len(daemon.log()), 50000)
 
     def test_answers_list_the_first_of_many_names_and_count_the_rest(self):
         daemon = self.daemon(WAITS).start()
-        daemon.printed("first.stl", SMALL)
+        daemon.printed("first.stl", SLAB)
         for number in range(60):
             os.mkdir(daemon.file("incoming", f"folder{number}"))
         for number in range(1060):
-            daemon.drop(f"part{number}.stl", SMALL)
+            daemon.drop(f"part{number}.stl", SLAB)
         status = wait_until(lambda: (lambda s: s if s["queued"] == 1060 and s["incomplete_more"] == 50 else None)(daemon.status()), "all files to be counted")
         self.assertEqual(len(status["incomplete"]), 10)
         queue = daemon.rpc("queue")["result"]

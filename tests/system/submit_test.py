@@ -9,11 +9,10 @@ import stat
 import subprocess
 
 from harness import (
-    BAD_CONFIG, BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, NO_INPUT, OK, REALTIME, UNAVAILABLE, Daemon, FolderTest,
-    binary_stl, box, contents, contourctl,
+    BAD_CONFIG, BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, NO_INPUT, OK, REALTIME, SMALL, UNAVAILABLE, Daemon,
+    FolderTest, binary_stl, box, contents, contourctl,
 )  # fmt: skip
 
-SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
 # A spool without a running daemon, so that files stay in incoming/.
 SPOOL_FOLDERS = ("incoming", "printing", "done", "failed")
 

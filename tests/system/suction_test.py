@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 
 from harness import OK, Daemon, FolderTest, binary_stl, box, contourctl, inside_out, text_of
 
@@ -110,20 +109,11 @@ class Suction(FolderTest):
         larger = 8 * whole - self.drained(binary_stl(BLOCK), [through], scale=2)["analysis"]["resin_ml"] * 1000
         self.assertAlmostEqual(larger, 8 * area, delta=0.01 * 8 * area)
 
-    def drop_plate(self, daemon, name, plate, files):
-        staging = self.path("staged-plate")
-        os.mkdir(staging)
-        for file, data in {**files, "plate.json": json.dumps(plate).encode()}.items():
-            with open(os.path.join(staging, file), "wb") as out:
-                out.write(data)
-        os.makedirs(daemon.file("incoming"), exist_ok=True)
-        os.rename(staging, daemon.file("incoming", name))
-
     def test_each_copy_and_each_model_of_a_plate_has_its_own_holes(self):
         found = self.drained(CLOSED, [SIDE_HOLE], copies=3)["analysis"]
         self.assertEqual((found["suction_cups"], found["resin_traps"]), (0, 0))
         daemon = Daemon(self).start()
-        self.drop_plate(daemon, "both", {"models": [{"file": "a.stl", "drain": [SIDE_HOLE]}, {"file": "a.stl"}]}, {"a.stl": CLOSED})
+        daemon.drop_plate("both", {"models": [{"file": "a.stl", "drain": [SIDE_HOLE]}, {"file": "a.stl"}]}, {"a.stl": CLOSED})
         report = daemon.wait_done("both")
         self.assertEqual((report["analysis"]["suction_cups"], report["analysis"]["resin_traps"]), (1, 1))
 

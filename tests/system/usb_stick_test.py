@@ -8,10 +8,9 @@ import stat
 import subprocess
 import tempfile
 
-from harness import BAD_DATA, CONTOURCTL, FAILED, NO_INPUT, OK, SOURCE, FolderTest, binary_stl, box, contents, skip_file
+from harness import BAD_DATA, CONTOURCTL, FAILED, NO_INPUT, OK, SMALL, SOURCE, FolderTest, binary_stl, box, contents, skip_file
 
 WITH_USB_STICK = os.path.join(SOURCE, "systemd", "with-usb-stick")
-SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
 LARGE = binary_stl(box((0, 0, 0), (10, 5, 0.2)) * 5000)
 USER, GROUP = 64123, 64124
 # The users exist only in this mount namespace, not on the rest of the machine.

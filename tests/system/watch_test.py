@@ -13,10 +13,10 @@ import termios
 import unicodedata
 
 from harness import (
-    CONTOURCTL, DEADLINE_S, ENDLESS, FAILED, NIMBLE_RESIN, OK, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contourctl, realtime, wait_until,
+    CONTOURCTL, DEADLINE_S, ENDLESS, FAILED, NIMBLE_RESIN, OK, SLAB, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contourctl, realtime,
+    wait_until,
 )  # fmt: skip
 
-SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
 ISLAND = binary_stl(box((0, 0, 0), (10, 5, 1)) + box((20, 0, 0.5), (25, 5, 1)))
 SEQUENCE = re.compile(r"\x1b\[(\??)([0-9;]*)([A-Za-z])")
 # A signal may interrupt a sequence; a terminal drops it at the next ESC.
@@ -42,8 +42,7 @@ class Terminal:
         self.its = its
         test.addCleanup(os.close, its)
         test.addCleanup(os.close, self.ours)
-        test.addCleanup(self.process.wait)
-        test.addCleanup(self.process.kill)
+        test.killed_at_the_end(self.process)
 
     def resize(self, columns, rows):
         fcntl.ioctl(self.ours, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
@@ -134,6 +133,11 @@ class Terminal:
         self.assert_restored()
         return self.process.returncode
 
+    def end(self):
+        """Ends the program, which must restore the terminal."""
+        self.process.terminate()
+        assert self.wait_end() == -signal.SIGTERM, self.process.returncode
+
     def assert_restored(self):
         assert not self.alternate and self.cursor and self.wraps, self.raw[-200:]
         assert termios.tcgetattr(self.its) == self.modes, "the terminal's modes are not restored"
@@ -146,13 +150,15 @@ class Watch(FolderTest):
     def printing(self, name="part"):
         return FolderTest.printing(self, name + ".stl", ISLAND)
 
-    def watch(self, daemon, *arguments, **options):
-        return Terminal(self, [CONTOURCTL, "watch", "--socket", daemon.socket_path, *arguments], **options)
+    def watch(self, daemon, *arguments, until=None, **options):
+        terminal = Terminal(self, [CONTOURCTL, "watch", "--socket", daemon.socket_path, *arguments], **options)
+        if until:
+            terminal.wait_for(until)
+        return terminal
 
     def test_watch_shows_the_print_and_its_warnings_and_ends_with_the_print(self):
         daemon = self.printing("Bär-部品")
-        terminal = self.watch(daemon)
-        terminal.wait_for("warning   1 island")
+        terminal = self.watch(daemon, until="warning   1 island")
         for part in ("Bär-部品", "]   0 %", "phase     exposing, ", "light     ON", "layer     1 of 20, 50 um", "until ",
                      "height    0.050 of 1.000 mm", "resin     0.", "next      resting", "queue     empty"):  # fmt: skip
             self.assertIn(part, terminal.text())
@@ -165,33 +171,26 @@ class Watch(FolderTest):
 
     def test_the_current_mask_is_drawn_below_if_there_is_room(self):
         daemon = self.printing()
-        terminal = self.watch(daemon, rows=40, NO_COLOR="1")
-        terminal.wait_for("mask      layer 1, cut at 0.0")
+        terminal = self.watch(daemon, rows=40, NO_COLOR="1", until="mask      layer 1, cut at 0.0")
         terminal.wait_for("\u2588")
         self.assertLess(terminal.text().index("queue     empty"), terminal.text().index("mask "))
         self.assertFalse(terminal.seen_colour)
-        coloured = self.watch(daemon, rows=24, COLORTERM="truecolor")
-        coloured.wait_for("mask      layer 1")
+        coloured = self.watch(daemon, rows=24, COLORTERM="truecolor", until="mask      layer 1")
         wait_until(lambda: coloured.read() is not None and b"\x1b[48;2;255;255;255m" in coloured.raw, "the lit area in white")
-        small = self.watch(daemon, rows=14)
-        small.wait_for("queue     empty")
+        small = self.watch(daemon, rows=14, until="queue     empty")
         self.assertNotIn("mask", small.text())
         for each in (terminal, coloured, small):
-            each.process.terminate()
-            self.assertEqual(each.wait_end(), -signal.SIGTERM)
+            each.end()
 
     def test_a_manually_shown_picture_is_drawn_until_it_is_removed(self):
         daemon = self.daemon()
-        terminal = self.watch(daemon, rows=40)
-        terminal.wait_for("queue     empty")
+        terminal = self.watch(daemon, rows=40, until="queue     empty")
         shows = subprocess.Popen([CONTOURCTL, "show", "grid", "--socket", daemon.socket_path], stdout=subprocess.DEVNULL)
-        self.addCleanup(shows.wait)
-        self.addCleanup(shows.kill)
+        self.killed_at_the_end(shows)
         terminal.wait_for("mask      grid")
         shows.kill()
         wait_until(lambda: terminal.read() is not None and "mask" not in terminal.text(), "the picture to be gone")
-        terminal.process.terminate()
-        self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
+        terminal.end()
 
     def test_a_whole_print_can_be_watched_on_terminals_of_every_size(self):
         daemon = self.daemon({})
@@ -213,41 +212,35 @@ class Watch(FolderTest):
             seen.update(re.findall(r"exposing, 1 min (\d\d) s left", terminal.text()))
             return len(seen) > 2
         wait_until(counted, "three different times")
-        terminal.process.terminate()
-        self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
+        terminal.end()
 
     def test_the_view_is_redrawn_in_place_when_the_terminal_changes_its_size(self):
         daemon = self.printing()
-        terminal = self.watch(daemon)
-        terminal.wait_for("light     ON")
+        terminal = self.watch(daemon, until="light     ON")
         terminal.resize(30, 5)
         terminal.process.send_signal(signal.SIGWINCH)  # the session's own terminal would send it
         terminal.lines = [""] * 5
         terminal.wait_for("light     ON")
         self.assertEqual(len(terminal.lines), 5)
         self.assertIn("%", terminal.text())
-        terminal.process.terminate()
-        self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
+        terminal.end()
 
     def test_the_terminal_is_restored_however_the_program_ends(self):
         daemon = self.printing()
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
             with self.subTest(number):
-                terminal = self.watch(daemon)
-                terminal.wait_for("light     ON")
+                terminal = self.watch(daemon, until="light     ON")
                 terminal.process.send_signal(number)
                 self.assertEqual(terminal.wait_end(), -number)
         with self.subTest("q"):
-            terminal = self.watch(daemon)
-            terminal.wait_for("light     ON")
+            terminal = self.watch(daemon, until="light     ON")
             os.write(terminal.ours, b"xq")
             self.assertEqual(terminal.wait_end(), -signal.SIGINT)
         self.assertEqual(daemon.status()["state"], "exposing")
 
     def test_the_terminal_is_restored_while_the_program_is_stopped(self):
         daemon = self.printing()
-        terminal = self.watch(daemon)
-        terminal.wait_for("light     ON")
+        terminal = self.watch(daemon, until="light     ON")
         terminal.process.send_signal(signal.SIGTSTP)
         self.assertTrue(os.WIFSTOPPED(os.waitpid(terminal.process.pid, os.WUNTRACED)[1]))
         while terminal.read():
@@ -259,13 +252,11 @@ class Watch(FolderTest):
         self.assertTrue(os.WIFSTOPPED(os.waitpid(terminal.process.pid, os.WUNTRACED)[1]))
         terminal.process.send_signal(signal.SIGCONT)
         terminal.wait_for("light     ON")
-        terminal.process.terminate()
-        self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
+        terminal.end()
 
     def test_a_blocked_terminal_does_not_delay_the_end(self):
         daemon = self.printing()
-        terminal = self.watch(daemon)
-        terminal.wait_for("light     ON")
+        terminal = self.watch(daemon, until="light     ON")
         termios.tcflow(terminal.its, termios.TCOOFF)  # the effect of Ctrl-S
         while terminal.read():
             pass
@@ -276,16 +267,14 @@ class Watch(FolderTest):
 
     def test_watch_reports_that_contourd_is_gone_and_continues_when_it_is_back(self):
         daemon = self.printing()
-        terminal = self.watch(daemon)
-        terminal.wait_for("light     ON")
+        terminal = self.watch(daemon, until="light     ON")
         daemon.kill()
         terminal.wait_for("closed the connection")
         self.assertIn("light     unknown", terminal.text())
         daemon.start()
         terminal.wait_for("held      the queue is held")
         self.assertNotIn("closed the connection", terminal.text())
-        terminal.process.terminate()
-        self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
+        terminal.end()
 
     def test_an_unknown_job_is_reported_on_the_restored_terminal(self):
         daemon = self.daemon()
@@ -296,32 +285,27 @@ class Watch(FolderTest):
 
     def test_watch_shows_the_queue_and_manual_operations_while_nothing_prints(self):
         daemon = self.daemon(wait_for_plate_cleared=True, resin={})
-        daemon.printed("one.stl", SMALL)
-        terminal = self.watch(daemon)
-        terminal.wait_for("plate     occupied by one")
-        daemon.drop("two.stl", SMALL)
+        daemon.printed("one.stl", SLAB)
+        terminal = self.watch(daemon, until="plate     occupied by one")
+        daemon.drop("two.stl", SLAB)
         terminal.wait_for("queue     1 job\n   1  two.stl")
         self.assertIn("plate-cleared", terminal.text())
         self.assertIn("last job  one: done", terminal.text())
         client = daemon.client()
         client.call("show", pattern="grid")
         terminal.wait_for("screen: grid")
-        terminal.process.terminate()
-        self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
+        terminal.end()
 
     def test_names_reach_the_terminal_without_control_characters(self):
         daemon = self.printing("\x1b[31m\n\u202e\x9b2J" + "品" * 60)  # Terminal checks what it prints
-        daemon.drop("b\x1b]0;x\x07.stl", SMALL)
-        terminal = self.watch(daemon)
-        terminal.wait_for("?[31m??")
+        daemon.drop("b\x1b]0;x\x07.stl", SLAB)
+        terminal = self.watch(daemon, until="?[31m??")
         terminal.wait_for("1  b?]0;x?.stl")
-        terminal.process.terminate()
-        self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
+        terminal.end()
 
     def test_no_color_and_a_dumb_terminal_are_respected(self):
         daemon = self.printing()
-        terminal = self.watch(daemon, NO_COLOR="1")
-        terminal.wait_for("light     ON")
+        terminal = self.watch(daemon, NO_COLOR="1", until="light     ON")
         terminal.process.terminate()
         terminal.wait_end()
         self.assertFalse(terminal.seen_colour)
