@@ -93,26 +93,22 @@ TEST_CASE_METHOD(SimulatedAxisFixture, "Homing again forgets the position until 
   CHECK(axis.height() == Nanometers{0});
 }
 
-TEST_CASE("A switch that never closes ends homing after the full travel") {
-  SimulatedAxisFixture fixture(with_switch(Switch::StuckOpen));
-  fixture.start_homing();
-  fixture.run();
-  CHECK(fixture.homed == HomingResult::NoTrigger);
-  CHECK_FALSE(fixture.axis.height().has_value());
-  CHECK_FALSE(fixture.axis.moving());
-  CHECK(fixture.clock.now().time_since_epoch() >=
-        fixture.axis.move_duration(fixture.axis.travel(), MillimetersPerSecond{5}));
-  CHECK(fixture.move(mm(1)) == MoveResult::NotHomed);
-}
-
-TEST_CASE("A switch that stays closed ends homing after backing off") {
-  SimulatedAxisFixture fixture(with_switch(Switch::StuckClosed));
-  fixture.start_homing();
-  fixture.run();
-  CHECK(fixture.homed == HomingResult::StillClosed);
-  CHECK_FALSE(fixture.axis.height().has_value());
-  CHECK_FALSE(fixture.axis.moving());
-  CHECK(fixture.clock.now().time_since_epoch() == fixture.axis.move_duration(mm(5), MillimetersPerSecond{5}));
+TEST_CASE(
+    "A switch that never closes ends homing after the full travel, one that stays closed after backing off") {
+  for (const bool closed : {false, true}) {
+    CAPTURE(closed);
+    SimulatedAxisFixture fixture(with_switch(closed ? Switch::StuckClosed : Switch::StuckOpen));
+    fixture.start_homing();
+    fixture.run();
+    CHECK(fixture.homed == (closed ? HomingResult::StillClosed : HomingResult::NoTrigger));
+    CHECK_FALSE(fixture.axis.height().has_value());
+    CHECK_FALSE(fixture.axis.moving());
+    const Duration took = fixture.clock.now().time_since_epoch(),
+                   backing_off = fixture.axis.move_duration(mm(5), MillimetersPerSecond{5});
+    CHECK((took == backing_off) == closed);
+    CHECK((took >= fixture.axis.move_duration(fixture.axis.travel(), MillimetersPerSecond{5})) == !closed);
+    CHECK(fixture.move(mm(1)) == MoveResult::NotHomed);
+  }
 }
 
 TEST_CASE_METHOD(SimulatedAxisFixture,

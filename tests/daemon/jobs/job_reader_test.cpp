@@ -76,40 +76,29 @@ TEST_CASE_METHOD(StartedReaderFixture, "The check of a waiting job returns its o
 }
 
 TEST_CASE_METHOD(StartedReaderFixture,
-                 "A waiting job that is not a model is refused for good, with a reason") {
-  put_text(Spool::Folder::Incoming, "part.stl", "no model");
+                 "A waiting job is refused for good, with a reason, and only a missing default profile is no "
+                 "fault of it") {
+  put(Spool::Folder::Incoming, "part.stl");
+  bool is_the_profiles_fault = false;
+  SECTION("no model") {
+    put_text(Spool::Folder::Incoming, "part.stl", "no model");
+  }
+  SECTION("too much memory, even in an otherwise empty process") {
+    config.memory_limit_bytes = 1;
+  }
+  SECTION("a ticket that names a missing profile") {
+    put_text(Spool::Folder::Incoming, "part.json", R"({"resin": "none-such"})");
+  }
+  SECTION("a missing default profile") {
+    config.resin = "none-such";
+    is_the_profiles_fault = true;
+  }
   const auto refusal = check("part.stl");
   REQUIRE(refusal);
   CHECK_FALSE(refusal->reason.empty());
   CHECK_FALSE(refusal->for_now);
-  CHECK(refusal->profile.empty());
-}
-
-TEST_CASE_METHOD(
-    StartedReaderFixture,
-    "A job that would need too much memory even in an otherwise empty process is refused for good") {
-  put(Spool::Folder::Incoming, "part.stl");
-  config.memory_limit_bytes = 1;
-  const auto refusal = check("part.stl");
-  REQUIRE(refusal);
-  CHECK_FALSE(refusal->reason.empty());
-  CHECK_FALSE(refusal->for_now);
-}
-
-TEST_CASE_METHOD(StartedReaderFixture, "An unusable profile is reported as a problem of the profile") {
-  put(Spool::Folder::Incoming, "part.stl");
-  config.resin = "none-such";
-  const auto refusal = check("part.stl");
-  REQUIRE(refusal);
-  CHECK(refusal->profile.starts_with("the resin profile "));
-}
-
-TEST_CASE_METHOD(StartedReaderFixture, "A ticket that names a missing profile is a problem of the job") {
-  put(Spool::Folder::Incoming, "part.stl");
-  put_text(Spool::Folder::Incoming, "part.json", R"({"resin": "none-such"})");
-  const auto refusal = check("part.stl");
-  REQUIRE(refusal);
-  CHECK(refusal->profile.empty());
+  CHECK(refusal->profile.starts_with("the resin profile ") == is_the_profiles_fault);
+  CHECK(refusal->profile.empty() == !is_the_profiles_fault);
 }
 
 TEST_CASE_METHOD(ReaderFixture, "A job that the last process was reading when it ended is not read") {

@@ -36,6 +36,8 @@ class CachedJobFixture : public testing::PrinterFixture {
     put_text(Spool::Folder::Incoming, name + "/plate.json",
              R"({"models": [{"file": "a.stl"}, {"file": "b.stl"}]})");
   }
+  [[nodiscard]] fs::path ticket() const { return spool.folder(Spool::Folder::Incoming) / "part.json"; }
+  void put_ticket(const std::string& text) const { put_text(Spool::Folder::Incoming, "part.json", text); }
   // Rewrites a model with the same number of bytes and a later time.
   void rewrite(const std::string& file, float height) const {
     const fs::path path = spool.folder(Spool::Folder::Incoming) / file;
@@ -93,7 +95,7 @@ void replace_in(const fs::path& file, std::string_view from, std::string_view to
 TEST_CASE_METHOD(CachedJobFixture,
                  "A job that its check has prepared is not prepared again if nothing has changed") {
   put(Spool::Folder::Incoming, "part.stl");
-  put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 2})");
+  put_ticket(R"({"scale": 2})");
   const Turn turn = take_turn("part.stl");
   CHECK(turn.prepared_before);
   CHECK(turn.plan_name == "part");
@@ -119,64 +121,51 @@ TEST_CASE_METHOD(CachedJobFixture,
   CHECK(turn.plan_name != "part");
 }
 
-TEST_CASE_METHOD(CachedJobFixture, "A job whose model was replaced is prepared again") {
-  put(Spool::Folder::Incoming, "part.stl");
-  const Turn turn = take_turn("part.stl", [&] {
-    const fs::path other = folder.path() / "other.stl";
-    models::write_binary_stl(other, models::box({0, 0, 0}, {3, 2, 0.6F}));
-    fs::rename(other, incoming("part.stl").model);
-  });
-  CHECK_FALSE(turn.prepared_before);
-  CHECK(turn.height_mm == contourd::testing::Approx(0.6));
-}
-
-TEST_CASE_METHOD(CachedJobFixture, "A job whose model was rewritten in place is prepared again") {
-  put(Spool::Folder::Incoming, "part.stl");
-  const Turn turn = take_turn("part.stl", [&] { rewrite("part.stl", 0.6F); });
-  CHECK_FALSE(turn.prepared_before);
-  CHECK(turn.height_mm == contourd::testing::Approx(0.6));
-}
-
-TEST_CASE_METHOD(CachedJobFixture, "A job whose ticket was edited is prepared again") {
-  put(Spool::Folder::Incoming, "part.stl");
-  put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 2})");
-  const Turn turn =
-      take_turn("part.stl", [&] { put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 3})"); });
-  CHECK_FALSE(turn.prepared_before);
-  CHECK(turn.height_mm == contourd::testing::Approx(0.6));
-}
-
-TEST_CASE("A job that got or lost a ticket is prepared again") {
-  for (const bool had_one : {false, true}) {
+TEST_CASE(
+    "A job is prepared again if its model, its ticket or its profile has changed, or if it is forgotten") {
+  const std::string twice = R"({"scale": 2})";
+  struct Row {
+    const char* what;
+    std::string ticket;
+    std::function<void(CachedJobFixture&)> change;
+    double height_mm;
+  };
+  for (const Row& row : {
+           Row{"the model was replaced", "",
+               [](CachedJobFixture& f) {
+                 const fs::path other = f.folder.path() / "other.stl";
+                 models::write_binary_stl(other, models::box({0, 0, 0}, {3, 2, 0.6F}));
+                 fs::rename(other, f.incoming("part.stl").model);
+               },
+               0.6},
+           Row{"the model was rewritten in place", "",
+               [](CachedJobFixture& f) { f.rewrite("part.stl", 0.6F); }, 0.6},
+           Row{"the ticket was edited", twice, [](CachedJobFixture& f) { f.put_ticket(R"({"scale": 3})"); },
+               0.6},
+           Row{"there is a ticket now", "", [&](CachedJobFixture& f) { f.put_ticket(twice); }, 0.4},
+           Row{"the ticket was removed", twice, [](CachedJobFixture& f) { fs::remove(f.ticket()); }, 0.2},
+           Row{"the profile was edited", "",
+               [](CachedJobFixture& f) {
+                 replace_in(f.resins / (f.config.resin + ".json"),
+                            "\"bottom_layers\": ", "\"bottom_layers\": 1");
+               },
+               0.2},
+           Row{"the printer has another resin", "",
+               [](CachedJobFixture& f) {
+                 fs::copy(f.resins / (f.config.resin + ".json"), f.resins / "other.json");
+                 f.config.resin = "other";
+               },
+               0.2},
+           Row{"the job was forgotten", "", [](CachedJobFixture& f) { f.reader.forget("part.stl"); }, 0.2},
+       }) {
+    CAPTURE(row.what);
     CachedJobFixture fixture;
     fixture.put(Spool::Folder::Incoming, "part.stl");
-    const fs::path ticket = fixture.spool.folder(Spool::Folder::Incoming) / "part.json";
-    if (had_one) fixture.put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 2})");
-    const Turn turn = fixture.take_turn("part.stl", [&] {
-      if (had_one)
-        fs::remove(ticket);
-      else
-        fixture.put_text(Spool::Folder::Incoming, "part.json", R"({"scale": 2})");
-    });
+    if (!row.ticket.empty()) fixture.put_ticket(row.ticket);
+    const Turn turn = fixture.take_turn("part.stl", [&] { row.change(fixture); });
     CHECK_FALSE(turn.prepared_before);
-    CHECK(turn.height_mm == contourd::testing::Approx(had_one ? 0.2 : 0.4));
+    CHECK(turn.height_mm == contourd::testing::Approx(row.height_mm));
   }
-}
-
-TEST_CASE_METHOD(CachedJobFixture, "A job whose resin's profile was edited is prepared again") {
-  put(Spool::Folder::Incoming, "part.stl");
-  CHECK_FALSE(take_turn("part.stl", [&] {
-                const fs::path profile = resins / (config.resin + ".json");
-                replace_in(profile, "\"bottom_layers\": ", "\"bottom_layers\": 1");
-              }).prepared_before);
-}
-
-TEST_CASE_METHOD(CachedJobFixture, "A job is prepared again if the printer's resin has changed") {
-  put(Spool::Folder::Incoming, "part.stl");
-  CHECK_FALSE(take_turn("part.stl", [&] {
-                fs::copy(resins / (config.resin + ".json"), resins / "other.json");
-                config.resin = "other";
-              }).prepared_before);
 }
 
 TEST_CASE("A plate is prepared again if one of its models or its ticket has changed") {
@@ -199,11 +188,6 @@ TEST_CASE("A plate is prepared again if one of its models or its ticket has chan
     fs::rename(plate, aside);
     fs::copy(aside, plate);
   }));
-}
-
-TEST_CASE_METHOD(CachedJobFixture, "A job that is forgotten is prepared again") {
-  put(Spool::Folder::Incoming, "part.stl");
-  CHECK_FALSE(take_turn("part.stl", [&] { reader.forget("part.stl"); }).prepared_before);
 }
 
 TEST_CASE_METHOD(CachedJobFixture,

@@ -171,37 +171,31 @@ TEST_CASE_METHOD(QueueFixture,
   CHECK(work.forgotten == Names{"a.stl", "a.stl", "b.stl"});
 }
 
-TEST_CASE_METHOD(QueueFixture, "The result of a check is ignored if the file was rewritten meanwhile") {
-  arrive({"a.stl"});
-  queue.check_next();
-  queue.arrived("a.stl");
-  work.checks[0].done(JobRefusal{"no model"});
-  CHECK(work.rejections.empty());
-  CHECK(queue.jobs().front().check == Check::Wanted);
-}
-
 TEST_CASE_METHOD(QueueFixture,
-                 "The result of a check is ignored if the rewritten file is already being checked") {
+                 "The result of a check is ignored if the file was rewritten or removed meanwhile") {
   arrive({"a.stl"});
   queue.check_next();
-  queue.arrived("a.stl");
-  queue.check_next();
-  REQUIRE(work.checks.size() == 2);
-  work.checks[0].done(JobRefusal{"no model"});
+  SECTION("rewritten") {
+    queue.arrived("a.stl");
+    work.checks[0].done(JobRefusal{"no model"});
+    CHECK(queue.jobs().front().check == Check::Wanted);
+  }
+  SECTION("rewritten, and being checked again") {
+    queue.arrived("a.stl");
+    queue.check_next();
+    REQUIRE(work.checks.size() == 2);
+    work.checks[0].done(JobRefusal{"no model"});
+    CHECK(queue.jobs().front().check == Check::Running);
+    work.checks[1].done(JobOutlook{});
+    CHECK(queue.jobs().front().check == Check::Passed);
+  }
+  SECTION("removed") {
+    queue.withdrawn("a.stl");
+    reported.clear();
+    work.checks[0].done(JobRefusal{"no model"});
+    CHECK(reported == Names{"changed"});
+  }
   CHECK(work.rejections.empty());
-  CHECK(queue.jobs().front().check == Check::Running);
-  work.checks[1].done(JobOutlook{});
-  CHECK(queue.jobs().front().check == Check::Passed);
-}
-
-TEST_CASE_METHOD(QueueFixture, "The result of a check is ignored if the job is gone") {
-  arrive({"a.stl"});
-  queue.check_next();
-  queue.withdrawn("a.stl");
-  reported.clear();
-  work.checks[0].done(JobRefusal{"no model"});
-  CHECK(work.rejections.empty());
-  CHECK(reported == Names{"changed"});
 }
 
 TEST_CASE_METHOD(
@@ -243,23 +237,17 @@ TEST_CASE_METHOD(QueueFixture, "A file that the spool moves to failed/ is not lo
   CHECK_FALSE(log.has("removed from incoming"));
 }
 
-TEST_CASE_METHOD(QueueFixture, "A job that a user removes during its refusal leaves the queue") {
+TEST_CASE_METHOD(
+    QueueFixture,
+    "A job that a user removes during its refusal leaves the queue, a rewritten one keeps its place") {
   arrive({"a.stl", "b.stl"});
   begin_to_refuse("no model");
-  queue.withdrawn("a.stl");
+  const bool removed = GENERATE(true, false);
+  if (removed) queue.withdrawn("a.stl");
   reported.clear();
   work.rejections[0].done(Spool::Rejection::Unfinished, "");
-  CHECK(order() == Names{"b.stl"});
-  CHECK(log.has("a.stl: removed from incoming by a user"));
-  CHECK(reported == Names{"changed"});
-}
-
-TEST_CASE_METHOD(QueueFixture, "A job that a user rewrites during its refusal keeps its place") {
-  arrive({"a.stl", "b.stl"});
-  begin_to_refuse("no model");
-  reported.clear();
-  work.rejections[0].done(Spool::Rejection::Unfinished, "");
-  CHECK(order() == Names{"a.stl", "b.stl"});
+  CHECK(order() == (removed ? Names{"b.stl"} : Names{"a.stl", "b.stl"}));
+  CHECK(log.has("a.stl: removed from incoming by a user") == removed);
   CHECK(reported == Names{"changed"});
   CHECK_FALSE(log.has("no model"));
 }

@@ -119,21 +119,16 @@ TEST_CASE("Homing from a closed switch first moves away from it") {
   CHECK(plate_above_switch(plant) == 0);
 }
 
-TEST_CASE("Homing ends after the whole travel if the switch never closes") {
-  Plant plant(screw_config());
-  plant.limit.stuck = false;
-  plant.build();
-  CHECK(plant.home() == HomingResult::NoTrigger);
-  CHECK(plant.pulses.size() == (100 + 5) * 800);
-  CHECK_FALSE(plant.axis->height());
-}
-
-TEST_CASE("Homing ends after five millimetres if the limit switch stays closed") {
-  Plant plant(screw_config());
-  plant.limit.stuck = true;
-  plant.build();
-  CHECK(plant.home() == HomingResult::StillClosed);
-  CHECK(plant.pulses.size() == 5 * 800);
+TEST_CASE("Homing ends after the whole travel if the switch never closes, after 5 mm if it stays closed") {
+  for (const bool closed : {false, true}) {
+    CAPTURE(closed);
+    Plant plant(screw_config());
+    plant.limit.stuck = closed;
+    plant.build();
+    CHECK(plant.home() == (closed ? HomingResult::StillClosed : HomingResult::NoTrigger));
+    CHECK(plant.pulses.size() == (closed ? 5U : 100U + 5U) * 800);
+    CHECK_FALSE(plant.axis->height());
+  }
 }
 
 TEST_CASE("A spike on the limit switch's line does not end a pass") {
