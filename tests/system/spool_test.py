@@ -6,7 +6,9 @@ import socket
 import time
 import unittest
 
-from harness import SANITIZED, SLAB, WAITS, SpoolTest, ascii_stl, binary_stl, box, contents, cube, wait_until
+from harness import (
+    CONTOURCTL, NIMBLE_RESIN, SANITIZED, SLAB, SLOWNESS, WAITS, SpoolTest, ascii_stl, binary_stl, box, contents, cube, run, source_json, wait_until,
+)  # fmt: skip
 
 
 class Arrival(SpoolTest):
@@ -500,3 +502,180 @@ class ManyAndLong(SpoolTest):
         queue = daemon.rpc("queue")["result"]
         self.assertEqual((len(queue["queue"]), queue["more"]), (1000, 60))
         self.assertIn(b"and 60 more", daemon.ctl("queue").stdout)
+
+
+class Plate(SpoolTest):
+    def test_the_next_job_waits_until_the_plate_is_cleared(self):
+        daemon = self.daemon(WAITS).start()
+        daemon.refused("bad.stl", b"no model")
+        self.assertEqual(daemon.status()["plate"], "clear")  # nothing was printed
+        daemon.drop("one.stl", SLAB)
+        daemon.drop("two.stl", SLAB)
+        daemon.wait_done("one")
+        status = daemon.wait_status("waiting_for")
+        self.assertEqual((status["plate"], status["plate_job"], status["queued"]), ("occupied", "one", 1))
+        self.assertIn("plate-cleared", status["waiting_for"])
+        self.assertEqual(daemon.names_in("incoming"), ["two.stl"])
+        # With an empty queue the status shows no wait.
+        os.rename(daemon.file("incoming", "two.stl"), self.path("two.stl"))
+        self.assertIsNone(daemon.wait_status("queued", 0)["waiting_for"])
+        os.rename(self.path("two.stl"), daemon.file("incoming", "two.stl"))
+        daemon.wait_status("waiting_for")
+        self.assertNotIn("error", daemon.rpc("plate_cleared"))
+        daemon.wait_done("two")
+        self.assertIsNone(daemon.status()["waiting_for"])
+        # A cleared plate stays clear after a restart.
+        daemon.rpc("plate_cleared")
+        self.assertIsNone(daemon.status()["waiting_for"])
+        daemon.kill()
+        daemon.start()
+        self.assertEqual(daemon.status()["plate"], "clear")
+        daemon.printed("three.stl", SLAB)
+
+    def test_a_restart_does_not_clear_the_plate(self):
+        daemon = self.daemon(WAITS).start()
+        daemon.printed("one.stl", SLAB)
+        for end in (daemon.stop, daemon.kill):
+            end()
+            daemon.drop("two.stl", SLAB)
+            daemon.start()
+            status = daemon.wait_status("waiting_for")
+            self.assertEqual((status["plate_job"], status["queued"]), ("one", 1))
+            self.assertEqual(daemon.names_in("incoming"), ["two.stl"])
+        daemon.rpc("plate_cleared")
+        daemon.wait_done("two")
+        daemon.restart()
+        self.assertEqual(daemon.status()["plate_job"], "two")
+
+
+
+class Profiles(SpoolTest):
+    """The resin's profile is read when a job is claimed, whether a ticket or the configuration names it."""
+
+    def break_resin(self, name="standard", text=None):
+        broken = {**source_json("resins", "standard.json"), "lift_mm": "high", "settle_ms": True}
+        self.write(f"resins/{name}.json", json.dumps(broken) if text is None else text)
+
+    def waits_for(self, daemon, *words):
+        status = daemon.wait_status("waiting_for")
+        self.assert_words(status["waiting_for"], *words)
+        self.assertNotIn("\n", status["waiting_for"])
+        self.assertIn(words[0].encode(), daemon.ctl("status").stdout)
+        return status
+
+    def exposure(self, report):
+        return report["settings"]["exposure_ms"], report["layer_records"][-1]["exposure_asked_ms"]
+
+    def analyzed_s(self, daemon, model, *ticket):
+        arguments = ["--ticket", *ticket] if ticket else []
+        result = run(CONTOURCTL, "analyze", "--json", model, "--printer", daemon.config_path, *arguments, expect=0)
+        return json.loads(result.stdout)["layer_time_s"]
+
+    def cpu_s(self, daemon):
+        with open(f"/proc/{daemon.process.pid}/stat", encoding="ascii") as file:
+            fields = file.read().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def test_an_edited_profile_applies_to_every_job_that_is_claimed_afterwards(self):
+        daemon = self.daemon().start()
+        tall = binary_stl(box((0, 0, 0), (10, 5, 2)))  # 40 layers, more than bottom and fade have
+        self.assertEqual(self.exposure(daemon.printed("before.stl", tall)), (3000, 3000))
+        daemon.write_resin("standard", {"exposure_ms": 3500})
+        daemon.drop("none.stl", tall)
+        daemon.drop("empty.stl", tall, {})
+        daemon.drop("named.stl", tall, {"resin": "standard"})
+        daemon.drop_plate("plate", {"models": [{"file": "part.stl"}]}, {"part.stl": tall})
+        for job in ("none", "empty", "named", "plate"):
+            self.assertEqual(self.exposure(daemon.wait_done(job)), (3500, 3500), job)
+            self.assertIn(f"{job}: standard: exposure 3500 ms", daemon.log())
+            self.assertIn("exposure 3500 ms", daemon.read("done", job + ".report.html"))
+        model, ticket = self.write("same.stl", tall), self.write("ticket.json", '{"resin": "standard"}')
+        edited = self.analyzed_s(daemon, model)
+        self.assertEqual(self.analyzed_s(daemon, model, ticket), edited)
+        daemon.write_resin("standard", {"exposure_ms": 4500})
+        # The 25 layers after bottom and fade get the whole additional second, the 10 of the fade half of it on average.
+        self.assertAlmostEqual(self.analyzed_s(daemon, model) - edited, 25 + 10 / 2, delta=0.01)
+
+    def test_a_profile_edited_during_a_print_applies_from_the_next_job_on(self):
+        daemon = self.printing_daemon()
+        daemon.drop("next.stl", SLAB)
+        daemon.wait_status("queued", 1)
+        daemon.write_resin("standard", {**NIMBLE_RESIN, "exposure_ms": 2, "bottom_exposure_ms": 2})
+        self.assertEqual(daemon.cancel("first")["outcome"], "cancelled")
+        self.assertEqual(daemon.report("first", "failed")["settings"]["exposure_ms"], 120000)
+        self.assertEqual(self.exposure(daemon.wait_done("next")), (2, 2))
+
+    def test_a_broken_profile_makes_the_queue_wait_until_it_is_corrected(self):
+        daemon = self.daemon().start()
+        for text, words in ((None, ("standard.json", "/lift_mm", "1 more")), ("{", ("standard.json",)), ("gone", ("standard",))):
+            with self.subTest(text):
+                self.break_resin("standard", text)
+                if text == "gone":
+                    os.unlink(self.path("resins", "standard.json"))
+                daemon.drop("one.stl", SLAB)
+                daemon.drop("two.stl", SLAB, {"resin": "standard"})
+                self.waits_for(daemon, "standard", *words, "fixed")
+                daemon.wait_status("queued", 2)
+                self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), ([], []))
+                daemon.write_resin("standard", {})
+                daemon.wait_done("one")
+                daemon.wait_done("two")
+                self.assertIsNone(daemon.status()["waiting_for"])
+                self.assertEqual(daemon.log().count("one.stl waits: the resin profile"), 1)
+                for name in daemon.names_in("done"):
+                    os.unlink(daemon.file("done", name))
+                daemon.stop()
+                os.truncate(daemon.log_path, 0)
+                daemon.start()
+
+    def test_a_broken_profile_that_only_a_ticket_names_also_makes_the_queue_wait(self):
+        daemon = self.daemon()
+        self.break_resin("tough")
+        daemon.start()
+        daemon.drop("part.stl", SLAB, {"resin": "tough"})
+        self.waits_for(daemon, "tough", "tough.json", "/lift_mm")
+        # Once the file is removed, the other jobs continue.
+        os.unlink(daemon.file("incoming", "part.stl"))
+        daemon.printed("other.stl", SLAB)
+        self.assertEqual(daemon.names_in("failed"), [])
+
+    def test_a_profile_that_breaks_or_vanishes_while_jobs_wait_gives_a_warning_and_refuses_none(self):
+        daemon = self.printing_daemon()
+        daemon.write_resin("tough", NIMBLE_RESIN)
+        daemon.drop("checked.stl", SLAB, {"resin": "tough"})
+        daemon.refused("bad.stl", b"no model")  # by then the job before it has been checked
+        os.unlink(self.path("resins", "tough.json"))
+        self.break_resin("standard")
+        daemon.drop("late.stl", SLAB)
+        wait_until(lambda: "late.stl: the resin profile" in daemon.log(), "the warning")
+        self.assertIsNone(daemon.status()["waiting_for"])  # a print is under way
+        daemon.cancel("first")
+        self.waits_for(daemon, "tough")
+        daemon.write_resin("tough", NIMBLE_RESIN)
+        daemon.wait_done("checked")
+        self.waits_for(daemon, "standard.json")
+        daemon.write_resin("standard", NIMBLE_RESIN)
+        daemon.wait_done("late")
+        self.assertEqual([name for name in daemon.names_in("failed") if name.endswith(".stl")], ["bad.stl", "first.stl"])
+
+    def test_waiting_for_a_profile_takes_almost_no_processor_time(self):
+        daemon = self.daemon().start()
+        self.break_resin()
+        daemon.drop("part.stl", SLAB)
+        self.waits_for(daemon, "standard")
+        used = self.cpu_s(daemon)
+        end = time.monotonic() + 3
+        wait_until(lambda: time.monotonic() >= end, "three seconds to pass")
+        # A busy loop would take 3 s; reading a small file once takes far less.
+        self.assertLess(self.cpu_s(daemon) - used, 0.3 * SLOWNESS)
+
+    def test_the_configuration_is_read_only_at_the_start(self):
+        daemon = self.daemon().start()
+        daemon.config["display"]["pixel_pitch_um"] = 100
+        daemon.config["resin"] = "tough"
+        daemon.write_resin("tough", {"exposure_ms": 4000})
+        daemon.write_config()
+        report = daemon.printed("part.stl", SLAB)
+        self.assertEqual((report["resin"], report["settings"]["exposure_ms"]), ("standard", 3000))
+        daemon.restart()
+        self.assertEqual(daemon.printed("again.stl", SLAB)["resin"], "tough")
