@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <optional>
 #include <utility>
 
@@ -16,9 +15,6 @@ namespace {
 
 // Encoding pictures for clients is less urgent than all other work.
 constexpr int kPictureNiceness = 10;
-// The start waits this long for the disk to file the jobs that the last process left; then it goes on
-// without.
-constexpr std::chrono::seconds kLongestFilingAtStart{5};
 
 // Logs the command with the user and the process of its caller.
 void log_command(const Log& log, const std::string& method, const ControlServer::Peer& peer) {
@@ -103,7 +99,6 @@ void PrinterService::adopt_left_jobs() {
   std::vector<EndedJob> left =
       hold_.adopt_left_jobs([this](const JobFiles& files) { return reader_.take_ended(files); });
   history_worker_.adopt(std::move(left), std::move(last));
-  if (hold_.saving()) (void)hold_.last_attempt().wait_for(kLongestFilingAtStart);
   remind();
 }
 

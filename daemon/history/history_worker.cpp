@@ -20,6 +20,8 @@ using namespace std::chrono_literals;
 constexpr int kHistoryNiceness = 10;
 // Delay before changes that could not be written are retried.
 constexpr Duration kWriteRetryInterval = 30s;
+// Longest wait for the spool's record of an end.
+constexpr Duration kLongestRecording = 5s;
 
 std::int64_t new_key() {
   std::random_device chance;
@@ -71,20 +73,24 @@ void HistoryWorker::forget() {
   under_way_.reset();
 }
 
-std::shared_future<void> HistoryWorker::end(EndedJob& job) {
-  if (!under_way_) return change_for(new_key(), job);
+std::shared_future<void> HistoryWorker::end(EndedJob& job, const std::shared_future<void>& recorded) {
+  if (!under_way_) return change_for(new_key(), job, recorded);
   job.began = under_way_->began;
-  return change_for(std::exchange(under_way_, std::nullopt)->key, job);
+  return change_for(std::exchange(under_way_, std::nullopt)->key, job, recorded);
 }
 
 void HistoryWorker::refuse(EndedJob& job) {
   (void)change_for(new_key(), job);
 }
 
-std::shared_future<void> HistoryWorker::change_for(std::int64_t key, EndedJob& job) {
+std::shared_future<void> HistoryWorker::change_for(std::int64_t key, EndedJob& job,
+                                                   const std::shared_future<void>& recorded) {
   job.ended = std::chrono::system_clock::now();
   if (job.began == std::chrono::system_clock::time_point{}) job.began = job.ended;
-  return change([key, job](HistoryDatabase& database) { database.end(key, job); });
+  return change([key, job, recorded](HistoryDatabase& database) {
+    if (recorded.valid()) (void)recorded.wait_for(kLongestRecording);
+    database.end(key, job);
+  });
 }
 
 std::shared_future<void> HistoryWorker::change(Change change) {

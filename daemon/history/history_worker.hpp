@@ -44,8 +44,10 @@ class HistoryWorker {
   // Removes the current job from the history, since it will begin another time.
   void forget();
   // Stores that the current job has ended or was refused, and sets the times in `job`. The future is ready
-  // when the end is in the database or had to be put off.
-  std::shared_future<void> end(EndedJob& job);
+  // when the end is in the database or had to be put off. Waits some seconds for `recorded`, the spool's
+  // record of the same end with its key: after a kill, the next process knows by it that the history has the
+  // end.
+  std::shared_future<void> end(EndedJob& job, const std::shared_future<void>& recorded = {});
   // Stores that a job was refused before its turn, and sets the times in `job`.
   void refuse(EndedJob& job);
 
@@ -88,7 +90,8 @@ class HistoryWorker {
   using Change = std::function<void(HistoryDatabase&)>;
 
   std::shared_future<void> change(Change change);
-  std::shared_future<void> change_for(std::int64_t key, EndedJob& job);
+  std::shared_future<void> change_for(std::int64_t key, EndedJob& job,
+                                      const std::shared_future<void>& recorded = {});
   template <typename Answer, typename Question>
   void ask(const ControlCaller& asker, Question question, Done<Answer> done);
   void ask_next();

@@ -163,16 +163,21 @@ void CurrentJob::was_read(ReadJob result) {
 void CurrentJob::refuse(PrintOutcome outcome, const std::string& reason) {
   log_.refused(name(), reason);
   job_->refused = true;
-  archivist_.record(name(), {outcome, reason, job_->key});
+  const PrintEnd end{outcome, reason, job_->key};
   const auto troubles = std::make_shared<std::vector<std::string>>();
   spool_.keep(
-      [troubles, &spool = spool_, files = job_->claimed.files, reason](const StateRecords&) {
-        *troubles = move_job(spool, files, Spool::Folder::Failed, reason + "\n");
+      [troubles, end, &spool = spool_, files = job_->claimed.files](const StateRecords&) {
+        try {
+          record_end(spool, files.name, end);
+        } catch (const std::system_error&) {
+          // A full disk has no room for the record, but a rename needs none.
+        }
+        *troubles = move_job(spool, files, Spool::Folder::Failed, end.reason + "\n");
       },
-      [this, troubles, outcome, reason](const std::string& why_it_stays) {
+      [this, troubles, end](const std::string& why_it_stays) {
         for (const std::string& trouble : *troubles)
           context_.log.error("spool", trouble, job_fields(name()));
-        refusal_filed({outcome, reason}, why_it_stays);
+        refusal_filed(end, why_it_stays);
       });
 }
 
@@ -315,7 +320,7 @@ void CurrentJob::print_ended(PrintOutcome outcome, const std::string& reason, Pr
   report.outcome = outcome;
   report.reason = reason;
   log_.ended(report);
-  archivist_.record(name(), {outcome, reason, job_->key});
+  job_->recorded = archivist_.record(name(), {outcome, reason, job_->key});
   job_->over = EndedPrint{job_->claimed.files, std::move(report), std::move(plan.engine)};
   if (!job_->had_light) hold_.set_plate_occupant(job_->plate_before);
   // A fault of the machine would hit the next job too, which begins with a motion. A print that was stopped
@@ -338,7 +343,7 @@ void CurrentJob::file() {
   print.report.findings = std::move(job_->findings);
   job_->ended = {name(), std::string(name_of(print.report.outcome)), print.report.reason, job_->analysis,
                  figures_of(print.report)};
-  print.noted = history_.end(job_->ended);
+  print.noted = history_.end(job_->ended, job_->recorded);
   print.held = hold_.last_attempt();
   archivist_.file(std::move(print), [this](const FiledPrint& done) { filed(done); });
 }

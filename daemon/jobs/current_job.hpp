@@ -50,6 +50,7 @@ class CurrentJob final : private PrintObserver {
     std::optional<PrintFindings> findings;    // nullopt while the analysis is under way
     nlohmann::ordered_json analysis;          // the findings in short; null while there are none
     std::optional<EndedPrint> over;           // set when the print is over, until its analysis is too
+    std::shared_future<void> recorded;        // ready when its end is in the spool's records
     EndedJob ended;                           // set once the job is being filed
     bool cancel_wanted = false;               // cancelled before it could start
     std::optional<std::string> plate_before;  // the plate's occupant before this job

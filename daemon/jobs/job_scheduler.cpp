@@ -37,7 +37,8 @@ void JobScheduler::retry_later(Duration wait) {
 
 void JobScheduler::run() {
   try {
-    hold_.retry();
+    // A failed save is not tried again at once.
+    if (!std::exchange(hold_just_changed_, false)) hold_.retry();
     if (hold_.failed()) run_later(kRetryInterval);
     take_what_is_due();
   } catch (const std::system_error& error) {
@@ -49,8 +50,8 @@ void JobScheduler::run() {
 }
 
 void JobScheduler::hold_changed() {
-  // A failed save is not tried again at once.
-  hold_.failed() ? run_later(kRetryInterval) : run_soon();
+  hold_just_changed_ = true;
+  run_soon();
 }
 
 void JobScheduler::take_what_is_due() {

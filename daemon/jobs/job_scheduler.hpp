@@ -73,7 +73,7 @@ class JobScheduler {
   PrinterUse& use_;
   std::string waiting_for_;  // already logged
   std::optional<TakenJob> copying_;
-  bool stopped_ = false;
+  bool stopped_ = false, hold_just_changed_ = false;
   EventLoop::SourcePtr timer_;
 };
 

@@ -62,19 +62,12 @@ std::string as_recorded(const std::string& job) {
   return printable(job);
 }
 
-void write_record(const Spool& spool, const std::string& job, const PrintEnd& end) {
-  if (recorded_end(spool, job)) return;
-  const nlohmann::json record{
-      {"job", as_recorded(job)}, {"outcome", name_of(end.outcome)}, {"reason", end.reason}, {"key", end.key}};
-  spool.records().keep_end_of_print(record.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
-}
-
 FiledPrint file_print(const Spool& spool, EndedPrint& print) {
   const PrintReport& report = print.report;
   FiledPrint filed{print.files, false, report.outcome, report.reason, {}, {}};
   const Spool::Folder folder = folder_for(report.outcome);
   const PrintEnd end{report.outcome, report.reason};
-  attempt("cannot record the end of the print", filed, [&] { write_record(spool, report.job, end); });
+  attempt("cannot record the end of the print", filed, [&] { record_end(spool, report.job, end); });
   const std::string reason = reason_text(end);
   // A full disk has no room for what goes beside the job, but a rename needs none.
   if (!reason.empty())
@@ -122,17 +115,27 @@ void PrintArchivist::file(EndedPrint print, std::function<void(const FiledPrint&
               });
 }
 
-void PrintArchivist::record(const std::string& job, const PrintEnd& end) {
+void record_end(const Spool& spool, const std::string& job, const PrintEnd& end) {
+  if (recorded_end(spool, job)) return;
+  const nlohmann::json record{
+      {"job", as_recorded(job)}, {"outcome", name_of(end.outcome)}, {"reason", end.reason}, {"key", end.key}};
+  spool.records().keep_end_of_print(record.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+}
+
+std::shared_future<void> PrintArchivist::record(const std::string& job, const PrintEnd& end) {
+  const auto recorded = std::make_shared<std::promise<void>>();
   worker_.run(
-      [&spool = spool_, job, end] {
+      [&spool = spool_, job, end, recorded] {
         try {
-          write_record(spool, job, end);
+          record_end(spool, job, end);
         } catch (const std::system_error&) {
-          return false;  // retried, and reported, when the print is filed
+          // Tried again, and reported, when the print is filed.
         }
+        recorded->set_value();
         return true;
       },
       [](bool) {});
+  return recorded->get_future().share();
 }
 
 Spool::Folder folder_for(PrintOutcome outcome) {

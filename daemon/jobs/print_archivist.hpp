@@ -52,7 +52,8 @@ class PrintArchivist {
 
   // Saves on the disk how the job's print ended, before anything else is done about it: from then on that is
   // its end, whatever happens to this process or to done/ and failed/. Errors are reported with the filing.
-  void record(const std::string& job, const PrintEnd& end);
+  // Returns a future that is ready when it is saved, or when the disk has refused it.
+  std::shared_future<void> record(const std::string& job, const PrintEnd& end);
 
   // Writes the report's files and moves the job's files to done/ or failed/; then calls `done` from the loop.
   // REQUIRES: not busy.
@@ -71,6 +72,9 @@ class PrintArchivist {
 // Returns the text of the reason file; empty if there is none.
 [[nodiscard]] std::string reason_text(const PrintEnd& end);
 
+// Records how the print of a job in printing/ ended, unless that is recorded already. Any thread; blocks.
+// Throws std::system_error.
+void record_end(const Spool& spool, const std::string& job, const PrintEnd& end);
 // Returns the end of a print that was recorded last; nullopt if there is no record. Blocks.
 [[nodiscard]] std::optional<PrintEnd> last_recorded_end(const Spool& spool);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <system_error>
 #include <utility>
 
 #include "daemon/spool/reading_record.hpp"
@@ -14,6 +15,12 @@ namespace {
 struct SetValue {
   void operator()(std::promise<void>* promise) const { promise->set_value(); }
 };
+
+void keep_on_disk(const StateRecords& records, const std::optional<std::string>& occupant,
+                  const std::optional<std::string>& reason) {
+  records.set_plate_occupant(occupant);
+  records.set_hold(reason);
+}
 
 }  // namespace
 
@@ -42,7 +49,7 @@ std::vector<EndedJob> QueueHold::adopt_left_jobs(
   if (unfiled_.empty())
     spool_.records().forget_end_of_print();
   else
-    keep();
+    keep_now();
   return left;
 }
 
@@ -112,6 +119,18 @@ void QueueHold::retry() {
   if (failed() && !saving()) keep();
 }
 
+void QueueHold::keep_now() {
+  JobFilingRun filing = unfiled_.begin_filing();
+  std::string trouble;
+  try {
+    keep_on_disk(spool_.records(), plate_occupant_, reason_);
+    filing.run(spool_);
+  } catch (const std::system_error& error) {
+    trouble = error.what();
+  }
+  kept(filing, trouble);
+}
+
 void QueueHold::keep(Saved saved) {
   ++attempts_;
   const auto filing = std::make_shared<JobFilingRun>(unfiled_.begin_filing());
@@ -122,19 +141,18 @@ void QueueHold::keep(Saved saved) {
        end](const StateRecords& records) {
         // Fulfilled on every way out. Those who wait for it go on, even if the disk has refused the records.
         const std::unique_ptr<std::promise<void>, SetValue> ending(end.get());
-        records.set_plate_occupant(occupant);
-        records.set_hold(reason);
+        keep_on_disk(records, occupant, reason);
         // Filed last: as long as the files are in printing/, the next start can derive what the records say.
         filing->run(spool);
       },
       [this, filing, saved = std::move(saved)](const std::string& trouble) {
+        --attempts_;
         kept(*filing, trouble);
         if (saved) saved(trouble);
       });
 }
 
 void QueueHold::kept(const JobFilingRun& filing, const std::string& trouble) {
-  --attempts_;
   unfiled_.end_filing(filing);
   // The trouble of an earlier attempt stays as long as the job that it kept from being filed.
   const bool filed_all = unfiled_.empty() || !filing.empty();

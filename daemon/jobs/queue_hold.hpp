@@ -24,9 +24,10 @@ class QueueHold {
 
   // Restores what the last process recorded.
   void load();
-  // Takes over the jobs that the last process left in printing/, and returns them with their ends. A print
-  // that did not end holds the queue, and its part is on the plate. `ended_in_reading` returns true for a job
-  // that had not begun and whose reading ended that process.
+  // Takes over the jobs that the last process left in printing/, files them, and returns them with their
+  // ends; blocks until the disk has done that, so that it is called before the event loop runs. A print that
+  // did not end holds the queue, and its part is on the plate. `ended_in_reading` returns true for a job that
+  // had not begun and whose reading ended that process.
   std::vector<EndedJob> adopt_left_jobs(const std::function<bool(const JobFiles&)>& ended_in_reading);
 
   // Lets no job begin until release(), even if the plate is clear. If the queue is held already, the first
@@ -64,6 +65,8 @@ class QueueHold {
   PrintEnd adopt(const JobFiles& files, const std::optional<PrintEnd>& end);
   // Saves the records for the next start, then files the unfiled jobs.
   void keep(Saved saved = nullptr);
+  // Does the same on this thread, before the event loop runs.
+  void keep_now();
   void kept(const JobFilingRun& filing, const std::string& trouble);
 
   const PrinterContext& context_;

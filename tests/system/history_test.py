@@ -254,7 +254,8 @@ class Killed(HistoryTest):
             status = self.daemon.status()
             if status["held"]:
                 self.daemon.rpc("resume")
-            return status["job"] is None and status["queued"] == 0 and not self.daemon.names_in("printing")
+            left = self.daemon.names_in("printing") + [name for name in self.daemon.names_in("incoming") if name.endswith(".stl")]
+            return status["job"] is None and status["queued"] == 0 and not left
 
         wait_until(all_ended, "the end of all jobs")
         names = [job for job, _ in self.ended()]
