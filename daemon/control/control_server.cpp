@@ -12,7 +12,6 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <ranges>
 #include <string_view>
 #include <system_error>
 #include <variant>
@@ -394,8 +393,11 @@ Json ControlServer::call(const Json& message, Client& client) {
   const std::string name = message["method"].get<std::string>();
   const auto method = methods_.find(name);
   if (method == methods_.end()) {
-    return failure(kMethodNotFound, fmt::format("no method \"{}\"; there are {}", name,
-                                                fmt::join(std::views::keys(methods_), ", ")));
+    std::vector<std::string_view> names;
+    for (const auto& [known, described] : methods_)
+      names.push_back(known);
+    return failure(kMethodNotFound,
+                   fmt::format("no method \"{}\"; there are {}", name, fmt::join(names, ", ")));
   }
   try {
     const Json parameters =

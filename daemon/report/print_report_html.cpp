@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <ranges>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
+#include "daemon/report/first_items.hpp"
 #include "daemon/report/html_page.hpp"
 #include "daemon/report/light_histogram.hpp"
 #include "daemon/report/state_time_line.hpp"
@@ -141,7 +141,7 @@ std::string resin_row(const PrintReport& report) {
 // Returns the rows of the models. A plate may hold hundreds of models; copies of a model count as one.
 std::string models_rows(const std::vector<ModelSummary>& models) {
   std::string rows;
-  for (const ModelSummary& model : models | std::views::take(kMaxModels))
+  for (const ModelSummary& model : first_items(models, kMaxModels))
     rows += model_rows(model);
   if (models.size() > kMaxModels)
     rows += table_row("Models", fmt::format("and {} more", models.size() - kMaxModels));
@@ -217,7 +217,7 @@ std::string warning_list(const PrintReport& report) {
   std::string list = "<h2>Warnings</h2>\n<ul class=\"notes warnings\">\n";
   for (const FindingWarning& warning : of_layers)
     list += item(warning.sentence, links_to(report, warning.layers));
-  for (const std::string& warning : of_model | std::views::take(kMaxItems))
+  for (const std::string& warning : first_items(of_model, kMaxItems))
     list += item(warning);
   return list + more_items(beyond(of_model)) + "</ul>\n";
 }
@@ -225,14 +225,14 @@ std::string warning_list(const PrintReport& report) {
 std::string stop_list(const PrintReport& report) {
   const PrintStops& stops = report.stops;
   std::string list;
-  for (const PrintInterruption& each : stops.interruptions | std::views::take(kMaxItems)) {
+  for (const PrintInterruption& each : first_items(stops.interruptions, kMaxItems)) {
     const std::int32_t layers[]{each.layer};
     list +=
         item(fmt::format("After {}, layer {}: interrupted: {}", readable(each.at), each.layer + 1, each.what),
              links_to(report, layers));
   }
   list += more_items(beyond(stops.interruptions) + stops.more_interruptions);
-  for (const PrintPause& pause : stops.pauses | std::views::take(kMaxItems)) {
+  for (const PrintPause& pause : first_items(stops.pauses, kMaxItems)) {
     list += item(fmt::format("After {}, layer {}: stopped for {}", readable(pause.at), pause.layer + 1,
                              readable(pause.lasted)));
   }

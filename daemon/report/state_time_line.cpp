@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <iterator>
-#include <ranges>
 
+#include "daemon/report/first_items.hpp"
 #include "daemon/report/html_page.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -90,11 +90,11 @@ std::string mark(const char* name, double x, const std::string& what) {
 std::string marks(const PrintReport& report) {
   const Duration total = report.states.total();
   std::string svg;
-  for (const PrintPause& pause : report.stops.pauses | std::views::take(kMaxMarks)) {
+  for (const PrintPause& pause : first_items(report.stops.pauses, kMaxMarks)) {
     svg += mark("pause", place(pause.at, total),
                 fmt::format("layer {}: stopped for {}", pause.layer + 1, readable(pause.lasted)));
   }
-  for (const PrintInterruption& each : report.stops.interruptions | std::views::take(kMaxMarks)) {
+  for (const PrintInterruption& each : first_items(report.stops.interruptions, kMaxMarks)) {
     svg +=
         mark("interruption", place(each.at, total), fmt::format("layer {}: {}", each.layer + 1, each.what));
   }

@@ -7,7 +7,6 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <ranges>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -120,8 +119,10 @@ int config_schema(const std::string& format) {
 }
 
 std::vector<std::string> config_formats() {
-  const auto names = std::views::keys(schemas());
-  return {names.begin(), names.end()};
+  std::vector<std::string> formats;
+  for (const auto& [format, schema] : schemas())
+    formats.push_back(format);
+  return formats;
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <ranges>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +18,7 @@
 #include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/prepare/supports_text.hpp"
+#include "daemon/report/first_items.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -93,13 +93,13 @@ void print_text(const SupportedModel& supported) {
   const SupportCounts counts = counts_of(supports);
   fmt::print("supports   {}\n", supports_line(counts));
   fmt::print("lift       {:.6g} mm\n", to_millimeters(supported.model.elevation.above_plate()).count());
-  for (const SupportContact& contact : supports.contacts | std::views::take(kMostLines)) {
+  for (const SupportContact& contact : first_items(supports.contacts, kMostLines)) {
     fmt::print("{:<10} at {:.2f}, {:.2f} mm, {:.2f} mm above the plate, holds {:.3g} mm2\n",
                name_of(contact.cause), contact.place.x, contact.place.y, contact.place.z, contact.load_mm2);
   }
   if (supports.contacts.size() > kMostLines)
     fmt::print("and {} more contacts; --json has all\n", supports.contacts.size() - kMostLines);
-  for (const UnheldPlace& place : supports.unheld | std::views::take(kMostLines))
+  for (const UnheldPlace& place : first_items(supports.unheld, kMostLines))
     fmt::print("not held   {}\n", unheld_text(place));
   if (supports.unheld.size() > kMostLines)
     fmt::print("and {} more places that are not held\n", supports.unheld.size() - kMostLines);
