@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <memory>
 #include <optional>
+#include <utility>
+
+#include "daemon/system/readable.hpp"
 
 namespace contourd {
 
@@ -29,9 +33,13 @@ ControlMethods PrinterControl::methods() {
       {"cancel", changes("Ends the current print: light off, plate up, the job under `failed/`.",
                          &PrinterControl::cancel)},
       {"plate_cleared",
-       changes("Confirms that the plate is clear, and that the user has checked the printer if "
-               "the queue was held.",
-               &PrinterControl::plate_cleared)}};
+       {.description = "Confirms that the plate is clear, and that the user has checked the printer if "
+                       "the queue was held.",
+        .changes = true,
+        .call_later = [this](const Json&, const ControlCaller&, ControlMethod::Later later) {
+          plate_cleared(std::move(later));
+          return std::nullopt;
+        }}}};
 }
 
 Json PrinterControl::pause() {
@@ -68,13 +76,20 @@ Json PrinterControl::cancel() {
   return status_.status();
 }
 
-Json PrinterControl::plate_cleared() {
+void PrinterControl::plate_cleared(ControlMethod::Later later) {
   if (has_unfinished_job()) throw ControlRefusal(fmt::format("{} is being printed", job_.name()));
   if (hold_.plate_occupant()) context_.log.info("plate", "the plate is clear");
-  hold_.set_plate_occupant(std::nullopt);
   hold_.release();
+  const auto reply = std::make_shared<Json>();
+  hold_.set_plate_occupant(std::nullopt, [reply, later = std::move(later)](const std::string& trouble) {
+    if (trouble.empty()) return later(*reply);
+    later(
+        ControlRefusal("the plate counts as clear, but contourd will ask again after a restart, because this "
+                       "cannot be recorded: " +
+                       printable(trouble)));
+  });
   scheduler_.run();
-  return status_.status();
+  *reply = status_.status();
 }
 
 void PrinterControl::require_ready(std::string_view what) const {

@@ -35,7 +35,8 @@ class PrinterControl {
   // Cancels the current job.
   Json cancel();
   // Notes that the user has removed the part, and lets the queue go on.
-  Json plate_cleared();
+  // Calls `later` when the record of the occupied plate is removed from the disk.
+  void plate_cleared(ControlMethod::Later later);
 
  private:
   Json resume_queue();

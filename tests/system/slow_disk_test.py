@@ -31,13 +31,15 @@ class SlowDisk(FolderTest):
         wait_until(lambda: self.daemon.status()["manual"]["state"] == state, f"the printer to be {state}")
 
     def clear_plate(self):
-        """Reports the plate as clear, and asserts that this is answered, and that a thread waits for the disk to record it."""
-        self.assertEqual(self.daemon.rpc("plate_cleared")["result"]["plate"], "clear")
+        """Reports the plate as clear, which is answered when it is on the disk, and waits until a thread waits for the disk."""
+        self.clearing = self.daemon.client()
+        self.clearing.send(b'{"jsonrpc": "2.0", "method": "plate_cleared", "id": 1}\n')
         wait_until(lambda: os.path.exists(os.path.join(os.path.dirname(self.gate), "waiting")), "a thread to wait for the disk")
 
     def end(self):
         self.assertTrue(os.path.exists(self.gate))  # all that was waited for happened without the disk
         os.unlink(self.gate)
+        self.assertEqual(self.clearing.next()["result"]["plate"], "clear")
         self.daemon.stop()
 
     def test_light_by_hand_goes_off_at_its_end(self):
