@@ -16,7 +16,7 @@
 namespace contourd {
 namespace {
 
-// Of equally certain formats, the first reads the file.
+// The formats in order of precedence: if two are equally certain of a file, the first one reads it.
 constexpr std::array kFormats{&kAsciiStl, &kBinaryStl};
 
 struct CloseFile {

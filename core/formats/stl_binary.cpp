@@ -57,8 +57,8 @@ bool is_zero(const std::byte* record) {
   return first_coordinates == 0 && std::memcmp(record, kZeros.data(), kFacetBytes) == 0;
 }
 
-// Refuses facets that an interrupted copy left: the space of the file was reserved or its pages were lost,
-// and it reads as zeros.
+// Detects an interrupted copy: its missing part reads as zeros where the file's space had been reserved, or
+// where pages were lost.
 class InterruptedCopy {
  public:
   void add_zero_facet(std::uint64_t facet) {
@@ -71,7 +71,8 @@ class InterruptedCopy {
   }
 
  private:
-  // So many zero facets one after the other are no longer taken for facets without area at the origin.
+  // The number of consecutive zero facets that refuses the file. Fewer of them, unless they end it, are read
+  // as facets without area at the origin.
   static constexpr std::uint64_t kZeroFacets = 4;
 
   [[noreturn]] void refuse() const {

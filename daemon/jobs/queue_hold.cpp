@@ -12,6 +12,7 @@
 namespace contourd {
 namespace {
 
+// Fulfils a promise at the end of a scope.
 struct SetValue {
   void operator()(std::promise<void>* promise) const { promise->set_value(); }
 };
@@ -139,7 +140,7 @@ void QueueHold::keep(Saved saved) {
   spool_.keep(
       [&spool = spool_, occupant = plate_occupant_, reason = reason_, filing,
        end](const StateRecords& records) {
-        // Fulfilled on every way out. Those who wait for it go on, even if the disk has refused the records.
+        // Lets those who wait for the attempt go on, even if the disk refuses the records.
         const std::unique_ptr<std::promise<void>, SetValue> ending(end.get());
         keep_on_disk(records, occupant, reason);
         // Filed last: as long as the files are in printing/, the next start can derive what the records say.

@@ -41,8 +41,9 @@ class QueueHold {
 
   // Returns the job whose part is on the plate; nullopt if the plate is clear.
   [[nodiscard]] const std::optional<std::string>& plate_occupant() const { return plate_occupant_; }
-  // Calls `saved` from the loop when the job is on the disk, or with the disk's error.
+  // Receives the disk's error, or an empty text if the disk has the records. Called from the loop.
   using Saved = std::function<void(const std::string& trouble)>;
+  // Returns at once, and calls `saved` when the disk has the record, or has refused it.
   void set_plate_occupant(const std::optional<std::string>& job, Saved saved = nullptr);
 
   // Adds a job that could not be moved out of printing/. No other job begins before it is moved.
