@@ -33,7 +33,7 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       reader_(config, spool_, loop),
       hold_(context_, spool_, *this),
       queue_(config, reader_, *this, log),
-      history_worker_(loop, log, state_folder_path(config.spool_folder) / "history.sqlite"),
+      history_worker_(loop, log, state_folder_path(config.spool_folder) / "history.sqlite", spool_.ends()),
       job_(context_, spool_, reader_, hold_, history_worker_, *this),
       scheduler_(context_, spool_, queue_, hold_, *this),
       notices_(loop, log, config.job_ended_socket, config.name),
@@ -94,11 +94,14 @@ ControlMethods PrinterService::control_methods() {
 }
 
 void PrinterService::adopt_left_jobs() {
-  std::optional<EndedJob> last;
-  if (const std::optional<PrintEnd> end = last_recorded_end(spool_)) last = ended_job(*end);
-  std::vector<EndedJob> left =
-      hold_.adopt_left_jobs([this](const JobFiles& files) { return reader_.take_ended(files); });
-  history_worker_.adopt(std::move(left), std::move(last));
+  hold_.adopt_left_jobs([this](const JobFiles& files) { return reader_.take_ended(files); });
+  history_worker_.adopt_recorded_ends();
+  for (const JobEndRecord::Pending& each : spool_.ends().pending()) {
+    if (each.awaits(EndConsumer::Files) || !each.awaits(EndConsumer::Notice)) continue;
+    EndedJob ended = ended_job(each.end);
+    ended.reports = spool_.reports_of(folder_for(each.end), ended.name);
+    send_notice(ended);
+  }
   remind();
 }
 
@@ -183,9 +186,16 @@ void PrinterService::job_refused(EndedJob job) {
   note_end(std::move(job));
 }
 
+void PrinterService::send_notice(const EndedJob& job) {
+  notices_.add(job);
+  spool_.keep(
+      [&ends = spool_.ends(), key = job.key](const StateRecords&) { ends.taken(key, EndConsumer::Notice); },
+      [](const std::string&) {});
+}
+
 void PrinterService::note_end(EndedJob job) {
   const std::string last = fmt::format("last job {}: {}", printable(job.name), job.outcome);
-  notices_.add(job);
+  send_notice(job);
   history_.add(std::move(job));
   context_.supervisor.status(fmt::format("{}; {}", readiness(), last));
   notify("ended", ControlServer::Delivery::Certain);

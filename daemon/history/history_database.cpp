@@ -337,43 +337,29 @@ void HistoryDatabase::end(std::int64_t key, const EndedJob& job) {
 
 // --- jobs that the previous process left without an outcome
 
-void HistoryDatabase::adopt(const std::vector<EndedJob>& left, const std::optional<EndedJob>& last_end) {
+void HistoryDatabase::adopt(const std::vector<JobEnd>& ends) {
   SqliteTransaction transaction(*database_);
-  for (const EndedJob& job : left)
-    end_left(job);
-  // The job may have been filed before its end was stored here.
-  if (last_end) end_left(*last_end);
+  for (const JobEnd& end : ends)
+    adopt_end(end);
+  // A job without light and without a recorded end was given back to the queue.
+  database_->execute("DELETE FROM job WHERE outcome IS NULL AND layers_exposed=0 AND lit_s=0");
   SqliteStatement(*database_, "UPDATE job SET outcome='failed',reason=?,ended_ms=? WHERE outcome IS NULL")
       .bind(kEndNotNoted, ms(system_clock::now()))
       .step();
   transaction.commit();
 }
 
-std::int64_t HistoryDatabase::key_under_way(const std::string& name) {
-  SqliteStatement row(*database_,
-                      "SELECT key FROM job WHERE outcome IS NULL AND name=? ORDER BY id DESC LIMIT 1");
-  return row.bind(name).step() ? row.integer(0) : 0;
-}
-
-void HistoryDatabase::end_left(const EndedJob& job) {
-  const std::string reason = shortened(job.reason);
-  const std::int64_t key = job.key != 0 ? job.key : key_under_way(job.name);
-  if (key != 0) {
-    begin(key, job.name, job.began);
-    SqliteStatement(*database_,
-                    "UPDATE job SET outcome=?,reason=?,ended_ms=? WHERE key=? AND outcome IS NULL")
-        .bind(job.outcome, reason, ms(job.ended), key)
-        .step();
-    return;
-  }
-  // If the disk did not let the job be moved out of printing/, an earlier start has stored it already.
-  SqliteStatement latest(*database_, "SELECT name,outcome,reason FROM job ORDER BY id DESC LIMIT 1");
-  if (latest.step() && latest.text(0) == job.name && latest.text(1) == job.outcome &&
-      latest.text(2) == reason)
-    return;
-  SqliteStatement(*database_,
-                  "INSERT INTO job(key,name,outcome,reason,began_ms,ended_ms) VALUES(random(),?,?,?,?,?)")
-      .bind(job.name, job.outcome, reason, ms(job.began), ms(job.ended))
+void HistoryDatabase::adopt_end(const JobEnd& end) {
+  // A print without a recorded end was begun under a key that only the history has.
+  SqliteStatement(
+      *database_,
+      "UPDATE OR IGNORE job SET key=? WHERE id=(SELECT max(id) FROM job WHERE outcome IS NULL AND "
+      "name=?)")
+      .bind(end.key, end.job)
+      .step();
+  begin(end.key, end.job, end.ended);
+  SqliteStatement(*database_, "UPDATE job SET outcome=?,reason=?,ended_ms=? WHERE key=? AND outcome IS NULL")
+      .bind(end.outcome, shortened(end.reason), ms(end.ended), end.key)
       .step();
 }
 

@@ -79,9 +79,9 @@ class HistoryDatabase {
   // Stores the end of a job, and adds the job if begin() was not called for it. A second call changes
   // nothing.
   void end(std::int64_t key, const EndedJob& job);
-  // Completes the history when contourd starts: `left` are the jobs that were in printing/, with their
-  // outcomes; `last_end` is the last recorded end of a print. Afterwards every job has an outcome.
-  void adopt(const std::vector<EndedJob>& left, const std::optional<EndedJob>& last_end);
+  // Completes the history when contourd starts, with the recorded ends that it may lack. Afterwards every job
+  // has an outcome. A second call with the same ends changes nothing.
+  void adopt(const std::vector<JobEnd>& ends);
 
   [[nodiscard]] HistoryPage list(const HistoryQuery& query);
   // Returns the usage by resin, the resin with most light first; at most a hundred.
@@ -97,9 +97,7 @@ class HistoryDatabase {
   void put_aside(const std::string& why);
   void check_file();
   void make_tables();
-  void end_left(const EndedJob& job);
-  // Returns the key of the job of this name without an outcome; 0 if there is none.
-  [[nodiscard]] std::int64_t key_under_way(const std::string& name);
+  void adopt_end(const JobEnd& end);
   void forget_oldest();
 
   std::filesystem::path file_;

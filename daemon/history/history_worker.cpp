@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <iterator>
-#include <memory>
-#include <random>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd {
@@ -20,13 +20,6 @@ using namespace std::chrono_literals;
 constexpr int kHistoryNiceness = 10;
 // Delay before changes that could not be written are retried.
 constexpr Duration kWriteRetryInterval = 30s;
-// Longest wait for the spool's record of an end.
-constexpr Duration kLongestRecording = 5s;
-
-std::int64_t new_key() {
-  std::random_device chance;
-  return static_cast<std::int64_t>(std::uint64_t{chance()} << 32 | chance());
-}
 
 HistoryWorker::AllUsage usage_of(HistoryDatabase& database) {
   return {database.usage(), database.usage_by_resin(), database.wear()};
@@ -34,19 +27,29 @@ HistoryWorker::AllUsage usage_of(HistoryDatabase& database) {
 
 }  // namespace
 
-HistoryWorker::HistoryWorker(EventLoop& loop, const Log& log, const std::filesystem::path& file)
-    : loop_(loop), log_(log), database_(file), worker_(loop, "contourd-past", kHistoryNiceness) {}
+HistoryWorker::HistoryWorker(EventLoop& loop, const Log& log, const std::filesystem::path& file,
+                             JobEndRecord& ends)
+    : loop_(loop),
+      log_(log),
+      ends_(ends),
+      database_(file),
+      worker_(loop, "contourd-past", kHistoryNiceness) {}
 
 // --- changes
 
-void HistoryWorker::adopt(std::vector<EndedJob> left, std::optional<EndedJob> last_end) {
-  change([left = std::move(left), last_end = std::move(last_end)](HistoryDatabase& database) {
-    database.adopt(left, last_end);
+void HistoryWorker::adopt_recorded_ends() {
+  std::vector<JobEnd> ends;
+  for (const JobEndRecord::Pending& each : ends_.pending())
+    if (each.awaits(EndConsumer::History)) ends.push_back(each.end);
+  change([this, ends = std::move(ends)](HistoryDatabase& database) {
+    database.adopt(ends);
+    for (const JobEnd& end : ends)
+      ends_.taken(end.key, EndConsumer::History);
   });
 }
 
 std::int64_t HistoryWorker::begin(const std::string& name) {
-  under_way_ = UnderWay{new_key(), name, std::chrono::system_clock::now(), std::nullopt};
+  under_way_ = UnderWay{new_job_key(), name, std::chrono::system_clock::now(), std::nullopt};
   change([job = *under_way_](HistoryDatabase& database) { database.begin(job.key, job.name, job.began); });
   return under_way_->key;
 }
@@ -73,30 +76,41 @@ void HistoryWorker::forget() {
   under_way_.reset();
 }
 
-std::shared_future<void> HistoryWorker::end(EndedJob& job, const std::shared_future<void>& recorded) {
-  if (!under_way_) return change_for(new_key(), job, recorded);
+void HistoryWorker::end(EndedJob& job) {
+  expects(under_way_.has_value(), "a job has begun");
+  job.key = under_way_->key;
   job.began = under_way_->began;
-  return change_for(std::exchange(under_way_, std::nullopt)->key, job, recorded);
-}
-
-void HistoryWorker::refuse(EndedJob& job) {
-  (void)change_for(new_key(), job);
-}
-
-std::shared_future<void> HistoryWorker::change_for(std::int64_t key, EndedJob& job,
-                                                   const std::shared_future<void>& recorded) {
+  under_way_.reset();
   job.ended = std::chrono::system_clock::now();
-  if (job.began == std::chrono::system_clock::time_point{}) job.began = job.ended;
-  return change([key, job, recorded](HistoryDatabase& database) {
-    if (recorded.valid()) (void)recorded.wait_for(kLongestRecording);
-    database.end(key, job);
+  change([this, job](HistoryDatabase& database) {
+    record(job);
+    store_end(database, job);
   });
 }
 
-std::shared_future<void> HistoryWorker::change(Change change) {
-  const auto made = std::make_shared<std::promise<void>>();
+void HistoryWorker::refuse(EndedJob& job) {
+  expects(job.key != 0, "the end has a key");
+  job.began = job.ended = std::chrono::system_clock::now();
+  change([this, job](HistoryDatabase& database) { store_end(database, job); });
+}
+
+void HistoryWorker::store_end(HistoryDatabase& database, const EndedJob& job) {
+  database.end(job.key, job);
+  ends_.taken(job.key, EndConsumer::History);
+}
+
+// Records the end before the history has it: the next process recognises it by its key.
+void HistoryWorker::record(const EndedJob& job) {
+  try {
+    ends_.add(job_end(job));
+  } catch (const std::system_error&) {
+    // A full disk has no room for the record. The files show the end until they are moved.
+  }
+}
+
+void HistoryWorker::change(Change change) {
   worker_.run(
-      [this, change = std::move(change), made] {
+      [this, change = std::move(change)] {
         waiting_.push_back(change);
         if (waiting_.size() > kMostWaiting) {
           waiting_.pop_front();
@@ -104,12 +118,9 @@ std::shared_future<void> HistoryWorker::change(Change change) {
             notes_.push_back(fmt::format(
                 "more than {} changes of the history wait to be written; the oldest are lost", kMostWaiting));
         }
-        Health after = change_now_or_never({});
-        made->set_value();
-        return after;
+        return change_now_or_never({});
       },
       [this](const Health& health) { handle(health); });
-  return made->get_future().share();
 }
 
 void HistoryWorker::handle(const Health& health) {

@@ -9,13 +9,13 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
-#include <future>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "daemon/history/history_database.hpp"
 #include "daemon/history/job_history.hpp"
+#include "daemon/spool/job_ends.hpp"
 #include "daemon/system/control_caller.hpp"
 #include "daemon/system/log.hpp"
 #include "daemon/system/worker.hpp"
@@ -30,11 +30,12 @@ class HistoryWorker {
   // logged once.
   static constexpr std::size_t kMostWaiting = 1'000;
 
-  // Loop and log must outlive the object. The worker's thread opens the file.
-  HistoryWorker(EventLoop& loop, const Log& log, const std::filesystem::path& file);
+  // Loop, log and record must outlive the object. The worker's thread opens the file.
+  HistoryWorker(EventLoop& loop, const Log& log, const std::filesystem::path& file, JobEndRecord& ends);
 
-  // Completes the history when contourd starts: see HistoryDatabase::adopt().
-  void adopt(std::vector<EndedJob> left, std::optional<EndedJob> last_end);
+  // Completes the history when contourd starts, from the ends that wait for it in the record: see
+  // HistoryDatabase::adopt().
+  void adopt_recorded_ends();
   // Stores that a job begins. Returns its key.
   std::int64_t begin(const std::string& name);
   // Stores the current job's usage if the last time is kNoteInterval ago.
@@ -43,12 +44,10 @@ class HistoryWorker {
   void note_now(const JobFigures& figures);
   // Removes the current job from the history, since it will begin another time.
   void forget();
-  // Stores that the current job has ended or was refused, and sets the times in `job`. The future is ready
-  // when the end is in the database or had to be put off. Waits some seconds for `recorded`, the spool's
-  // record of the same end with its key: after a kill, the next process knows by it that the history has the
-  // end.
-  std::shared_future<void> end(EndedJob& job, const std::shared_future<void>& recorded = {});
-  // Stores that a job was refused before its turn, and sets the times in `job`.
+  // Stores that the current job has ended or was refused, and sets the times and the key in `job`. The end is
+  // recorded before the history has it. REQUIRES: begin() was called for the job.
+  void end(EndedJob& job);
+  // Stores that a job was refused before its turn, and sets the times in `job`. REQUIRES: the job has a key.
   void refuse(EndedJob& job);
 
   // Receives the answer of a query, later, or nullopt and a sentence that says why; the sentence is empty if
@@ -89,9 +88,7 @@ class HistoryWorker {
   };
   using Change = std::function<void(HistoryDatabase&)>;
 
-  std::shared_future<void> change(Change change);
-  std::shared_future<void> change_for(std::int64_t key, EndedJob& job,
-                                      const std::shared_future<void>& recorded = {});
+  void change(Change change);
   template <typename Answer, typename Question>
   void ask(const ControlCaller& asker, Question question, Done<Answer> done);
   void ask_next();
@@ -99,14 +96,17 @@ class HistoryWorker {
   // Logs a change of the database's state, and starts the retry of waiting changes.
   void handle(const Health& health);
 
-  // The worker's thread calls these three functions. The first makes the waiting changes and then `change`,
+  // The worker's thread calls these functions. The first makes the waiting changes and then `change`,
   // and throws std::runtime_error with a sentence; the second drops `change` if it cannot be made now.
   void make_changes(const Change& change);
   [[nodiscard]] Health change_now_or_never(const Change& change);
   [[nodiscard]] Health health();
+  void record(const EndedJob& job);
+  void store_end(HistoryDatabase& database, const EndedJob& job);
 
   EventLoop& loop_;
   const Log& log_;
+  JobEndRecord& ends_;
   std::optional<UnderWay> under_way_;
   std::deque<Waiting> questions_;
   bool asking_ = false;

@@ -6,6 +6,19 @@
 
 namespace contourd {
 
+JobEnd job_end(const EndedJob& job) {
+  return {.key = job.key, .job = job.name, .outcome = job.outcome, .reason = job.reason, .ended = job.ended};
+}
+
+EndedJob ended_job(const JobEnd& end) {
+  return {.name = end.job,
+          .outcome = end.outcome,
+          .reason = end.reason,
+          .began = end.ended,
+          .ended = end.ended,
+          .key = end.key};
+}
+
 nlohmann::ordered_json history_json(const EndedJob& job) {
   const JobFigures& figures = job.figures;
   return {{"job", job.name},

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/spool/job_ends.hpp"
 #include "daemon/spool/job_files.hpp"
 
 namespace contourd {
@@ -38,6 +39,10 @@ struct EndedJob {
   std::int64_t key = 0;  // identifies the job in the database, see HistoryDatabase::begin(); 0 if not known
   ReportFiles reports{};
 };
+
+// Return the same end for the record, without figures, and back.
+[[nodiscard]] JobEnd job_end(const EndedJob& job);
+[[nodiscard]] EndedJob ended_job(const JobEnd& end);
 
 // Returns the job in the format of the control socket (docs/control-api.md, "A job of the history").
 [[nodiscard]] nlohmann::ordered_json history_json(const EndedJob& job);

@@ -160,15 +160,24 @@ void CurrentJob::was_read(ReadJob result) {
   occupy_plate();
 }
 
+JobEnd CurrentJob::end_as(PrintOutcome outcome, const std::string& reason) const {
+  return {.key = job_->key,
+          .job = name(),
+          .outcome = std::string(name_of(outcome)),
+          .reason = reason,
+          .ended = std::chrono::system_clock::now()};
+}
+
 void CurrentJob::refuse(PrintOutcome outcome, const std::string& reason) {
   log_.refused(name(), reason);
   job_->refused = true;
-  const PrintEnd end{outcome, reason, job_->key};
+  JobEnd end = end_as(outcome, reason);
+  end.kind = JobEnd::Kind::Refused;
   const auto troubles = std::make_shared<std::vector<std::string>>();
   spool_.keep(
       [troubles, end, &spool = spool_, files = job_->claimed.files](const StateRecords&) {
         try {
-          record_end(spool, files.name, end);
+          spool.ends().add(end);
         } catch (const std::system_error&) {
           // A full disk has no room for the record, but a rename needs none.
         }
@@ -181,7 +190,7 @@ void CurrentJob::refuse(PrintOutcome outcome, const std::string& reason) {
       });
 }
 
-void CurrentJob::refusal_filed(const PrintEnd& end, const std::string& why_it_stays) {
+void CurrentJob::refusal_filed(const JobEnd& end, const std::string& why_it_stays) {
   const JobFiles files = std::move(job_->claimed.files);
   job_.reset();
   if (!why_it_stays.empty()) {
@@ -190,7 +199,7 @@ void CurrentJob::refusal_filed(const PrintEnd& end, const std::string& why_it_st
         job_fields(files.name));
     hold_.add_unfiled(files, end);
   }
-  EndedJob ended{files.name, std::string(name_of(end.outcome)), end.reason};
+  EndedJob ended = ended_job(end);
   history_.end(ended);
   observer_.job_ended(std::move(ended));
   observer_.may_stop();
@@ -320,8 +329,9 @@ void CurrentJob::print_ended(PrintOutcome outcome, const std::string& reason, Pr
   report.outcome = outcome;
   report.reason = reason;
   log_.ended(report);
-  job_->recorded = archivist_.record(name(), {outcome, reason, job_->key});
-  job_->over = EndedPrint{job_->claimed.files, std::move(report), std::move(plan.engine)};
+  const JobEnd end = end_as(outcome, reason);
+  archivist_.record(end);
+  job_->over = EndedPrint{job_->claimed.files, std::move(report), std::move(plan.engine), end};
   if (!job_->had_light) hold_.set_plate_occupant(job_->plate_before);
   // A fault of the machine would hit the next job too, which begins with a motion. A print that was stopped
   // with contourd has left its part in the way.
@@ -341,9 +351,10 @@ void CurrentJob::file() {
   EndedPrint print = std::move(*job_->over);
   job_->over.reset();
   print.report.findings = std::move(job_->findings);
-  job_->ended = {name(), std::string(name_of(print.report.outcome)), print.report.reason, job_->analysis,
-                 figures_of(print.report)};
-  print.noted = history_.end(job_->ended, job_->recorded);
+  job_->ended = ended_job(print.end);
+  job_->ended.analysis = job_->analysis;
+  job_->ended.figures = figures_of(print.report);
+  history_.end(job_->ended);
   print.held = hold_.last_attempt();
   archivist_.file(std::move(print), [this](const FiledPrint& done) { filed(done); });
 }
@@ -354,7 +365,7 @@ void CurrentJob::filed(const FiledPrint& print) {
     context_.log.error("spool", fmt::format("{}: {}", printable(name), printable(trouble)), job_fields(name));
   EndedJob ended = std::move(job_->ended);
   job_.reset();
-  if (!print.moved) hold_.add_unfiled(print.files, PrintEnd{print.outcome, print.reason});
+  if (!print.moved) hold_.add_unfiled(print.files, print.end);
   ended.reports = print.reports;
   observer_.job_ended(std::move(ended));
   observer_.may_stop();

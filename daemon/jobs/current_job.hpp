@@ -50,7 +50,6 @@ class CurrentJob final : private PrintObserver {
     std::optional<PrintFindings> findings;    // nullopt while the analysis is under way
     nlohmann::ordered_json analysis;          // the findings in short; null while there are none
     std::optional<EndedPrint> over;           // set when the print is over, until its analysis is too
-    std::shared_future<void> recorded;        // ready when its end is in the spool's records
     EndedJob ended;                           // set once the job is being filed
     bool cancel_wanted = false;               // cancelled before it could start
     std::optional<std::string> plate_before;  // the plate's occupant before this job
@@ -106,7 +105,8 @@ class CurrentJob final : private PrintObserver {
   void was_read(ReadJob result);
   // Moves the job to failed/, then reports its end.
   void refuse(PrintOutcome outcome, const std::string& reason);
-  void refusal_filed(const PrintEnd& end, const std::string& why_it_stays);
+  void refusal_filed(const JobEnd& end, const std::string& why_it_stays);
+  [[nodiscard]] JobEnd end_as(PrintOutcome outcome, const std::string& reason) const;
   void occupy_plate();
   void plate_saved(const std::string& trouble);
   void start_print();

@@ -40,7 +40,7 @@ class JobChecks {
   // Discards the cached preparation of incoming/`file`, and ends its check or analysis early.
   virtual void forget(const std::string& file) = 0;
   // Moves the job to failed/ with a reason file: see Spool::reject().
-  virtual void reject(const std::string& file, const std::string& reason, Spool::Rejected done) = 0;
+  virtual void reject(const std::string& file, const JobEnd& end, Spool::Rejected done) = 0;
   // Saves a record of what users have decided about waiting jobs. `done` gets the error; empty on success.
   enum class Record { Order, Accepted };
   virtual void save(Record record, const std::vector<std::string>& lines,

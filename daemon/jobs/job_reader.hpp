@@ -45,8 +45,8 @@ class JobReader final : public JobChecks {
   void analyze(const std::string& file, Keep keep,
                std::function<void(const JobAnalysisOutcome&)> done) override;
   void forget(const std::string& file) override;
-  void reject(const std::string& file, const std::string& reason, Spool::Rejected done) override {
-    spool_.reject(file, reason, std::move(done));
+  void reject(const std::string& file, const JobEnd& end, Spool::Rejected done) override {
+    spool_.reject(file, end, std::move(done));
   }
   void save(Record record, const std::vector<std::string>& lines,
             std::function<void(const std::string& trouble)> done) override;

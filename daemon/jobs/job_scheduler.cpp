@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "daemon/spool/job_moves.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd {
@@ -170,7 +171,7 @@ void JobScheduler::not_claimed(WaitingJob& job, std::optional<JobSettings> setti
     log_withdrawn(context_.log, file);
     return run_soon();
   }
-  if (Spool::is_immovable(error.code()))
+  if (is_immovable(error.code()))
     return copy({queue_.take_first(), std::move(settings)}, error.code().message());
   note_trouble(job, fmt::format("{} cannot be claimed: {}", printable(job.file), printable(error.what())));
   retry_later(kRetryInterval);

@@ -4,9 +4,6 @@
 
 #include <chrono>
 #include <exception>
-#include <nlohmann/json.hpp>
-#include <stdexcept>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -22,8 +19,8 @@ namespace {
 
 // Filing gives way to the event loop, and to the reading of a model.
 constexpr int kArchivistNiceness = 5;
-// Longest time that filing waits for the history to have the print.
-constexpr std::chrono::seconds kLongestNoting{2};
+// Longest time that filing waits for the hold of the queue to be on the disk.
+constexpr std::chrono::seconds kLongestHolding{2};
 // Time limit for all pictures of layers: contourd may be about to stop, and waits for the filing.
 constexpr std::chrono::seconds kLongestLayerPictures{5};
 
@@ -41,7 +38,7 @@ bool attempt(const std::string& what, FiledPrint& filed, Work work) {
 
 void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& filed) {
   PrintReport& report = print.report;
-  const Spool::Folder folder = folder_for(report.outcome);
+  const Spool::Folder folder = folder_for(print.end);
   attempt("no picture", filed, [&] {
     const Supports* const supports = report.summary.supports ? &*report.summary.supports : nullptr;
     report.preview = encode_picture(draw_job(*print.engine, supports, printed_height(report)), supports);
@@ -57,18 +54,12 @@ void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& f
   attempt("no preview.png", filed, [&] { spool.write_beside(folder, report.job, "preview.png", picture); });
 }
 
-// Returns the job's name as valid UTF-8, which JSON requires.
-std::string as_recorded(const std::string& job) {
-  return printable(job);
-}
-
-FiledPrint file_print(const Spool& spool, EndedPrint& print) {
+FiledPrint file_print(Spool& spool, EndedPrint& print) {
   const PrintReport& report = print.report;
-  FiledPrint filed{print.files, false, report.outcome, report.reason, {}, {}};
-  const Spool::Folder folder = folder_for(report.outcome);
-  const PrintEnd end{report.outcome, report.reason};
-  attempt("cannot record the end of the print", filed, [&] { record_end(spool, report.job, end); });
-  const std::string reason = reason_text(end);
+  FiledPrint filed{print.files, false, print.end, {}, {}};
+  const Spool::Folder folder = folder_for(print.end);
+  attempt("cannot record the end of the print", filed, [&] { spool.ends().add(print.end); });
+  const std::string reason = reason_text(print.end);
   // A full disk has no room for what goes beside the job, but a rename needs none.
   if (!reason.empty())
     attempt("cannot write its reason file", filed,
@@ -78,11 +69,8 @@ FiledPrint file_print(const Spool& spool, EndedPrint& print) {
   });
   if (recorded) write_page_and_picture(spool, print, filed);
   filed.reports = spool.reports_of(folder, report.job);
-  // As long as the files are in printing/, the next start learns of a print that the history does not have,
-  // and holds the queue.
-  for (const std::shared_future<void>& kept : {print.noted, print.held}) {
-    if (kept.valid()) (void)kept.wait_for(kLongestNoting);
-  }
+  // As long as the files are in printing/, the next start holds the queue.
+  if (print.held.valid()) (void)print.held.wait_for(kLongestHolding);
   filed.moved = attempt("stays in printing", filed, [&] {
     if (!spool.end(print.files, folder))
       filed.troubles.push_back(fmt::format("{} is gone: someone removed it", print.files.model.string()));
@@ -90,16 +78,9 @@ FiledPrint file_print(const Spool& spool, EndedPrint& print) {
   return filed;
 }
 
-std::optional<PrintOutcome> outcome_called(std::string_view name) {
-  for (const PrintOutcome outcome : {PrintOutcome::Done, PrintOutcome::Canceled, PrintOutcome::Failed}) {
-    if (name_of(outcome) == name) return outcome;
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
-PrintArchivist::PrintArchivist(EventLoop& loop, const Spool& spool)
+PrintArchivist::PrintArchivist(EventLoop& loop, Spool& spool)
     : spool_(spool), worker_(loop, "contourd-filing", kArchivistNiceness) {}
 
 void PrintArchivist::file(EndedPrint print, std::function<void(const FiledPrint&)> done) {
@@ -115,73 +96,29 @@ void PrintArchivist::file(EndedPrint print, std::function<void(const FiledPrint&
               });
 }
 
-void record_end(const Spool& spool, const std::string& job, const PrintEnd& end) {
-  if (recorded_end(spool, job)) return;
-  const nlohmann::json record{
-      {"job", as_recorded(job)}, {"outcome", name_of(end.outcome)}, {"reason", end.reason}, {"key", end.key}};
-  spool.records().keep_end_of_print(record.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
-}
-
-std::shared_future<void> PrintArchivist::record(const std::string& job, const PrintEnd& end) {
-  const auto recorded = std::make_shared<std::promise<void>>();
+void PrintArchivist::record(const JobEnd& end) {
   worker_.run(
-      [&spool = spool_, job, end, recorded] {
+      [&spool = spool_, end] {
         try {
-          record_end(spool, job, end);
+          spool.ends().add(end);
         } catch (const std::system_error&) {
           // Tried again, and reported, when the print is filed.
         }
-        recorded->set_value();
         return true;
       },
       [](bool) {});
-  return recorded->get_future().share();
 }
 
-Spool::Folder folder_for(PrintOutcome outcome) {
-  return outcome == PrintOutcome::Done ? Spool::Folder::Done : Spool::Folder::Failed;
+Spool::Folder folder_for(const JobEnd& end) {
+  return end.outcome == name_of(PrintOutcome::Done) ? Spool::Folder::Done : Spool::Folder::Failed;
 }
 
-std::string reason_text(const PrintEnd& end) {
-  switch (end.outcome) {
-    case PrintOutcome::Done:
-      return "";
-    case PrintOutcome::Canceled:
-      return "Cancelled by the user.\n";
-    case PrintOutcome::Failed:
-      return end.reason + "\n";
-  }
-  return "";
-}
-
-EndedJob ended_job(const PrintEnd& end) {
-  const auto now = std::chrono::system_clock::now();
-  return {.name = end.job,
-          .outcome = std::string(name_of(end.outcome)),
-          .reason = end.reason,
-          .began = now,
-          .ended = now,
-          .key = end.key};
-}
-
-// An unreadable record counts as no record.
-std::optional<PrintEnd> last_recorded_end(const Spool& spool) {
-  const auto record = nlohmann::json::parse(spool.records().end_of_print(), nullptr, false);
-  if (!record.is_object()) return std::nullopt;
-  const auto text = [&](const char* key) {
-    const auto found = record.find(key);
-    return found != record.end() && found->is_string() ? found->get<std::string>() : std::string();
-  };
-  const std::optional<PrintOutcome> outcome = outcome_called(text("outcome"));
-  const auto key = record.find("key");
-  if (!outcome || key == record.end() || !key->is_number_integer()) return std::nullopt;
-  return PrintEnd{*outcome, text("reason"), key->get<std::int64_t>(), text("job")};
-}
-
-std::optional<PrintEnd> recorded_end(const Spool& spool, const std::string& job) {
-  std::optional<PrintEnd> last = last_recorded_end(spool);
-  if (last && last->job != as_recorded(job)) last.reset();
-  return last;
+std::string reason_text(const JobEnd& end) {
+  if (end.outcome == name_of(PrintOutcome::Done)) return "";
+  if (end.outcome == name_of(PrintOutcome::Canceled)) return "Cancelled by the user.\n";
+  return end.reason + (end.kind == JobEnd::Kind::Interrupted
+                           ? ". Put the model into incoming again to print it from the start.\n"
+                           : "\n");
 }
 
 }  // namespace contourd

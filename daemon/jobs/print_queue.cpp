@@ -328,9 +328,15 @@ void PrintQueue::move(const std::string& file, std::size_t to) {
 void PrintQueue::reject(WaitingJob& job, const std::string& reason, bool removed) {
   job.check = WaitingJob::Check::Refused;
   ++rejections_;
+  const JobEnd end{.key = new_job_key(),
+                   .job = job_name_of(job.file),
+                   .outcome = removed ? "cancelled" : "failed",
+                   .reason = reason,
+                   .ended = std::chrono::system_clock::now(),
+                   .kind = JobEnd::Kind::Refused};
   checks_.reject(
-      job.file, reason + "\n",
-      [this, reject = Reject{job.file, reason, removed}](
+      job.file, end,
+      [this, reject = Reject{job.file, end, removed}](
           Spool::Rejection rejection, const std::string& trouble) { rejected(reject, rejection, trouble); });
 }
 
@@ -352,7 +358,7 @@ void PrintQueue::rejected(const Reject& reject, Spool::Rejection rejection, cons
     order_.remove(reject.file);
   }
   log_rejection(reject, rejection, trouble);
-  observer_.job_refused({job_name_of(reject.file), reject.removed ? "cancelled" : "failed", reject.reason});
+  observer_.job_refused(ended_job(reject.end));
   observer_.queue_changed();
 }
 
@@ -371,8 +377,8 @@ void PrintQueue::log_rejection(const Reject& job, Spool::Rejection rejection,
                                const std::string& trouble) const {
   const std::string file = printable(job.file);
   const std::string_view event = job.removed ? "removed" : "refused";
-  log_.write(job.removed ? LogLevel::Info : LogLevel::Error, event, fmt::format("{}: {}", file, job.reason),
-             file_fields(job.file));
+  log_.write(job.removed ? LogLevel::Info : LogLevel::Error, event,
+             fmt::format("{}: {}", file, job.end.reason), file_fields(job.file));
   if (rejection == Spool::Rejection::LeftThere)
     log_.warning(event,
                  fmt::format("{}: stays in incoming, because it cannot be moved; it may be deleted", file),

@@ -161,7 +161,8 @@ class PrintQueue {
   void note_question(WaitingJob& job, const AnalyzedJob& analyzed);
   // A job that is being moved to failed/.
   struct Reject {
-    std::string file, reason;
+    std::string file;
+    JobEnd end;
     bool removed = false;  // by a user
   };
   void reject(WaitingJob& job, const std::string& reason, bool removed = false);

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <memory>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -11,6 +13,8 @@
 
 namespace contourd {
 namespace {
+
+constexpr std::string_view kWhyInterrupted = "the power was cut, or contourd was killed or crashed";
 
 // Fulfils a promise at the end of a scope.
 struct SetValue {
@@ -30,47 +34,53 @@ void QueueHold::load() {
   reason_ = spool_.records().hold();
 }
 
-std::vector<EndedJob> QueueHold::adopt_left_jobs(
-    const std::function<bool(const JobFiles&)>& ended_in_reading) {
-  std::vector<EndedJob> left;
+void QueueHold::adopt_left_jobs(const std::function<bool(const JobFiles&)>& ended_in_reading) {
+  std::set<std::string> left;
   for (const JobFiles& files : spool_.interrupted()) {
-    PrintEnd end{PrintOutcome::Failed, std::string(kEndedAProcess)};
-    // The print had not begun.
-    if (plate_occupant_ != files.name && ended_in_reading(files)) {
-      unfiled_.add_left(files, end);
-      context_.log.error("refused", fmt::format("{}: {}", printable(files.name), kEndedAProcess),
-                         job_fields(files.name));
-    } else {
-      end = adopt(files, recorded_end(spool_, files.name));
-    }
-    end.job = files.name;
-    left.push_back(ended_job(end));
+    // The print of a job whose part is on the plate had begun.
+    adopt(files, plate_occupant_ != files.name && ended_in_reading(files));
+    left.insert(files.name);
   }
-  // If nothing is left in printing/, the print in the last record is filed.
-  if (unfiled_.empty())
-    spool_.records().forget_end_of_print();
-  else
-    keep_now();
-  return left;
+  // The last process has filed the others.
+  for (const JobEndRecord::Pending& each : spool_.ends().pending())
+    if (!left.contains(each.end.job)) spool_.ends().files_taken(each.end.job);
+  if (!unfiled_.empty()) keep_now();
 }
 
-PrintEnd QueueHold::adopt(const JobFiles& files, const std::optional<PrintEnd>& end) {
-  constexpr const char* kInterrupted =
-      "was interrupted: the power was cut, or contourd was killed or crashed";
-  const PrintEnd ended =
-      end.value_or(PrintEnd{PrintOutcome::Failed, std::string("the print ") + kInterrupted});
+void QueueHold::adopt(const JobFiles& files, bool ended_in_reading) {
+  const JobEnd end = end_of_left(files.name, ended_in_reading);
   unfiled_.add_left(files, end);
-  const std::string how =
-      end ? fmt::format("contourd did not file this print, which was {}", name_of(end->outcome))
-          : "contourd did not end this print";
+  if (end.kind == JobEnd::Kind::Refused)
+    return context_.log.error("refused", fmt::format("{}: {}", printable(files.name), printable(end.reason)),
+                              job_fields(files.name));
+  const bool interrupted = end.kind == JobEnd::Kind::Interrupted;
+  const std::string how = interrupted
+                              ? "contourd did not end this print"
+                              : fmt::format("contourd did not file this print, which was {}", end.outcome);
   context_.log.error("interrupted",
                      fmt::format("{}: {} (power cut, crash or kill)", printable(files.name), how),
                      job_fields(files.name));
-  if (!end) plate_occupant_ = files.name;
-  if (reason_ || ended.outcome != PrintOutcome::Failed) return ended;
-  reason_ = end ? fmt::format("{} failed: {}", files.name, end->reason)
-                : fmt::format("{} {}", files.name, kInterrupted);
-  return ended;
+  if (interrupted) plate_occupant_ = files.name;
+  if (reason_ || end.outcome != name_of(PrintOutcome::Failed)) return;
+  reason_ = fmt::format("{} {}: {}", files.name, interrupted ? "was interrupted" : "failed",
+                        interrupted ? kWhyInterrupted : end.reason);
+}
+
+JobEnd QueueHold::end_of_left(const std::string& job, bool ended_in_reading) {
+  if (std::optional<JobEnd> end = spool_.ends().end_of(job)) return *std::move(end);
+  const JobEnd end{.key = new_job_key(),
+                   .job = job,
+                   .outcome = std::string(name_of(PrintOutcome::Failed)),
+                   .reason = ended_in_reading ? std::string(kEndedAProcess)
+                                              : fmt::format("The print was interrupted: {}", kWhyInterrupted),
+                   .ended = std::chrono::system_clock::now(),
+                   .kind = ended_in_reading ? JobEnd::Kind::Refused : JobEnd::Kind::Interrupted};
+  try {
+    spool_.ends().add(end);
+  } catch (const std::system_error&) {
+    // A full disk has no room for the record, but a rename needs none.
+  }
+  return end;
 }
 
 void QueueHold::hold(const std::string& why) {
@@ -100,7 +110,7 @@ void QueueHold::set_plate_occupant(const std::optional<std::string>& job, Saved 
   keep(std::move(saved));
 }
 
-void QueueHold::add_unfiled(const JobFiles& files, const PrintEnd& end) {
+void QueueHold::add_unfiled(const JobFiles& files, const JobEnd& end) {
   unfiled_.add_known(files, end);
   keep();
 }

@@ -24,11 +24,11 @@ class QueueHold {
 
   // Restores what the last process recorded.
   void load();
-  // Takes over the jobs that the last process left in printing/, files them, and returns them with their
-  // ends; blocks until the disk has done that, so that it is called before the event loop runs. A print that
-  // did not end holds the queue, and its part is on the plate. `ended_in_reading` returns true for a job that
-  // had not begun and whose reading ended that process.
-  std::vector<EndedJob> adopt_left_jobs(const std::function<bool(const JobFiles&)>& ended_in_reading);
+  // Takes over the jobs that the last process left in printing/, records the ends of those that have none,
+  // and files them. Blocks until the disk has done that, so that it is called before the event loop runs. A
+  // print that did not end holds the queue, and its part is on the plate. `ended_in_reading` returns true for
+  // a job that had not begun and whose reading ended that process.
+  void adopt_left_jobs(const std::function<bool(const JobFiles&)>& ended_in_reading);
 
   // Lets no job begin until release(), even if the plate is clear. If the queue is held already, the first
   // reason stays.
@@ -47,7 +47,7 @@ class QueueHold {
   void set_plate_occupant(const std::optional<std::string>& job, Saved saved = nullptr);
 
   // Adds a job that could not be moved out of printing/. No other job begins before it is moved.
-  void add_unfiled(const JobFiles& files, const PrintEnd& end);
+  void add_unfiled(const JobFiles& files, const JobEnd& end);
 
   // Returns why no job may begin: the hold, else an unfiled job, else the plate; empty if one may.
   [[nodiscard]] std::string reason_to_wait() const;
@@ -62,8 +62,10 @@ class QueueHold {
   [[nodiscard]] std::shared_future<void> last_attempt() const { return last_attempt_; }
 
  private:
-  // Takes over one job from printing/, and returns how its print ended.
-  PrintEnd adopt(const JobFiles& files, const std::optional<PrintEnd>& end);
+  // Takes over one job from printing/.
+  void adopt(const JobFiles& files, bool ended_in_reading);
+  // Returns the recorded end of a job in printing/, or records that it has none.
+  [[nodiscard]] JobEnd end_of_left(const std::string& job, bool ended_in_reading);
   // Saves the records for the next start, then files the unfiled jobs.
   void keep(Saved saved = nullptr);
   // Does the same on this thread, before the event loop runs.

@@ -6,25 +6,10 @@
 #include "daemon/system/readable.hpp"
 
 namespace contourd {
-namespace {
-
-constexpr const char* kInterrupted =
-    "The print was interrupted: the power was cut, or contourd was killed or crashed";
-
-Spool::Folder folder_of(const UnfiledJob& job) {
-  return job.end ? folder_for(job.end->outcome) : Spool::Folder::Failed;
-}
-
-}  // namespace
-
-void JobFilingRun::run(const Spool& spool) {
+void JobFilingRun::run(Spool& spool) {
   for (const UnfiledJob& job : jobs_) {
-    const Spool::Folder folder = folder_of(job);
-    const std::string reason =
-        job.end ? reason_text(*job.end)
-                : fmt::format("{}. Put the model into incoming again to print it from the start.\n",
-                              kInterrupted);
-    std::vector<std::string> troubles = move_job(spool, job.files, folder, reason);
+    const Spool::Folder folder = folder_for(job.end);
+    std::vector<std::string> troubles = move_job(spool, job.files, folder, reason_text(job.end));
     filed_.push_back({job, spool.reports_of(folder, job.files.name), std::move(troubles)});
   }
 }
@@ -45,12 +30,10 @@ void UnfiledJobs::end_filing(const JobFilingRun& run) {
     std::erase_if(jobs_, [&name](const UnfiledJob& each) { return each.files.name == name; });
     log_.info("interrupted",
               fmt::format("{}: moved to {}", printable(name),
-                          job.end && job.end->outcome == PrintOutcome::Done ? "done" : "failed"),
+                          folder_for(job.end) == Spool::Folder::Done ? "done" : "failed"),
               job_fields(name));
     if (!job.left) continue;
-    PrintEnd how = job.end.value_or(PrintEnd{PrintOutcome::Failed, kInterrupted});
-    how.job = name;
-    EndedJob ended = ended_job(how);
+    EndedJob ended = ended_job(job.end);
     ended.reports = reports;
     use_.left_job_filed(ended);
   }

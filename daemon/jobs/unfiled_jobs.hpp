@@ -2,7 +2,6 @@
 // accept them. Event loop's thread only, except JobFilingRun::run().
 #pragma once
 
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,8 +17,8 @@ namespace contourd {
 // A job of printing/ that is to be filed. A value.
 struct UnfiledJob {
   JobFiles files;
-  std::optional<PrintEnd> end;  // nullopt if its print was interrupted: it has failed
-  bool left = false;            // by another process: its end was not reported before
+  JobEnd end;
+  bool left = false;  // by another process: its end was not reported before
 };
 
 // Moves jobs out of printing/ on a thread that may wait for the disk. Not thread-safe: used by one thread
@@ -31,7 +30,7 @@ class JobFilingRun {
   [[nodiscard]] bool empty() const { return jobs_.empty(); }
   // Moves each job to the folder for its end, the first one first. Throws std::system_error; the remaining
   // jobs then stay in printing/.
-  void run(const Spool& spool);
+  void run(Spool& spool);
 
  private:
   friend class UnfiledJobs;
@@ -50,12 +49,10 @@ class UnfiledJobs {
   // All must outlive this object.
   UnfiledJobs(const Log& log, PrinterUse& use) : log_(log), use_(use) {}
 
-  // Adds a job that another process left. `end` is nullopt if its print was interrupted.
-  void add_left(const JobFiles& files, const std::optional<PrintEnd>& end) {
-    jobs_.push_back({files, end, true});
-  }
+  // Adds a job that another process left.
+  void add_left(const JobFiles& files, const JobEnd& end) { jobs_.push_back({files, end, true}); }
   // Adds a job of this process, whose end was reported already.
-  void add_known(const JobFiles& files, const PrintEnd& end) { jobs_.push_back({files, end, false}); }
+  void add_known(const JobFiles& files, const JobEnd& end) { jobs_.push_back({files, end, false}); }
 
   [[nodiscard]] bool empty() const { return jobs_.empty(); }
   // Returns the name of the job that was added last. REQUIRES: not empty.

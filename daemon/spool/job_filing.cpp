@@ -8,7 +8,7 @@
 
 namespace contourd {
 
-std::vector<std::string> move_job(const Spool& spool, const JobFiles& files, Spool::Folder to,
+std::vector<std::string> move_job(Spool& spool, const JobFiles& files, Spool::Folder to,
                                   const std::string& reason) {
   std::vector<std::string> troubles;
   try {

@@ -11,7 +11,7 @@ namespace contourd {
 
 // Moves the job; an empty reason writes no file. Returns a sentence for each thing that is missing. Throws
 // std::system_error if the job stays in printing/.
-[[nodiscard]] std::vector<std::string> move_job(const Spool& spool, const JobFiles& files, Spool::Folder to,
+[[nodiscard]] std::vector<std::string> move_job(Spool& spool, const JobFiles& files, Spool::Folder to,
                                                 const std::string& reason);
 
 }  // namespace contourd

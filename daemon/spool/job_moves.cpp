@@ -37,16 +37,13 @@ void move_ticket(const JobFiles& from, const JobFiles& to, bool shared) {
                             fmt::format("cannot move {} to {}", from.ticket->string(), to.ticket->string()));
 }
 
-// Moves the model's ticket to printing/ if it is still in incoming/ because a power cut separated the two
-// moves. Such a ticket has an older change time than its model, which was moved first.
-void bring_ticket_of(const SpoolFolders& folders, const std::string& file) {
-  const JobFiles job = folders.files_of(SpoolFolder::Printing, file);
-  const std::string ticket = job.name + ".json";
+// Moves incoming/`ticket` beside the job's model, which was moved first.
+void bring_ticket_to(const SpoolFolders& folders, const JobFiles& job, const std::string& ticket) {
   const fs::path left = folders.path(SpoolFolder::Incoming) / ticket;
   std::error_code code;  // a ticket that cannot be moved stays for the case that its model is submitted again
   if (job.plate || job.ticket || !folders.models_of_ticket(ticket).empty()) return;
   if (change_time(left) < change_time(job.model))
-    fs::rename(left, folders.path(SpoolFolder::Printing) / ticket, code);
+    fs::rename(left, job.model.parent_path() / (job.name + ".json"), code);
 }
 
 // Returns the folder for a file in printing/ that belongs to no job there: a ticket goes to its model.
@@ -135,6 +132,17 @@ void move_files(const SpoolFolders& folders, const JobFiles& from, const JobFile
   sync_folder(from.model.parent_path());
 }
 
+bool is_immovable(const std::error_code& code) {
+  return code == std::errc::permission_denied || code == std::errc::operation_not_permitted ||
+         code == std::errc::cross_device_link || code == std::errc::device_or_resource_busy;
+}
+
+void bring_ticket(const SpoolFolders& folders, const MovedModel& moved) {
+  const JobFiles job = folders.files_of(moved.folder, moved.model);
+  if (!moved.mark.empty() && mark_of(job) == moved.mark)
+    bring_ticket_to(folders, job, job_name_of(moved.file) + ".json");
+}
+
 void remove_files(const SpoolFolders& folders, const JobFiles& job) {
   JobFiles own = job;
   if (folders.shares_ticket(job)) own.ticket.reset();
@@ -156,7 +164,7 @@ std::vector<JobFiles> jobs_left_in_printing(const SpoolFolders& folders) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folders.path(SpoolFolder::Printing))) {
     const std::string file = entry.path().filename().string();
     if (is_model_name(file) || folders.is_plate(SpoolFolder::Printing, file)) {
-      bring_ticket_of(folders, file);
+      bring_ticket_to(folders, folders.files_of(SpoolFolder::Printing, file), job_name_of(file) + ".json");
       jobs.push_back(folders.files_of(SpoolFolder::Printing, file));
     } else {
       others.push_back(entry.path());

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <stdexcept>
+#include <string>
+#include <system_error>
 #include <vector>
 
 #include "daemon/spool/job_files.hpp"
@@ -16,6 +18,20 @@ namespace contourd {
 // Moves the job and syncs the move to the disk. A ticket that belongs to another model too is copied instead.
 // Throws std::system_error; then the files are where they were.
 void move_files(const SpoolFolders& folders, const JobFiles& from, const JobFiles& to);
+
+// True if this error of move_files() means that the job can only be copied.
+[[nodiscard]] bool is_immovable(const std::error_code& code);
+
+// A model that was moved out of incoming/.
+struct MovedModel {
+  std::string file;    // its name in incoming/
+  SpoolFolder folder;  // where it is now
+  std::string model;   // its name there
+  std::string mark;    // mark_of() before the move
+};
+// Moves the model's ticket after it, if a power cut separated these two moves: the model has no ticket, and
+// the ticket in incoming/ is older than the model's move. Does nothing otherwise, or if it fails.
+void bring_ticket(const SpoolFolders& folders, const MovedModel& moved);
 
 // Removes the job's files as far as possible, except a ticket that belongs to another model too.
 void remove_files(const SpoolFolders& folders, const JobFiles& job);

@@ -19,10 +19,9 @@ constexpr const char* kCopies = ".copies";
 
 }  // namespace
 
-PrintingCopies::PrintingCopies(const SpoolFolders& folders, const StateRecords& records,
-                               CopiedOriginals& originals)
+PrintingCopies::PrintingCopies(const SpoolFolders& folders, JobEndRecord& ends, CopiedOriginals& originals)
     : folders_(folders),
-      records_(records),
+      ends_(ends),
       originals_(originals),
       under_way_(folders.path(SpoolFolder::Printing) / kCopies) {}
 
@@ -54,7 +53,7 @@ JobFiles PrintingCopies::copy_whole(const std::string& file) {
   copy.model = under_way_ / to.model.filename();
   if (to.ticket) copy.ticket = under_way_ / to.ticket->filename();
   copy_job(from, copy, fs::space(folders_.root()).available, stopped_);
-  records_.forget_end_of_print();
+  ends_.release_name(to.name);
   originals_.expect(mark, copy.model);
   move_files(folders_, copy, to);
   std::error_code ignored;

@@ -10,9 +10,9 @@
 #include <string>
 
 #include "daemon/spool/copied_originals.hpp"
+#include "daemon/spool/job_ends.hpp"
 #include "daemon/spool/job_files.hpp"
 #include "daemon/spool/spool_folders.hpp"
-#include "daemon/spool/state_records.hpp"
 
 namespace contourd {
 
@@ -26,7 +26,7 @@ struct JobCopy {
 class PrintingCopies {
  public:
   // The arguments must outlive the object.
-  PrintingCopies(const SpoolFolders& folders, const StateRecords& records, CopiedOriginals& originals);
+  PrintingCopies(const SpoolFolders& folders, JobEndRecord& ends, CopiedOriginals& originals);
 
   // Copies incoming/`file` to a name that no job has. Then removes the original; if that is impossible, adds
   // it to the originals and sets the job's `original`.
@@ -46,7 +46,7 @@ class PrintingCopies {
   [[nodiscard]] JobFiles copy_whole(const std::string& file);
 
   const SpoolFolders& folders_;
-  const StateRecords& records_;
+  JobEndRecord& ends_;
   CopiedOriginals& originals_;
   std::filesystem::path under_way_;
   std::atomic<bool> stopped_ = false;

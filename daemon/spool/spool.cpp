@@ -54,14 +54,18 @@ Spool::Spool(fs::path root, EventLoop& loop, SpoolObserver& observer)
     : folders_(std::move(root)),
       state_(state_folder_path(folders_.root())),
       records_(state_),
+      ends_(records_),
       originals_(state_ / kCopied),
-      copies_(folders_, records_, originals_),
+      copies_(folders_, ends_, originals_),
+      rejections_(folders_, ends_, originals_),
       watch_(
           folders_, originals_, [this] { make_folders(); }, loop, disk_, observer),
       disk_(loop, "contourd-spool") {
   make_folders();
   remove_leftovers();
   originals_.settle(folder(Folder::Printing));
+  bring_ticket_of_last_claim();
+  rejections_.finish();
 }
 
 void Spool::make_folders() {
@@ -103,20 +107,28 @@ bool Spool::is_waiting(const std::string& file) const {
   return fs::symlink_status(folder(Folder::Incoming) / file, code).type() != fs::file_type::not_found;
 }
 
+void Spool::bring_ticket_of_last_claim() const {
+  const std::vector<std::string> claim = records_.claim();
+  if (claim.size() == 3) bring_ticket(folders_, {claim[0], Folder::Printing, claim[1], claim[2]});
+}
+
 JobFiles Spool::begin(const std::string& file) {
   const JobFiles from = files_of(Folder::Incoming, file);
   const JobFiles to = folders_.named(Folder::Printing, folders_.unused_name(from.name), from);
-  records_.forget_end_of_print();
+  ends_.release_name(to.name);
+  // Without a record, the next process would not find the ticket of a job that got another name.
+  if (from.ticket && to.name != from.name)
+    records_.keep_claim({file, to.model.filename().string(), mark_of(from)});
   move_files(folders_, from, to);
   watch_.moved_away(file);
   return to;
 }
 
-bool Spool::end(const JobFiles& files, Folder where) const {
+bool Spool::end(const JobFiles& files, Folder where) {
   fs::create_directories(folder(where));
   const bool there = fs::exists(fs::symlink_status(files.model));
   if (there) move_files(folders_, files, folders_.named(where, files.name, files));
-  records_.forget_end_of_print();
+  ends_.files_taken(files.name);
   return there;
 }
 
@@ -126,11 +138,6 @@ void Spool::begin_with_copy(const std::string& file, std::function<void(const Co
               if (copy.job && !copy.job->original.empty()) watch_.add_original(file);
               done(copy);
             });
-}
-
-bool Spool::is_immovable(const std::error_code& code) {
-  return code == std::errc::permission_denied || code == std::errc::operation_not_permitted ||
-         code == std::errc::cross_device_link || code == std::errc::device_or_resource_busy;
 }
 
 void Spool::give_back(const JobFiles& files) {
@@ -148,42 +155,12 @@ void Spool::give_back(const JobFiles& files) {
   }
 }
 
-void Spool::reject(const std::string& file, const std::string& reason, Rejected done) {
-  using Result = std::pair<Rejection, std::string>;
-  disk_.run(
-      [this, file, reason]() -> Result {
-        try {
-          return {file_rejected(file, reason), ""};
-        } catch (const std::system_error& error) {
-          return {Rejection::Impossible, error.what()};
-        }
-      },
-      [this, file, done = std::move(done)](const Result& result) {
-        if (result.first == Rejection::LeftThere) watch_.add_original(file);
-        done(result.first, result.second);
-      });
-}
-
-// Runs on the disk's thread.
-Spool::Rejection Spool::file_rejected(const std::string& file, const std::string& reason) {
-  if (is_unfinished(file)) return Rejection::Unfinished;
-  const JobFiles from = files_of(Folder::Incoming, file);
-  const JobFiles to = folders_.named(Folder::Failed, folders_.unused_name(from.name), from);
-  const std::int64_t changed = change_time(from.model);
-  write_beside(Folder::Failed, to.name, "reason.txt", reason);
-  // Writing the reason may take seconds, and a user may have written the model again meanwhile.
-  if (change_time(from.model) != changed) {
-    fs::remove(folder(Folder::Failed) / (to.name + ".reason.txt"));
-    return Rejection::Unfinished;
-  }
-  try {
-    move_files(folders_, from, to);
-    return Rejection::Filed;
-  } catch (const std::system_error& error) {
-    if (!is_immovable(error.code())) throw;
-    originals_.add(mark_of(from));
-    return Rejection::LeftThere;
-  }
+void Spool::reject(const std::string& file, const JobEnd& end, Rejected done) {
+  disk_.run([this, file, end] { return rejections_.file(file, end); },
+            [this, file, done = std::move(done)](const FileRejections::Result& result) {
+              if (result.rejection == Rejection::LeftThere) watch_.add_original(file);
+              done(result.rejection, result.trouble);
+            });
 }
 
 void Spool::write_beside(Folder where, const std::string& name, const std::string& suffix,

@@ -23,7 +23,9 @@
 #include <vector>
 
 #include "daemon/spool/copied_originals.hpp"
+#include "daemon/spool/file_rejections.hpp"
 #include "daemon/spool/incoming_watch.hpp"
+#include "daemon/spool/job_ends.hpp"
 #include "daemon/spool/job_files.hpp"
 #include "daemon/spool/printing_copies.hpp"
 #include "daemon/spool/spool_folders.hpp"
@@ -87,28 +89,20 @@ class Spool {
   // at once; `done` is called from the loop.
   using Copy = JobCopy;
   void begin_with_copy(const std::string& file, std::function<void(const Copy&)> done);
-  // True if this error of begin() means that the job can only be copied.
-  [[nodiscard]] static bool is_immovable(const std::error_code& code);
   // Makes the current copy fail soon.
   void stop_copying() { copies_.stop(); }
 
   // Moves a job to done/ or failed/. write_beside() writes its report and reason before. Returns false if the
   // model no longer exists, so that a retry is useless. Throws std::system_error.
-  bool end(const JobFiles& files, Folder to) const;
+  bool end(const JobFiles& files, Folder to);
   // Moves a job that has not begun from printing/ back to incoming/, under another name if incoming/ has a
   // job of its name by now. Throws std::runtime_error; then the job is where it was.
   void give_back(const JobFiles& files);
-  // The results of reject().
-  enum class Rejection {
-    Filed,
-    LeftThere,   // the reason is filed, but the files cannot be moved; a user may delete them
-    Unfinished,  // a process writes the job again, so it stays in incoming/
-    Impossible,  // the job stays in incoming/; `trouble` says why
-  };
+  using Rejection = contourd::Rejection;
   using Rejected = std::function<void(Rejection, const std::string& trouble)>;
-  // Moves a job from incoming/ to failed/ and writes a reason file there. Returns at once; `done` is called
-  // from the loop.
-  void reject(const std::string& file, const std::string& reason, Rejected done);
+  // Moves a job from incoming/ to failed/, writes a reason file there, and records this end with the files'
+  // names. Returns at once; `done` is called from the loop.
+  void reject(const std::string& file, const JobEnd& end, Rejected done);
 
   // Writes NAME.`suffix` atomically and syncs it to the disk. Throws std::system_error.
   void write_beside(Folder folder, const std::string& name, const std::string& suffix,
@@ -119,8 +113,10 @@ class Spool {
 
   // Returns the jobs that a daemon left in printing/, see jobs_left_in_printing().
   [[nodiscard]] std::vector<JobFiles> interrupted() const;
-  // The state records. begin() and end() remove the recorded end of a print, which is of the previous job.
+  // The state records.
   [[nodiscard]] const StateRecords& records() const { return records_; }
+  // The record of the jobs that have ended. end() and reject() note that the files of a job were moved.
+  [[nodiscard]] JobEndRecord& ends() { return ends_; }
 
   // Returns the order that a user has set for the jobs in incoming/, without those that no longer exist: see
   // QueueOrder.
@@ -139,14 +135,17 @@ class Spool {
   void make_folders();
   // Removes unfinished files of a daemon that was killed.
   void remove_leftovers() const;
-  [[nodiscard]] Rejection file_rejected(const std::string& file, const std::string& reason);
+  // Completes the last begin() of a process that was killed meanwhile.
+  void bring_ticket_of_last_claim() const;
 
   SpoolFolders folders_;
   std::filesystem::path state_;
   SpoolLock lock_;
   StateRecords records_;
+  JobEndRecord ends_;
   CopiedOriginals originals_;
   PrintingCopies copies_;
+  FileRejections rejections_;
   IncomingWatch watch_;
   Worker disk_;  // the last member, so that its thread ends before the members that its tasks use
 };

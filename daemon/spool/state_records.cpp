@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kOccupied = "plate-occupied";
 constexpr const char* kHeld = "queue-held";
-constexpr const char* kEnded = "ended-print";
+constexpr const char* kClaim = "claim";
+constexpr const char* kEnded = "ended-jobs";
 constexpr const char* kOrder = "queue-order";
 constexpr const char* kAccepted = "accepted";
 
@@ -92,17 +93,6 @@ void StateRecords::set_hold(const std::optional<std::string>& why) const {
   keep_line(kHeld, why);
 }
 
-std::string StateRecords::end_of_print() const {
-  return first_line_of(kEnded).value_or("");
-}
-void StateRecords::keep_end_of_print(const std::string& text) const {
-  keep_line(kEnded, text);
-}
-void StateRecords::forget_end_of_print() const {
-  std::error_code ignored;
-  if (fs::remove(folder_ / kEnded, ignored)) sync_folder(folder_);
-}
-
 std::vector<std::string> StateRecords::texts_of(const char* name, char end) const {
   std::vector<std::string> texts;
   std::ifstream file(folder_ / name);
@@ -121,6 +111,20 @@ void StateRecords::keep_texts(const char* name, const std::vector<std::string>& 
   for (const std::string& each : texts)
     all.append(each).push_back(end);
   write_durably(folder_ / name, all);
+}
+
+std::vector<std::string> StateRecords::claim() const {
+  return texts_of(kClaim, '\0');
+}
+void StateRecords::keep_claim(const std::vector<std::string>& fields) const {
+  keep_texts(kClaim, fields, '\0');
+}
+
+std::vector<std::string> StateRecords::job_ends() const {
+  return texts_of(kEnded, '\0');
+}
+void StateRecords::keep_job_ends(const std::vector<std::string>& fields) const {
+  keep_texts(kEnded, fields, '\0');
 }
 
 std::vector<std::string> StateRecords::queue_order() const {

@@ -3,7 +3,10 @@
 //
 //   plate-occupied   one line: the name of the job whose part is on the plate
 //   queue-held       one line: why no job begins until a user confirms it
-//   ended-print      one line: how the print of the job in printing/ ended, until it is filed
+//   ended-jobs       how jobs have ended, until all of contourd knows (job_ends.hpp): fields, each followed
+//   by
+//                    a zero byte
+//   claim            the job that was moved to printing/ last under another name: fields as in ended-jobs
 //   queue-order      the waiting jobs in an order that a user has set: file names in incoming/, each followed
 //                    by a zero byte
 //   accepted         the findings that users have accepted, one line each (acceptances.hpp)
@@ -39,12 +42,14 @@ class StateRecords {
   [[nodiscard]] std::optional<std::string> hold() const;
   void set_hold(const std::optional<std::string>& why) const;
 
-  // Returns how the print of the job in printing/ ended, in the format of PrintArchivist; empty if not
-  // recorded.
-  [[nodiscard]] std::string end_of_print() const;
-  void keep_end_of_print(const std::string& text) const;
-  // Removes the record, since another job may get the name of the filed one.
-  void forget_end_of_print() const;
+  // The file in incoming/, the model's name in printing/ and the mark of the last job that was claimed under
+  // another name.
+  [[nodiscard]] std::vector<std::string> claim() const;
+  void keep_claim(const std::vector<std::string>& fields) const;
+
+  // The fields of JobEndRecord.
+  [[nodiscard]] std::vector<std::string> job_ends() const;
+  void keep_job_ends(const std::vector<std::string>& fields) const;
 
   // Returns the next job first; empty if the order is that of arrival.
   [[nodiscard]] std::vector<std::string> queue_order() const;

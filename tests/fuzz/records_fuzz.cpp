@@ -1,5 +1,5 @@
 // Fuzz target: any bytes in the records that the daemon leaves for its next start, chosen by the first byte:
-// o plate-occupied, h queue-held, e ended-print, c copied originals, r the file being read, l light.json, p
+// o plate-occupied, h queue-held, e ended-jobs, c copied originals, r the file being read, l light.json, p
 // the names in printing/ and beside it. A valid record reads back the same, an invalid one is ignored, and no
 // file is lost. An '@' in c and r is replaced by the mark of an existing job.
 #include <algorithm>
@@ -41,29 +41,31 @@ void check_line(const char* name, Get get, Set set, std::string_view bytes) {
   demand(!(StateRecords(next.path()).*get)(), "a removed record still exists");
 }
 
-class SilentObserver final : public SpoolObserver {
-  void model_arrived(const std::string&) override {}
-  void model_withdrawn(const std::string&) override {}
-  void plate_waits(const std::string&, const std::vector<std::string>&) override {}
-  void ignored(const std::string&, WhyIgnored) override {}
-  void more_ignored(std::size_t) override {}
-  void incoming_lost(const std::string&) override {}
-  void incoming_replaced() override {}
-};
-
-void check_end(std::string_view bytes) {
-  static const testing::TemporaryFolder folder;
-  static EventLoop loop;
-  static SilentObserver observer;
-  static const Spool spool(folder.path() / "spool", loop, observer);
-  for (const std::string job : {"part", "b\xE4r"}) {
-    spool.records().keep_end_of_print(std::string(bytes));
-    const std::optional<PrintEnd> end = recorded_end(spool, job);
-    if (!end) continue;
-    demand(reason_text(*end).empty() == (end->outcome == PrintOutcome::Done),
-           "a print that is done has a reason");
-    demand(!recorded_end(spool, job + "2"), "the end of one print is taken for another's");
+// Returns the fields of a record, with a mark in place of each '@'.
+std::vector<std::string> ends_in(const JobEndRecord& record) {
+  std::vector<std::string> ends;
+  for (const JobEndRecord::Pending& each : record.pending()) {
+    std::string end = std::to_string(each.end.key) + " " + each.end.job + " " + each.end.reason;
+    for (const EndConsumer consumer : each.consumers)
+      end += std::to_string(static_cast<int>(consumer));
+    ends.push_back(end);
   }
+  return ends;
+}
+
+void check_ends(std::string_view bytes) {
+  static const testing::TemporaryFolder folder;
+  (void)folder.write("ended-jobs", bytes);
+  const StateRecords records(folder.path());
+  JobEndRecord record(records);
+  demand(record.pending().size() <= JobEndRecord::kMost, "the record has no limit");
+  for (const JobEndRecord::Pending& each : record.pending())
+    demand(each.end.key != 0 && each.end.job.find('/') == std::string::npos, "an invalid end is read");
+  record.add({.key = new_job_key(), .job = "new", .outcome = "done"});
+  demand(record.end_of("new").has_value(), "a new end is not found");
+  demand(ends_in(JobEndRecord(records)) == ends_in(record), "the ends do not read back");
+  record.release_name("new");
+  demand(!JobEndRecord(records).end_of("new"), "the end of one print is taken for another's");
 }
 
 std::string with_mark(std::string_view bytes, const JobFiles& job) {
@@ -173,7 +175,7 @@ void check(char kind, std::string_view bytes) {
     case 'h':
       return check_line("queue-held", &StateRecords::hold, &StateRecords::set_hold, bytes);
     case 'e':
-      return check_end(bytes);
+      return check_ends(bytes);
     case 'c':
       return check_copied(spool, bytes);
     case 'r':

@@ -1,7 +1,7 @@
 // Preloaded into a daemon by a test: simulates a disk that hangs or refuses changes. Each file in the folder
 // $SLOW_DISK is a gate that has an effect while the file exists:
 //   reads               opening or looking up a file of the spool waits
-//   writes              opening a file of the spool for writing waits, and so does every fsync()
+//   writes              opening a file of the spool for writing waits, and so does its fsync()
 //   plate               recording that the plate is not clear waits
 //   pictures            opening a preview for writing waits
 //   models              opening a model relative to a folder (openat) waits
@@ -145,7 +145,10 @@ int lstat(const char* path, struct stat* status) noexcept {
   return real<int(const char*, struct stat*)>("lstat")(path, status);
 }
 int fsync(int fd) {
-  wait_while("writes");
+  char link[32], path[4096] = "";
+  std::snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
+  // The array keeps a zero byte at its end.
+  if (::readlink(link, path, sizeof path - 1) > 0 && in_spool(path)) wait_while("writes");
   return real<int(int)>("fsync")(fd);
 }
 int rename(const char* from, const char* to) noexcept {

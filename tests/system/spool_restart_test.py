@@ -251,7 +251,7 @@ class SlowDisk(SpoolTest):
         daemon.printed("first.stl", SLAB)
         self.write(os.path.join(slow, "writes"), b"")
         daemon.drop("bad.stl", b"no model")
-        wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "the reason file to wait for the disk")
+        wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "the refusal to wait for the disk")
         os.rename(daemon.file("incoming", "bad.stl"), self.path("bad.stl"))
         for _ in range(2):
             daemon.status()  # once it answers, the daemon has seen the events

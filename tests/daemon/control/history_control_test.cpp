@@ -46,7 +46,7 @@ class HistoryControlFixture : public testing::PrinterFixture {
     return found;
   }
   void end(const std::string& name, const std::string& outcome = "done", const std::string& reason = "") {
-    EndedJob job{.name = name, .outcome = outcome, .reason = reason};
+    EndedJob job{.name = name, .outcome = outcome, .reason = reason, .key = new_job_key()};
     worker.refuse(job);
     recent.add(std::move(job));
   }
@@ -58,7 +58,9 @@ class HistoryControlFixture : public testing::PrinterFixture {
   const std::filesystem::path file = folder_.path() / "history.sqlite";
   std::vector<Json> replies;          // a refusal's message instead
   std::vector<std::size_t> answered;  // numbers of the replies, in order of arrival
-  HistoryWorker worker{loop, log.log, file};
+  const StateRecords records{folder_.path()};
+  JobEndRecord ends{records};
+  HistoryWorker worker{loop, log.log, file, ends};
   JobHistory recent;
   ReminderConfig limits{.lamp = {.lamp_h = 0.5}, .film = {.layers = 10, .prints = 3}, .vat = {}};
   Reminders reminders{limits};
@@ -191,10 +193,10 @@ TEST_CASE("A running job counts with its use so far, and a forgotten job does no
 TEST_CASE("A job refused in the queue does not end the running job of the same name") {
   HistoryControlFixture fixture;
   fixture.worker.begin("part");
-  EndedJob refused{.name = "part", .outcome = "failed", .reason = "no model"};
+  EndedJob refused{.name = "part", .outcome = "failed", .reason = "no model", .key = new_job_key()};
   fixture.worker.refuse(refused);
   EndedJob done{.name = "part", .outcome = "done", .reason = ""};
-  (void)fixture.worker.end(done);
+  fixture.worker.end(done);
   CHECK(done.began <= done.ended);
   fixture.ask("history");
   fixture.ask("history", {{"outcome", "done"}});
@@ -243,7 +245,7 @@ TEST_CASE("The use of a part counts from its replacement, and the part is due at
     EndedJob job{.name = "part", .outcome = "done", .reason = ""};
     job.figures.layers_exposed = layers;
     job.figures.lit_s = lit_s;
-    (void)fixture.worker.end(job);
+    fixture.worker.end(job);
   };
   // Updates about jobs precede queries, so each step waits for the answers.
   fixture.run({[&] {

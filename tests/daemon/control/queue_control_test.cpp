@@ -119,7 +119,7 @@ TEST_CASE("A removed job goes to failed once, with the user who removed it") {
   const Json reply = fixture.call("queue_remove", {{"job", "a"}});
   REQUIRE(fixture.checks.rejections.size() == 1);
   CHECK(fixture.checks.rejections[0].file == "a.stl");
-  CHECK(fixture.checks.rejections[0].reason == "removed from the queue by user root (0)\n");
+  CHECK(fixture.checks.rejections[0].reason == "removed from the queue by user root (0)");
   CHECK(reply["jobs"][0]["state"] == "leaving");
   CHECK(fixture.refusal_of("queue_remove", {{"job", "a"}}) == R"("a.stl" is already being moved to failed)");
 }

@@ -147,39 +147,56 @@ TEST_CASE("A job that was given back before it began is not in the history") {
   HistoryDatabaseFixture fixture;
   fixture.database.begin(1, "part", kThen);
   fixture.database.forget(1);
-  fixture.database.adopt({}, std::nullopt);
+  fixture.database.adopt({});
   CHECK(fixture.names().empty());
 }
 
-TEST_CASE("A job that was running when contourd died gets the outcome of its files or of the last record") {
+TEST_CASE(
+    "A job that was running when contourd died gets the outcome of the record, by its key or its name") {
   HistoryDatabaseFixture fixture;
   fixture.database.begin(1, "left", kThen);
   fixture.database.note(1, used("grey", 36));
-  fixture.database.begin(2, "filed\x1b", kThen);
+  fixture.database.begin(2, "filed", kThen);
   fixture.database.begin(3, "lost", kThen);
-  EndedJob filed = ended("filed?", "done");
-  filed.key = 2;
-  fixture.database.adopt({ended("left", "failed", "interrupted"), ended("unknown", "failed", "interrupted")},
-                         filed);
-  CHECK(fixture.names() == Names{"left failed", "filed\x1b done", "lost failed", "unknown failed"});
+  fixture.database.note(3, used("grey", 1));
+  fixture.database.begin(4, "given back", kThen);
+  const std::vector<JobEnd> ends{{.key = 10,
+                                  .job = "left",
+                                  .outcome = "failed",
+                                  .reason = "interrupted",
+                                  .kind = JobEnd::Kind::Interrupted},
+                                 {.key = 11,
+                                  .job = "unknown",
+                                  .outcome = "failed",
+                                  .reason = "interrupted",
+                                  .kind = JobEnd::Kind::Interrupted},
+                                 {.key = 2, .job = "filed", .outcome = "done"}};
+  fixture.database.adopt(ends);
+  const Names all{"left failed", "filed done", "lost failed", "unknown failed"};
+  CHECK(fixture.names() == all);
   const auto jobs = fixture.database.list({}).jobs;
   CHECK(jobs[0]["reason"] == "interrupted");
   CHECK(jobs[0]["lit_s"] == 36);
   CHECK(jobs[2]["reason"] == HistoryDatabase::kEndNotNoted);
-  // A job that could not be moved is in printing/ at the next start too.
-  fixture.database.adopt({ended("unknown", "failed", "interrupted")}, std::nullopt);
-  CHECK(fixture.names().size() == 4);
+  // The process is killed before the record is removed.
+  fixture.database.adopt(ends);
+  CHECK(fixture.names() == all);
 }
 
-TEST_CASE(
-    "A print whose beginning was not stored when contourd died appears once, from the record of its end") {
+TEST_CASE("An end that the history has is not adopted by another job of the same name") {
   HistoryDatabaseFixture fixture;
-  EndedJob job = ended("part");
-  job.key = 7;
-  // The job was left in printing/ and then filed, and the record still exists at the next start.
-  fixture.database.adopt({job}, job);
+  fixture.database.end(1, ended("part"));
+  fixture.database.begin(2, "part", kThen);
+  fixture.database.note(2, used("grey", 1));
+  fixture.database.adopt({{.key = 1, .job = "part", .outcome = "done"}});
+  CHECK(fixture.names() == Names{"part done", "part failed"});
+}
+
+TEST_CASE("A print whose beginning was not stored when contourd died appears once, by the key of its end") {
+  HistoryDatabaseFixture fixture;
+  fixture.database.adopt({{.key = 7, .job = "part", .outcome = "done"}});
   fixture.database.end(8, ended("other", "failed", "why"));
-  fixture.database.adopt({}, job);
+  fixture.database.adopt({{.key = 7, .job = "part", .outcome = "done"}});
   CHECK(fixture.names() == Names{"part done", "other failed"});
 }
 

@@ -54,7 +54,7 @@ class CurrentJobFixture : public PrinterFixture, private JobObserver, private Pr
   PrinterUse& use = *this;
   JobReader reader{config, spool, loop};
   QueueHold hold{context, spool, use};
-  HistoryWorker past{loop, log.log, folder.path() / "history.sqlite"};
+  HistoryWorker past{loop, log.log, folder.path() / "history.sqlite", spool.ends()};
   CurrentJob job{context, spool, reader, hold, past, *this};
 };
 

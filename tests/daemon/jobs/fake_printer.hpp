@@ -39,8 +39,8 @@ class FakeChecks final : public JobChecks {
     if (analysis_result) done(analysis_result(file));
   }
   void forget(const std::string& file) override { forgotten.push_back(file); }
-  void reject(const std::string& file, const std::string& reason, Spool::Rejected done) override {
-    rejections.push_back({file, reason, std::move(done)});
+  void reject(const std::string& file, const JobEnd& end, Spool::Rejected done) override {
+    rejections.push_back({file, end.reason, std::move(done)});
   }
   void save(Record /*record*/, const Names& lines, std::function<void(const std::string&)> done) override {
     saved.push_back(lines);

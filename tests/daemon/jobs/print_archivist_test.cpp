@@ -29,6 +29,7 @@ class ArchivistFixture {
     print.report.job = "part";
     print.report.outcome = outcome;
     print.report.reason = reason;
+    print.end = {.key = 1, .job = "part", .outcome = std::string(name_of(outcome)), .reason = reason};
     print.report.summary.layers.thinnest = print.report.summary.layers.thickest = Nanometers{50'000};
     print.report.summary.irradiance_mw_cm2 = 5;
     print.report.summary.models.resize(1);
@@ -123,59 +124,47 @@ TEST_CASE("A job that cannot be moved is reported, and the end of its print can 
     ArchivistFixture fixture;
     EndedPrint print = fixture.ended(outcome, reason);
     // An obstacle in the place of the model only.
-    const fs::path there = fixture.spool.folder(folder_for(outcome)) / "part.stl";
+    const fs::path there = fixture.spool.folder(folder_for(print.end)) / "part.stl";
     fs::create_directories(there / "full");
     const FiledPrint filed = fixture.file(std::move(print));
     REQUIRE(filed.troubles.size() == 1);
     CHECK(filed.troubles.front().starts_with("stays in printing: "));
-    const std::optional<PrintEnd> end = recorded_end(fixture.spool, "part");
+    const std::optional<JobEnd> end = fixture.spool.ends().end_of("part");
     REQUIRE(end);
-    CHECK(end->outcome == outcome);
+    CHECK(end->outcome == name_of(outcome));
     CHECK(end->reason == reason);
   }
 }
 
-TEST_CASE_METHOD(ArchivistFixture,
-                 "The end of a print is unknown without a record, or with an invalid one or another job's") {
-  CHECK_FALSE(recorded_end(spool, "part"));
-  for (const char* text :
-       {"", "{", "[]", R"({"job": "part", "outcome": 3})", R"({"job": "part", "outcome": "splendid"})",
-        R"({"outcome": "done", "key": 1})", R"({"job": "part", "outcome": "done"})",
-        R"({"job": "other", "outcome": "done", "key": 1})"}) {
-    CAPTURE(text);
-    spool.records().keep_end_of_print(text);
-    CHECK_FALSE(recorded_end(spool, "part"));
-  }
-}
-
-TEST_CASE_METHOD(ArchivistFixture,
-                 "The end of a print is on the disk before the print is filed, and removed after that") {
+TEST_CASE_METHOD(ArchivistFixture, "The end of a print is recorded before the print is filed") {
   PrintArchivist archivist(loop, spool);
-  archivist.record("part", {PrintOutcome::Failed, "the sky fell"});
+  const EndedPrint print = ended(PrintOutcome::Failed, "the sky fell");
+  archivist.record(print.end);
   archivist.file(ended(PrintOutcome::Failed, "the sky fell"), [&](const FiledPrint&) { loop.stop(); });
   loop.run();
-  CHECK_FALSE(recorded_end(spool, "part"));
+  CHECK_FALSE(spool.ends().end_of("part"));
+  CHECK(spool.ends().pending()[0].awaits(EndConsumer::History));
   CHECK(has("failed/part.stl"));
-  archivist.record("next", {PrintOutcome::Failed, "the sky fell"});
-  while (!recorded_end(spool, "next"))
+  archivist.record({.key = 2, .job = "next", .outcome = "failed", .reason = "the sky fell"});
+  while (!spool.ends().end_of("next"))
     std::this_thread::yield();
-  CHECK(recorded_end(spool, "next")->reason == "the sky fell");
-  CHECK_FALSE(recorded_end(spool, "part"));
+  CHECK(spool.ends().end_of("next")->reason == "the sky fell");
 }
 
 TEST_CASE_METHOD(ArchivistFixture, "A running job has no outcome, even if an earlier job had its name") {
-  spool.records().keep_end_of_print(R"({"job": "new", "outcome": "done", "reason": "", "key": 1})");
-  REQUIRE(recorded_end(spool, "new"));
+  spool.ends().add({.key = 1, .job = "new", .outcome = "done"});
   std::ofstream(spool.folder(Spool::Folder::Incoming) / "new.stl") << "a model";
   CHECK(spool.begin("new.stl").name == "new");
-  CHECK_FALSE(recorded_end(spool, "new"));
+  const JobEndRecord next(spool.records());
+  CHECK_FALSE(next.end_of("new"));
+  CHECK(next.pending()[0].awaits(EndConsumer::History));
 }
 
 TEST_CASE("A print is filed in a folder that was removed meanwhile") {
   for (const PrintOutcome outcome : {PrintOutcome::Done, PrintOutcome::Failed}) {
     ArchivistFixture fixture;
     EndedPrint print = fixture.ended(outcome, "the sky fell");
-    const fs::path folder = fixture.spool.folder(folder_for(outcome));
+    const fs::path folder = fixture.spool.folder(folder_for(print.end));
     fs::remove_all(folder);
     const FiledPrint filed = fixture.file(std::move(print));
     CHECK(filed.troubles.empty());

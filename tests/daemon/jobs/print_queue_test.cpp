@@ -217,7 +217,7 @@ TEST_CASE_METHOD(
   arrive({"a.stl", "b.stl"});
   begin_to_refuse("no model");
   REQUIRE(work.rejections.size() == 1);
-  CHECK(work.rejections[0].reason == "no model\n");
+  CHECK(work.rejections[0].reason == "no model");
   CHECK(order() == Names{"a.stl", "b.stl"});
   CHECK_FALSE(log.has("no model"));
   reported.clear();
@@ -453,7 +453,7 @@ TEST_CASE_METHOD(
   CHECK_FALSE(queue.first_may_begin());
   work.checks[0].done(JobRefusal{"no model"});  // ignored
   REQUIRE(work.rejections.size() == 1);
-  CHECK(work.rejections[0].reason == "removed by me\n");
+  CHECK(work.rejections[0].reason == "removed by me");
   reported.clear();
   work.rejections[0].done(Spool::Rejection::Filed, "");
   CHECK(order() == Names{"b.stl"});
@@ -617,7 +617,7 @@ TEST_CASE_METHOD(AskingQueueFixture,
   work.analyses[1].done(JobRefusal{"no model"});
   REQUIRE(work.rejections.size() == 1);
   CHECK(work.rejections[0].file == "a.stl");
-  CHECK(work.rejections[0].reason == "no model\n");
+  CHECK(work.rejections[0].reason == "no model");
 }
 
 TEST_CASE_METHOD(AskingQueueFixture,

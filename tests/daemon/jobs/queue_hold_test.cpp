@@ -38,13 +38,6 @@ class QueueHoldFixture : public testing::PrinterFixture {
 
 constexpr const char* kHeld = "queue-held";
 constexpr const char* kOccupied = "plate-occupied";
-constexpr const char* kEnded = "ended-print";
-
-std::string record_of(PrintOutcome outcome, const std::string& reason) {
-  return R"({"job": "part", "outcome": ")" + std::string(name_of(outcome)) + R"(", "reason": ")" + reason +
-         R"(", "key": 1})";
-}
-
 }  // namespace
 
 TEST_CASE("A held queue stays held in the next process, until it is released") {
@@ -104,7 +97,7 @@ TEST_CASE("The queue waits for the hold first, then for an unfiled job, then for
   fixture.put(Spool::Folder::Printing, "part.stl");
   fs::create_directories(fixture.spool.folder(Spool::Folder::Done) / "part.stl" / "full");
   fixture.hold->add_unfiled(fixture.spool.files_of(Spool::Folder::Printing, "part.stl"),
-                            {PrintOutcome::Done, ""});
+                            {.key = 1, .job = "part", .outcome = "done"});
   fixture.hold->hold("the lid is broken");
   CHECK(fixture.hold->reason_to_wait().starts_with("the queue is held: the lid is broken"));
   fixture.hold->release();
@@ -147,28 +140,57 @@ TEST_CASE("A print that ended but was not filed is filed by its end, and holds t
   QueueHoldFixture fixture;
   fixture.put(Spool::Folder::Printing, "part.stl");
   SECTION("done") {
-    fixture.spool.records().keep_end_of_print(record_of(PrintOutcome::Done, ""));
+    fixture.spool.ends().add({.key = 1, .job = "part", .outcome = "done"});
     fixture.adopt_left_jobs();
     REQUIRE(fixture.run({}));
     CHECK(fixture.has("done/part.stl"));
     CHECK_FALSE(fixture.hold->reason());
   }
   SECTION("failed") {
-    fixture.spool.records().keep_end_of_print(record_of(PrintOutcome::Failed, "the sky fell"));
+    fixture.spool.ends().add({.key = 1, .job = "part", .outcome = "failed", .reason = "the sky fell"});
     fixture.adopt_left_jobs();
     REQUIRE(fixture.run({}));
     CHECK(fixture.has("failed/part.stl"));
     CHECK(fixture.hold->reason() == "part failed: the sky fell");
   }
+  SECTION("refused before it began") {
+    fixture.spool.ends().add(
+        {.key = 1, .job = "part", .outcome = "failed", .reason = "no model", .kind = JobEnd::Kind::Refused});
+    fixture.adopt_left_jobs();
+    REQUIRE(fixture.run({}));
+    CHECK(fixture.has("failed/part.stl"));
+    CHECK(fixture.log.has("error: part: no model"));
+    CHECK_FALSE(fixture.hold->reason());
+  }
   CHECK_FALSE(fixture.hold->plate_occupant());
 }
 
-TEST_CASE("The record of a print's end is removed if the last process has filed the print") {
+TEST_CASE("The end of a print that the last process has filed does not wait for files") {
   QueueHoldFixture fixture;
-  fixture.spool.records().keep_end_of_print(record_of(PrintOutcome::Done, ""));
-  REQUIRE(fixture.has_record(kEnded));
+  fixture.spool.ends().add({.key = 1, .job = "part", .outcome = "done"});
   fixture.adopt_left_jobs();
-  CHECK_FALSE(fixture.has_record(kEnded));
+  CHECK_FALSE(fixture.spool.ends().end_of("part"));
+  CHECK(fixture.spool.ends().pending()[0].awaits(EndConsumer::History));
+}
+
+TEST_CASE("The end of an interrupted print is recorded once, and remains for the history when it is filed") {
+  QueueHoldFixture fixture;
+  fixture.put(Spool::Folder::Printing, "part.stl");
+  fixture.obstruct(kHeld);
+  fixture.adopt_left_jobs();
+  const std::optional<JobEnd> first = fixture.spool.ends().end_of("part");
+  REQUIRE(first);
+  CHECK(first->kind == JobEnd::Kind::Interrupted);
+  REQUIRE(fixture.run({[&] {
+    fixture.remove_obstacle(kHeld);
+    fixture.restart();
+    fixture.adopt_left_jobs();
+  }}));
+  const std::vector<JobEndRecord::Pending> pending = fixture.spool.ends().pending();
+  REQUIRE(pending.size() == 1);
+  CHECK(pending[0].end.key == first->key);
+  CHECK_FALSE(pending[0].awaits(EndConsumer::Files));
+  CHECK(pending[0].awaits(EndConsumer::History));
 }
 
 TEST_CASE("A job whose reading ended the process had not begun: it failed, and nothing is held") {

@@ -1,6 +1,7 @@
 #include "daemon/jobs/unfiled_jobs.hpp"
 
 #include <filesystem>
+#include <fstream>
 
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/fake_printer.hpp"
@@ -12,9 +13,10 @@ namespace {
 
 class UnfiledJobsFixture : public testing::PrinterFixture {
  public:
-  void leave(const std::string& name, const std::optional<PrintEnd>& end) {
-    put(Spool::Folder::Printing, name + ".stl");
-    jobs.add_left(spool.files_of(Spool::Folder::Printing, name + ".stl"), end);
+  void leave(JobEnd end) {
+    put(Spool::Folder::Printing, end.job + ".stl");
+    end.key = new_job_key();
+    jobs.add_left(spool.files_of(Spool::Folder::Printing, end.job + ".stl"), end);
   }
 
   // Files all jobs on this thread. Throws std::system_error.
@@ -37,29 +39,34 @@ class UnfiledJobsFixture : public testing::PrinterFixture {
 
 }  // namespace
 
-TEST_CASE("Each job that was left is filed by its own end, and one without an end as failed") {
+TEST_CASE("Each job that was left is filed by its own end, and an interrupted one with what to do") {
   UnfiledJobsFixture fixture;
-  fixture.leave("good", PrintEnd{PrintOutcome::Done, ""});
-  fixture.leave("bad", PrintEnd{PrintOutcome::Failed, "the sky fell"});
-  fixture.leave("cut", std::nullopt);
+  fixture.leave({.job = "good", .outcome = "done"});
+  fixture.leave({.job = "bad", .outcome = "failed", .reason = "the sky fell"});
+  fixture.leave(
+      {.job = "cut", .outcome = "failed", .reason = "The print was cut", .kind = JobEnd::Kind::Interrupted});
   fixture.file_all();
   CHECK(fixture.jobs.empty());
   CHECK(fixture.has("done/good.stl"));
   CHECK_FALSE(fixture.has("done/good.reason.txt"));
   CHECK(fixture.has("failed/bad.reason.txt"));
-  CHECK(fixture.has("failed/cut.reason.txt"));
+  std::ifstream reason(fixture.spool.folder(Spool::Folder::Failed) / "cut.reason.txt");
+  std::string line;
+  CHECK(std::getline(reason, line));
+  CHECK(line == "The print was cut. Put the model into incoming again to print it from the start.");
   CHECK(fixture.log.has("info: cut: moved to failed"));
 }
 
 TEST_CASE(
     "The end of each job that another process left is reported, but a known end is not reported again") {
   UnfiledJobsFixture fixture;
-  fixture.leave("cut", std::nullopt);
-  fixture.leave("good", PrintEnd{PrintOutcome::Done, ""});
+  fixture.leave(
+      {.job = "cut", .outcome = "failed", .reason = "The print was cut", .kind = JobEnd::Kind::Interrupted});
+  fixture.leave({.job = "good", .outcome = "done"});
   fixture.put_text(Spool::Folder::Done, "good.report.json", "{}");
   fixture.put(Spool::Folder::Printing, "known.stl");
   fixture.jobs.add_known(fixture.spool.files_of(Spool::Folder::Printing, "known.stl"),
-                         {PrintOutcome::Done, ""});
+                         {.key = 1, .job = "known", .outcome = "done"});
   fixture.file_all();
   CHECK(fixture.has("done/known.stl"));
   REQUIRE(fixture.reported.size() == 2);
@@ -69,14 +76,13 @@ TEST_CASE(
   CHECK(fixture.reported[0].reports.html.empty());
   CHECK(fixture.reported[1].name == "cut");
   CHECK(fixture.reported[1].outcome == "failed");
-  CHECK(fixture.reported[1].reason ==
-        "The print was interrupted: the power was cut, or contourd was killed or crashed");
+  CHECK(fixture.reported[1].reason == "The print was cut");
 }
 
 TEST_CASE("A job that cannot be filed stays in printing/, with the jobs after it") {
   UnfiledJobsFixture fixture;
-  fixture.leave("one", PrintEnd{PrintOutcome::Done, ""});
-  fixture.leave("two", PrintEnd{PrintOutcome::Done, ""});
+  fixture.leave({.job = "one", .outcome = "done"});
+  fixture.leave({.job = "two", .outcome = "done"});
   const fs::path obstacle = fixture.spool.folder(Spool::Folder::Done) / "two.stl";
   fs::create_directories(obstacle / "full");
   CHECK_THROWS_AS(fixture.file_all(), std::system_error);
@@ -91,7 +97,7 @@ TEST_CASE("A job that cannot be filed stays in printing/, with the jobs after it
 
 TEST_CASE("Jobs that are being filed are not filed a second time") {
   UnfiledJobsFixture fixture;
-  fixture.leave("one", PrintEnd{PrintOutcome::Done, ""});
+  fixture.leave({.job = "one", .outcome = "done"});
   JobFilingRun first = fixture.jobs.begin_filing(), second = fixture.jobs.begin_filing();
   second.run(fixture.spool);
   fixture.jobs.end_filing(second);

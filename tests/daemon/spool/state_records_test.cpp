@@ -12,17 +12,17 @@ TEST_CASE("A record keeps its value for the next process until it is removed") {
   const StateRecords records(folder.path());
   CHECK_FALSE(records.plate_occupant());
   CHECK_FALSE(records.hold());
-  CHECK(records.end_of_print().empty());
+  CHECK(records.job_ends().empty());
   records.set_plate_occupant("part");
   records.set_hold("part failed");
-  records.keep_end_of_print("{}");
+  records.keep_job_ends({"1", ""});
   const StateRecords next(folder.path());
   CHECK(next.plate_occupant() == "part");
   CHECK(next.hold() == "part failed");
-  CHECK(next.end_of_print() == "{}");
+  CHECK(next.job_ends() == std::vector<std::string>{"1", ""});
   next.set_plate_occupant(std::nullopt);
   next.set_hold(std::nullopt);
-  next.forget_end_of_print();
+  next.keep_job_ends({});
   CHECK(fs::is_empty(folder.path()));
 }
 
@@ -44,7 +44,7 @@ TEST_CASE("A record that the disk does not accept is an error, and a missing one
   const StateRecords records(folder.path() / "gone");
   CHECK_THROWS_AS(records.set_hold("part failed"), std::system_error);
   CHECK_NOTHROW(records.set_hold(std::nullopt));
-  CHECK_NOTHROW(records.forget_end_of_print());
+  CHECK_NOTHROW(records.keep_job_ends({}));
 }
 
 TEST_CASE("The queue's order is kept for the next process with any file names") {

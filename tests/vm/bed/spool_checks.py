@@ -11,7 +11,7 @@ _READING = {"state/reading", "state/reading.next"}
 # SQLite's files. The write-ahead log is empty before the first write and after a checkpoint.
 _HISTORY_LOG = "state/history.sqlite-wal"
 _HISTORY = {"state/history.sqlite", _HISTORY_LOG, "state/history.sqlite-shm"}
-_KNOWN = _READING | _HISTORY | {"spool/.lock", "state/plate-occupied", "state/queue-held", "state/copied-originals"}
+_KNOWN = _READING | _HISTORY | {"spool/.lock", "state/plate-occupied", "state/queue-held", "state/copied-originals", "state/claim"}
 
 
 @dataclass
@@ -135,11 +135,13 @@ def _what_was_told(job, item, cut):
 
 
 def _recorded_outcome(name, cut):
-    try:
-        record = json.loads(cut.found["state/ended-print"])
-    except (KeyError, ValueError):
-        return None
-    return record["outcome"] if record["job"] == name else None
+    """Returns how the print of a job in printing/ ended, by daemon/spool/job_ends.cpp."""
+    fields = cut.found.get("state/ended-jobs", b"").decode().split("\0")
+    for at in range(0, len(fields) - 8, 9):
+        _, job, outcome, _, _, kind, file, _, consumers = fields[at : at + 9]
+        if job == name and kind != "interrupted" and not file and "f" in consumers:
+            return outcome
+    return None
 
 
 def _what_became_of_it(job, item, cut):
