@@ -181,7 +181,8 @@ class Submitted(OverridesTest):
                 result = contourctl(*submit[:4], f"--exposure-ms={value}")
                 self.assertEqual((result.returncode, result.stdout), (BAD_USAGE, b""), result)
         self.assertEqual(os.listdir(daemon.file("incoming")), [])
-        # If the profile cannot be read here, the daemon checks the options.
+        # If the profile cannot be used here, the daemon checks the options.
+        self.write("resins/gold.json", b"{}")
         self.assertEqual(contourctl(*submit, "--resin", "gold", "--exposure-ms", "4000").returncode, OK)
         self.assertEqual(contourctl(*submit, *self.OPTIONS).returncode, OK)
         self.assertEqual(sorted(os.listdir(daemon.file("incoming"))), ["part-2.json", "part-2.stl", "part.json", "part.stl"])

@@ -233,14 +233,31 @@ class Outlook(SubmitTest):
             self.assertNotIn("[Y/n]", seen)
         self.assertEqual(self.incoming(), ["island.stl", "sound.stl"])
 
-    def test_an_unknown_time_is_reported_and_the_model_is_queued(self):
+    def test_a_model_that_contourd_would_refuse_is_not_queued_nor_are_the_models_beside_it(self):
+        flat, wide = self.write("flat.stl", binary_stl(box((0, 0, 0), (5, 5, 0)))), self.write("wide.stl", binary_stl(box((0, 0, 0), (500, 5, 5))))
+        good = self.write("good.stl", SMALL)
+        for models, reason in (([flat], "flat"), ([wide], "500"), ([good, wide], "500"), ([wide, good, "--json"], "500"), ([wide, "--yes"], "500"), ([good, "--scale", "1000"], "good.stl"), ([good, "--copies", "100"], "good.stl")):
+            with self.subTest(models):
+                self.assert_refusal(self.submit(*models), BAD_DATA, "contourd would refuse it: ", reason, "; nothing was queued")
+                self.assertEqual(self.incoming(), [])
+        result = self.submit(flat, good, wide)
+        self.assertEqual((result.returncode, result.stdout, len(result.stderr.splitlines())), (BAD_DATA, b"", 2), result)
+        seen, ended = self.in_terminal(b"y\n", wide)
+        self.assertEqual((ended, "[Y/n]" in seen, self.incoming()), (BAD_DATA, False, []), seen)
+
+    def test_a_resin_that_does_not_exist_is_refused_and_a_broken_profile_is_waited_for(self):
+        good = self.write("good.stl", SMALL)
+        self.assert_refusal(self.submit(good, "--resin", "none"), BAD_DATA, "no resin profile", "standard")
+        self.write("resins/broken.json", b"{}")
+        lines = self.lines(self.submit(good, "--resin", "broken"))
+        self.assertRegex(lines[1], '^  warning: contourd cannot print it at present: the resin profile "broken" cannot be used: ')
+        self.assertEqual(self.incoming(), ["good.json", "good.stl"])
+
+    def test_an_unknown_printer_is_reported_and_the_model_is_queued(self):
         flat = self.write("flat.stl", binary_stl(box((0, 0, 0), (5, 5, 0))))
-        lines = self.lines(self.submit(flat))
-        self.assertTrue(lines[0].endswith("flat.stl: time and resin unknown"), lines)
-        self.assertRegex(lines[1], "^  warning: contourd would not print it: .*flat")
         lines = self.lines(contourctl("submit", flat, "--spool", self.spool()))
         self.assertRegex(lines[0], r"flat\.stl: time and resin unknown: the printer is unknown: .*; specify it by --printer FILE$")
-        self.assertEqual(self.incoming(), ["flat-2.stl", "flat.stl"])
+        self.assertEqual(self.incoming(), ["flat.stl"])
 
     def test_a_large_file_is_queued_without_being_read_first(self):
         large = self.path("large.stl")

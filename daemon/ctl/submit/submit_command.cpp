@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -122,6 +123,18 @@ std::string put(const SpoolSubmission& submission, const fs::path& model, const 
   }
 }
 
+// Prints the models that contourd would refuse. Returns false if there is none.
+bool has_refusals(const std::vector<ModelOutlook>& outlooks, const SubmitOptions& options) {
+  bool found = false;
+  for (std::size_t i = 0; i < outlooks.size(); ++i) {
+    if (outlooks[i].refusal.empty()) continue;
+    found = true;
+    fmt::print(stderr, "contourctl: {}: contourd would refuse it: {}; nothing was queued\n",
+               printable(options.models[i].string()), printable(outlooks[i].refusal));
+  }
+  return found;
+}
+
 // Prints the forecast. Returns false if there is a warning and the user does not agree.
 bool is_agreed(const std::vector<ModelOutlook>& outlooks, const SubmitOptions& options) {
   for (const ModelOutlook& each : outlooks)
@@ -140,6 +153,7 @@ int submit(const ClientOptions& client, const SubmitOptions& options) {
   const SpoolPrinter printer = printer_of(spool, options.printer);
   check_overrides(options, ticket, printer);
   const std::vector<ModelOutlook> outlooks = outlooks_of({options.models, ticket, printer});
+  if (has_refusals(outlooks, options)) return kBadData;
   if (!client.json && !is_agreed(outlooks, options)) return kFailed;
   const SpoolSubmission submission(spool);
   std::vector<std::string> jobs;

@@ -17,6 +17,7 @@
 #include "daemon/client/control_defaults.hpp"
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/json/config_error.hpp"
+#include "daemon/prepare/job_memory.hpp"
 #include "daemon/prepare/job_settings.hpp"
 #include "daemon/prepare/preprint_analysis.hpp"
 #include "daemon/prepare/print_job.hpp"
@@ -43,7 +44,7 @@ class Look {
   explicit Look(const OutlookQuestion& question) : question_(question), printer_(question.printer) {}
 
   ModelOutlook at(const fs::path& model) {
-    outlook_ = {{}, Json::object(), false};
+    outlook_ = {{}, Json::object(), false, ""};
     for (const char* key : {"layers", "print_time_s", "resin_ml", "resin", "supports"})
       outlook_.json[key] = nullptr;
     outlook_.json["warnings"] = Json::array();
@@ -51,9 +52,17 @@ class Look {
     outlook_.json["unknown"] = nullptr;
     try {
       look_at(model);
+    } catch (const JobTooLarge& refusal) {
+      // contourd counts the memory when the job's turn comes, and may then have more or less of it.
+      undecided(model, refusal.what());
+    } catch (const ProfileTrouble& trouble) {
+      // With a broken profile, contourd keeps a job waiting.
+      if (trouble.fault() == ProfileTrouble::Fault::Profile)
+        undecided(model, trouble.sentence());
+      else
+        outlook_.refusal = trouble.what();
     } catch (const JobRefused& refusal) {
-      add_line(model, "time and resin unknown");
-      warn(fmt::format("contourd would not print it: {}", refusal.what()));
+      outlook_.refusal = refusal.what();
     } catch (const std::exception& error) {
       unknown(model, error.what());
     }
@@ -127,6 +136,10 @@ class Look {
     outlook_.lines.push_back("  warning: " + printable(warning));
   }
   void note(const std::string& text) { outlook_.lines.push_back("  " + text); }
+  void undecided(const fs::path& model, const std::string& why) {
+    add_line(model, "time and resin unknown");
+    warn(fmt::format("contourd cannot print it at present: {}", why));
+  }
   void unknown(const fs::path& model, const std::string& why) {
     outlook_.json["unknown"] = why;
     add_line(model, "time and resin unknown: " + printable(why));

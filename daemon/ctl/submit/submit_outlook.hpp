@@ -33,6 +33,7 @@ struct ModelOutlook {
   std::vector<std::string> lines;  // for a person
   nlohmann::ordered_json json;
   bool warns = false;
+  std::string refusal;  // the reason for which contourd would refuse the model; empty: none is known
 };
 
 // Returns a forecast for each model. Analyzes the layers of all models for at most ten seconds; facts that
