@@ -16,6 +16,8 @@
 #include <system_error>
 #include <variant>
 
+#include "daemon/system/nearest_word.hpp"
+
 namespace contourd {
 namespace {
 
@@ -393,11 +395,11 @@ Json ControlServer::call(const Json& message, Client& client) {
   const std::string name = message["method"].get<std::string>();
   const auto method = methods_.find(name);
   if (method == methods_.end()) {
-    std::vector<std::string_view> names;
+    std::vector<std::string> names;
     for (const auto& [known, described] : methods_)
       names.push_back(known);
-    return failure(kMethodNotFound,
-                   fmt::format("no method \"{}\"; there are {}", name, fmt::join(names, ", ")));
+    return failure(kMethodNotFound, fmt::format("no method \"{}\"; there are {}{}", name,
+                                                fmt::join(names, ", "), suggestion(name, names)));
   }
   try {
     const Json parameters =

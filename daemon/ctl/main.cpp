@@ -6,6 +6,7 @@
 #include <new>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "core/formats/model_reader.hpp"
 #include "core/layers/layers.hpp"
@@ -23,14 +24,27 @@
 namespace contourd::ctl {
 namespace {
 
+// Commands for one task, under their heading in --help and in the manual page.
+struct CommandGroup {
+  const char* heading;
+  std::vector<void (*)(Command&)> add;
+};
+
 // Adds all commands, in the order of --help.
 void add_commands(Command& program) {
-  for (const auto add :
-       {add_inspect,       add_slice,  add_analyze, add_support, add_orient,   add_preview,
-        add_mask,          add_submit, add_offer,   add_status,  add_queue,    add_history,
-        add_print_control, add_watch,  add_logs,    add_config,  add_diagnose, add_manual,
-        add_switches,      add_jog,    add_level,   add_setup,   add_help,     add_description})
-    add(program);
+  const std::vector<CommandGroup> groups{
+      {"Printing", {add_submit, add_status, add_watch, add_queue, add_print_control, add_mask, add_offer}},
+      {"Models", {add_inspect, add_preview, add_analyze, add_orient, add_support, add_slice}},
+      {"History and wear", {add_history}},
+      {"By hand", {add_manual, add_jog, add_switches}},
+      {"Setup and diagnosis", {add_setup, add_level, add_config, add_diagnose, add_logs}},
+      {"Help", {add_help, add_description}}};
+  for (const auto& [heading, add] : groups) {
+    for (const auto add_command : add)
+      add_command(program);
+    for (Command& each : program.commands)
+      if (each.group.empty()) each.group = heading;
+  }
 }
 
 // Prints the error as one line, even if a file's name contains line breaks. Returns the exit code.

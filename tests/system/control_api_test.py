@@ -139,6 +139,11 @@ class ControlApiTest(FolderTest):
         message = self.fast().rpc("no such method")["error"]["message"]
         self.assertEqual(sorted(METHODS), sorted(message.split("there are ")[1].split(", ")))
 
+    def test_a_mistyped_method_leads_to_the_nearest_one(self):
+        message = self.fast().rpc("statsu")["error"]["message"]
+        self.assertTrue(message.startswith('no method "statsu"; there are '), message)
+        self.assertTrue(message.endswith("; did you mean status?"), message)
+
     def test_every_method_takes_the_documented_parameters(self):
         client = self.fast().client()
         for method in METHODS:

@@ -2,7 +2,7 @@
 
 import os
 
-from harness import BAD_USAGE, OK, FolderTest, contourctl
+from harness import BAD_USAGE, CONTOURD, OK, FolderTest, contourctl, run
 
 
 class Help(FolderTest):
@@ -40,6 +40,35 @@ class Help(FolderTest):
         for words in ["submti"], ["queue", "sort"], [""], ["\x1b[2J\n"], ["x" * 100_000], [b"\xff"]:
             result = contourctl("help", *words)
             self.assertEqual((result.returncode, result.stdout), (BAD_USAGE, b""), words)
-            self.assert_one_line(result.stderr, b"there is no command", b"contourctl --help lists the commands")
+            meant = b"did you mean submit?" if words == ["submti"] else b"contourctl --help lists the commands"
+            self.assert_one_line(result.stderr, b"there is no command", meant)
             self.assertNotIn(b"\x1b", result.stderr)
             self.assertLess(len(result.stderr), 5000)
+
+    def test_a_command_or_option_that_is_mistyped_leads_to_the_nearest_one(self):
+        for words, sentence in (
+            (["statsu"], "unknown command statsu; did you mean status?"),
+            (["statsu", "--json"], "unknown command statsu; did you mean status?"),
+            (["queue", "mvoe", "part"], "unknown command mvoe; did you mean move?"),
+            (["light", "onn"], "unknown command onn; did you mean on?"),
+            (["print"], "unknown command print"),
+            ([b"\xff\x1b[2J"], "unknown command \ufffd?[2J"),
+            (["status", "--jsno"], "unknown option --jsno; did you mean --json?"),
+            (["status", "-json"], "unknown option -json; did you mean --json?"),
+            (["slice", "part.stl", "--layer-hight-um=50"], "unknown option --layer-hight-um; did you mean --layer-height-um?"),
+            (["move", "--by", "-3", "--sped", "1"], "unknown option --sped; did you mean --speed?"),
+            (["--json", "status"], "--json has to follow the command status"),
+            (["--versoin"], "unknown option --versoin; did you mean --version?"),
+        ):
+            with self.subTest(words):
+                result = contourctl(*words)
+                self.assertEqual((result.returncode, result.stdout), (BAD_USAGE, b""), result)
+                self.assertEqual(result.stderr.decode(), f"{sentence}\nRun with --help for more information.\n")
+        self.assertLess(len(contourctl("x" * 100_000).stderr), 200)
+        self.assertEqual(run(CONTOURD, "--confg", "x").stderr.splitlines()[0], b"unknown option --confg; did you mean --config?")
+
+    def test_where_a_command_is_missing_the_help_lists_the_commands(self):
+        for words in [], ["light"], ["motor"]:
+            result = contourctl(*words)
+            self.assertEqual((result.returncode, result.stdout), (BAD_USAGE, b""), result)
+            self.assertEqual(result.stderr, contourctl(*words, "--help").stdout)

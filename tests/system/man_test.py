@@ -30,7 +30,7 @@ def help_of(*command):
 
 
 def commands_in(text):
-    return re.findall(r"^  ([a-z][a-z-]*) ", text.partition("Subcommands:")[2], re.MULTILINE)
+    return re.findall(r"^  ([a-z][a-z-]*) ", text, re.MULTILINE)
 
 
 def options_in(text):
@@ -109,6 +109,15 @@ class Man(unittest.TestCase):
         for command in commands:
             self.assertRegex(page, rf"(?m)^{command}\b", command)
         self.assertEqual(options_in(plain("contourd.8")), options_in(help_of(CONTOURD)))
+
+    def test_the_page_groups_the_commands_by_task_as_help_does(self):
+        groups = re.findall(r"(?ms)^([A-Z][\w ]+):\n(.*?)(?=^\w|\Z)", help_of(CONTOURCTL))
+        in_help = {heading: commands_in(text) for heading, text in groups if heading != "Options"}
+        self.assertGreater(len(in_help), 4)
+        self.assertLess(max(map(len, in_help.values())), 15)
+        commands = plain("contourctl.1").partition(".SH EXIT STATUS")[0]
+        in_page = {heading: list(dict.fromkeys(re.findall(r"(?m)^\.TP\n([a-z][a-z-]*)", text))) for heading, text in re.findall(r"(?ms)^\.SS (.*?)\n(.*?)(?=^\.S[SH]|\Z)", commands)}
+        self.assertEqual(list(in_page.items()), list(in_help.items()))
 
     def test_each_option_of_a_command_is_in_the_paragraph_of_the_command(self):
         page = plain("contourctl.1")

@@ -15,6 +15,7 @@
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/program.hpp"
 #include "daemon/json/config_error.hpp"
+#include "daemon/system/nearest_word.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -135,6 +136,13 @@ void describe(const Command& command, const std::string& words, Json& all) {
     if (!each.hidden) describe(each, words + (words.empty() ? "" : " ") + each.name, all);
 }
 
+std::vector<std::string> command_names(const Command& program) {
+  std::vector<std::string> names;
+  for (const Command& each : program.commands)
+    if (!each.hidden) names.push_back(each.name);
+  return names;
+}
+
 // True if man is installed and finds the page.
 bool has_manual_page() {
   constexpr std::size_t kLongestPath = 4096;
@@ -145,14 +153,31 @@ bool has_manual_page() {
   }
 }
 
+// Returns the end of the sentence about an unknown command: the command that was probably meant, or the way
+// to find it.
+std::string meant_command(const std::vector<std::string>& words, const Command& program) {
+  const Command* command = &program;
+  for (const std::string& word : words) {
+    const Command* const below = command->find(word);
+    if (below == nullptr) {
+      const std::string meant = suggestion(word, command_names(*command));
+      if (!meant.empty()) return meant;
+      break;
+    }
+    command = below;
+  }
+  return "; contourctl --help lists the commands";
+}
+
 // Without words, runs man(1) for contourctl's manual page; if that is missing, prints contourctl's help text.
 // With the words of a command, prints the command's help text. Throws UsageError if there is no such command.
 int show_help(const std::vector<std::string>& words, const Command& program) {
   if (words.empty() && has_manual_page()) become_program({"man", "contourctl"});
   const std::string text = usage_of(program, words);
   if (text.empty()) {
-    throw UsageError(fmt::format("there is no command {}; contourctl --help lists the commands",
-                                 in_quotes(fmt::format("{}", fmt::join(words, " ")))));
+    throw UsageError(fmt::format("there is no command {}{}",
+                                 in_quotes(fmt::format("{}", fmt::join(words, " "))),
+                                 meant_command(words, program)));
   }
   fmt::print("{}\nManual: man contourctl, man contourd, man contourd.json; guides: {}\n", text,
              CONTOURD_GUIDES);
@@ -165,10 +190,7 @@ void add_help(Command& program) {
   Command& command = program.add("help", "Show the manual page, or the usage of a command");
   auto& words = command.arguments<std::vector<std::string>>();
   command.option("COMMAND", words, "Show the usage of this command").allow_empty().suggests([&program] {
-    std::vector<std::string> names;
-    for (const Command& each : program.commands)
-      if (!each.hidden) names.push_back(each.name);
-    return names;
+    return command_names(program);
   });
   command.run = [&program, &words] { return show_help(words, program); };
 }

@@ -88,6 +88,7 @@ struct Option {
 struct Command {
   std::string name, help;
   std::string version{};          // of the program: the answer to --version
+  std::string group{};            // heading of --help above the command; empty: that of all commands
   bool hidden = false;            // not in the list of commands: it is for programs
   std::function<int()> run{};     // returns the exit code; empty if one of the commands below has to be given
   std::list<Option> options{};    // in the order of --help

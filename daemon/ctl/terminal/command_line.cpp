@@ -48,7 +48,7 @@ class Parser {
     }
     for (const Command& each : command.commands) {
       CLI::App* const below = app.add_subcommand(each.name, each.help);
-      if (each.hidden) below->group("");
+      if (each.hidden || !each.group.empty()) below->group(each.hidden ? "" : each.group);
       add_to(*below, each);
     }
     if (!command.run) {
