@@ -51,8 +51,23 @@ class Commands(ManualTest):
         self.well(self.run_ctl(daemon, "home"), "homing\n", "height    0.000 mm")
         self.well(self.run_ctl(daemon, "move", "--to", "3"), "moving\n", "height    3.000 mm")
         self.well(self.run_ctl(daemon, "move", "--by", "-1.5", "--speed", "20"), "height    1.500 mm")
-        self.assert_refusal(self.run_ctl(daemon, "move", "--to", "13"), FAILED, "to_mm must be a number from 0 to 12 mm")
+        self.assert_refusal(self.run_ctl(daemon, "move", "--to", "13"), FAILED, "--to must be a number from 0 to 12 mm")
         self.well(self.run_ctl(daemon, "motor", "off"), "height    unknown")
+
+    def test_a_refusal_names_the_options_of_contourctl(self):
+        daemon = self.daemon()
+        self.well(self.run_ctl(daemon, "home"))
+        self.well(self.run_ctl(daemon, "motor", "off"))
+        for arguments in ["move"], ["move", "--to", "1", "--by", "1"]:
+            result = self.run_ctl(daemon, *arguments)
+            self.assertEqual((result.returncode, result.stdout), (BAD_USAGE, b""), result)
+            self.assertIn(b"1 option from [--to,--by] is required", result.stderr)
+        for arguments, word in (
+            (["move", "--by", "-3", "--unhomed"], "--by must be"), (["move", "--to", "1", "--speed", "1000"], "--speed must be"),
+            (["light", "on", "--seconds", "9000", "--confirm"], "--seconds must be"), (["show", "white", "--seconds", "0"], "--seconds must be"),
+            (["show", "what"], "PATTERN must be one of white"),
+        ):  # fmt: skip
+            self.assert_refusal(self.run_ctl(daemon, *arguments), FAILED, word)
 
     def test_light_needs_confirmation_has_a_limit_and_goes_off_at_the_end(self):
         daemon = self.daemon()

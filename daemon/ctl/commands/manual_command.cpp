@@ -53,7 +53,9 @@ using Json = DaemonConnection::Json;
 // Replaces the names of parameters in contourd's refusal by the names of contourctl's options.
 std::string with_options(std::string sentence) {
   for (const auto& [parameter, option] :
-       {std::pair("plate_is_clear", "--plate-is-clear"), std::pair("in_resin", "--in-resin")}) {
+       {std::pair("plate_is_clear", "--plate-is-clear"), std::pair("in_resin", "--in-resin"),
+        std::pair("to_mm", "--to"), std::pair("by_mm", "--by"), std::pair("speed_mm_s", "--speed"),
+        std::pair("seconds must", "--seconds must"), std::pair("pattern must", "PATTERN must")}) {
     if (const std::size_t at = sentence.find(parameter); at != std::string::npos)
       sentence.replace(at, std::string_view(parameter).size(), option);
   }
@@ -295,9 +297,9 @@ void add_motion(Command& program, ManualArgs& args) {
   add_by_hand(program, "home", "Home the plate: move it to its limit switch", "home", args)
       .option("--plate-is-clear", args.plate_is_clear, kPlateIsClearHelp);
   Command& move = add_by_hand(program, "move", "Move the plate", "move", args);
-  const Option& to = move.option("--to", args.to_mm, "Height above the film, mm");
+  move.option("--to", args.to_mm, "Height above the film, mm").in_group("target");
   const Option& by =
-      move.option("--by", args.by_mm, "Distance upwards, mm; negative: downwards").excludes(to);
+      move.option("--by", args.by_mm, "Distance upwards, mm; negative: downwards").in_group("target");
   const Option& speed =
       move.option("--speed", args.speed_mm_s, "Speed, mm/s (default: the configured travel speed)");
   move.option("--unhomed", args.unhomed, "Move slowly, at most 2 mm, from an unknown position")
