@@ -182,6 +182,26 @@ class Watch(FolderTest):
         for each in (terminal, coloured, small):
             each.end()
 
+    def test_warnings_leave_room_for_the_mask_on_a_usual_terminal(self):
+        # Islands above layers without anything: two warnings, of several lines together.
+        boxes = [*box((0, 0, 0), (1, 1, 0.2)), *(facet for i in range(6) for facet in box((5 + 3 * i, 0, 0.3), (6 + 3 * i, 1, 1)))]
+        daemon = FolderTest.printing(self, "part.stl", binary_stl(boxes))
+        terminal = self.watch(daemon, until="mask      layer 1, cut at 0.0")
+        terminal.wait_for("\u2580")
+        self.assertGreater(terminal.text().count("\nwarning   "), 1, terminal.text())
+        for part in ("phase     exposing", "light     ON", "time left ", "next      resting"):
+            self.assertIn(part, terminal.text())
+        terminal.end()
+
+    def test_q_leaves_the_wait_for_all_jobs_of_submit(self):
+        daemon = self.printing()
+        model = self.write("other.stl", SLAB)
+        terminal = Terminal(self, [CONTOURCTL, "submit", model, model, "--wait", "--yes", "--spool", daemon.spool, "--socket", daemon.socket_path])
+        terminal.wait_for("other waits")
+        os.write(terminal.ours, b"q")
+        self.assertEqual(terminal.wait_end(), OK)
+        daemon.wait_status("queued", 2)
+
     def test_a_manually_shown_picture_is_drawn_until_it_is_removed(self):
         daemon = self.daemon()
         terminal = self.watch(daemon, rows=40, until="queue     empty")
@@ -235,7 +255,7 @@ class Watch(FolderTest):
         with self.subTest("q"):
             terminal = self.watch(daemon, until="light     ON")
             os.write(terminal.ours, b"xq")
-            self.assertEqual(terminal.wait_end(), -signal.SIGINT)
+            self.assertEqual(terminal.wait_end(), OK)
         self.assertEqual(daemon.status()["state"], "exposing")
 
     def test_the_terminal_is_restored_while_the_program_is_stopped(self):

@@ -163,8 +163,11 @@ int submit(const ClientOptions& client, const SubmitOptions& options) {
   }
   int result = kOk;
   if (!options.wait) return result;
-  for (const std::string& job : jobs)
-    result = std::max(result, watch(client, job));
+  for (const std::string& job : jobs) {
+    const std::optional<int> code = watch(client, job);
+    if (!code) break;
+    result = std::max(result, *code);
+  }
   return result;
 }
 

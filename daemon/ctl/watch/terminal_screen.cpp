@@ -170,7 +170,7 @@ void TerminalScreen::read_keys() {
   keys_end_ = count == 0 || (count < 0 && errno != EINTR && errno != EAGAIN);
   if (count > 0 &&
       std::string_view(keys.data(), static_cast<std::size_t>(count)).find('q') != std::string_view::npos)
-    end_ = SIGINT;
+    end_ = kQuit;
   drawn_.clear();
 }
 

@@ -20,6 +20,8 @@ namespace contourd::ctl {
 
 class TerminalScreen {
  public:
+  static constexpr int kQuit = 0;
+
   TerminalScreen();
   ~TerminalScreen();
   TerminalScreen(const TerminalScreen&) = delete;
@@ -34,7 +36,7 @@ class TerminalScreen {
   // Waits until the terminal is ready, `other` is readable (-1: none) or the time has passed.
   void wait(int other, int milliseconds);
   // Handles the events since then: a change of size, a stop and its end. Returns the signal that ends the
-  // view, if there was one; the key q counts as SIGINT.
+  // view, or kQuit for the key q, if there was one.
   [[nodiscard]] std::optional<int> ended_by();
 
   // Restores the terminal. Does nothing if it has been restored.

@@ -94,7 +94,7 @@ class ScreenWatch {
     printer_.job_is_under_way = end_.is_under_way();
     printer_.trouble = trouble(now);
     const ScreenSize size = screen.size();
-    std::vector<ScreenLine> lines = watch_lines(printer_, size);
+    std::vector<ScreenLine> lines = watch_lines(printer_, mask_.room_for_text(size));
     add_mask(lines, size);
     screen.draw(lines);
   }
@@ -221,13 +221,14 @@ class ScreenWatch {
 
 // Watches on a whole terminal until the end. Throws DaemonError if contourd is gone for a minute, and
 // NoSuchJob as WatchEnd does. A signal that ends a program ends the process in the usual way, after the
-// terminal was restored; the key q counts as SIGINT.
-WatchResult watch_on_screen(const ClientOptions& options, WatchEnd& end) {
+// terminal was restored. Returns nullopt after the key q.
+std::optional<WatchResult> watch_on_screen(const ClientOptions& options, WatchEnd& end) {
   ScreenWatch watch(options, end);
   std::optional<int> signal;
   {
     TerminalScreen screen;
-    if (const std::optional<WatchResult> result = watch.run(screen, signal)) return *result;
+    std::optional<WatchResult> result = watch.run(screen, signal);
+    if (result || signal == TerminalScreen::kQuit) return result;
   }
   (void)std::raise(signal.value_or(SIGTERM));
   throw DaemonError("the view was ended");
@@ -321,12 +322,13 @@ int print_end(const Json& ended, bool json) {
   return ended.value("outcome", "") == "done" ? kOk : kFailed;
 }
 
-int watch_by_screen(const ClientOptions& options, WatchEnd& end) {
-  const WatchResult result = watch_on_screen(options, end);
-  const std::string job = text_of(result.ended, "job");
-  for (const std::string& warning : result.warnings)
+std::optional<int> watch_by_screen(const ClientOptions& options, WatchEnd& end) {
+  const std::optional<WatchResult> result = watch_on_screen(options, end);
+  if (!result) return std::nullopt;
+  const std::string job = text_of(result->ended, "job");
+  for (const std::string& warning : result->warnings)
     fmt::print("{}: warning: {}\n", job, printable(warning));
-  return print_end(result.ended, false);
+  return print_end(result->ended, false);
 }
 
 int watch_by_line(const ClientOptions& options, WatchEnd& end) {
@@ -355,11 +357,12 @@ int watch_by_line(const ClientOptions& options, WatchEnd& end) {
 
 }  // namespace
 
-int watch(const ClientOptions& options, const std::optional<std::string>& job) {
+std::optional<int> watch(const ClientOptions& options, const std::optional<std::string>& job) {
   WatchEnd end(job);
   try {
     const bool by_screen = !options.json && knows_sequences() && in_foreground();
-    return by_screen ? watch_by_screen(options, end) : watch_by_line(options, end);
+    if (by_screen) return watch_by_screen(options, end);
+    return watch_by_line(options, end);
   } catch (const WatchEnd::NoSuchJob& error) {
     fmt::print(stderr, "contourctl: {}\n", error.sentence);
     return kFailed;
@@ -371,7 +374,7 @@ void add_watch(Command& program) {
   auto& job = command.arguments<std::optional<std::string>>();
   command.option("--job", job, "Follow until this job has ended").suggests(current_jobs);
   const ClientOptions& client = add_client_options(command);
-  command.run = [&client, &job] { return watch(client, job); };
+  command.run = [&client, &job] { return watch(client, job).value_or(kOk); };
 }
 
 }  // namespace contourd::ctl

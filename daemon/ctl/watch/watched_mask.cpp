@@ -122,6 +122,13 @@ void WatchedMask::connection_lost() {
   asked_for_.clear();
 }
 
+ScreenSize WatchedMask::room_for_text(ScreenSize screen) const {
+  const std::size_t rows = screen.rows / 3;
+  // A blank line is above the mask.
+  const bool can_be_seen = screen.columns >= kFewestColumns && rows > kFewestRows;
+  return on_screen_.empty() || !can_be_seen ? screen : ScreenSize{screen.columns, screen.rows - rows};
+}
+
 const std::vector<ScreenLine>& WatchedMask::lines(ScreenSize room) {
   room = {std::min(room.columns, kMostColumns), std::min(room.rows, kMostRows)};
   has_room_ = room.columns >= kFewestColumns && room.rows >= kFewestRows;

@@ -37,6 +37,10 @@ class WatchedMask {
   // Forgets the request that will not be answered any more.
   void connection_lost();
 
+  // Returns the part of the screen for the text above the mask. A third of the rows is for the mask while
+  // there is one and it can be recognised in so few rows; the mask also gets the rows that the text leaves
+  // free.
+  [[nodiscard]] ScreenSize room_for_text(ScreenSize screen) const;
   // Returns lines that fit into the room; none if there is no mask or too little room.
   [[nodiscard]] const std::vector<ScreenLine>& lines(ScreenSize room);
 

@@ -93,6 +93,22 @@ TEST_CASE("No mask is requested if there is no room for it, or too soon after th
   CHECK(fetch(mask, kStart + WatchedMask::kInterval, 2) > 0);
 }
 
+TEST_CASE("A third of the rows is for a mask, if there is one and it can be recognised there") {
+  WatchedMask mask(PictureInk::Characters);
+  CHECK(mask.room_for_text({80, 24}).rows == 24);
+  mask.note(status_of_layer(1));
+  const ScreenSize text = mask.room_for_text({80, 24});
+  CHECK((text.columns == 80 && text.rows == 16));
+  CHECK(mask.room_for_text({80, 60}).rows == 40);
+  CHECK(mask.room_for_text({80, 20}).rows == 20);
+  CHECK(mask.room_for_text({29, 24}).rows == 24);
+  CHECK(mask.room_for_text({1, 1}).rows == 1);
+  (void)mask.lines({80, 24 - text.rows - 1});
+  CHECK(fetch(mask, kStart, 1) > 0);
+  mask.note(status_without_job());
+  CHECK(mask.room_for_text({80, 24}).rows == 24);
+}
+
 TEST_CASE("A picture of manual control is watched until it ends") {
   WatchedMask mask(PictureInk::Characters);
   (void)mask.lines(kRoom);
