@@ -1,5 +1,7 @@
 """Manual control: contourctl home, move, light and so on; who may use it, what ends it, and its exclusion of prints."""
 
+import contextlib
+import fcntl
 import json
 import os
 import pty
@@ -7,6 +9,7 @@ import re
 import select
 import signal
 import socket
+import struct
 import subprocess
 import termios
 import time
@@ -282,12 +285,40 @@ class Level(ManualTest):
                 self.assertIn(b"Nothing was changed.", result.stdout)
         self.assertEqual(self.config(daemon), before)
 
+    def test_a_question_mark_explains_the_question_and_moves_nothing(self):
+        daemon = self.daemon()
+        result = self.level(daemon, "?", "?", "q")
+        self.assertEqual(result.stdout.count(b"Press Enter to home the plate. \nEnter continues; q quits.\n"), 2, result)
+        self.assertIsNone(self.manual(daemon)["height_mm"])
+        result = self.level(daemon, "", "", "", "?", "q")
+        self.assertIn(b"drags)? \nExpected a number from -12 to 12; q quits.\n", result.stdout)
+
+    def test_lines_end_between_words_on_a_terminal_of_any_width(self):
+        daemon = self.daemon()
+        for columns in (40, 80, 200):
+            terminal, its = pty.openpty()
+            fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+            self.run_ctl(daemon, "level", "--config", daemon.config_path, input=b"\n\n\n0.5\nq\n", stdin=None, stdout=its)
+            os.close(its)
+            shown = b""
+            with contextlib.suppress(OSError), open(terminal, "rb", buffering=0) as file:
+                while data := file.read(65536):
+                    shown += data
+            lines = shown.decode().split("\r\n")
+            self.assertLessEqual(max(map(len, lines)), columns + 1)  # and the space after a question
+            for sentence in (
+                "2. Loosen the plate's clamp, so that the plate swings freely, and lay a sheet of paper on the film.",
+                "4. Find the height at which the paper just drags when it is pulled: enter distances in mm to move the plate, negative for down.",
+                "Now at 0.000 mm. Move by (Enter: the paper just drags)?",
+            ):  # fmt: skip
+                self.assertIn(sentence, " ".join(shown.decode().split()))
+
     def test_a_wrong_number_or_an_impossible_move_is_reported_and_asked_again(self):
         daemon = self.daemon()
         result = self.level(daemon, "", "", "", "up", "-0.5", "+0.3", "", "1e9", "0.1", "")
         self.assertEqual(result.returncode, OK, result)
-        self.assertIn(b"Expected a number from -12 to 12.", result.stdout)
-        self.assertIn(b"Expected a number from 0 to 5.", result.stdout)
+        self.assertIn(b"Expected a number from -12 to 12; q quits.", result.stdout)
+        self.assertIn(b"Expected a number from 0 to 5; q quits.", result.stdout)
         self.assert_one_line(result.stderr, "the plate cannot go to -0.500 mm")
 
     def test_a_wrong_or_missing_configuration_is_not_touched(self):

@@ -220,8 +220,8 @@ class TerminalTest(SetupTest):
 class OnTerminal(TerminalTest):
     def test_the_dialog_leads_to_a_valid_configuration_and_repeats_questions_after_wrong_answers(self):
         self.begin(gpio_chip="gpiochip0", connector="HDMI-A-1", display_mode="1920x1080@60")
-        self.answer(("hardware:", "maybe"), ("Expected one of: real, simulated.\nhardware:", "real"), ("name:", "Mine"),
-                    ("screw_lead_mm:", "-1"), ("Expected a number from 0.1 to 100 mm", "4"), ("steps_per_turn:", "1.5"), ("whole number", ""),
+        self.answer(("hardware:", "maybe"), ("Expected one of: real, simulated.\nhardware:", "?"), ("Expected one of: real, simulated. Enter accepts simulated; back returns", "real"), ("name:", "Mine"),
+                    ("screw_lead_mm:", "?"), ("Expected a number from 0.1 to 100 mm", "-1"), ("Expected a number from 0.1 to 100 mm", "4"), ("steps_per_turn:", "1.5"), ("whole number", ""),
                     ("microsteps:", "16"), ("travel_mm:", ""), ("top_speed_mm_s:", ""), ("step_line:", ""), ("direction_line:", "17"),
                     ("Line 17 is already used for step_line.", "27"), ("direction_active_low:", "y"), ("enable_line:", "none"), ("switch_line:", ""),
                     ("switch_contact:", ""), ("switch_wired_to:", ""), ("switch_end:", ""), ("projector_table:", "acer"), ("serial_port:", ""),
@@ -229,6 +229,8 @@ class OnTerminal(TerminalTest):
                     ("mirror:", ""), ("irradiance_mw_cm2:", ""), ("wait_for_plate_cleared:", ""))  # fmt: skip
         self.expect("microsteps = 16: all three jumpers", "Enter: write")
         self.assertFalse(os.path.exists(self.config))
+        self.type("?")
+        self.expect("Expected a key above, Enter, back", "Enter: write")
         self.type("top_speed")
         self.expect("none of the keys", "Enter: write")
         self.type("travel_mm")
@@ -282,15 +284,21 @@ class OnTerminal(TerminalTest):
         self.assertEqual(self.written()["z_axis"]["travel_mm"], 90)
 
     def test_no_line_is_wider_than_the_terminal(self):
+        words = {}
         for columns in (40, 80, 200):
             with self.subTest(columns):
                 self.begin("--restart", columns=columns, **REAL)
-                self.answer(("name:", ""))
+                self.answer(("name:", "?"), ("name:", ""))
                 self.answer(*((f"{key}:", "") for key in ("steps_per_turn", "microsteps", "top_speed_mm_s", "step_line")))
                 self.expect("direction_line:")
-                for line in self.quit().splitlines():
+                shown = self.quit()
+                words[columns] = shown.partition("Quit.")[0].split()  # without the path, which may be wider
+                for line in shown.splitlines():
                     if self.folder not in line:
                         self.assertLessEqual(len(line), min(columns, 100), line)
+        # Lines end only between words.
+        self.assertEqual(words[40], words[200])
+        self.assertEqual(words[80], words[200])
 
 
 class Checks(TerminalTest):
@@ -365,7 +373,7 @@ class Checks(TerminalTest):
         for check, answer in (("the motor's direction", "skip"), ("homing", "skip"), ("the length of a millimetre", "skip"),
                               ("the projector's answers", "skip"), ("the picture's orientation", ""), ("the picture's shape", ""), ("the pixels' size", ""), ("the light's end", "")):  # fmt: skip
             self.expect(f"Check: {check}.")
-            self.answer(("(no or yes)?" if answer == "" else "skip:", answer))
+            self.answer(("yes)?" if answer == "" else "skip:", answer))
         self.expect("Not checked:", "the limit switch: contourctl switches", "the light's end: contourctl light on --seconds 2")
         self.ended(OK)
         self.assertEqual(set(self.outcomes().values()), {"taken", "skipped"})

@@ -243,13 +243,15 @@ class Setup {
 
   int lead() {
     dialog_.say(
-        "Enter accepts the suggestion, back returns to the previous question, quit leaves. Each answer is "
-        "saved: after quit, Ctrl-C or a lost terminal, the next call continues here.");
+        "Enter accepts the suggestion, ? shows the possible answers, back returns to the previous question, "
+        "quit leaves. Each answer is saved: after quit, Ctrl-C or a lost terminal, the next call continues "
+        "here.");
     const auto keep = [this] { this->keep(); };
     dialog_.answer_all(record_.answers, facts_, keep);
     while (true) {
       print_summary();
-      const std::string key = dialog_.ask(prompt_to_write());
+      const std::string key = dialog_.ask(
+          prompt_to_write(), "Expected a key above, Enter, back to answer the last question again, or quit.");
       if (key.empty()) {
         if (write()) break;
       } else if (key == "back") {

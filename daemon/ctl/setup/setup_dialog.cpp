@@ -69,8 +69,13 @@ bool SetupDialog::answer_one(const Question& question, Answers& answers, const S
   fmt::print("\n");
   say(question.text);
   say(fmt::format("  Enter: {}, {}", usual.answer, usual.why), 2);
+  const std::string expected = question.take("?", answers, facts).complaint;
+  const std::string help = fmt::format(
+      "{}{}Enter accepts {}; back returns to the previous question; quit leaves, and the next call continues "
+      "here. docs/printer-setup.md explains the parts.",
+      expected, expected.empty() ? "" : " ", usual.answer);
   while (true) {
-    const std::string typed = ask(key + ":");
+    const std::string typed = ask(key + ":", help);
     if (typed == "back") return false;
     const TakenAnswer taken = question.take(typed.empty() ? usual.answer : typed, answers, facts);
     if (taken.complaint.empty()) {

@@ -30,6 +30,8 @@ volatile std::sig_atomic_t signal_came = 0;
 constexpr std::size_t kLongestLine = 1000;
 constexpr std::size_t kWidestText = 100;  // longer lines are hard to read
 
+constexpr std::size_t kRoomForAnswer = 8;  // columns after a prompt
+
 std::size_t text_width() {
   return std::clamp(static_cast<std::size_t>(std::max(terminal_columns(), 0)), std::size_t{20}, kWidestText);
 }
@@ -95,34 +97,41 @@ void Dialog::say(std::string_view text, std::size_t indent) const {
   std::fflush(stdout);
 }
 
-std::string Dialog::ask(std::string_view prompt) {
-  fmt::print("{} ", printable(prompt));
-  std::fflush(stdout);
-  const std::optional<std::string> line = input_.line();
-  if (!line) throw DialogLeft();
-  if (::isatty(STDIN_FILENO) == 0) fmt::print("\n");
-  std::string answer = trimmed(*line);
-  if (quits(answer)) throw DialogLeft();
-  return answer;
+std::string Dialog::ask(std::string_view prompt, std::string_view help) {
+  while (true) {
+    const std::vector<std::string> lines = wrapped(printable(prompt), text_width() - kRoomForAnswer);
+    fmt::print("{} ", fmt::join(lines, "\n"));
+    std::fflush(stdout);
+    const std::optional<std::string> line = input_.line();
+    if (!line) throw DialogLeft();
+    if (::isatty(STDIN_FILENO) == 0) fmt::print("\n");
+    std::string answer = trimmed(*line);
+    if (quits(answer)) throw DialogLeft();
+    if (answer != "?") return answer;
+    say(help);
+  }
 }
 
 std::string Dialog::ask_for_word(std::string_view prompt, const std::vector<std::string>& words) {
+  const std::string expected =
+      fmt::format("Expected one of: {}. Enter: {}; q quits.", fmt::join(words, ", "), words.front());
   while (true) {
-    const std::string answer = ask(prompt);
+    const std::string answer = ask(prompt, expected);
     if (answer.empty()) return words.front();
     const auto fits = [&](const std::string& word) { return word.starts_with(answer); };
     if (std::ranges::count_if(words, fits) == 1) return *std::ranges::find_if(words, fits);
-    say(fmt::format("Expected one of: {}.", fmt::join(words, ", ")));
+    say(expected);
   }
 }
 
 std::optional<double> Dialog::ask_for_number(std::string_view prompt, double least, double most) {
+  const std::string expected = fmt::format("Expected a number from {:g} to {:g}; q quits.", least, most);
   while (true) {
-    const std::string answer = ask(prompt);
+    const std::string answer = ask(prompt, expected);
     if (answer.empty()) return std::nullopt;
     const std::optional<double> number = number_of(answer);
     if (number && *number >= least && *number <= most) return number;
-    say(fmt::format("Expected a number from {:g} to {:g}.", least, most));
+    say(expected);
   }
 }
 

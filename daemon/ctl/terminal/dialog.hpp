@@ -39,9 +39,9 @@ class Dialog {
   // indented by `indent` spaces.
   void say(std::string_view text, std::size_t indent = 0) const;
 
-  // Asks for one line. This and the next functions throw DialogLeft on `q` or
-  // `quit`, and at the end of the input.
-  [[nodiscard]] std::string ask(std::string_view prompt);
+  // Asks for one line; the prompt is wrapped as say() wraps. After the answer `?`, says the help and asks
+  // again. This and the next functions throw DialogLeft on `q` or `quit`, and at the end of the input.
+  [[nodiscard]] std::string ask(std::string_view prompt, std::string_view help = "Enter continues; q quits.");
   // Asks until the answer is one of the words or its beginning. An empty line selects the first word.
   [[nodiscard]] std::string ask_for_word(std::string_view prompt, const std::vector<std::string>& words);
   // Asks until the answer is a number within the limits. Returns nullopt for an empty line.
