@@ -37,6 +37,8 @@ if [[ -z $model ]]; then
 fi
 # Refuses a file that is not a model before anything is started.
 inspected=$("$bin/contourctl" inspect "$model") || { rm -r "$folder"; exit 65; }
+# The model for the commands that README.md shows.
+[[ $model -ef build/part.stl ]] || cp -- "$model" build/part.stl
 
 "$bin/contourd" --config "$folder/simulated.json" --pace "$pace" >"$folder/contourd.log" 2>&1 &
 daemon=$!
@@ -63,10 +65,15 @@ if ! "$bin/contourctl" watch --job "$name"; then
   printf '\nThe print failed. Log: %s\n' "$folder/contourd.log"
   exit 1
 fi
+if [[ ! -e $folder/spool/done/$name.report.html ]]; then
+  echo "The view was left before the end of the print, which is stopped."
+  exit
+fi
 echo
 printf '%-9s%s\n' \
   Masks "$folder/masks/$name/ ($(find "$folder/masks/$name" -name '*.png' | wc -l) PNG files)" \
   Preview "$folder/spool/done/$name.preview.png" \
   Report "$folder/spool/done/$name.report.html" \
   '' "$folder/spool/done/$name.report.json" \
-  Log "$folder/contourd.log"
+  Log "$folder/contourd.log" \
+  Model "build/part.stl, for the commands in README.md"

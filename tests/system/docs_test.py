@@ -8,6 +8,8 @@ import subprocess
 import tempfile
 import unittest
 
+from harness import BAD_DATA, OK, binary_stl, box
+
 ROOT = pathlib.Path(os.environ["CONTOURD_SOURCE"])
 BIN = pathlib.Path(os.environ["CONTOURD_BIN"])
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -147,6 +149,24 @@ class DocsTest(unittest.TestCase):
                         checked += 1
                         self.assertRegex(result.stdout.decode(), rf"(?<![\w-]){re.escape(option)}(?![\w-])")
         self.assertGreater(checked, 10)
+
+    def test_the_readmes_commands_run_on_the_model_that_the_demo_leaves(self):
+        rows = [row["try"] for row in table_rows(ROOT / "README.md") if "try" in row]
+        commands = [command for cell in rows for command in re.findall(r"`([^`]+)`", cell)]
+        commands += re.findall(r"^    (build/bin/.*?)(?:  +#.*)?$", text_of(ROOT / "README.md"), re.MULTILINE)
+        commands = [command for command in commands if not command.startswith(("./demo.sh", ".ci/build build -- contourd-bench &&"))]
+        self.assertGreater(len(commands), 10)
+        self.assertIn("build/part.stl", text_of(ROOT / "demo.sh"))
+        with tempfile.TemporaryDirectory() as folder:
+            model = pathlib.Path(folder, "part.stl")
+            model.write_bytes(binary_stl([*box((0, 0, 0), (10, 5, 12)), *box((20, 0, 3), (25, 5, 12))]))
+            for command in commands:
+                with self.subTest(command):
+                    self.assertTrue(command.startswith("build/bin/"), command)
+                    words = [re.sub("^build/", f"{folder}/", re.sub("^build/bin", str(BIN), word)) for word in command.split()]
+                    result = subprocess.run(words, cwd=ROOT, stdin=subprocess.DEVNULL, capture_output=True, timeout=60, check=False)
+                    # README.md is not a model.
+                    self.assertEqual(result.returncode, BAD_DATA if words[-1] == "README.md" else OK, result)
 
     def test_every_heading_that_a_source_refers_to_exists(self):
         """Sources refer to a heading as: page, comma, the heading in quotes."""
