@@ -1,7 +1,6 @@
 #include "daemon/prepare/job_outlook.hpp"
 
 #include <filesystem>
-#include <numeric>
 #include <system_error>
 
 #include "daemon/json/config_error.hpp"
@@ -45,8 +44,7 @@ JobOutlook outlook_of(const PreparedJob& job, const JobFiles& files, const Print
   if (summary.supports) outlook.supports = counts_of(*summary.supports);
   for (const ModelSummary& model : summary.models)
     outlook.parts += model.centers.size();
-  const std::vector<Duration> durations = layer_durations(job.plan, printer);
-  outlook.print_time = std::accumulate(durations.begin(), durations.end(), Duration{0});
+  outlook.print_time = print_duration(job.plan, printer);
   return outlook;
 }
 

@@ -24,7 +24,7 @@ struct JobOutlook {
   std::int32_t layers = 0;
   Nanometers thinnest_layer{}, thickest_layer{};
   double height_mm = 0;
-  Duration print_time{};                    // sum over all layers
+  Duration print_time{};                    // with warm-up, homing and parking
   std::optional<SupportCounts> supports{};  // nullopt if the job has supports off
   std::optional<AnalyzedJob> question{};    // findings that need confirmation even if ask_before is empty
 };

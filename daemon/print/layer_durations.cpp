@@ -1,19 +1,44 @@
 #include "daemon/print/layer_durations.hpp"
 
+#include <algorithm>
+#include <numeric>
+
+#include "core/contract/expects.hpp"
 #include "hw/gpio/axis_motion.hpp"
 #include "hw/motion_curve.hpp"
 
 namespace contourd {
+namespace {
 
-std::vector<Duration> layer_durations(const PrintPlan& plan, const PrinterConfig& printer) {
-  const auto move = [&printer](Nanometers distance, MillimetersPerSecond speed) {
+// Returns the function that computes the duration of a move on this printer.
+auto moves_of(const PrinterConfig& printer) {
+  return [&printer](Nanometers distance, MillimetersPerSecond speed) {
     if (printer.real) return move_duration(printer.real->axis, distance, speed);
     return MotionProfile(distance, speed, printer.simulated.axis.acceleration).duration();
   };
+}
+
+}  // namespace
+
+std::vector<Duration> layer_durations(const PrintPlan& plan, const PrinterConfig& printer) {
   std::vector<Duration> durations;
   for (std::size_t layer = 0; layer < plan.expected_layers.size(); ++layer)
-    durations.push_back(layer_duration(plan, static_cast<std::int32_t>(layer), move));
+    durations.push_back(layer_duration(plan, static_cast<std::int32_t>(layer), moves_of(printer)));
   return durations;
+}
+
+Duration print_duration(const PrintPlan& plan, const PrinterConfig& printer) {
+  expects(!plan.expected_layers.empty(), "a print has a layer");
+  const auto move = moves_of(printer);
+  const std::vector<Duration> layers = layer_durations(plan, printer);
+  const Nanometers top =
+      std::accumulate(plan.expected_layers.begin(), plan.expected_layers.end(), Nanometers{});
+  const Nanometers to_park = std::max(printer.travel - top - plan.motion.lift, Nanometers{});
+  // For its first layer, the plate comes from the height after homing, not from a lift.
+  const Duration approach = move(plan.expected_layers.front() - plan.home_height, plan.travel_speed) -
+                            move(-plan.motion.lift, plan.motion.retract_speed);
+  return plan.warm_up + homing_duration(plan, printer.travel, move) + approach +
+         std::accumulate(layers.begin(), layers.end(), Duration{0}) + move(to_park, plan.travel_speed);
 }
 
 }  // namespace contourd

@@ -447,14 +447,14 @@ Duration LayeredPrint::time_left() const {
   return state_left().value_or(Duration{0}) + left_after_state();
 }
 
-// Returns the expected duration of homing: to the switch, back off it and to it again. A plate at an unknown
-// height is assumed to be where a print parks it.
+// Returns the expected duration of homing. A plate at an unknown height is assumed to be where a print parks
+// it.
 Duration LayeredPrint::homing_duration() const {
   const ZAxis& axis = machine_.z_axis();
-  const MillimetersPerSecond slow{plan_->homing_speed.count() / 2};
-  const Nanometers distance = plan_->home_height - axis.height().value_or(axis.travel());
-  return axis.move_duration(distance, plan_->homing_speed) +
-         axis.move_duration(kBackOff, plan_->homing_speed) + axis.move_duration(kBackOff, slow);
+  return contourd::homing_duration(*plan_, axis.height().value_or(axis.travel()),
+                                   [&axis](Nanometers distance, MillimetersPerSecond speed) {
+                                     return axis.move_duration(distance, speed);
+                                   });
 }
 
 Duration LayeredPrint::parking_duration(Nanometers from) const {

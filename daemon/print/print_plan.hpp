@@ -54,6 +54,16 @@ template <typename MoveDuration>
   });
 }
 
+// Returns the expected duration of homing from a height: to the switch, back off it and to it again.
+template <typename MoveDuration>
+[[nodiscard]] Duration homing_duration(const PrintPlan& plan, Nanometers from,
+                                       const MoveDuration& move_duration) requires
+    std::is_invocable_r_v<Duration, MoveDuration, Nanometers, MillimetersPerSecond> {
+  const MillimetersPerSecond slow{plan.homing_speed.count() / 2};
+  return move_duration(plan.home_height - from, plan.homing_speed) +
+         move_duration(kBackOff, plan.homing_speed) + move_duration(kBackOff, slow);
+}
+
 // The measured facts about one layer.
 struct LayerRecord {
   std::int32_t layer = 0;  // from 0

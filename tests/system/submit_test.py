@@ -48,6 +48,14 @@ class WithContourd(SubmitTest):
         })  # fmt: skip
         self.assertEqual(contents(model), SMALL)
 
+    def test_the_forecast_of_the_time_contains_warm_up_homing_and_parking(self):
+        daemon = Daemon(self, {"simulation": {"start_height_mm": 160}}).start()  # where a print parks the plate
+        model = self.write("part.stl", SMALL)
+        outlook = json.loads(self.lines(daemon.ctl("submit", model, "--json", "--wait", "--printer", daemon.config_path))[0])["outlook"]
+        took = daemon.report("part")["print_time_s"]
+        self.assertGreater(took, 60)
+        self.assertAlmostEqual(outlook["print_time_s"], took, delta=0.02 * took)
+
     def test_a_name_that_is_in_use_gets_a_number(self):
         daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS}).start()
         model = self.write("part.stl", SMALL)

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <iostream>
-#include <numeric>
 #include <stop_token>
 #include <system_error>
 #include <utility>
@@ -81,7 +80,7 @@ class Look {
         prepare_job({model.stem().string(), model, std::nullopt},
                     settings_by(std::move(ticket), "the ticket", *printer_.config), *printer_.config);
     const std::vector<Duration> durations = layer_durations(job.plan, *printer_.config);
-    const Duration time = std::accumulate(durations.begin(), durations.end(), Duration{0});
+    const Duration time = print_duration(job.plan, *printer_.config);
     outlook_.json["layers"] = job.summary.layers.count;
     outlook_.json["print_time_s"] = std::chrono::duration<double>(time).count();
     outlook_.json["resin"] = job.summary.resin.name;

@@ -1,5 +1,6 @@
 // Tests of the contract checks in daemon/print.
 
+#include "daemon/print/layer_durations.hpp"
 #include "daemon/print/manual_process.hpp"
 #include "daemon/print/print_mode.hpp"
 #include "tests/broken_contract.hpp"
@@ -24,6 +25,10 @@ TEST_CASE("PrintMode::start requires a plan with layers and exposures, and that 
   REQUIRE(fixture.run_until([&] { return process.under_way(); }));
   CHECK(contract_broken_by([&] { process.start({}); }) == "no print is under way");
   CHECK(contract_broken_by([&] { (void)process.time_left(); }).empty());
+}
+
+TEST_CASE("The duration of a print requires a layer") {
+  CHECK(contract_broken_by([] { (void)print_duration({}, {}); }) == "a print has a layer");
 }
 
 TEST_CASE("The functions of PrintMode for a print under way require that a print is under way") {

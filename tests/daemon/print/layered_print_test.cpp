@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "daemon/print/layer_durations.hpp"
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
@@ -830,6 +831,12 @@ TEST_CASE("The time left is the actual duration of the print, with warm-up, homi
   plan.warm_up = 5s;  // as configured for the simulated projector
   fixture.process.start(std::move(plan));
   const Duration expected = fixture.process.time_left();
+  PrinterConfig printer;
+  printer.travel = fixture.machine.z_axis().travel();
+  printer.simulated = testing::small_printer();
+  PrintPlan forecast = testing::box_plan(3);
+  forecast.warm_up = 5s;
+  CHECK(print_duration(forecast, printer) == expected);
   const TimePoint start = fixture.clock.now();
   REQUIRE(fixture.run_to(S::Ending));
   const Duration real = fixture.clock.now() - start;
