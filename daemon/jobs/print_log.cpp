@@ -53,6 +53,23 @@ LogFields layer_fields(const std::string& job, std::int32_t layer) {
   return fields;
 }
 
+// Layers of a print that have something in common, numbered from 1.
+struct LayerSpan {
+  std::size_t count = 0;
+  std::int32_t first = 0, last = 0;
+};
+
+template <typename Predicate>
+LayerSpan layers_with(const std::vector<LayerRecord>& layers, const Predicate& is_affected) {
+  LayerSpan span;
+  for (const LayerRecord& layer : layers) {
+    if (!is_affected(layer)) continue;
+    if (++span.count == 1) span.first = layer.layer + 1;
+    span.last = layer.layer + 1;
+  }
+  return span;
+}
+
 }  // namespace
 
 void PrintLog::refused(const std::string& job, const std::string& reason) const {
@@ -124,7 +141,6 @@ void PrintLog::layer(const std::string& job, const JobSummary& summary, const La
                         layer.complete ? "" : ", not finished"),
             fields);
   warn_about_light(summary, layer, frame, fields);
-  warn_about_section(summary, layer, fields);
 }
 
 void PrintLog::warn_about_light(const JobSummary& summary, const LayerRecord& layer, Duration frame,
@@ -140,26 +156,6 @@ void PrintLog::warn_about_light(const JobSummary& summary, const LayerRecord& la
         fmt::format("{}; the projector's replies allow no closer bounds, and the resin tolerates {:.0f} ms",
                     asked, milliseconds(tolerated)),
         fields);
-  }
-}
-
-void PrintLog::warn_about_section(const JobSummary& summary, const LayerRecord& layer,
-                                  const LogFields& fields) const {
-  if (layer.cracks.open_chains > 0) {
-    log_.warning("gaps",
-                 fmt::format("layer {}: {} contours did not close; the widest gap bridged is {:.3f} mm",
-                             layer.layer + 1, layer.cracks.open_chains, layer.cracks.widest_gap.count()),
-                 fields);
-  }
-  if (layer.cracks.turned_chains > 0) {
-    log_.warning(
-        "turned",
-        fmt::format("layer {}: {} sections of contours run in the wrong direction; they were reversed",
-                    layer.layer + 1, layer.cracks.turned_chains),
-        fields);
-  }
-  if (layer.area_mm2 == 0 && layer.layer + 1 < summary.layers.count) {
-    log_.warning("empty", fmt::format("layer {}: nothing to expose", layer.layer + 1), fields);
   }
 }
 
@@ -179,7 +175,29 @@ void PrintLog::ended(const PrintReport& report) const {
                   report.reason.empty() ? "" : ": " + report.reason);
   log_.write(report.outcome == PrintOutcome::Failed ? LogLevel::Error : LogLevel::Info,
              name_of(report.outcome), summary, job_fields(report.job));
+  warn_about_sections(report);
   warn_about_lateness(report);
+}
+
+void PrintLog::warn_about_sections(const PrintReport& report) const {
+  Millimeters widest{};
+  for (const LayerRecord& layer : report.layers)
+    widest = std::max(widest, layer.cracks.widest_gap);
+  const auto warn = [&](const char* kind, const std::string& what, const auto& is_affected) {
+    const LayerSpan span = layers_with(report.layers, is_affected);
+    if (span.count == 0) return;
+    log_.warning(kind,
+                 fmt::format("{}: {} of {}, from layer {} to {}: {}", printable(report.job), span.count,
+                             count_of(report.layers.size(), "layer", "layers"), span.first, span.last, what),
+                 job_fields(report.job));
+  };
+  warn("gaps", fmt::format("contours did not close; the widest gap bridged is {:.3f} mm", widest.count()),
+       [](const LayerRecord& layer) { return layer.cracks.open_chains > 0; });
+  warn("turned", "sections of contours run in the wrong direction; they were reversed",
+       [](const LayerRecord& layer) { return layer.cracks.turned_chains > 0; });
+  warn("empty", "nothing to expose", [&report](const LayerRecord& layer) {
+    return layer.area_mm2 == 0 && layer.layer + 1 < report.summary.layers.count;
+  });
 }
 
 void PrintLog::warn_about_lateness(const PrintReport& report) const {

@@ -35,7 +35,8 @@ class PrintLog {
  private:
   void warn_about_light(const JobSummary& summary, const LayerRecord& layer, Duration frame,
                         const LogFields& fields) const;
-  void warn_about_section(const JobSummary& summary, const LayerRecord& layer, const LogFields& fields) const;
+  // Logs one line for each kind of trouble with the layers' contours, however many layers have it.
+  void warn_about_sections(const PrintReport& report) const;
   void warn_about_lateness(const PrintReport& report) const;
 
   const Log& log_;

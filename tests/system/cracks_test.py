@@ -34,7 +34,9 @@ class Policies(FolderTest):
                 self.assertEqual({layer["widest_gap_mm"] for layer in layers[10:]}, {4.0})
                 # The contour is closed by a straight line across the missing front, so its area is that of the sound model.
                 self.assertEqual({round(layer["area_mm2"], 6) for layer in layers[10:]}, {16.0})
-                self.assertIn("layer 11: 1 contours did not close; the widest gap bridged is 4.000 mm", daemon.log())
+                [line] = [line for line in daemon.log().splitlines() if " did not close" in line and f"{job}: 10 of " in line]
+                self.assertIn("10 of 20 layers, from layer 11 to 20: contours did not close; the widest gap bridged is 4.000 mm", line)
+                self.assertNotIn("layer 12: ", daemon.log())
                 daemon.stop()
 
     def test_a_ticket_that_refuses_cracks_refuses_the_model_before_its_first_layer(self):

@@ -76,30 +76,39 @@ TEST_CASE("Light that is known less exactly than the resin tolerates causes a wa
   }
 }
 
-TEST_CASE("A layer that is empty, or has contours that did not close or were reversed, causes a warning") {
+TEST_CASE("Layers that are empty or cracked cause one warning of each kind, at the end of the print") {
   PrintLogFixture fixture;
-  SECTION("open") {
-    fixture.layer.cracks.open_chains = 2;
+  PrintReport report;
+  report.job = "part";
+  report.summary = fixture.summary;
+  report.summary.layers.count = 300;
+  for (fixture.layer.layer = 0; fixture.layer.layer < 300; ++fixture.layer.layer) {
+    const bool affected = fixture.layer.layer >= 100 && fixture.layer.layer < 200;
+    fixture.layer.cracks.open_chains = affected ? 2 : 0;
+    fixture.layer.cracks.widest_gap = Millimeters{affected ? fixture.layer.layer / 1000.0 : 0.0};
+    fixture.layer.cracks.turned_chains = fixture.layer.layer == 5 ? 3 : 0;
+    fixture.layer.area_mm2 = fixture.layer.layer < 298 ? 4 : 0;
     fixture.log_layer();
-    CHECK(fixture.text.has("warning: layer 1: 2 contours did not close"));
+    report.layers.push_back(fixture.layer);
   }
-  SECTION("turned") {
-    fixture.layer.cracks.turned_chains = 3;
-    fixture.log_layer();
-    CHECK(fixture.text.has("warning: layer 1: 3 sections of contours run in the wrong direction"));
-  }
-  SECTION("empty") {
-    fixture.layer.area_mm2 = 0;
-    fixture.log_layer();
-    CHECK(fixture.text.has("warning: layer 1: nothing to expose"));
-  }
+  CHECK_FALSE(fixture.warned());
+  fixture.print.ended(report);
+  CHECK(
+      fixture.text.has("warning: part: 100 of 300 layers, from layer 101 to 200: contours did not close; the "
+                       "widest gap bridged is 0.199 mm"));
+  CHECK(
+      fixture.text.has("warning: part: 1 of 300 layers, from layer 6 to 6: sections of contours run in the "
+                       "wrong direction"));
+  // The last layer may be empty.
+  CHECK(fixture.text.has("warning: part: 1 of 300 layers, from layer 299 to 299: nothing to expose"));
 }
 
-TEST_CASE("An empty last layer causes no warning") {
+TEST_CASE("Sound layers cause no warning at the end of the print") {
   PrintLogFixture fixture;
-  fixture.layer.layer = 9;
-  fixture.layer.area_mm2 = 0;
-  fixture.log_layer();
+  PrintReport report;
+  report.summary = fixture.summary;
+  report.layers.push_back(fixture.layer);
+  fixture.print.ended(report);
   CHECK_FALSE(fixture.warned());
 }
 
