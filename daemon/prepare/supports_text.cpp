@@ -27,10 +27,10 @@ Json contact_json(const SupportContact& contact) {
 std::string supports_line(const SupportCounts& supports) {
   if (!supports.any()) return "none needed";
   std::string text =
-      fmt::format("{} ({}, {}, {} peel), {}, {}", count_of(supports.contacts(), "contact", "contacts"),
-                  count_of(supports.islands, "island", "islands"),
-                  count_of(supports.overhangs, "overhang", "overhangs"), supports.peel,
-                  count_of(supports.branches, "branch", "branches"), count_of(supports.feet, "foot", "feet"));
+      fmt::format("{} ({} at islands, {} at overhangs, {} against peel), {}, {}",
+                  count_of(supports.contacts(), "contact", "contacts"), supports.islands, supports.overhangs,
+                  supports.peel, count_of(supports.branches, "branch", "branches"),
+                  count_of(supports.feet, "foot", "feet"));
   if (supports.feet_on_models > 0) text += fmt::format(", {} on the model", supports.feet_on_models);
   text += fmt::format(", {:.2f} ml", supports.volume_mm3 / 1000);
   if (supports.unheld > 0) text += fmt::format("; {} not held", count_of(supports.unheld, "place", "places"));

@@ -12,8 +12,8 @@
 
 namespace contourd {
 
-// Returns one line: "25 contacts (3 islands, 20 overhangs, 2 peel), 14 branches, 9 feet, 0.33 ml", or "none
-// needed".
+// Returns one line: "25 contacts (3 at islands, 20 at overhangs, 2 against peel), 14 branches, 9 feet, 0.33
+// ml", or "none needed".
 [[nodiscard]] std::string supports_line(const SupportCounts& supports);
 
 // Returns "at 1.00, 2.00 mm from the plate's centre, 5.30 mm above the plate (island, 0.2 mm2): no path leads

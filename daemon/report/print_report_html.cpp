@@ -167,7 +167,7 @@ std::string orientation_section(const std::vector<ModelSummary>& models) {
 std::string facts(const PrintReport& report) {
   const JobSummary& summary = report.summary;
   std::string rows = table_row("Printer", report.printer);
-  rows += table_row("Started", iso_time(report.started));
+  rows += table_row("Started", local_time(report.started));
   rows += table_row("Print time", readable(report.print_time));
   rows += table_row("Layers", fmt::format("{} of {} exposed, {}", layers_exposed(report.layers),
                                           summary.layers.count, thickness_of(summary)));

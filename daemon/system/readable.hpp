@@ -29,6 +29,8 @@ namespace contourd {
 [[nodiscard]] std::string count_of(std::uint64_t count, std::string_view one, std::string_view many);
 // Returns the time in UTC: "2026-11-20T19:05:00Z".
 [[nodiscard]] std::string iso_time(std::chrono::system_clock::time_point time);
+// Returns the time in the time zone of this process, with its offset from UTC: "2026-11-20 20:05:00 +0100".
+[[nodiscard]] std::string local_time(std::chrono::system_clock::time_point time);
 // Returns the duration in milliseconds, with fractions.
 [[nodiscard]] inline double milliseconds(Duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();

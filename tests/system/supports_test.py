@@ -66,7 +66,7 @@ class Supports(FolderTest):
         # The ball of 8 mm and 5 mm below it, in layers of 50 um.
         self.assertEqual(report["layers"], 260)
         self.assertEqual(report["settings"]["supports"]["tip_diameter_mm"], 0.4)
-        self.assertRegex(daemon.log(), r"ball: supports: \d+ contacts? \(\d+ islands?, \d+ overhangs?, \d+ peel\), \d+ branch(es)?, \d+ f(oo|ee)t")
+        self.assertRegex(daemon.log(), r"ball: supports: \d+ contacts? \(\d+ at islands, \d+ at overhangs, \d+ against peel\), \d+ branch(es)?, \d+ f(oo|ee)t")
         self.assertRegex(text_of(self.path("spool", "done", "ball.report.html")), r"<th>Supports</th><td>\d+ contact")
         self.assertEqual(self.masks(self.path("masks", "ball")), self.sliced(BALL, "--supports", "auto"))
 

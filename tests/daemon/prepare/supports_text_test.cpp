@@ -23,14 +23,16 @@ Supports some() {
 TEST_CASE("The supports line counts contacts by cause, branches and feet") {
   Supports supports = some();
   CHECK(supports_line(counts_of(supports)) ==
-        "4 contacts (1 island, 2 overhangs, 1 peel), 3 branches, 1 foot, 0.33 ml");
+        "4 contacts (1 at islands, 2 at overhangs, 1 against peel), 3 branches, 1 foot, 0.33 ml");
   supports.feet_on_models = 2;
   CHECK(supports_line(counts_of(supports)) ==
-        "4 contacts (1 island, 2 overhangs, 1 peel), 3 branches, 1 foot, 2 on the model, 0.33 ml");
+        "4 contacts (1 at islands, 2 at overhangs, 1 against peel), 3 branches, 1 foot, 2 on the model, 0.33 "
+        "ml");
   SupportCounts counts = counts_of(supports);
   counts.unheld = 1;
   CHECK(supports_line(counts) ==
-        "4 contacts (1 island, 2 overhangs, 1 peel), 3 branches, 1 foot, 2 on the model, 0.33 ml; 1 place "
+        "4 contacts (1 at islands, 2 at overhangs, 1 against peel), 3 branches, 1 foot, 2 on the model, 0.33 "
+        "ml; 1 place "
         "not held");
   CHECK(supports_in_summary(supports_summary_json(counts)) == counts);
   CHECK(supports_line({}) == "none needed");

@@ -52,6 +52,18 @@ Mask noise(Pixels side) {
 
 }  // namespace
 
+TEST_CASE("The page shows the start in local time, as contourctl history does") {
+  ::setenv("TZ", "CET-1", 1);
+  ::tzset();
+  PrintReport report = report_of(1);
+  report.started = std::chrono::system_clock::time_point{std::chrono::seconds{1'750'000'000}};
+  const std::string page = report_as_html(report);
+  ::setenv("TZ", "UTC", 1);
+  ::tzset();
+  CHECK(page.find("2025-06-15 16:06:40 +0100") != std::string::npos);
+  CHECK(page.find("15:06:40") == std::string::npos);
+}
+
 TEST_CASE("A warning links only to its layers that have a picture") {
   PrintReport report = report_of(30);
   PrintFindings& findings = report.findings.emplace();

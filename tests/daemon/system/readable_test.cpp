@@ -2,6 +2,17 @@
 
 #include "tests/catch.hpp"
 
+TEST_CASE("A time for people is in the time zone of the process, with its offset") {
+  ::setenv("TZ", "CET-1", 1);
+  ::tzset();
+  const std::chrono::system_clock::time_point noon{std::chrono::seconds{1'750'000'000}};
+  CHECK(local_time(noon) == "2025-06-15 16:06:40 +0100");
+  CHECK(iso_time(noon) == "2025-06-15T15:06:40Z");
+  ::setenv("TZ", "UTC", 1);
+  ::tzset();
+  CHECK(local_time(noon) == "2025-06-15 15:06:40 +0000");
+}
+
 TEST_CASE("Durations are formatted in the units that people use") {
   CHECK(readable(0s) == "0.0 s");
   CHECK(readable(4'200ms) == "4.2 s");
