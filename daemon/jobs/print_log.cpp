@@ -135,7 +135,7 @@ void PrintLog::layer(const std::string& job, const JobSummary& summary, const La
   LogFields fields = layer_fields(job, layer.layer);
   fields.emplace_back("Z_NM", std::to_string(layer.plate_height.count()));
   log_.info("layer",
-            fmt::format("layer {} of {}: height {:.4f} mm, {:.2f} mm2, {} loops, mask {:.2f} ms, light {}{}",
+            fmt::format("layer {} of {}: height {:.4f} mm, {:.2f} mm², {} loops, mask {:.2f} ms, light {}{}",
                         layer.layer + 1, summary.layers.count, to_millimeters(layer.plate_height).count(),
                         layer.area_mm2, layer.loops, milliseconds(layer.mask_time), light_of(layer),
                         layer.complete ? "" : ", not finished"),

@@ -39,8 +39,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 std::string unit_of(std::string_view pointer) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 15> kUnits{{
       // Longer endings first: mm/s before s.
-      {"_mw_cm2", "mW/cm2"},
-      {"_mj_cm2", "mJ/cm2"},
+      {"_mw_cm2", "mW/cm²"},
+      {"_mj_cm2", "mJ/cm²"},
       {"_per_mm", "per mm"},
       {"_mm_s2", "mm/s2"},
       {"_mm_s3", "mm/s3"},

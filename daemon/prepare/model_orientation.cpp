@@ -62,10 +62,10 @@ std::string describe(const OrientationFigures& figures) {
   std::string text = contacts > 0 ? fmt::format("about {:.0f} contact{}, {:.2f} ml of supports", contacts,
                                                 contacts == 1 ? "" : "s", figures.support_mm3 / 1000)
                                   : "no overhangs";
-  text += fmt::format(", {:.2f} mm high, largest layer {:.0f} mm2", figures.size_z_mm, figures.largest_mm2);
+  text += fmt::format(", {:.2f} mm high, largest layer {:.0f} mm²", figures.size_z_mm, figures.largest_mm2);
   if (figures.stands) text += ", stands by itself";
   if (figures.touched_mm2 > 0)
-    text += fmt::format(", {:.0f} mm2 of the surfaces to be kept clean are touched", figures.touched_mm2);
+    text += fmt::format(", {:.0f} mm² of the surfaces to be kept clean are touched", figures.touched_mm2);
   if (!figures.fits) text += ", does not fit into the machine";
   return text;
 }

@@ -39,9 +39,9 @@ struct OrientationLimits {
                                                                const std::stop_token& stop = {});
 
 // Returns a sentence: "0.354, -0.661, 0.661 points up (clean): about 10 contacts, 0.25 ml of supports, 35.43
-// mm high, largest layer 287 mm2; as drawn: about 26 contacts, ...".
+// mm high, largest layer 287 mm²; as drawn: about 26 contacts, ...".
 [[nodiscard]] std::string describe(const ModelOrientation& orientation);
-// Returns "about 10 contacts, 0.25 ml of supports, 35.43 mm high, largest layer 287 mm2" and, if they apply,
+// Returns "about 10 contacts, 0.25 ml of supports, 35.43 mm high, largest layer 287 mm²" and, if they apply,
 // that the model stands by itself, touches surfaces to be kept clean or does not fit.
 [[nodiscard]] std::string describe(const OrientationFigures& figures);
 // Returns the direction, rounded to thousandths: "0.354, -0.661, 0.661".

@@ -69,7 +69,7 @@ PreprintAnalysis preprint_analysis_of(const JobSummary& job, const PrintFindings
   note(!findings.abandoned_layers.empty(), "abandoned_layers");
   if (tiny)
     analysis.warnings.push_back(fmt::format(
-        "layer 1 is tiny: it covers {:.2f} mm2, {:.1f} % of layer {}, the largest: the part may come off "
+        "layer 1 is tiny: it covers {:.2f} mm², {:.1f} % of layer {}, the largest: the part may come off "
         "the plate",
         findings.area_mm2.front(), percent, findings.largest_area_layer + 1));
   for (std::string& warning : warnings_about(findings))

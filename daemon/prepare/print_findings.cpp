@@ -19,8 +19,8 @@ constexpr std::size_t kMaxNamedFindings = 3;
 
 // Returns the area with three significant digits and all digits before the point, never with an exponent.
 std::string area_text(double area_mm2) {
-  if (area_mm2 < 0.0001) return "less than 0.0001 mm2";
-  return area_mm2 < 999.5 ? fmt::format("{:.3g} mm2", area_mm2) : fmt::format("{:.0f} mm2", area_mm2);
+  if (area_mm2 < 0.0001) return "less than 0.0001 mm²";
+  return area_mm2 < 999.5 ? fmt::format("{:.3g} mm²", area_mm2) : fmt::format("{:.0f} mm²", area_mm2);
 }
 
 // Returns the first kMaxNamedFindings runs of consecutive layers. `layers` is in rising order.
@@ -94,10 +94,10 @@ FindingWarning island_warning(const PrintFindings& findings) {
       });
 }
 
-// Returns "800 mm3", or "1.2 ml" from one millilitre on.
+// Returns "800 mm³", or "1.2 ml" from one millilitre on.
 std::string volume_text(double volume_mm3) {
   if (volume_mm3 >= 999.5) return fmt::format("{:.1f} ml", volume_mm3 / 1000);
-  return fmt::format("{:.3g} mm3", volume_mm3);
+  return fmt::format("{:.3g} mm³", volume_mm3);
 }
 
 // Returns "layers 12 to 40, at 3.10, -2.00 mm from the plate's centre in layer 20".
@@ -206,7 +206,7 @@ std::string findings_line(const PrintFindings& findings) {
   if (findings.layer_time > Duration{0}) text += fmt::format(" in {}", readable(findings.layer_time));
   text += fmt::format(", {:.2f} ml of resin", findings.resin_ml());
   if (findings.layers() > 0) {
-    text += fmt::format(", at most {:.2f} mm2 (layer {})", findings.largest_area_mm2,
+    text += fmt::format(", at most {:.2f} mm² (layer {})", findings.largest_area_mm2,
                         findings.largest_area_layer + 1);
   }
   text += fmt::format(", {}, {}", count_of(findings.island_count, "island", "islands"),

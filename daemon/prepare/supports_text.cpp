@@ -40,7 +40,7 @@ std::string supports_line(const SupportCounts& supports) {
 std::string unheld_text(const UnheldPlace& place) {
   const SupportContact& contact = place.contact;
   return fmt::format(
-      "at {:.2f}, {:.2f} mm from the plate's centre, {:.2f} mm above the plate ({}, {:.3g} mm2): {}",
+      "at {:.2f}, {:.2f} mm from the plate's centre, {:.2f} mm above the plate ({}, {:.3g} mm²): {}",
       contact.place.x, contact.place.y, contact.place.z, name_of(contact.cause), contact.load_mm2, place.why);
 }
 

@@ -16,7 +16,7 @@ namespace contourd {
 // ml", or "none needed".
 [[nodiscard]] std::string supports_line(const SupportCounts& supports);
 
-// Returns "at 1.00, 2.00 mm from the plate's centre, 5.30 mm above the plate (island, 0.2 mm2): no path leads
+// Returns "at 1.00, 2.00 mm from the plate's centre, 5.30 mm above the plate (island, 0.2 mm²): no path leads
 // to the plate".
 [[nodiscard]] std::string unheld_text(const UnheldPlace& place);
 // Returns a sentence with the number of places and the first few of them; empty if there are none.

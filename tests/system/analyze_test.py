@@ -77,7 +77,7 @@ class Figures(AnalyzeTest):
     def test_without_json_it_prints_plain_text(self):
         result = contourctl("analyze", self.write("model.stl", FLOATING))
         self.assertEqual((result.returncode, result.stderr), (OK, b""))
-        for words in (b"60 of 50 um", b"10 min 00 s, at 10 s each", b"0.104 ml", b"100.00 mm2, layer 1", b"islands       1", b"empty layers  20",
+        for words in (b"60 of 50 um", b"10 min 00 s, at 10 s each", b"0.104 ml", "100.00 mm², layer 1".encode(), b"islands       1", b"empty layers  20",
                       b"1 island begins with nothing under it: layer 41", b"normalized correlation"):  # fmt: skip
             self.assertIn(words, result.stdout)
         self.assertNotIn(b"{", result.stdout)

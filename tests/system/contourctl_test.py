@@ -61,7 +61,7 @@ class Inspect(FolderTest):
 
     def test_without_json_it_prints_plain_text(self):
         result = contourctl("inspect", self.write("cube.stl", binary_stl(cube(20))), expect=OK)
-        self.assert_words(result.stdout, b"binary", b"12", b"20 x 20 x 20 mm", b"8000 mm3", b"watertight")
+        self.assert_words(result.stdout, b"binary", b"12", b"20 x 20 x 20 mm", "8000 mm³".encode(), b"watertight")
         self.assertNotIn(b"{", result.stdout)
 
     def test_a_turned_facet_flips_three_edges(self):
@@ -73,7 +73,7 @@ class Inspect(FolderTest):
         self.assertEqual(found["warnings"], [warning])
         result = contourctl("slice", self.path("flip.stl"), "--z", "5")
         self.assertEqual(result.stderr.decode(), f"contourctl: warning: {warning}\n")
-        self.assertIn(b"area         400 mm2", result.stdout)
+        self.assertIn("area         400 mm²".encode(), result.stdout)
 
     def test_degenerate_and_duplicate_facets_are_counted(self):
         facets = cube(20)
@@ -188,7 +188,7 @@ class SliceAtOneHeight(FolderTest):
 
     def test_without_json_it_prints_plain_text(self):
         result = contourctl("slice", self.write("cube.stl", binary_stl(cube(20))), "--z", "5", expect=OK)
-        self.assertIn(b"400 mm2", result.stdout)
+        self.assertIn("400 mm²".encode(), result.stdout)
         self.assertNotIn(b"{", result.stdout)
 
     def test_the_height_is_in_the_files_coordinates(self):

@@ -261,7 +261,7 @@ class Pictures(PreviewTest):
         # A layer between two parts, one above the other.
         self.write("gap.stl", binary_stl(box((0, 0, 0), (4, 4, 0.5)) + box((0, 0, 1), (4, 4, 2))))
         self.assertEqual(self.drawn("gap.stl", "--layer", "15", "--printer", self.printer()),
-                         ["gap.stl: layer 15 of 40, 0.700 to 0.750 mm, 0.00 mm2", "nothing is lit"])  # fmt: skip
+                         ["gap.stl: layer 15 of 40, 0.700 to 0.750 mm, 0.00 mm²", "nothing is lit"])  # fmt: skip
 
     @unittest.skipIf(SANITIZED, "AddressSanitizer must be loaded first")
     def test_a_job_that_is_moved_meanwhile_is_found_in_its_new_folder(self):

@@ -185,7 +185,7 @@ void print_findings(const AnalyzedModel& m) {
   fmt::print("layer time    {}\n", layer_time_text(m));
   fmt::print("resin         {:.3f} ml\n", found.resin_ml());
   if (m.supports) fmt::print("supports      {}\n", supports_line(counts_of(*m.supports)));
-  fmt::print("largest area  {:.2f} mm2, layer {}\n", found.largest_area_mm2, found.largest_area_layer + 1);
+  fmt::print("largest area  {:.2f} mm², layer {}\n", found.largest_area_mm2, found.largest_area_layer + 1);
   fmt::print("islands       {}\nsuction cups  {}\nresin traps   {}\nempty layers  {}\n", found.island_count,
              found.suction_cup_count, found.resin_trap_count, found.empty_layers.size());
   fmt::print("cracks        {} gaps closed, the widest {:.3f} mm, {} open chains, {} turned, on {} layers\n",

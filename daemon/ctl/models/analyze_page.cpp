@@ -43,7 +43,7 @@ std::string facts(const AnalyzedModel& m) {
   rows += table_row("Time of the layers", layer_time_text(m));
   rows += table_row("Resin", fmt::format("{:.2f} ml", found.resin_ml()));
   if (m.supports) rows += table_row("Supports", supports_line(counts_of(*m.supports)));
-  rows += table_row("Largest area", fmt::format("{:.2f} mm2, layer {}", found.largest_area_mm2,
+  rows += table_row("Largest area", fmt::format("{:.2f} mm², layer {}", found.largest_area_mm2,
                                                 found.largest_area_layer + 1));
   rows += table_row("Islands", std::to_string(found.island_count));
   rows += table_row("Suction cups", std::to_string(found.suction_cup_count));

@@ -59,7 +59,7 @@ void print(const Model& model, std::string_view format, const MeshReport& report
     fmt::print("bounds       x {:.6g} to {:.6g}, y {:.6g} to {:.6g}, z {:.6g} to {:.6g} mm\n", b.min_x,
                b.max_x, b.min_y, b.max_y, b.min_z, b.max_z);
   }
-  fmt::print("volume       {:.6g} mm3\n", report.volume_mm3);
+  fmt::print("volume       {:.6g} mm³\n", report.volume_mm3);
   fmt::print("watertight   {}\n", report.watertight ? "yes" : "no");
   fmt::print("edges        {} open, {} of more than two facets, {} turned against each other\n",
              report.open_edges, report.non_manifold_edges, report.flipped_edges);

@@ -65,7 +65,7 @@ OrientationLimits limits_of(const OrientOptions& options) {
 void print_table(const ModelOrientation& orientation) {
   fmt::print("{}\n\n", describe(orientation));
   fmt::print("{:<24}{:>7}{:>10}{:>13}{:>12}{:>14}\n", "up", "score", "contacts", "supports ml", "height mm",
-             "largest mm2");
+             "largest mm²");
   for (const OrientationFigures& each : reported(orientation.choice)) {
     std::string notes;
     if (each.up == Direction{0, 0, 1}) notes += "  as drawn";

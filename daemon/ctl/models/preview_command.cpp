@@ -213,7 +213,7 @@ NotedPicture mask_of_layer(const PreviewSubject& subject, PreparedJob job, int n
   const double mm2 = engine.coverage().lit_area() * job.plan.pixel_area_mm2;
   return {
       *mask,
-      fmt::format("{}: layer {} of {}, {:.3f} to {:.3f} mm, {:.2f} mm2", subject.title, number, layers.size(),
+      fmt::format("{}: layer {} of {}, {:.3f} to {:.3f} mm, {:.2f} mm²", subject.title, number, layers.size(),
                   to_millimeters(bottom).count(), to_millimeters(bottom + layers[index]).count(), mm2),
       true};
 }

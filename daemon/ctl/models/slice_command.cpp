@@ -229,7 +229,7 @@ int slice_at_height(const SliceOptions& options, const SupportedModel& supported
   fmt::print("open chains  {}\nturned       {}\ngaps closed  {}, the widest {:.6g} mm\n",
              contours.cracks.open_chains, contours.cracks.turned_chains, contours.cracks.gaps_closed,
              contours.cracks.widest_gap.count());
-  fmt::print("area         {:.6g} mm2\nperimeter    {:.6g} mm\n", area, perimeter);
+  fmt::print("area         {:.6g} mm²\nperimeter    {:.6g} mm\n", area, perimeter);
   print_supports(supported);
   return kOk;
 }

@@ -94,7 +94,7 @@ void print_text(const SupportedModel& supported) {
   fmt::print("supports   {}\n", supports_line(counts));
   fmt::print("lift       {:.6g} mm\n", to_millimeters(supported.model.elevation.above_plate()).count());
   for (const SupportContact& contact : first_items(supports.contacts, kMostLines)) {
-    fmt::print("{:<10} at {:.2f}, {:.2f} mm, {:.2f} mm above the plate, holds {:.3g} mm2\n",
+    fmt::print("{:<10} at {:.2f}, {:.2f} mm, {:.2f} mm above the plate, holds {:.3g} mm²\n",
                name_of(contact.cause), contact.place.x, contact.place.y, contact.place.z, contact.load_mm2);
   }
   if (supports.contacts.size() > kMostLines)

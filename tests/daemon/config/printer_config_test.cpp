@@ -287,7 +287,7 @@ TEST_CASE("a limit is reported with its key's unit") {
            {"/display/pixel_pitch_um", "1000 um"},
            {"/display/height_px", "16384 px"},
            {"/display/refresh_hz", "240 Hz"},
-           {"/projector/irradiance_mw_cm2", "1000 mW/cm2"},
+           {"/projector/irradiance_mw_cm2", "1000 mW/cm²"},
            {"/projector/warm_up_s", "600 s"},
            {"/simulation/projector_reply_ms", "60000 ms"},
            {"/min_free_disk_mb", "1000000 MB"},

@@ -35,7 +35,7 @@ TEST_CASE("A layer is one line, counted from 1, with one figure for light that i
   fixture.layer.layer = 6;
   fixture.layer.plate_height = Nanometers{350'000};
   fixture.log_layer();
-  CHECK(fixture.text.has("info: layer 7 of 10: height 0.3500 mm, 4.00 mm2"));
+  CHECK(fixture.text.has("info: layer 7 of 10: height 0.3500 mm, 4.00 mm²"));
   CHECK(fixture.text.has("light 2000.0 ms\n"));
   CHECK_FALSE(fixture.warned());
 }

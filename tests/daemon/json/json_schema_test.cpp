@@ -194,8 +194,8 @@ TEST_CASE("every property of every schema has a description, its unit and limits
                                          {"_mm_s2", "mm/s2"},
                                          {"_px", "pixels"},
                                          {"_mb", "MB"},
-                                         {"_mw_cm2", "mW/cm2"},
-                                         {"_mj_cm2", "mJ/cm2"},
+                                         {"_mw_cm2", "mW/cm²"},
+                                         {"_mj_cm2", "mJ/cm²"},
                                          {"_deg", "degrees"}}) {
         if (place.ends_with(ending)) CHECK(description.find(unit) != std::string::npos);
       }

@@ -26,10 +26,10 @@ models::Facets on_its_point() {
 
 TEST_CASE("A chosen orientation is described with its figures and with those of the model as drawn") {
   CHECK(describe(found(on_its_point())) ==
-        "0, 0, -1 points up (auto): no overhangs, 20.00 mm high, largest layer 111 mm2, stands by itself; as "
-        "drawn: about 1 contact, 0.01 ml of supports, 20.00 mm high, largest layer 111 mm2");
+        "0, 0, -1 points up (auto): no overhangs, 20.00 mm high, largest layer 111 mm², stands by itself; as "
+        "drawn: about 1 contact, 0.01 ml of supports, 20.00 mm high, largest layer 111 mm²");
   CHECK(describe(found(models::box({0, 0, 0}, {10, 10, 10}), {OrientationPreset::Clean, {}})) ==
-        "stays as drawn (clean): no overhangs, 10.00 mm high, largest layer 100 mm2, stands by itself");
+        "stays as drawn (clean): no overhangs, 10.00 mm high, largest layer 100 mm², stands by itself");
 }
 
 TEST_CASE("The description reports touched surfaces and a model that does not fit") {
@@ -38,7 +38,7 @@ TEST_CASE("The description reports touched surfaces and a model that does not fi
   figures.touched_mm2 = 12;
   figures.fits = false;
   CHECK(describe(figures) ==
-        "about 2 contacts, 0.00 ml of supports, 0.00 mm high, largest layer 0 mm2, 12 mm2 of the surfaces to "
+        "about 2 contacts, 0.00 ml of supports, 0.00 mm high, largest layer 0 mm², 12 mm² of the surfaces to "
         "be kept clean are touched, does not fit into the machine");
 }
 

@@ -80,7 +80,7 @@ TEST_CASE("Each finding has a name and a warning") {
   SECTION("a tiny first layer") {
     job.findings.area_mm2[0] = 0.49;
     CHECK(job.analysis().findings == Names{"tiny_first_layer"});
-    CHECK(warns(job.analysis(), "layer 1 is tiny: it covers 0.49 mm2, 4.9 % of layer 1"));
+    CHECK(warns(job.analysis(), "layer 1 is tiny: it covers 0.49 mm², 4.9 % of layer 1"));
     job.findings.area_mm2[0] = 0.5;
     CHECK(job.analysis().findings.empty());
   }

@@ -24,12 +24,12 @@ PrintFindings spoilt() {
 
 TEST_CASE("The findings line has layers, time, resin and the number of faults") {
   CHECK(findings_line(spoilt()) ==
-        "10 layers in 3 h 05 min, 1.23 ml of resin, at most 81.00 mm2 (layer 4), 40 islands, 5 empty layers");
+        "10 layers in 3 h 05 min, 1.23 ml of resin, at most 81.00 mm² (layer 4), 40 islands, 5 empty layers");
   PrintFindings sound;
   sound.area_mm2 = {10};
   sound.largest_area_mm2 = 10;
   CHECK(findings_line(sound) ==
-        "1 layer, 0.00 ml of resin, at most 10.00 mm2 (layer 1), 0 islands, 0 empty layers");
+        "1 layer, 0.00 ml of resin, at most 10.00 mm² (layer 1), 0 islands, 0 empty layers");
 }
 
 TEST_CASE("A sound print has no warnings") {
@@ -44,9 +44,9 @@ TEST_CASE("Warnings name the largest islands, the empty layers and the open cont
   REQUIRE(warnings.size() == 3);
   CHECK(
       warnings[0] ==
-      "40 islands begin with nothing under them: layer 6 at 1.00, 1.00 mm from the plate's centre (7 mm2), "
-      "layer 8 at 2.00, 2.00 mm from the plate's centre (5 mm2), layer 10 at 3.00, 3.00 mm from the plate's "
-      "centre (4 mm2), and 37 more");
+      "40 islands begin with nothing under them: layer 6 at 1.00, 1.00 mm from the plate's centre (7 mm²), "
+      "layer 8 at 2.00, 2.00 mm from the plate's centre (5 mm²), layer 10 at 3.00, 3.00 mm from the plate's "
+      "centre (4 mm²), and 37 more");
   CHECK(warnings[1] == "layers 2 to 3, 5, 7 and 1 more are empty: nothing holds the layers above");
   CHECK(warnings[2] ==
         "the model is cracked: contours of 1 layer (4) did not close; the widest gap bridged is 1.500 mm");
@@ -78,18 +78,18 @@ TEST_CASE("Warnings of suction cups and resin traps have their layers, place, ar
   REQUIRE(warnings.size() == 2);
   CHECK(warnings[0].sentence ==
         "1 suction cup pulls on the film until it opens or is closed: layers 1 to 20, at 3.25, -2.00 mm from "
-        "the plate's centre in layer 5 (81 mm2, 1.2 ml, closed by the plate)");
+        "the plate's centre in layer 5 (81 mm², 1.2 ml, closed by the plate)");
   CHECK(warnings[0].mark == "suction cup");
   CHECK(warnings[0].layers == std::vector<std::int32_t>{4});
   CHECK(warnings[1].sentence ==
         "5 closed hollows keep resin that cannot flow out: layer 12, at 5.00, 6.00 mm from the plate's "
-        "centre in layer 12 (800 mm3), layers 13 to 21, at 7.00, 8.00 mm from the plate's centre in layer 15 "
-        "(20 mm3), "
-        "layers 14 to 21, at 9.00, 9.00 mm from the plate's centre in layer 15 (10 mm3), and 2 more");
+        "centre in layer 12 (800 mm³), layers 13 to 21, at 7.00, 8.00 mm from the plate's centre in layer 15 "
+        "(20 mm³), "
+        "layers 14 to 21, at 9.00, 9.00 mm from the plate's centre in layer 15 (10 mm³), and 2 more");
   CHECK(warnings[1].mark == "resin trap");
   CHECK(warnings[1].layers == std::vector<std::int32_t>{11, 14});
   CHECK(findings_line(findings) ==
-        "2 layers, 0.00 ml of resin, at most 10.00 mm2 (layer 1), 0 islands, 0 empty layers, 1 suction cup, "
+        "2 layers, 0.00 ml of resin, at most 10.00 mm² (layer 1), 0 islands, 0 empty layers, 1 suction cup, "
         "5 resin traps");
   const auto json = findings_json(findings);
   CHECK(json["suction_cups"] == 1);
@@ -130,7 +130,7 @@ TEST_CASE("One island and one empty layer are described in the singular") {
   const auto warnings = warnings_about(findings);
   REQUIRE(warnings.size() == 2);
   CHECK(warnings[0] ==
-        "1 island begins with nothing under it: layer 3 at 0.00, 0.00 mm from the plate's centre (1 mm2)");
+        "1 island begins with nothing under it: layer 3 at 0.00, 0.00 mm from the plate's centre (1 mm²)");
   CHECK(warnings[1] == "layer 2 is empty: nothing holds the layers above");
 }
 
@@ -161,13 +161,13 @@ TEST_CASE("An island's area has no exponent however large or small it is") {
     const std::string text = warnings_about(findings).at(0);
     return text.substr(text.find('('));
   };
-  CHECK(text_of_island(1800) == "(1800 mm2)");
-  CHECK(text_of_island(12345.6) == "(12346 mm2)");
-  CHECK(text_of_island(999.9) == "(1000 mm2)");
-  CHECK(text_of_island(123.4) == "(123 mm2)");
-  CHECK(text_of_island(0.0025) == "(0.0025 mm2)");
+  CHECK(text_of_island(1800) == "(1800 mm²)");
+  CHECK(text_of_island(12345.6) == "(12346 mm²)");
+  CHECK(text_of_island(999.9) == "(1000 mm²)");
+  CHECK(text_of_island(123.4) == "(123 mm²)");
+  CHECK(text_of_island(0.0025) == "(0.0025 mm²)");
   // A grey value of 1 in a pixel of 10 um: 1/255 of its area.
-  CHECK(text_of_island(3.92e-7) == "(less than 0.0001 mm2)");
+  CHECK(text_of_island(3.92e-7) == "(less than 0.0001 mm²)");
 }
 
 TEST_CASE("Findings as JSON count layers from one") {

@@ -43,11 +43,11 @@ TEST_CASE("The sentence about unheld places describes the first three") {
   CHECK(unheld_sentence({}).empty());
   CHECK(unheld_sentence(places) ==
         "1 place cannot be held: at 1.00, -2.00 mm from the plate's centre, 1.00 mm above the plate (island, "
-        "0.25 mm2): no path leads to the plate");
+        "0.25 mm²): no path leads to the plate");
   places.resize(5, {contact(ContactCause::Peel, 2), "there is no room"});
   const std::string sentence = unheld_sentence(places);
   CHECK(sentence.find("5 places cannot be held: at 1.00") == 0);
-  CHECK(sentence.find("(peel, 0.25 mm2): there is no room; and 2 more") != std::string::npos);
+  CHECK(sentence.find("(peel, 0.25 mm²): there is no room; and 2 more") != std::string::npos);
 }
 
 TEST_CASE("The JSON of supports lists every contact and every unheld place") {
