@@ -1,8 +1,11 @@
 #include "core/support/support_mesh.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
+#include <utility>
 
 #include "core/model/placement.hpp"
 #include "core/model/sine_cosine.hpp"
@@ -96,12 +99,68 @@ void add_mesh(const Ball& ball, std::vector<Facet>& facets) {
   add_rings(rings, upright_frame(), sides, facets);
 }
 
+// Returns where the edge passes the plate. It is interpolated from the lower to the upper end, so that the
+// facets on both sides of the edge get the same point.
+Vertex on_the_plate(const Vertex& from, const Vertex& to) {
+  const auto& [lower, upper] =
+      std::minmax(from, to, [](const Vertex& a, const Vertex& b) { return a.z < b.z; });
+  const double part = -double{lower.z} / (double{upper.z} - double{lower.z});
+  return {static_cast<float>(lower.x + part * (double{upper.x} - double{lower.x})),
+          static_cast<float>(lower.y + part * (double{upper.y} - double{lower.y})), 0};
+}
+
+// Appends the part of the facet above the plate. Returns the edge along which the plate cuts the facet.
+std::optional<std::array<Vertex, 2>> add_above_plate(const Facet& facet, std::vector<Facet>& facets) {
+  std::vector<Vertex> corners;
+  std::vector<Vertex> cuts;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vertex &from = facet.vertices[i], &to = facet.vertices[(i + 1) % 3];
+    if (from.z >= 0) corners.push_back(from);
+    if ((from.z >= 0) == (to.z >= 0)) continue;
+    corners.push_back(on_the_plate(from, to));
+    cuts.push_back(corners.back());
+    // The edge leads from where the outline goes below the plate to where it comes up again.
+    if (cuts.size() == 2 && from.z >= 0) std::swap(cuts[0], cuts[1]);
+  }
+  for (std::size_t i = 2; i < corners.size(); ++i)
+    facets.push_back({{corners[0], corners[i - 1], corners[i]}});
+  if (cuts.empty()) return std::nullopt;
+  return std::array{cuts[0], cuts[1]};
+}
+
+// Returns the part of a convex mesh above the plate, closed by a face on the plate.
+std::vector<Facet> above_plate(const std::vector<Facet>& mesh) {
+  std::vector<Facet> facets;
+  std::optional<Vertex> corner;
+  for (const Facet& facet : mesh) {
+    const auto cut = add_above_plate(facet, facets);
+    if (!cut) continue;
+    if (!corner) corner = (*cut)[0];
+    facets.push_back({{*corner, (*cut)[1], (*cut)[0]}});
+  }
+  std::erase_if(facets, [](const Facet& facet) {
+    const auto& [a, b, c] = facet.vertices;
+    return a == b || b == c || c == a;
+  });
+  return facets;
+}
+
+bool reaches_below_plate(const std::vector<Facet>& mesh) {
+  return std::ranges::any_of(mesh, [](const Facet& facet) {
+    return std::ranges::any_of(facet.vertices, [](const Vertex& vertex) { return vertex.z < 0; });
+  });
+}
+
 }  // namespace
 
 std::vector<Facet> support_mesh(std::span<const SupportPrimitive> primitives) {
   std::vector<Facet> facets;
-  for (const SupportPrimitive& primitive : primitives)
-    std::visit([&](const auto& each) { add_mesh(each, facets); }, primitive);
+  for (const SupportPrimitive& primitive : primitives) {
+    std::vector<Facet> mesh;
+    std::visit([&mesh](const auto& each) { add_mesh(each, mesh); }, primitive);
+    if (reaches_below_plate(mesh)) mesh = above_plate(mesh);
+    facets.insert(facets.end(), mesh.begin(), mesh.end());
+  }
   return facets;
 }
 

@@ -14,7 +14,9 @@ namespace contourd {
 // is larger, since a ring has at most 96 sides.
 inline constexpr double kMeshErrorMm = 0.02;
 // Returns the facets in millimetres from the plate's centre, counter-clockwise as seen from outside, their
-// corners on the primitives' surfaces. A ball without a radius has no facets.
+// corners on the primitives' surfaces. A ball without a radius has no facets. A primitive that reaches below
+// the plate, as a slanted branch beside its foot does, ends there in a flat face: other programs would lay
+// their lowest point on the plate, and all other feet would hang in the air.
 [[nodiscard]] std::vector<Facet> support_mesh(std::span<const SupportPrimitive> primitives);
 
 }  // namespace contourd
