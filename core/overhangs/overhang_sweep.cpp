@@ -27,6 +27,7 @@ constexpr double kSoon = 0.8;
 // An island of at most this area in its first layer that is gone in the next layer, or has joined a held part
 // there, needs no support: a layer's light is too little to cure it.
 constexpr double kSpeckMm2 = 0.005;
+constexpr double kRoundingMm = 1e-6;
 
 struct PlacedContact {
   SweepPixel at;
@@ -121,11 +122,12 @@ const MaskRuns& Sweep::add_layer(const std::stop_token& stop) {
   lit_.extract(engine_.mask_at(grid_.height_of(layer_)));
   parts_.add_layer(lit_, beneath_);
   peel_.add_layer(parts_);
-  if (layer_ == 1) {
+  const bool rests = (layer_ - 1) * grid_.step_mm() <= settings_.closed_gap.count() + kRoundingMm;
+  if (rests) {
     for (const LayerPart& part : parts_.parts())
       peel_.stand(part.body);
   }
-  underside_.add_layer({lit_, beneath_, parts_},
+  underside_.add_layer({lit_, beneath_, parts_, rests},
                        {kSoon * cover_.radii().reach * grid_.pixel_mm(), settings_.bridge.count()});
   for (const Underside::Sample& sample : underside_.samples())
     peel_.add_place({sample.at, layer_, sample.steep}, parts_.parts()[sample.part].body);

@@ -1,7 +1,8 @@
 // Finds the places that have to be held (islands, overhangs and where peel pulls too hard) in one sweep of
-// sections from the plate up. The sweep has its own layer thickness and pixel size, independent of the
-// print's. Thread-safe (no shared state). Deterministic: the same models and settings give the same contacts
-// on every machine.
+// sections from the plate up. A layer with no more than SupportSettings::closed_gap beneath it rests on the
+// plate wherever its material begins. The sweep has its own layer thickness and pixel size, independent of
+// the print's. Thread-safe (no shared state). Deterministic: the same models and settings give the same
+// contacts on every machine.
 #pragma once
 
 #include <optional>

@@ -102,9 +102,11 @@ void Underside::add_layer(const Layer& layer, const Thresholds& thresholds) {
     std::uint32_t number = layer.lit.first_in_row(row);
     for (const PixelRun& run : layer.lit.in_row(row)) {
       const std::uint32_t part = layer.parts.part_of_run()[number++];
-      const bool floats = layer_ > 1 && parts[part].carried == 0;
+      const Beginning beginning = layer.rests || layer_ == 1 ? Beginning::OnPlate
+                                  : parts[part].carried == 0 ? Beginning::InIsland
+                                                             : Beginning::BesideMaterial;
       for_each_gap(run, beneath, [&](std::int32_t first, std::int32_t end) {
-        add_run({row, first, end, 0}, part, floats);
+        add_run({row, first, end, 0}, part, beginning);
       });
     }
   }
@@ -113,22 +115,22 @@ void Underside::add_layer(const Layer& layer, const Thresholds& thresholds) {
   collect(thresholds);
 }
 
-void Underside::add_run(const PixelRun& run, std::uint32_t part, bool floats) {
+void Underside::add_run(const PixelRun& run, std::uint32_t part, Beginning beginning) {
   for (std::int32_t column = run.first; column < run.end; ++column)
-    add_pixel({column, run.row}, part, floats);
+    add_pixel({column, run.row}, part, beginning);
 }
 
-void Underside::add_pixel(SweepPixel pixel, std::uint32_t part, bool floats) {
+void Underside::add_pixel(SweepPixel pixel, std::uint32_t part, Beginning beginning) {
   Cell& here = cells_[index_of(pixel)];
   here = {static_cast<std::int16_t>(pixel.column), static_cast<std::int16_t>(pixel.row), 0,
           static_cast<std::uint16_t>(layer_)};
-  if (layer_ == 1) {
-    here.holder_layer = 1;
+  if (beginning == Beginning::OnPlate) {
+    here.holder_layer = here.born;
     return;
   }
   mark_[index_of(pixel)] = static_cast<std::uint32_t>(new_.size());
   new_.push_back({pixel, part, {-1, -1}});
-  if (floats) return;
+  if (beginning == Beginning::InIsland) return;
   double least = kInfinite;
   for (const SweepPixel& step : kNeighbours) {
     const SweepPixel next = pixel + step;

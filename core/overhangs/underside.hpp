@@ -33,11 +33,12 @@ class Underside {
     const MaskRuns& lit;
     const MaskRuns& beneath;
     const LayerParts& parts;
+    bool rests = false;  // on the plate, wherever its material begins; the first layer always does
   };
   struct Thresholds {
     double reach_mm, bridge_mm;
   };
-  // Adds the next layer up; the first one stands on the plate. Afterwards reaching() holds the new pixels
+  // Adds the next layer up. Afterwards reaching() holds the new pixels
   // that reach out or bridge farther than the thresholds. REQUIRES: fewer than 65535 layers.
   void add_layer(const Layer& layer, const Thresholds& thresholds);
   // Returns the reaching pixels from the top row down, each row from left to right. Valid until the next
@@ -86,8 +87,10 @@ class Underside {
   [[nodiscard]] std::int32_t lit_pixels(SweepPixel from, SweepPixel step, std::int32_t most) const;
   [[nodiscard]] double reach_of(SweepPixel pixel, const Cell& cell, std::int32_t layer) const;
   [[nodiscard]] Cell held_by(SweepPixel pixel, const Cell& cell) const;
-  void add_run(const PixelRun& run, std::uint32_t part, bool floats);
-  void add_pixel(SweepPixel pixel, std::uint32_t part, bool floats);
+  // Where the material of a run of new pixels begins.
+  enum class Beginning { OnPlate, BesideMaterial, InIsland };
+  void add_run(const PixelRun& run, std::uint32_t part, Beginning beginning);
+  void add_pixel(SweepPixel pixel, std::uint32_t part, Beginning beginning);
   void bridge();
   void darken(const MaskRuns& lit, const MaskRuns& beneath);
   void collect(const Thresholds& thresholds);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/contour/contour_loops.hpp"
@@ -13,7 +15,6 @@ namespace contourd {
 namespace {
 
 constexpr int kCuts = 32;
-constexpr double kLeastFlatPart = 0.5;
 constexpr double kPlateHolds = 10;
 // The ends of a section's segments are joined if they are closer than this.
 constexpr Millimeters kTolerance{0.05};
@@ -86,15 +87,62 @@ struct Mass {
   [[nodiscard]] Point center() const { return {x / area_mm2, y / area_mm2}; }
 };
 
-bool stands(const HeightIndex& model, Nanometers layer) {
+// A model's lowest face, as a section shows it.
+struct Face {
+  double mm2;
+  bool has_feet;  // at least three separate ones
+  std::vector<Point> hull;
+};
+
+// True if at least three outlines, none of them a point, lie beside each other.
+bool has_feet(const Contours& section) {
+  constexpr std::size_t kFewestFeet = 3;
+  constexpr double kSmallestFootMm = 0.25;
+  std::vector<std::pair<Point, Point>> feet;  // corners of their bounds
+  for (const ContourLoop& loop : section.loops) {
+    const auto points = section.points_of(loop);
+    const auto [left, right] = std::ranges::minmax(points, {}, &Point::x);
+    const auto [front, back] = std::ranges::minmax(points, {}, &Point::y);
+    const Point low{left.x, front.y}, high{right.x, back.y};
+    if (std::max(high.x - low.x, high.y - low.y) < kSmallestFootMm) continue;
+    if (std::ranges::all_of(feet, [&](const auto& foot) {
+          return low.x > foot.second.x || high.x < foot.first.x || low.y > foot.second.y ||
+                 high.y < foot.first.y;
+        }))
+      feet.emplace_back(low, high);
+    if (feet.size() == kFewestFeet) return true;
+  }
+  return false;
+}
+
+// Returns the section `at_mm` above the model's lowest point if it covers at least `least` of the section
+// three times as high.
+std::optional<Face> face_at(double at_mm, double least, Sections& sections, const Bounds& bounds) {
+  const double above_mm2 = filled_area_mm2(sections.at(Millimeters{bounds.min_z + 3 * at_mm}));
+  const Contours& section = sections.at(Millimeters{bounds.min_z + at_mm});
+  const double mm2 = filled_area_mm2(section);
+  if (!(mm2 > 0) || mm2 < least * above_mm2) return std::nullopt;
+  return Face{mm2, has_feet(section), convex_hull(section.points)};
+}
+
+// Returns the model's lowest face in its first layer, and at the height of the gap that bottom exposures
+// close; each only if it is flat there.
+std::vector<Face> faces_of(const SupportSettings& settings, Nanometers layer, Sections& sections,
+                           const Bounds& bounds) {
+  constexpr double kLeastOfFirstLayer = 0.5, kLeastInGap = 0.8;
+  const double low_mm = std::min(to_millimeters(layer).count(), bounds.size_z() / 4) / 2;
+  const double gap_mm = std::min(settings.closed_gap.count(), bounds.size_z() / 4);
+  std::vector<Face> faces;
+  if (auto face = face_at(low_mm, kLeastOfFirstLayer, sections, bounds)) faces.push_back(std::move(*face));
+  if (auto face = face_at(gap_mm, kLeastInGap, sections, bounds)) faces.push_back(std::move(*face));
+  return faces;
+}
+
+bool stands(const HeightIndex& model, const SupportSettings& settings, Nanometers layer) {
   const Bounds& bounds = model.bounds();
-  const double layer_mm = std::min(to_millimeters(layer).count(), bounds.size_z() / 4);
   Sections sections(model);
-  const double second_mm2 = filled_area_mm2(sections.at(Millimeters{bounds.min_z + 1.5 * layer_mm}));
-  const Contours& face = sections.at(Millimeters{bounds.min_z + 0.5 * layer_mm});
-  const double face_mm2 = filled_area_mm2(face);
-  if (!(face_mm2 > 0) || face_mm2 < kLeastFlatPart * second_mm2) return false;
-  const std::vector<Point> hull = convex_hull(face.points);
+  const std::vector<Face> faces = faces_of(settings, layer, sections, bounds);
+  if (faces.empty()) return false;
   Mass mass;
   double widest_mm2 = 0;
   for (int cut = 0; cut < kCuts; ++cut) {
@@ -102,15 +150,16 @@ bool stands(const HeightIndex& model, Nanometers layer) {
     widest_mm2 = std::max(widest_mm2, filled_area_mm2(contours));
     mass.add(contours, bounds.center());
   }
-  if (!(mass.area_mm2 > 0)) return false;
-  return kPlateHolds * face_mm2 >= widest_mm2 && holds(hull, mass.center());
+  return mass.area_mm2 > 0 && std::ranges::any_of(faces, [&](const Face& face) {
+           return (face.has_feet || kPlateHolds * face.mm2 >= widest_mm2) && holds(face.hull, mass.center());
+         });
 }
 
 }  // namespace
 
 Nanometers support_lift(const HeightIndex& model, const SupportSettings& settings, Nanometers layer) {
   expects(layer > Nanometers{}, "a layer has a thickness");
-  if (model.bounds().empty() || stands(model, layer)) return Nanometers{};
+  if (model.bounds().empty() || stands(model, settings, layer)) return Nanometers{};
   const Nanometers lift = to_nanometers(settings.lift).value_or(Nanometers{});
   return layer * ((lift + layer - Nanometers{1}) / layer);
 }

@@ -2,9 +2,18 @@
 // PrintConfig.cpp). A value; thread-safe as any value is.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+
 #include "core/geometry/units.hpp"
 
 namespace contourd {
+
+// Returns the largest gap above the plate that the long exposure of the bottom layers closes: as high as the
+// bottom layers, but at most 0.3 mm, because no bottom exposure cures deeper.
+[[nodiscard]] inline Millimeters closed_gap(std::int32_t bottom_layers, Nanometers layer) {
+  return std::min(to_millimeters(layer) * bottom_layers, Millimeters{0.3});
+}
 
 struct SupportSettings {
   Millimeters tip_diameter{0.4};     // at the point where a support meets the model
@@ -18,6 +27,9 @@ struct SupportSettings {
   Millimeters bridge{1.5};      // how far a layer may reach out beyond the material that carries it
   Millimeters spacing{3.2};     // between contacts below a horizontal surface
   double tip_holds_mm2 = 11.1;  // area of a layer that one tip holds when the layer is peeled off
+
+  // Of the print, not of the resin: what begins with a smaller gap above the plate rests on the plate.
+  Millimeters closed_gap{0.25};
 
   bool operator==(const SupportSettings&) const = default;
 };

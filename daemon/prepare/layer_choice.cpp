@@ -45,6 +45,12 @@ Nanometers layer_beneath(const JobTicket& ticket, const ResinProfile& resin) {
   return ticket.layer_height.value_or(resin.layer_height);
 }
 
+Millimeters closed_gap(const JobTicket& ticket, const ResinProfile& resin) {
+  const Nanometers layer = ticket.adaptive ? ticket.adaptive->thinnest.value_or(resin.layer_height_min)
+                                           : ticket.layer_height.value_or(resin.layer_height);
+  return closed_gap(resin.bottom_layers, layer);
+}
+
 PrintLayers choose_layers(const JobTicket& ticket, const PrinterConfig& printer,
                           const std::vector<ModelToPlace>& models, JobSummary& summary) {
   const ResinProfile& resin = summary.resin;

@@ -13,6 +13,8 @@ namespace contourd {
 
 // Returns the thickness of the layers beneath a model that stands on supports.
 [[nodiscard]] Nanometers layer_beneath(const JobTicket& ticket, const ResinProfile& resin);
+// Returns the gap that the bottom layers close; of adaptive layers, the thinnest ones.
+[[nodiscard]] Millimeters closed_gap(const JobTicket& ticket, const ResinProfile& resin);
 
 // Returns the layers for the summary's resin and height, and notes their limits in the summary. Throws
 // JobRefused if the resin does not allow them.

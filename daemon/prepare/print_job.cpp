@@ -92,6 +92,7 @@ class Preparation {
     job_.plan.job = files_.name;
     summary_.plate = files_.plate;
     summary_.resin = settings_.resin;
+    summary_.resin.supports.closed_gap = closed_gap(settings_.ticket, settings_.resin);
     summary_.overridden = settings_.overridden;
     summary_.irradiance_mw_cm2 = printer_.irradiance_mw_cm2;
     summary_.tone = printer_.tone;

@@ -53,14 +53,15 @@ SupportedModel lay_on_plate(std::shared_ptr<const HeightIndex> model, const Pixe
 
 SupportedModel support_model(std::shared_ptr<const HeightIndex> model, const SupportingOptions& options) {
   const PixelMap map = PixelMap::true_scale(options.display, model->bounds().center());
+  SupportSettings settings;
+  settings.closed_gap = closed_gap(kBottomLayers, options.layer);
   SupportedModel supported = lay_on_plate(std::move(model), map);
-  supported.model.elevation =
-      Elevation(support_lift(*supported.model.model, options.settings, options.layer));
+  supported.model.elevation = Elevation(support_lift(*supported.model.model, settings, options.layer));
   if (supported.model.top() > kHighestSweep) {
     throw ModelError(fmt::format("the model is {:.0f} mm high: supports are possible up to {:.0f} mm",
                                  supported.model.top().count(), kHighestSweep.count()));
   }
-  supported.supports = make_supports({{supported.model}, options.display, options.settings}).value();
+  supported.supports = make_supports({{supported.model}, options.display, settings}).value();
   return supported;
 }
 

@@ -14,6 +14,8 @@
 
 namespace contourd::ctl {
 
+// The number of bottom layers without a resin's profile.
+inline constexpr std::int32_t kBottomLayers = 5;
 // Limits without a printer's configuration: every size fits, and supports lift the model by 5 mm.
 inline constexpr OrientationLimits kAnyPrinter{
     {Millimeters{1e9}, Millimeters{1e9}, Millimeters{1e9}}, Scale{}, {}, Millimeters{5}};
@@ -34,7 +36,6 @@ struct SupportedModel {
 struct SupportingOptions {
   DisplayGeometry display;
   Nanometers layer{50'000};  // the model is lifted by whole layers
-  SupportSettings settings{};
 };
 
 // Prepares a model with supports. Does not move it in x or y. Blocks: see make_supports().

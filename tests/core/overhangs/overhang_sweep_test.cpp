@@ -64,6 +64,26 @@ TEST_CASE("A model that stands on the plate and gets no wider needs no contact")
   CHECK(contacts_of(models::cone(8, 12, 60), 0).empty());
 }
 
+TEST_CASE("Material rests on the plate where the gap beneath it is one that bottom layers close") {
+  auto base = models::box({-15, -10, 0}, {15, 10, 6});
+  for (Facet& facet : base) {
+    for (Vertex& vertex : facet.vertices)
+      vertex.z += 0.009F * (vertex.x + 15);  // 0.27 mm
+  }
+  CHECK(contacts_of(base, 0).empty());
+  SupportSettings settings;
+  settings.closed_gap = Millimeters{0.1};
+  CHECK_FALSE(contacts_of(base, 0, settings).empty());
+  // An arm beside a block, and a block of its own.
+  const auto beside_a_block = [](float left, float height) {
+    return together(models::box({-10, -5, 0}, {0, 5, 10}), models::box({left, -5, height}, {10, 5, 10}));
+  };
+  for (const float left : {-1.0F, 2.0F}) {
+    CHECK(contacts_of(beside_a_block(left, 0.2F), 0).empty());
+    CHECK(contacts_of(beside_a_block(left, 0.4F), 0).size() > 5);
+  }
+}
+
 TEST_CASE("A lifted ball is held at its lowest point, from straight beneath, and around it") {
   const auto contacts = contacts_of(models::globe(6, 40, 80), 5);
   REQUIRE(contacts.size() > 4);

@@ -224,6 +224,22 @@ TEST_CASE_METHOD(PrintJobFixture,
   CHECK(job.plan.engine->intersecting_facets() == 0);
 }
 
+TEST_CASE_METHOD(PrintJobFixture,
+                 "A tilted base rests on the plate up to the height of the print's bottom layers") {
+  models::Facets tilted = models::box({0, 0, 0}, {30, 20, 5});
+  for (Facet& facet : tilted) {
+    for (Vertex& vertex : facet.vertices)
+      vertex.z += 0.007F * vertex.x;  // 0.21 mm
+  }
+  const auto contacts = [&](const std::string& ticket) {
+    return counts_of(*prepare(tilted, ticket).summary.supports).contacts();
+  };
+  CHECK(contacts(R"({"supports": "auto"})") == 0);
+  CHECK(contacts(R"({"supports": "auto", "layer_height_um": 25})") > 0);
+  resin.bottom_layers = 1;
+  CHECK(contacts(R"({"supports": "auto"})") > 0);
+}
+
 TEST_CASE_METHOD(PrintJobFixture, "The printer's file turns supports on, and a ticket can turn them off") {
   printer.supports = SupportPolicy::Auto;
   CHECK(prepare(models::sphere(5, 32)).summary.supports);
