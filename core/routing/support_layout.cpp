@@ -208,10 +208,19 @@ std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts, c
 }
 
 std::optional<Supports> make_supports(const SupportRequest& request, const std::stop_token& stop) {
+  if (request.models.empty()) return Supports{};
   LitLayers layers;
   std::optional<HeldPlaces> places = find_overhangs(request, layers, stop);
   if (!places) return std::nullopt;
-  return lay_out_supports(std::move(places->contacts), layers, request.display, request.settings, stop);
+  const auto lay_out = [&](const LitLayers& obstacles) {
+    return lay_out_supports(std::move(places->contacts), obstacles, request.display, request.settings, stop);
+  };
+  if (request.carriers.empty() || places->contacts.empty()) return lay_out(layers);
+  SupportRequest everything = request;
+  everything.models.insert(everything.models.end(), request.carriers.begin(), request.carriers.end());
+  LitLayers all_layers;
+  if (!find_overhangs(everything, all_layers, stop)) return std::nullopt;
+  return lay_out(all_layers);
 }
 
 }  // namespace contourd

@@ -32,6 +32,7 @@ struct SupportRequest {
   std::vector<PlateModel> models;  // as they stand, already lifted by support_lift()
   DisplayGeometry display;         // the build area; no part of a support lies outside it
   SupportSettings settings;
+  std::vector<PlateModel> carriers{};  // models that carry supports of their own, and get no others
 };
 
 }  // namespace contourd

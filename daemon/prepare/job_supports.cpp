@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/overhangs/carried_supports.hpp"
 #include "core/support/support_lift.hpp"
 
 namespace contourd {
@@ -28,16 +29,22 @@ Arrangement arranged(const PlateToHold& plate, Millimeters gap) {
 std::optional<Supports> supports_of(const PlateToHold& plate, const Arrangement& arrangement,
                                     const std::stop_token& stop) {
   const DisplayGeometry& display = plate.volume.display;
-  SupportRequest request{stand_on_plate(plate.models, arrangement, display), display, plate.settings};
-  plate.content.require_room_for_supports(request.models, display);
+  SupportRequest request{{}, display, plate.settings};
+  const std::vector<PlateModel> standing = stand_on_plate(plate.models, arrangement, display);
+  plate.content.require_room_for_supports(standing, display);
+  for (std::size_t i = 0; i < standing.size(); ++i)
+    (plate.models[i].carries_supports ? request.carriers : request.models).push_back(standing[i]);
   return make_supports(request, stop);
 }
 
 }  // namespace
 
 void lift_models(std::vector<ModelToPlace>& models, const SupportSettings& settings, Nanometers layer,
-                 const BuildVolume& volume) {
+                 const BuildVolume& volume, const std::stop_token& stop) {
   for (ModelToPlace& model : models) {
+    const bool low_enough = model.model->bounds().size_z() <= volume.height_mm + 1e-3;
+    model.carries_supports = low_enough && carries_supports(model.model, settings, stop);
+    if (model.carries_supports) continue;
     const Nanometers lift = support_lift(*model.model, settings, layer);
     model.elevation = Elevation(lift);
     const double top_mm = model.standing().top().count();

@@ -13,9 +13,11 @@
 
 namespace contourd {
 
-// Sets the models' elevations to multiples of `layer`. Throws JobRefused if a lifted model is too high.
+// Finds out which models carry supports in their files, and sets the elevations of the others to multiples of
+// `layer`. Throws JobRefused if a lifted model is too high. If `stop` is requested, the elevations mean
+// nothing.
 void lift_models(std::vector<ModelToPlace>& models, const SupportSettings& settings, Nanometers layer,
-                 const BuildVolume& volume);
+                 const BuildVolume& volume, const std::stop_token& stop = {});
 
 // An arrangement of models and their supports.
 struct HeldPlate {

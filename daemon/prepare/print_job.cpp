@@ -68,7 +68,7 @@ class Preparation {
     models_ = make_models(content_, settings_, volume_, summary_, stop);
     if (stop.stop_requested()) return std::nullopt;
     drill();
-    lift();
+    lift(stop);
     job_.plan.layers = choose_layers(settings_.ticket, printer_, models_, summary_);
     const std::optional<Arrangement> arrangement = place(stop);
     if (!arrangement) return std::nullopt;
@@ -120,12 +120,14 @@ class Preparation {
   }
 
   // Lifts the models that stand on supports, by whole layers, and sets the print's height.
-  void lift() {
+  void lift(const std::stop_token& stop) {
     const ResinProfile& resin = summary_.resin;
     if (settings_.supports == SupportPolicy::Auto)
-      lift_models(models_, resin.supports, layer_beneath(settings_.ticket, resin), volume_);
-    for (const ModelToPlace& model : models_)
+      lift_models(models_, resin.supports, layer_beneath(settings_.ticket, resin), volume_, stop);
+    for (const ModelToPlace& model : models_) {
+      if (model.carries_supports) warn(model.name + " carries supports in its file, so contourd adds none");
       summary_.height_mm = std::max(summary_.height_mm, model.standing().top().count());
+    }
   }
 
   // Arranges the models and generates their supports; nullopt if a stop was requested.

@@ -161,8 +161,22 @@ class Supports(FolderTest):
         inspected, both = self.json_of("inspect", alone), self.json_of("inspect", together)
         self.assertGreater(inspected["facets"], 100)
         self.assertEqual(both["facets"], inspected["facets"] + len(ball(4)))
+        self.assertEqual((inspected["bounds_mm"]["min"][2], both["bounds_mm"]["min"][2]), (0, 0))
         half = self.json_of("support", model, "--scale", "0.5")
         self.assertLess(max(each["plate_mm"][2] for each in half["contact_list"]), 5 + 4)
+
+    def test_a_model_that_carries_supports_is_printed_as_it_is(self):
+        model, held = self.write("ball.stl", binary_stl(ball(8))), self.path("held.stl")
+        contourctl("support", model, "--stl", held, "--with-model", expect=OK)
+        data = contents(held)
+        self.assertEqual(self.sliced(data, "--supports", "auto"), self.sliced(data))
+        result = contourctl("support", held, expect=OK)
+        self.assertEqual(result.stdout.decode(), "supports   none added: the file has supports of its own\nlift       0 mm\n")
+        self.assertIs(self.json_of("support", held)["carries_supports"], True)
+        self.assertIs(self.json_of("support", model)["carries_supports"], False)
+        report = self.printed(self.daemon(), "held", data)
+        self.assertEqual((report["supports"]["contacts"], report["layers"]), (0, 420))
+        self.assertIn("the model carries supports in its file, so contourd adds none", report["model"]["warnings"])
 
     def test_analyze_counts_supports_and_shows_them(self):
         model, page = self.write("ball.stl", BALL), self.path("ball.html")

@@ -109,6 +109,8 @@ AnalysisSubject subject_alone(const AnalyzeOptions& options, const PrintAlone& p
     warnings.emplace_back("the model is larger than the display: parts outside are not counted");
   subject.engine = std::make_unique<ContourEngine>(supported.engine(print.engine));
   subject.model.supports = std::move(supported.supports);
+  if (supported.carries_supports)
+    warnings.emplace_back("the model carries supports in its file, so contourctl adds none");
   if (subject.model.supports) {
     if (std::string unheld = unheld_sentence(subject.model.supports->unheld); !unheld.empty())
       warnings.push_back(std::move(unheld));

@@ -91,7 +91,8 @@ std::vector<Facet> facets_of(const SupportedModel& supported, bool with_model) {
 void print_text(const SupportedModel& supported) {
   const Supports& supports = *supported.supports;
   const SupportCounts counts = counts_of(supports);
-  fmt::print("supports   {}\n", supports_line(counts));
+  fmt::print("supports   {}\n", supported.carries_supports ? "none added: the file has supports of its own"
+                                                           : supports_line(counts));
   fmt::print("lift       {:.6g} mm\n", to_millimeters(supported.model.elevation.above_plate()).count());
   for (const SupportContact& contact : first_items(supports.contacts, kMostLines)) {
     fmt::print("{:<10} at {:.2f}, {:.2f} mm, {:.2f} mm above the plate, holds {:.3g} mm²\n",
@@ -118,6 +119,7 @@ int support(const SupportOptions& options) {
   if (options.stl) write_text(*options.stl, binary_stl(facets_of(supported, options.with_model)));
   if (options.json) {
     Json json = supports_json(*supported.supports);
+    json["carries_supports"] = supported.carries_supports;
     json["lift_mm"] = to_millimeters(supported.model.elevation.above_plate()).count();
     fmt::print("{}\n", json.dump(2));
   } else {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/model/placement.hpp"
+#include "core/overhangs/carried_supports.hpp"
 #include "core/overhangs/overhang_sweep.hpp"
 #include "core/support/support_lift.hpp"
 #include "daemon/ctl/models/read_model.hpp"
@@ -48,7 +49,7 @@ ContourEngine SupportedModel::engine(const EngineSettings& settings) const {
 }
 
 SupportedModel lay_on_plate(std::shared_ptr<const HeightIndex> model, const PixelMap& map) {
-  return {PlateModel{{std::move(model)}, {map}}, std::nullopt};
+  return {.model = PlateModel{{std::move(model)}, {map}}};
 }
 
 SupportedModel support_model(std::shared_ptr<const HeightIndex> model, const SupportingOptions& options) {
@@ -56,6 +57,12 @@ SupportedModel support_model(std::shared_ptr<const HeightIndex> model, const Sup
   SupportSettings settings;
   settings.closed_gap = closed_gap(kBottomLayers, options.layer);
   SupportedModel supported = lay_on_plate(std::move(model), map);
+  const bool low_enough = supported.model.top() <= kHighestSweep;
+  supported.carries_supports = low_enough && carries_supports(supported.model.model, settings);
+  if (supported.carries_supports) {
+    supported.supports = Supports{};
+    return supported;
+  }
   supported.model.elevation = Elevation(support_lift(*supported.model.model, settings, options.layer));
   if (supported.model.top() > kHighestSweep) {
     throw ModelError(fmt::format("the model is {:.0f} mm high: supports are possible up to {:.0f} mm",

@@ -28,7 +28,8 @@ inline constexpr OrientationLimits kAnyPrinter{
 
 struct SupportedModel {
   PlateModel model;                  // one copy
-  std::optional<Supports> supports;  // nullopt: not wanted
+  std::optional<Supports> supports{};  // nullopt: not wanted
+  bool carries_supports = false;     // in its file: it gets no others
 
   [[nodiscard]] ContourEngine engine(const EngineSettings& settings) const;
 };

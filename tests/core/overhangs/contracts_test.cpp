@@ -1,4 +1,5 @@
 // Checks that each header of core/overhangs enforces its requirements.
+#include "core/overhangs/carried_supports.hpp"
 #include "core/overhangs/layer_parts.hpp"
 #include "core/overhangs/overhang_sweep.hpp"
 #include "core/overhangs/peel_balance.hpp"
@@ -21,6 +22,16 @@ TEST_CASE("A sweep needs models that are not null, and pixels with a size") {
   CHECK(contract_broken_by(sweep) == "every model is there, and a pixel has a size");
   CHECK(contract_broken_by([&] { (void)surfaces_beneath(request.models, request.display, {}); }) ==
         "every model is there");
+}
+
+TEST_CASE("A search for supports needs a model that can be swept") {
+  const auto search = [](const std::shared_ptr<const HeightIndex>& model) {
+    return contract_broken_by([&] { (void)carries_supports(model, {}); });
+  };
+  const std::string sentence = "the model is there and no higher than can be swept";
+  CHECK(search(nullptr) == sentence);
+  CHECK(search(std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {1, 1, 3001}))) == sentence);
+  CHECK(search(std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {1, 1, 2999}))).empty());
 }
 
 TEST_CASE("A sweep refuses models that need more layers than it can number") {

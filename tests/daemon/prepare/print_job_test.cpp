@@ -240,6 +240,31 @@ TEST_CASE_METHOD(PrintJobFixture,
   CHECK(contacts(R"({"supports": "auto"})") > 0);
 }
 
+TEST_CASE_METHOD(PlateFixture,
+                 "A model that carries supports gets no others, but its neighbour on the plate does") {
+  models::Facets carrier = models::box({-6, -6, 5}, {6, 6, 8});
+  for (int i = 0; i < 9; ++i) {
+    const std::array<Point, 5> profile{{{0, 0}, {0.5, 0}, {0.5, 4}, {0.2, 5.2}, {0, 5.2}}};
+    models::Facets pillar = models::lathe(profile, 24);
+    models::translate(pillar, static_cast<float>(5 * (i % 3 - 1)), static_cast<float>(5 * (i / 3 - 1)), 0);
+    carrier = models::together(std::move(carrier), pillar);
+  }
+  add("carrier.stl", carrier);
+  add("ball.stl", models::globe(4, 24, 48));
+  const auto summary_of = [this](const std::string& models) {
+    return prepare(R"({"supports": "auto", "models": [)" + models + "]}").summary;
+  };
+  const JobSummary alone = summary_of(R"({"file": "carrier.stl"})");
+  CHECK_FALSE(counts_of(*alone.supports).any());
+  CHECK(alone.height_mm == testing::Approx(8));
+  REQUIRE(alone.warnings.size() == 1);
+  CHECK(alone.warnings.front() == "carrier.stl carries supports in its file, so contourd adds none");
+  const auto contacts = counts_of(*summary_of(R"({"file": "ball.stl"})").supports).contacts();
+  const JobSummary both = summary_of(R"({"file": "ball.stl"}, {"file": "carrier.stl"})");
+  CHECK(contacts > 0);
+  CHECK(counts_of(*both.supports).contacts() == contacts);
+}
+
 TEST_CASE_METHOD(PrintJobFixture, "The printer's file turns supports on, and a ticket can turn them off") {
   printer.supports = SupportPolicy::Auto;
   CHECK(prepare(models::sphere(5, 32)).summary.supports);

@@ -1,0 +1,182 @@
+#include "core/overhangs/carried_supports.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/contour/contour_loops.hpp"
+#include "core/contract/expects.hpp"
+#include "core/engine/contour_engine.hpp"
+#include "core/mask/mask_runs.hpp"
+#include "core/overhangs/layer_parts.hpp"
+#include "core/overhangs/overhang_sweep.hpp"
+#include "core/overhangs/sweep_grid.hpp"
+
+namespace contourd {
+namespace {
+
+constexpr Nanometers kStep{100'000};
+constexpr std::size_t kFewestTips = 3;
+// Other programs place contacts farther apart.
+constexpr std::size_t kContactsForTip = 8;
+constexpr double kWidestTipMm2 = 1;
+// A tip has at most this share of the area that its stem had in the last millimetre or two.
+constexpr double kPointed = 1 / 1.5;
+constexpr double kForgottenByStep = 0.95;
+// The part that a tip holds is so many times as wide.
+constexpr double kHeldPart = 10;
+// A foot may begin so many steps above the lowest one.
+constexpr int kUnevenSteps = 3;
+
+// A part of a layer, as a stem that comes from below.
+struct Stem {
+  double pixels = 0;
+  double widest = 0;    // in the part of the stem just beneath, in pixels
+  int branches = 0;     // parts of the next layer that rest on it
+  bool stands = false;  // comes from the plate
+};
+
+class TipCounter {
+ public:
+  TipCounter(const PlateModel& standing, const SweepGrid& grid)
+      : engine_({standing}, {.display = grid.display, .anti_aliasing = AntiAliasing::Off}),
+        widest_tip_(kWidestTipMm2 / (grid.pixel_mm() * grid.pixel_mm())) {
+    lit_.extract(Mask(grid.display.width, grid.display.height));
+  }
+
+  void add_layer() {
+    std::swap(lit_, beneath_);
+    std::swap(stems_, stems_beneath_);
+    part_of_run_beneath_.assign(parts_.part_of_run().begin(), parts_.part_of_run().end());
+    lit_.extract(engine_.mask_at(kStep * layer_ + kStep / 2));
+    parts_.add_layer(lit_, beneath_);
+    stems_.clear();
+    for (const LayerPart& part : parts_.parts()) {
+      const auto pixels = static_cast<double>(part.pixels);
+      const bool begins_on_plate = layer_ <= kUnevenSteps && part.carried == 0;
+      stems_.push_back({pixels, pixels, 0, begins_on_plate});
+    }
+    find_joints();
+    rise();
+    ++layer_;
+  }
+  [[nodiscard]] std::size_t tips() const { return tips_; }
+
+ private:
+  // A part and a part that rests on it.
+  struct Joint {
+    std::uint32_t lower, upper;
+    auto operator<=>(const Joint&) const = default;
+  };
+
+  void find_joints() {
+    joints_.clear();
+    for (std::int32_t row = 0; row < lit_.rows(); ++row) {
+      for_each_meeting(lit_.in_row(row), beneath_.in_row(row), 0, [&](std::size_t upper, std::size_t lower) {
+        joints_.push_back({part_of_run_beneath_[beneath_.first_in_row(row) + lower],
+                           parts_.part_of_run()[lit_.first_in_row(row) + upper]});
+      });
+    }
+    std::ranges::sort(joints_);
+    joints_.erase(std::unique(joints_.begin(), joints_.end()), joints_.end());
+    for (const Joint& joint : joints_)
+      ++stems_beneath_[joint.lower].branches;
+  }
+
+  void rise() {
+    for (const Joint& joint : joints_) {
+      const Stem& lower = stems_beneath_[joint.lower];
+      Stem& upper = stems_[joint.upper];
+      upper.stands = upper.stands || lower.stands;
+      // Branches begin anew: a raft is no thick part of the pillars on it.
+      if (lower.branches == 1) upper.widest = std::max(upper.widest, lower.widest * kForgottenByStep);
+    }
+    for (const Joint& joint : joints_) {
+      const Stem& lower = stems_beneath_[joint.lower];
+      const Stem& upper = stems_[joint.upper];
+      if (lower.stands && lower.pixels <= widest_tip_ && lower.pixels <= kPointed * lower.widest &&
+          upper.pixels >= kHeldPart * lower.pixels)
+        ++tips_;
+    }
+  }
+
+  ContourEngine engine_;
+  double widest_tip_;  // in pixels
+  LayerParts parts_;
+  MaskRuns lit_, beneath_;
+  std::vector<std::uint32_t> part_of_run_beneath_;
+  std::vector<Stem> stems_, stems_beneath_;
+  std::vector<Joint> joints_;
+  int layer_ = 0;
+  std::size_t tips_ = 0;
+};
+
+// True if sections near the plate have several slender parts.
+bool has_slender_parts(const HeightIndex& model) {
+  constexpr double kWidestPillarMm = 3.5;
+  const Bounds& bounds = model.bounds();
+  Section section;
+  ContourLinker linker;
+  Contours contours;
+  int sections = 0;
+  for (const double height_mm : {1.5, 2.5, 4.0, 6.0, 9.0}) {
+    slice_at(model, Millimeters{bounds.min_z + height_mm}, section);
+    linker.link(section.segments, Millimeters{0.05}, contours);
+    const auto slender = std::ranges::count_if(contours.loops, [&contours](const ContourLoop& loop) {
+      const auto points = contours.points_of(loop);
+      const auto [left, right] = std::ranges::minmax(points, {}, &Point::x);
+      const auto [front, back] = std::ranges::minmax(points, {}, &Point::y);
+      return std::max(right.x - left.x, back.y - front.y) <= kWidestPillarMm;
+    });
+    if (slender >= std::ptrdiff_t{kFewestTips}) ++sections;
+  }
+  return sections >= 2;
+}
+
+DisplayGeometry area_around(const Bounds& bounds) {
+  constexpr double kPixelMm = 0.05;
+  const auto pixels = [](double length_mm) {
+    return Pixels{static_cast<std::int32_t>(std::clamp(std::ceil(length_mm / kPixelMm), 1.0, 1e6))};
+  };
+  DisplayGeometry area;
+  area.width = pixels(bounds.size_x());
+  area.height = pixels(bounds.size_y());
+  area.pixel_pitch = Micrometers{kPixelMm * 1000};
+  return area;
+}
+
+std::size_t tips_of(const PlateModel& standing, const DisplayGeometry& area, const std::stop_token& stop) {
+  TipCounter tips(standing, sweep_grid(area));
+  const double layers = standing.model->bounds().size_z() / to_millimeters(kStep).count();
+  for (int layer = 0; layer < layers && !stop.stop_requested(); ++layer)
+    tips.add_layer();
+  return tips.tips();
+}
+
+class NoObserver final : public LayerObserver {
+ public:
+  void begin(const DisplayGeometry&, Nanometers) override {}
+  void layer(Nanometers, const MaskRuns&) override {}
+};
+
+}  // namespace
+
+bool carries_supports(const std::shared_ptr<const HeightIndex>& model, const SupportSettings& settings,
+                      const std::stop_token& stop) {
+  expects(model != nullptr && Millimeters{model->bounds().size_z()} <= kHighestSweep,
+          "the model is there and no higher than can be swept");
+  if (model->bounds().empty() || !has_slender_parts(*model)) return false;
+  const DisplayGeometry area = area_around(model->bounds());
+  const PlateModel standing{{model}, {PixelMap::true_scale(area, model->bounds().center())}};
+  const std::size_t tips = tips_of(standing, area, stop);
+  if (tips < kFewestTips) return false;
+  NoObserver none;
+  const std::optional<HeldPlaces> places = find_overhangs({{standing}, area, settings}, none, stop);
+  return places && places->contacts.size() <= kContactsForTip * tips;
+}
+
+}  // namespace contourd

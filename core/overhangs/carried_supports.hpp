@@ -1,0 +1,23 @@
+// Recognises models that carry supports in their file. Thread-safe (no shared state). Deterministic.
+#pragma once
+
+#include <memory>
+#include <stop_token>
+
+#include "core/model/height_index.hpp"
+#include "core/support/support_settings.hpp"
+
+namespace contourd {
+
+// True if the model hangs on supports of its own: on at least three tips, and on at least one for every eight
+// contacts that find_overhangs() finds. A tip is the upper end of a stem that rises from the plate, is
+// pointed there, and ends at a much wider part of the model. The legs of a table are not pointed, and the
+// struts of a lattice do not end at something much wider.
+//
+// Blocks: cuts a model with slender parts near the plate every tenth of a millimetre, and sweeps it if it has
+// tips; cuts any other model five times. Returns false if `stop` is requested. REQUIRES: no null pointer,
+// and a model no higher than kHighestSweep.
+[[nodiscard]] bool carries_supports(const std::shared_ptr<const HeightIndex>& model,
+                                    const SupportSettings& settings, const std::stop_token& stop = {});
+
+}  // namespace contourd

@@ -1,0 +1,105 @@
+#include "core/overhangs/carried_supports.hpp"
+
+#include <stop_token>
+
+#include "tests/catch.hpp"
+#include "tests/models/models.hpp"
+
+using namespace contourd;
+using models::together;
+
+namespace {
+
+bool carries(const models::Facets& facets, const std::stop_token& stop = {}) {
+  return carries_supports(std::make_shared<const HeightIndex>(facets), {}, stop);
+}
+
+struct Pillar {
+  double foot_mm = 3, pillar_mm = 1, tip_mm = 0.4, height_mm = 5;
+};
+
+models::Facets pillar_at(float x, float y, const Pillar& pillar) {
+  const double foot = pillar.foot_mm / 2, shaft = pillar.pillar_mm / 2, tip = pillar.tip_mm / 2;
+  const double top = pillar.height_mm;
+  models::Facets facets = models::lathe(
+      std::array<Point, 7>{
+          {{0, 0}, {foot, 0}, {shaft, 1}, {shaft, top - 1}, {tip, top}, {tip, top + 0.2}, {0, top + 0.2}}},
+      24);
+  models::translate(facets, x, y, 0);
+  return facets;
+}
+
+// Returns a plate of 20 by 20 mm on pillars that are 5 mm apart. All but one of them begin `uneven_mm` above
+// the plate.
+models::Facets plate_on(const Pillar& pillar, float uneven_mm = 0) {
+  const auto height = static_cast<float>(pillar.height_mm);
+  models::Facets all = models::box({-10, -10, height}, {10, 10, height + 3});
+  for (int i = 0; i < 25; ++i) {
+    const auto x = static_cast<float>(4.8 * (i % 5 - 2)), y = static_cast<float>(4.8 * (i / 5 - 2));
+    auto one = pillar_at(x, y, pillar);
+    models::translate(one, 0, 0, i == 0 ? 0 : uneven_mm);
+    all = together(std::move(all), one);
+  }
+  return all;
+}
+
+// Returns a post with an arm 15 mm above the plate, which `tips` pillars hold.
+models::Facets arm_on(int tips) {
+  auto all = together(models::box({-5, -5, 0}, {5, 5, 30}), models::box({4, -5, 15}, {40, 5, 20}));
+  for (int i = 0; i < tips; ++i)
+    all = together(all, pillar_at(static_cast<float>(8 + 5 * (i % 7)), static_cast<float>(-3 + 6 * (i / 7)),
+                                  {2, 1, 0.4, 15}));
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("A plate on pointed pillars carries supports, whatever their feet and tips") {
+  for (const Pillar& pillar :
+       {Pillar{}, Pillar{0.3, 0.3, 0.2}, Pillar{1, 1, 0.4}, Pillar{4, 1.5, 0.8}, Pillar{3, 1, 0.2, 12}}) {
+    INFO(pillar.foot_mm << " mm feet, " << pillar.tip_mm << " mm tips");
+    CHECK(carries(plate_on(pillar)));
+  }
+  CHECK(carries(plate_on({}, 0.05F)));
+  CHECK(carries(plate_on({}, 0.2F)));
+  CHECK(carries(together(plate_on({}), models::box({-12, -12, 0}, {12, 12, 1}))));  // on a raft
+}
+
+TEST_CASE("Legs, struts and models without supports do not count as supports") {
+  CHECK_FALSE(carries(models::box({0, 0, 0}, {10, 10, 10})));
+  CHECK_FALSE(carries(models::globe(10, 40, 80)));
+  CHECK_FALSE(carries(plate_on({1, 1, 1})));    // not pointed
+  CHECK_FALSE(carries(plate_on({3, 3, 2.5})));  // thicker than a tip
+  models::Facets chessmen;                      // with a waist
+  for (int i = 0; i < 9; ++i) {
+    const std::array<Point, 7> profile{
+        {{0, 0}, {0.5, 0}, {0.5, 2}, {0.2, 3}, {0.8, 4.5}, {0.8, 12}, {0, 12}}};
+    auto one = models::lathe(profile, 24);
+    models::translate(one, static_cast<float>(4 * (i % 3)), static_cast<float>(4 * (i / 3)), 0);
+    chessmen = together(std::move(chessmen), one);
+  }
+  CHECK_FALSE(carries(chessmen));
+  models::Facets lattice;
+  for (int i = 0; i < 5; ++i) {
+    for (int k = 0; k < 5; ++k) {
+      const auto a = static_cast<float>(4 * i), b = static_cast<float>(4 * k);
+      lattice = together({std::move(lattice), models::box({a, b, 0}, {a + 0.8F, b + 0.8F, 16}),
+                          models::box({0, a, b}, {16.8F, a + 0.8F, b + 0.8F}),
+                          models::box({a, 0, b}, {a + 0.8F, 16.8F, b + 0.8F})});
+    }
+  }
+  CHECK_FALSE(carries(lattice));
+}
+
+TEST_CASE("A model carries supports only if they hold most of what has to be held") {
+  CHECK(carries(arm_on(14)));
+  CHECK_FALSE(carries(arm_on(2)));
+  // Another plate, which would need more than a hundred contacts.
+  CHECK_FALSE(carries(together(arm_on(7), models::box({-30, -30, 14}, {4, -4, 16}))));
+}
+
+TEST_CASE("A stopped search finds no supports") {
+  std::stop_source source;
+  source.request_stop();
+  CHECK_FALSE(carries(plate_on({}), source.get_token()));
+}
