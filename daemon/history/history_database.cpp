@@ -80,6 +80,23 @@ constexpr const char* kUsed =
     "(SELECT resin, 1 AS jobs, layers_exposed>0 AS prints, layers_exposed AS layers, lit_s, resin_ml "
     "FROM job UNION ALL SELECT resin, jobs, prints, layers, lit_s, resin_ml FROM forgotten)";
 
+// Returns the definitions of contourd's tables and indexes; a user may have added others.
+std::string schema_of(SqliteDatabase& database) {
+  return database.text(
+      "SELECT group_concat(name||' '||sql) FROM (SELECT name,sql FROM sqlite_schema WHERE name IN "
+      "('job','job_under_way','forgotten','replaced') ORDER BY name)");
+}
+
+// Returns the definitions that make_tables() gives a new file.
+const std::string& expected_schema() {
+  static const std::string schema = [] {
+    SqliteDatabase example(":memory:", milliseconds(0));
+    example.execute(kTables);
+    return schema_of(example);
+  }();
+  return schema;
+}
+
 std::string shortened(std::string_view text) {
   return std::string(text.substr(0, kLongestText));
 }
@@ -283,6 +300,9 @@ void HistoryDatabase::check_file() {
         fmt::format("its version is {}, and this contourd reads version {}", version, kVersion));
   if (const std::string found = database_->text("PRAGMA quick_check(1)"); found != "ok")
     throw SqliteError(SQLITE_CORRUPT, found);
+  // The quick check accepts definitions with other names of tables and columns.
+  if (version == kVersion && schema_of(*database_) != expected_schema())
+    throw SqliteError(SQLITE_CORRUPT, "its tables have other columns than contourd gave them");
   // These settings make commits survive a power cut, let other programs read without waiting, write only in
   // the file's folder, and use little memory.
   database_->execute(

@@ -4,12 +4,14 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <optional>
 #include <random>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "daemon/system/sqlite.hpp"
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -71,6 +73,10 @@ class HistoryFileFixture {
     return trouble.empty() ? found : trouble;
   }
   void write(const std::string& text) const { std::ofstream(file, std::ios::binary) << text; }
+  [[nodiscard]] std::string bytes() const {
+    std::ifstream bytes(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(bytes), {}};
+  }
   // Closes the file, as when contourd ends.
   void close() { database.emplace(file); }
   [[nodiscard]] fs::path aside(int number) const {
@@ -319,6 +325,26 @@ TEST_CASE("A history that is truncated or damaged in the middle is renamed, and 
     fixture.end("after");
     CHECK(fixture.trouble.empty());
     CHECK(fixture.names() == "after ");
+    CHECK(fs::exists(fixture.aside(1)));
+  }
+}
+
+TEST_CASE(
+    "A history whose tables have damaged definitions is renamed, and one with tables of a user is not") {
+  for (const std::string column : {"height_mm REAL", "job_under_way ON", "lit_s REAL NOT NULL\n) STRICT"}) {
+    CAPTURE(column);
+    HistoryFileFixture fixture;
+    fixture.end("one");
+    fixture.close();
+    SqliteDatabase(fixture.file, 0ms).execute("CREATE TABLE mine(note TEXT)");
+    CHECK(fixture.names() == "one ");
+    fixture.close();
+    std::string bytes = fixture.bytes();
+    const std::size_t at = bytes.find(column);
+    REQUIRE(at != std::string::npos);
+    bytes[at] = 'x';
+    fixture.write(bytes);
+    CHECK(fixture.names().empty());
     CHECK(fs::exists(fixture.aside(1)));
   }
 }
