@@ -2,21 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 
 #include "core/contract/expects.hpp"
-#include "core/model/mesh_report.hpp"
-#include "core/model/sine_cosine.hpp"
+#include "core/model/height_index.hpp"
+#include "core/orientation/candidate_directions.hpp"
+#include "core/orientation/exposed_parts.hpp"
 #include "core/orientation/orientation_rating.hpp"
+#include "core/orientation/orientation_trial.hpp"
 #include "core/orientation/rated_mesh.hpp"
 
 namespace contourd {
 namespace {
 
-constexpr Direction kAsDrawn{0, 0, 1};
 // A model is turned only if another direction is better by this part of the sum of all weights.
 constexpr double kWorthTurning = 0.05;
+// The rating rarely estimates more than this many times the contacts that a trial finds.
+constexpr double kMostOverestimated = 1.6;
+// The cosine of 5 degrees, by which a base may be off the level that is meant to be flat on the plate.
+constexpr double kCosNearlyLevel = 0.9961;
 
 // The worst figures of all directions tried, which make figures comparable. The initial values are minimums:
 // without them a single contact would decide.
@@ -53,40 +57,50 @@ void rank(std::vector<OrientationFigures>& rated, const OrientationWeights& weig
   });
 }
 
-// Moves the direction to be printed to the front.
-void choose(std::vector<OrientationFigures>& ranked, const OrientationWeights& weights) {
+using Ranked = std::vector<OrientationFigures>;
+
+// Returns the model as drawn, or with its base flat on the plate if it is drawn nearly so.
+Ranked::iterator as_meant(Ranked& ranked) {
   const auto drawn = std::ranges::find(ranked, kAsDrawn, &OrientationFigures::up);
+  const auto level = std::ranges::find_if(ranked, [&](const OrientationFigures& each) {
+    return each.stands && each.up.z > kCosNearlyLevel && each.fits == drawn->fits &&
+           each.score <= drawn->score;
+  });
+  return level != ranked.end() ? level : drawn;
+}
+
+// Moves the direction to be printed to the front.
+void choose(OrientationChoice& choice, const OrientationWeights& weights) {
+  Ranked& ranked = choice.ranked;
+  const auto meant = as_meant(ranked);
   const double all = weights.support + weights.contacts + weights.peel + weights.height + weights.standing;
-  const bool may_stay = drawn->fits || !ranked.front().fits;
-  if (may_stay && drawn->score <= ranked.front().score + kWorthTurning * all)
-    std::rotate(ranked.begin(), drawn, drawn + 1);
+  const bool may_stay = meant->fits || !ranked.front().fits;
+  const bool good_enough = meant->score <= ranked.front().score + kWorthTurning * all;
+  if (may_stay && (good_enough || choice.own_supports)) std::rotate(ranked.begin(), meant, meant + 1);
 }
 
 class Choosing {
  public:
-  Choosing(std::span<const Facet> facets, const OrientationRequest& request, const std::stop_token& stop)
-      : facets_(facets),
-        request_(request),
-        stop_(stop),
-        inside_out_(enclosed_volume(facets, bounds_of(facets)).inside_out()) {}
+  Choosing(const HeightIndex& model, const OrientationRequest& request, const std::stop_token& stop)
+      : facets_(model.facets()), request_(request), stop_(stop), exposed_(exposed_parts(facets_)) {}
 
   std::optional<OrientationChoice> choose() {
     const std::vector<Direction> candidates = candidate_directions(facets_);
-    std::vector<OrientationFigures> sampled = rate_by_sample(candidates);
+    Ranked sampled = rate_by_sample(candidates);
     if (stop_.stop_requested()) return std::nullopt;
-    Worst worst;
-    for (const OrientationFigures& figures : sampled)
-      worst.take(figures);
-    rank(sampled, request_.weights, worst);
-    OrientationChoice choice;
+    take_worst(sampled);
+    rank(sampled, request_.weights, worst_);
+    Ranked rated = rate_finalists(sampled);
+    if (stop_.stop_requested()) return std::nullopt;
+    take_worst(rated);
+    rank(rated, request_.weights, worst_);
+    OrientationChoice choice = try_best(rated);
+    if (stop_.stop_requested()) return std::nullopt;
     choice.tried = static_cast<std::uint32_t>(candidates.size());
-    choice.ranked = rate_finalists(sampled);
-    if (stop_.stop_requested()) return std::nullopt;
     choice.steps = steps_;
-    for (const OrientationFigures& figures : choice.ranked)
-      worst.take(figures);
-    rank(choice.ranked, request_.weights, worst);
-    contourd::choose(choice.ranked, request_.weights);
+    take_worst(choice.ranked);
+    rank(choice.ranked, request_.weights, worst_);
+    contourd::choose(choice, request_.weights);
     return choice;
   }
 
@@ -95,21 +109,26 @@ class Choosing {
     const Scale& scale = request_.scale;
     // Converted to the model's own millimetres.
     const double cell_mm = kContactCellMm / std::max({scale.x, scale.y, scale.z});
-    return {
-        .facets = facets, .inside_out = inside_out_, .cell_mm = cell_mm, .keep_clean = request_.keep_clean};
+    return {.facets = facets, .cell_mm = cell_mm, .keep_clean = request_.keep_clean};
   }
 
-  std::vector<OrientationFigures> rate_by_sample(std::span<const Direction> candidates) {
+  void take_worst(const Ranked& rated) {
+    for (const OrientationFigures& figures : rated)
+      worst_.take(figures);
+  }
+
+  Ranked rate_by_sample(std::span<const Direction> candidates) {
     FacetSample sample;
     RatedMesh::Making sampled = making(facets_);
+    sampled.weights = exposed_;
     if (facets_.size() > kSampledFacets) {
-      sample = sample_of(facets_, kSampledFacets);
+      sample = sample_of(facets_, exposed_, kSampledFacets);
       sampled.facets = sample.facets;
       sampled.weights = sample.weights;
     }
     const RatedMesh mesh(sampled);
     OrientationRating rating(mesh, request_, OrientationRating::Mesh::Sample);
-    std::vector<OrientationFigures> rated;
+    Ranked rated;
     for (const Direction& up : candidates) {
       if (stop_.stop_requested()) break;
       rated.push_back(rating.rate(up));
@@ -118,18 +137,22 @@ class Choosing {
     return rated;
   }
 
-  // Rates the best directions by the sample, and as drawn, by all facets. If none of them fits, rates more
-  // until one does.
-  std::vector<OrientationFigures> rate_finalists(std::span<const OrientationFigures> sampled) {
-    const RatedMesh mesh(making(facets_));
+  // Rates the best directions by the sample, and as drawn or nearly so, by all facets. If none of them fits,
+  // rates more until one does.
+  Ranked rate_finalists(std::span<const OrientationFigures> sampled) {
+    RatedMesh::Making whole = making(facets_);
+    whole.weights = exposed_;
+    const RatedMesh mesh(whole);
     OrientationRating rating(mesh, request_, OrientationRating::Mesh::Whole);
-    std::vector<OrientationFigures> rated{rating.rate(kAsDrawn)};
-    bool one_fits = rated.front().fits;
+    Ranked rated;
+    for (const OrientationFigures& each : sampled)
+      if (each.up.z > kCosNearlyLevel) rated.push_back(rating.rate(each.up));
+    bool one_fits = std::ranges::any_of(rated, &OrientationFigures::fits);
     for (const OrientationFigures& each : sampled) {
       if (stop_.stop_requested() ||
           (rated.size() >= finalists_of(facets_.size()) && (one_fits || !each.fits)))
         break;
-      if (each.up == kAsDrawn) continue;
+      if (each.up.z > kCosNearlyLevel) continue;
       rated.push_back(rating.rate(each.up));
       one_fits = one_fits || rated.back().fits;
     }
@@ -137,62 +160,51 @@ class Choosing {
     return rated;
   }
 
+  // Returns the directions to try: as drawn, with the base level, the best ones, and the best of those in
+  // which the model stands, because the rating is kind to directions in which nothing lies flat.
+  [[nodiscard]] static Ranked to_try(const Ranked& rated, std::size_t facets) {
+    Ranked chosen{*std::ranges::find(rated, kAsDrawn, &OrientationFigures::up)};
+    const auto add = [&](std::size_t most, bool standing) {
+      for (const OrientationFigures& each : rated) {
+        const bool may_be = each.fits == rated.front().fits && (each.stands || !standing);
+        const bool is_new = std::ranges::find(chosen, each.up, &OrientationFigures::up) == chosen.end();
+        if (chosen.size() < most && may_be && is_new) chosen.push_back(each);
+      }
+    };
+    for (const OrientationFigures& each : rated)
+      if (each.up.z > kCosNearlyLevel && each.stands && each.up != kAsDrawn) chosen.push_back(each);
+    add(4, true);
+    add(trials_of(facets), false);
+    return chosen;
+  }
+
+  // Tries the directions as long as they may be better than the best one so far.
+  OrientationChoice try_best(const Ranked& rated) {
+    OrientationChoice choice;
+    double best = std::numeric_limits<double>::infinity();
+    for (const OrientationFigures& figures : to_try(rated, facets_.size())) {
+      OrientationFigures at_best = figures;
+      at_best.contacts /= kMostOverestimated;
+      at_best.support_mm3 /= kMostOverestimated;
+      OrientationTrial trial{figures};
+      const bool may_be_chosen = !choice.own_supports || figures.up.z > kCosNearlyLevel;
+      if (may_be_chosen && score_of(at_best, request_.weights, worst_) < best)
+        trial = try_orientation(facets_, figures, request_, stop_);
+      if (stop_.stop_requested()) break;
+      if (trial.figures.tried) best = std::min(best, score_of(trial.figures, request_.weights, worst_));
+      if (figures.up == kAsDrawn) choice.own_supports = trial.own_supports;
+      choice.ranked.push_back(trial.figures);
+    }
+    return choice;
+  }
+
   std::span<const Facet> facets_;
   const OrientationRequest& request_;
   const std::stop_token& stop_;
-  bool inside_out_;
+  std::vector<double> exposed_;  // by facet, or empty: see exposed_parts()
+  Worst worst_;
   std::uint64_t steps_ = 0;
 };
-
-constexpr double kCosLeastApart = 0.99863;  // 3 degrees
-
-// Facets whose normals lie in the same cell of this grid, some 2 degrees wide, are taken for one face.
-constexpr int kNormalCells = 32;
-constexpr std::size_t kCellsAlong = 2 * kNormalCells + 1;
-
-void add(std::vector<Direction>& directions, const Direction& candidate) {
-  const bool is_new = std::ranges::none_of(
-      directions, [&](const Direction& other) { return dot(candidate, other) > kCosLeastApart; });
-  if (is_new) directions.push_back(candidate);
-}
-
-std::size_t cell_of(const Direction& normal) {
-  const auto along = [](double part) {
-    return static_cast<std::size_t>(std::lround(part * kNormalCells) + kNormalCells);
-  };
-  return (along(normal.x) * kCellsAlong + along(normal.y)) * kCellsAlong + along(normal.z);
-}
-
-Direction scaled(const Direction& v, double factor) {
-  return {v.x * factor, v.y * factor, v.z * factor};
-}
-
-// Returns the areas of flat faces, largest first. A curved surface is spread over many cells, each with a
-// small area.
-std::vector<Direction> flat_faces(std::span<const Facet> facets) {
-  std::vector<Direction> cells(kCellsAlong * kCellsAlong * kCellsAlong, Direction{0, 0, 0});
-  for (const Facet& facet : facets) {
-    const Direction area = area_of(facet);
-    const double size = length_of(area);
-    if (!(size > 0)) continue;
-    Direction& sum = cells[cell_of(scaled(area, 1 / size))];
-    sum = {sum.x + area.x, sum.y + area.y, sum.z + area.z};
-  }
-  std::erase_if(cells, [](const Direction& area) { return !(length_of(area) > 0); });
-  std::ranges::stable_sort(cells, std::ranges::greater{}, length_of);
-  return cells;
-}
-
-// Adds directions on a spiral from pole to pole, each the golden angle further round than the previous one.
-void add_spread(std::vector<Direction>& directions) {
-  constexpr double kGoldenAngleDeg = 137.50776405003785;
-  for (std::size_t i = 0; i < kSpreadDirections; ++i) {
-    const double z = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(kSpreadDirections);
-    const double across = std::sqrt(1 - z * z);
-    const auto [sine, cosine] = sine_cosine(std::fmod(static_cast<double>(i) * kGoldenAngleDeg, 360.0));
-    add(directions, {across * cosine, across * sine, z});
-  }
-}
 
 }  // namespace
 
@@ -201,21 +213,16 @@ std::size_t finalists_of(std::size_t facets) {
   return std::clamp(kFacetsRated / std::max<std::size_t>(facets, 1), kFewest, kMost);
 }
 
+std::size_t trials_of(std::size_t facets) {
+  return facets > kSampledFacets ? 8 : 12;
+}
+
 std::optional<OrientationChoice> choose_orientation(std::span<const Facet> facets,
                                                     const OrientationRequest& request,
                                                     const std::stop_token& stop) {
   expects(!facets.empty() && facets.size() < kMaxFacets, "there are facets, and fewer than 2^30");
-  return Choosing(facets, request, stop).choose();
-}
-
-std::vector<Direction> candidate_directions(std::span<const Facet> facets) {
-  std::vector<Direction> directions{{0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
-  for (const Direction& area : flat_faces(facets)) {
-    if (directions.size() == 6 + kMostFaceDirections) break;
-    add(directions, scaled(area, -1 / length_of(area)));
-  }
-  add_spread(directions);
-  return directions;
+  const HeightIndex model({facets.begin(), facets.end()});
+  return Choosing(model, request, stop).choose();
 }
 
 }  // namespace contourd

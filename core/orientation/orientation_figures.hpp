@@ -10,6 +10,7 @@
 
 #include "core/geometry/units.hpp"
 #include "core/model/placement.hpp"
+#include "core/support/support_settings.hpp"
 
 namespace contourd {
 
@@ -56,8 +57,7 @@ struct BuildSize {
 struct OrientationRequest {
   Scale scale{};                     // as printed, along the plate's axes
   std::optional<BuildSize> build{};  // nullopt: the model fits whichever way it is turned
-  Millimeters lift{};                // height above the plate of a model that cannot stand by itself
-  Millimeters bridge{1.5};           // how far a layer can reach out beyond the surface that carries it
+  SupportSettings supports{};        // with a lift of 0, no model is lifted
   std::vector<KeepClean> keep_clean{};
   OrientationWeights weights{};
 };
@@ -65,15 +65,16 @@ struct OrientationRequest {
 struct OrientationFigures {
   Direction up;             // unit vector
   double score = 0;         // lower is better
-  double contacts = 0;      // approximate number of contacts with supports
+  double contacts = 0;      // number of contacts with supports; approximate unless `tried`
   double support_mm3 = 0;   // approximate volume of the supports
   double overhang_mm2 = 0;  // overhangs beyond 45 degrees that need support, seen from above
-  double largest_mm2 = 0;   // the largest of the sections that were calculated
+  double largest_mm2 = 0;   // the largest layer, or of the sections that were calculated
   double standing_mm2 = 0;  // faces that lie flat on the plate
   double touched_mm2 = 0;   // surfaces to be kept clean that supports or the plate touch
   double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;
   bool stands = false;  // faces flat on the plate hold the model
   bool fits = true;
+  bool tried = false;  // contacts, largest_mm2 and stands were found in the layers, not estimated
   bool operator==(const OrientationFigures&) const = default;
 };
 

@@ -18,8 +18,6 @@ constexpr double kOnPlateMm = 0.05;
 // area (PrusaSlicer's figure), and the plate, with its long exposures, no less; the factor is a quarter of
 // that, for models that lean.
 constexpr double kPlateHolds = 20, kLeastStandingMm2 = 1;
-// A pillar's section and the extra volume of its foot, by PrusaSlicer's diameters of 1 and 4 mm.
-constexpr double kPillarMm2 = 0.785398, kFootMm3 = 4.7;
 
 }  // namespace
 
@@ -64,7 +62,7 @@ OrientationFigures OrientationRating::rate(const Direction& up) {
   if (kind_ == Mesh::Whole) find_lowest(axes.up, figures.stands);
   add_supports(figures.stands, figures);
   if (request_.build) {
-    const double lift = figures.stands ? 0 : request_.lift.count();
+    const double lift = figures.stands ? 0 : request_.supports.lift.count();
     // A thousandth of a millimetre allows for the rounding of float coordinates.
     const auto fits = [](double size, Millimeters room) { return size <= room.count() + 1e-3; };
     figures.fits = fits(figures.size_x_mm, request_.build->width) &&
@@ -164,7 +162,7 @@ double OrientationRating::largest_section() const {
 }
 
 // Sets the reach to 0 at the upper ends of facets that do not hang over: they carry the overhangs that begin
-// there.
+// there. Another body carries what begins within it, at facets that do not count.
 void OrientationRating::find_carried(const Direction& up, bool stands) {
   std::ranges::fill(reach_, HUGE_VAL);
   for (const RatedMesh::Side& side : mesh_.sides()) {
@@ -172,7 +170,7 @@ void OrientationRating::find_carried(const Direction& up, bool stands) {
     const auto [a, b, c] = side.corners;
     const double middle = (heights_[a] + heights_[b] + heights_[c]) / 3;
     for (const std::uint32_t v : side.corners)
-      if (heights_[v] > middle) reach_[v] = 0;
+      if (heights_[v] > middle || side.size == 0) reach_[v] = 0;
   }
   if (!stands) return;
   for (std::size_t v = 0; v < heights_.size(); ++v)
@@ -200,7 +198,7 @@ void OrientationRating::reach_out() {
 
 // True if the facet's middle can be bridged: from a corner, or across from an edge.
 bool OrientationRating::is_carried(const RatedMesh::Side& side) const {
-  const double bridge = request_.bridge.count();
+  const double bridge = request_.supports.bridge.count();
   const auto [a, b, c] = side.corners;
   const double ab = apart(a, b), bc = apart(b, c), ca = apart(c, a);
   // The middle is two thirds of the median from a corner, and a third of the height from an edge.
@@ -246,7 +244,7 @@ void OrientationRating::find_lowest(const Direction& up, bool stands) {
 }
 
 void OrientationRating::add_supports(bool stands, OrientationFigures& figures) const {
-  const double lift = stands ? 0 : request_.lift.count();
+  const double lift = stands ? 0 : request_.supports.lift.count();
   for (const Cell& cell : cells_) {
     double contacts = cell.area / kContactHoldsMm2;
     double height = cell.area > 0 ? cell.moment / cell.area : 0;
@@ -255,7 +253,7 @@ void OrientationRating::add_supports(bool stands, OrientationFigures& figures) c
       height = cell.lowest;
     }
     figures.contacts += contacts;
-    figures.support_mm3 += contacts * (kPillarMm2 * (height + lift) + kFootMm3);
+    figures.support_mm3 += contacts * pillar_mm3(height + lift);
   }
 }
 

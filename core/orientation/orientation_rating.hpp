@@ -15,6 +15,13 @@ namespace contourd {
 // PrintConfig.cpp), and the size of a grid cell that holds about one contact.
 inline constexpr double kContactHoldsMm2 = 11.1, kContactCellMm = 3.3;
 
+// Returns the volume of a support that holds a contact at this height, by PrusaSlicer's pillar and foot, with
+// diameters of 1 and 4 mm.
+[[nodiscard]] inline double pillar_mm3(double height_mm) {
+  constexpr double kPillarMm2 = 0.785398, kFootMm3 = 4.7;
+  return kPillarMm2 * height_mm + kFootMm3;
+}
+
 class OrientationRating {
  public:
   // In a whole model, overhangs are followed from the surfaces that carry them, as far as those reach; and a

@@ -32,23 +32,25 @@ bool is_kept(std::span<const KeepClean> keep_clean, const Facet& facet, const Di
 
 }  // namespace
 
-FacetSample sample_of(std::span<const Facet> facets, std::size_t most) {
+FacetSample sample_of(std::span<const Facet> facets, std::span<const double> exposed, std::size_t most) {
   expects(most > 0, "the sample may hold at least one facet");
+  const auto area_that_counts = [&](std::size_t f) {
+    return length_of(area_of(facets[f])) * (exposed.empty() ? 1 : exposed[f]);
+  };
   double surface = 0;
-  for (const Facet& facet : facets)
-    surface += length_of(area_of(facet));
+  for (std::size_t f = 0; f < facets.size(); ++f)
+    surface += area_that_counts(f);
   FacetSample sample;
   // Walking adds the areas in the same order: but for rounding, the last part is full at the end.
   const double part = surface / static_cast<double>(most);
   if (!(part > 0)) return sample;
   double walked = 0, full = 0;
-  for (const Facet& facet : facets) {
-    const double size = length_of(area_of(facet));
-    walked += size;
+  for (std::size_t f = 0; f < facets.size(); ++f) {
+    walked += area_that_counts(f);
     const double parts = std::floor(walked / part);
     if (!(parts > full)) continue;
-    sample.facets.push_back(facet);
-    sample.weights.push_back((parts - full) * part / size);
+    sample.facets.push_back(facets[f]);
+    sample.weights.push_back((parts - full) * part / length_of(area_of(facets[f])));
     full = parts;
   }
   return sample;
@@ -65,7 +67,7 @@ RatedMesh::RatedMesh(const Making& making) {
     for (std::size_t i = 0; i < 3; ++i)  // numbers are given in the order in which vertices come
       if (corners[f][i] == vertices_.size()) vertices_.push_back(facet.vertices[i]);
     const Direction area = area_of(facet);
-    const double factor = (making.weights.empty() ? 1 : making.weights[f]) * (making.inside_out ? -1 : 1);
+    const double factor = making.weights.empty() ? 1 : making.weights[f];
     const Direction outwards{area.x * factor, area.y * factor, area.z * factor};
     sides_.push_back({corners[f], static_cast<float>(outwards.x), static_cast<float>(outwards.y),
                       static_cast<float>(outwards.z), static_cast<float>(length_of(outwards)),

@@ -39,8 +39,9 @@ struct FacetSample {
 };
 // Takes a sample of at most `most` facets, each for an equal part of the surface, including all facets that
 // are larger than such a part: walks along the model's surface, and takes the facet that completes a part.
-// REQUIRES: most > 0.
-[[nodiscard]] FacetSample sample_of(std::span<const Facet> facets, std::size_t most);
+// `exposed`: by facet, the part of its area that counts; if empty, all of it. REQUIRES: most > 0.
+[[nodiscard]] FacetSample sample_of(std::span<const Facet> facets, std::span<const double> exposed,
+                                    std::size_t most);
 
 class RatedMesh {
  public:
@@ -55,12 +56,10 @@ class RatedMesh {
     [[nodiscard]] double along(const Direction& up) const { return up.x * x + up.y * y + up.z * z; }
   };
 
-  // `weights`: by facet; if empty, each facet counts once. `inside_out`: the facets face inwards. `cell_mm`:
-  // the size of the cubes of cell_of().
+  // `weights`: by facet; if empty, each facet counts once. `cell_mm`: the size of the cubes of cell_of().
   struct Making {
     std::span<const Facet> facets;
     std::span<const double> weights{};
-    bool inside_out = false;
     double cell_mm = 1;
     std::span<const KeepClean> keep_clean{};
   };

@@ -23,18 +23,21 @@ struct MakingContext {
 OrientationLimits orientation_limits(const MakingContext& making) {
   const ResinProfile& resin = making.settings.resin;
   const BuildVolume& volume = making.volume;
-  return {{Millimeters{volume.width_mm()}, Millimeters{volume.depth_mm()}, Millimeters{volume.height_mm}},
-          resin.shrinkage_factors,
-          resin.orientation,
-          making.settings.supports == SupportPolicy::Off ? Millimeters{} : resin.supports.lift,
-          resin.supports.bridge};
+  OrientationLimits limits{
+      {Millimeters{volume.width_mm()}, Millimeters{volume.depth_mm()}, Millimeters{volume.height_mm}},
+      resin.shrinkage_factors,
+      resin.orientation,
+      resin.supports};
+  if (making.settings.supports == SupportPolicy::Off) limits.supports.lift = Millimeters{};
+  return limits;
 }
 
 // Chooses the model's orientation if its ticket leaves that to contourd, and sets it in the ticket.
 void find_up(JobContent& content, std::span<const Facet> facets, ModelTicket& ticket,
              const MakingContext& making, ModelSummary& figures) {
   if (!ticket.orientation || facets.empty()) return;
-  content.require_room_to_repair(facets);  // orienting takes no more memory than repairing
+  // Orienting takes no more memory than repairing, and a sweep for supports.
+  content.require_room_to_repair(facets);
   figures.orientation = find_orientation(facets, ticket, orientation_limits(making), making.stop);
   if (figures.orientation) ticket.up = figures.orientation->choice.chosen().up;
 }

@@ -27,7 +27,8 @@ Json figures_json(const OrientationFigures& figures) {
           {"stands", figures.stands},
           {"standing_mm2", figures.standing_mm2},
           {"touched_mm2", figures.touched_mm2},
-          {"fits", figures.fits}};
+          {"fits", figures.fits},
+          {"tried", figures.tried}};
 }
 
 }  // namespace
@@ -41,8 +42,7 @@ std::optional<ModelOrientation> find_orientation(std::span<const Facet> facets, 
   OrientationRequest request;
   request.scale = ticket.scale.value_or(Scale{}) * limits.shrinkage;
   if (!ticket.fit) request.build = limits.build;
-  request.lift = limits.lift;
-  request.bridge = limits.bridge;
+  request.supports = limits.supports;
   request.keep_clean = ticket.orientation->keep_clean;
   request.weights = weights_of(ticket.orientation->preset, limits.weights);
   std::optional<OrientationChoice> choice = choose_orientation(facets, request, stop);
@@ -73,7 +73,11 @@ std::string describe(const OrientationFigures& figures) {
 std::string describe(const ModelOrientation& orientation) {
   const OrientationChoice& choice = orientation.choice;
   const std::string preset(name_of(orientation.preset));
-  if (choice.as_drawn()) return fmt::format("stays as drawn ({}): {}", preset, describe(choice.chosen()));
+  if (choice.as_drawn()) {
+    return fmt::format("stays as drawn ({}): {}{}", preset,
+                       choice.own_supports ? "the model brings its supports along, " : "",
+                       describe(choice.chosen()));
+  }
   const auto drawn = std::ranges::find(choice.ranked, Direction{0, 0, 1}, &OrientationFigures::up);
   return fmt::format("{} points up ({}): {}; as drawn: {}", text_of(choice.chosen().up), preset,
                      describe(choice.chosen()), describe(*drawn));
@@ -87,11 +91,9 @@ Json orientation_json(const ModelOrientation& orientation) {
   Json alternatives = Json::array();
   for (const OrientationFigures& figures : reported(orientation.choice))
     alternatives.push_back(figures_json(figures));
-  return {{"preset", name_of(orientation.preset)},
-          {"as_drawn", orientation.choice.as_drawn()},
-          {"tried", orientation.choice.tried},
-          {"took_ms", milliseconds(orientation.took)},
-          {"alternatives", std::move(alternatives)}};
+  return {{"preset", name_of(orientation.preset)},           {"as_drawn", orientation.choice.as_drawn()},
+          {"own_supports", orientation.choice.own_supports}, {"tried", orientation.choice.tried},
+          {"took_ms", milliseconds(orientation.took)},       {"alternatives", std::move(alternatives)}};
 }
 
 }  // namespace contourd

@@ -26,12 +26,11 @@ struct OrientationLimits {
   BuildSize build;
   Scale shrinkage;             // factors that compensate the resin's shrinkage
   OrientationWeights weights;  // the resin's
-  Millimeters lift{};          // height of a supported model above the plate; 0 without supports
-  Millimeters bridge{1.5};     // span that the resin bridges without support
+  SupportSettings supports{};  // the resin's; with a lift of 0 if there are no supports
 };
 
 // Finds the best orientation for the model; nullopt if `stop` was requested. A model with `fit` is rated at
-// the size in its file. Blocks for about a second per million facets. REQUIRES: the ticket leaves the
+// the size in its file. Blocks: see choose_orientation(). REQUIRES: the ticket leaves the
 // orientation to contourd; at least one facet.
 [[nodiscard]] std::optional<ModelOrientation> find_orientation(std::span<const Facet> facets,
                                                                const ModelTicket& ticket,

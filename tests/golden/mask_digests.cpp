@@ -182,7 +182,7 @@ void print_adaptive_layers(const std::string& name, const models::Facets& facets
 }
 
 void print_orientation(const std::string& name, const models::Facets& facets) {
-  const OrientationRequest request{.lift = Millimeters{5}, .keep_clean = {Direction{1, 0, 0}}};
+  const OrientationRequest request{.supports = {.lift = Millimeters{5}}, .keep_clean = {Direction{1, 0, 0}}};
   const OrientationChoice choice = choose_orientation(facets, request).value();
   Digest digest;
   for (const OrientationFigures& each : choice.ranked)

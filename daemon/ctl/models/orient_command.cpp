@@ -49,6 +49,7 @@ OrientationLimits limits_of(const OrientOptions& options) {
   const auto take = [&limits](const ResinProfile& resin) {
     limits.weights = resin.orientation;
     limits.shrinkage = resin.shrinkage_factors;
+    limits.supports = resin.supports;
   };
   if (options.printer) {
     const PrinterConfig printer = load_printer_config(*options.printer, Places::Elsewhere);

@@ -16,9 +16,9 @@ namespace contourd::ctl {
 
 // The number of bottom layers without a resin's profile.
 inline constexpr std::int32_t kBottomLayers = 5;
-// Limits without a printer's configuration: every size fits, and supports lift the model by 5 mm.
+// Limits without a printer's configuration: every size fits, and supports are as by default.
 inline constexpr OrientationLimits kAnyPrinter{
-    {Millimeters{1e9}, Millimeters{1e9}, Millimeters{1e9}}, Scale{}, {}, Millimeters{5}};
+    {Millimeters{1e9}, Millimeters{1e9}, Millimeters{1e9}}, Scale{}, {}, {}};
 
 // Reads a model, turns it so that `up` points up, and scales it by the factor, each if given. If the best
 // orientation is to be found, uses kAnyPrinter and prints the orientation on stderr. Throws the exceptions of

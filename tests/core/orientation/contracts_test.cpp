@@ -23,7 +23,8 @@ TEST_CASE("Rating requires a direction that is finite and not zero") {
 
 TEST_CASE("A sample requires room for a facet, and a rated mesh a weight for each facet and a cell size") {
   const models::Facets facets = models::box({0, 0, 0}, {1, 1, 1});
-  CHECK(contract_broken_by([&] { (void)sample_of(facets, 0); }) == "the sample may hold at least one facet");
+  CHECK(contract_broken_by([&] { (void)sample_of(facets, {}, 0); }) ==
+        "the sample may hold at least one facet");
   const std::vector<double> weights(facets.size() - 1, 1.0);
   CHECK(contract_broken_by([&] { RatedMesh({.facets = facets, .weights = weights}); }) ==
         "there is a weight for each facet, or for none");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/orientation/candidate_directions.hpp"
 #include "core/orientation/rated_mesh.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
@@ -159,10 +160,89 @@ TEST_CASE("A model with the largest coordinates is rated") {
   const OrientationChoice choice = chosen(models::box({-most, -most, -most}, {most, most, most}));
   CHECK(choice.as_drawn());
   CHECK(std::isfinite(choice.chosen().score));
+  CHECK_FALSE(choice.chosen().tried);
 }
 
 TEST_CASE("Facets without area and a single facet are accepted") {
   const Vertex v{1, 1, 1};
   CHECK(chosen({{{v, v, v}}}).as_drawn());
   CHECK(chosen({{{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}}).ranked.size() > 1);
+}
+
+namespace {
+
+// Returns a disc with a post, and the same solid as two bodies, with the post sunk into the disc.
+models::Facets disc_with_post() {
+  return models::lathe(std::vector<Point>{{0, 0}, {15, 0}, {15, 4}, {6, 4}, {6, 24}, {0, 24}}, 64);
+}
+models::Facets disc_and_post(float sunk_mm) {
+  models::Facets post =
+      models::lathe(std::vector<Point>{{0, 0}, {6, 0}, {6, 20.0 + sunk_mm}, {0, 20.0 + sunk_mm}}, 64);
+  models::translate(post, 0, 0, 4 - sunk_mm);
+  return together(models::lathe(std::vector<Point>{{0, 0}, {15, 0}, {15, 4}, {0, 4}}, 64), post);
+}
+
+// Returns a plate that stands on its supports, on a raft: 25 pillars that narrow to tips.
+models::Facets plate_on_its_supports() {
+  models::Facets model =
+      together(models::box({0, 0, 0}, {30, 30, 1}), models::box({2, 2, 5.8F}, {28, 28, 8}));
+  const Point profile[]{{0, 0}, {0.6, 0}, {0.6, 4}, {0.2, 5}, {0.2, 5.2}, {0, 5.2}};
+  for (int i = 0; i < 25; ++i) {
+    models::Facets pillar = models::lathe(profile, 16);
+    models::translate(pillar, 5 + 5 * static_cast<float>(i % 5), 5 + 5 * static_cast<float>(i / 5), 0.8F);
+    model = together(model, pillar);
+  }
+  return model;
+}
+
+}  // namespace
+
+TEST_CASE("A model of bodies that touch or overlap is chosen like the same solid in one body") {
+  const OrientationChoice one = chosen(disc_with_post());
+  CHECK(one.as_drawn());
+  for (const float sunk_mm : {0.0F, 0.5F, 4.0F}) {
+    INFO(sunk_mm);
+    const OrientationChoice two = chosen(disc_and_post(sunk_mm));
+    CHECK(two.as_drawn());
+    CHECK(two.chosen().contacts == 0);
+    CHECK(std::abs(two.chosen().largest_mm2 - one.chosen().largest_mm2) < 1);
+    models::Facets leaning = disc_and_post(sunk_mm);
+    orient(leaning, {.up = Direction{1, 2, -1}});
+    const OrientationChoice stood_up = chosen(leaning);
+    CHECK(stood_up.chosen().contacts == 0);
+    CHECK(std::abs(stood_up.chosen().size_z_mm - 24) < 0.01);  // float's rounding
+  }
+}
+
+TEST_CASE("A base that is drawn nearly level is put flat on the plate") {
+  const models::Facets disc = models::lathe(std::vector<Point>{{0, 0}, {25, 0}, {25, 4}, {0, 4}}, 64);
+  for (const double tilt_deg : {0.01, 0.06, 0.4, 1.0, 2.0, 5.0}) {
+    models::Facets tilted = disc;
+    orient(tilted, {.y_deg = tilt_deg});
+    const OrientationFigures best = chosen(tilted).chosen();
+    INFO(tilt_deg);
+    CHECK(std::abs(best.size_z_mm - 4) < 0.001);
+    CHECK(best.up.z > 0.99);
+    CHECK(best.contacts == 0);
+    CHECK(best.stands);
+  }
+}
+
+TEST_CASE("A model that brings its supports along stays as drawn") {
+  for (const OrientationPreset preset :
+       {OrientationPreset::Auto, OrientationPreset::Fast, OrientationPreset::Clean}) {
+    const OrientationChoice choice = chosen(plate_on_its_supports(), {}, preset);
+    CHECK(choice.own_supports);
+    CHECK(choice.as_drawn());
+  }
+  CHECK_FALSE(chosen(large_table()).own_supports);
+}
+
+TEST_CASE("The contacts of the best directions are those that the layers show") {
+  const OrientationChoice choice = chosen(large_table());
+  const auto drawn = std::ranges::find(choice.ranked, Direction{0, 0, 1}, &OrientationFigures::up);
+  CHECK(drawn->tried);
+  CHECK(choice.chosen().tried);
+  CHECK(drawn->contacts > 50);                               // 1600 mm2, of which one contact holds 11.1 mm2
+  CHECK(std::abs(choice.chosen().largest_mm2 - 1600) < 20);  // a row of pixels on each side
 }

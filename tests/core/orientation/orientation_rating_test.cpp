@@ -61,7 +61,7 @@ TEST_CASE("The largest section is found without a cut") {
 }
 
 TEST_CASE("A model that stands on a point is supported there, and lifted") {
-  const OrientationRequest request{.lift = Millimeters{5}};
+  const OrientationRequest request{.supports = {.lift = Millimeters{5}}};
   const OrientationFigures figures = rated(models::cone(2, 20, 32), {0, 0, -1}, Mesh::Whole, request);
   CHECK_FALSE(figures.stands);
   CHECK(figures.contacts == 1);
@@ -78,7 +78,7 @@ TEST_CASE("A ledge needs supports if it reaches farther than can be bridged") {
   const double half_held = rated(shelf(6), {0, 0, 1}).overhang_mm2;
   CHECK(half_held > 100);
   CHECK(half_held < std::numbers::pi * (121 - 25));
-  const OrientationRequest bold{.bridge = Millimeters{20}};
+  const OrientationRequest bold{.supports = {.bridge = Millimeters{20}}};
   CHECK(rated(shelf(6), {0, 0, 1}, Mesh::Whole, bold).overhang_mm2 == 0);
 }
 
@@ -119,7 +119,7 @@ TEST_CASE("A surface to be kept clean is touched where it hangs over or stands o
 
 TEST_CASE("A model that does not stand must fit with its lift") {
   OrientationRequest request{.build = BuildSize{Millimeters{30}, Millimeters{30}, Millimeters{22}},
-                             .lift = Millimeters{5}};
+                             .supports = {.lift = Millimeters{5}}};
   const models::Facets cone = models::cone(5, 20, 16);
   CHECK(rated(cone, {0, 0, 1}, Mesh::Whole, request).fits);
   CHECK_FALSE(rated(cone, {0, 0, -1}, Mesh::Whole, request).fits);

@@ -22,7 +22,7 @@ TEST_CASE("A sample represents the whole surface and contains every large facet"
   models::Facets facets = models::sphere(10, 60);
   const models::Facets large = models::box({20, 20, 20}, {40, 40, 40});
   facets.insert(facets.end(), large.begin(), large.end());
-  const FacetSample sample = sample_of(facets, 1000);
+  const FacetSample sample = sample_of(facets, {}, 1000);
   REQUIRE(sample.facets.size() <= 1000);
   REQUIRE(sample.facets.size() > 300);  // two thirds of the surface are the box'
   double stands_for = 0;
@@ -39,25 +39,34 @@ TEST_CASE("A sample represents the whole surface and contains every large facet"
 TEST_CASE("A sample of facets without area is empty") {
   const Vertex v{1, 1, 1};
   const Facet facets[]{{{v, v, v}}};
-  CHECK(sample_of(facets, 10).facets.empty());
+  CHECK(sample_of(facets, {}, 10).facets.empty());
 }
 
 TEST_CASE("A rated mesh has each vertex once, and areas that face outwards") {
-  models::Facets facets = models::box({0, 0, 0}, {10, 20, 30});
-  for (const bool inside_out : {false, true}) {
-    const RatedMesh mesh({.facets = facets, .inside_out = inside_out});
-    CHECK(mesh.vertices().size() == 8);
-    double upwards = 0;
-    for (const RatedMesh::Side& side : mesh.sides())
-      upwards += std::max(0.0, side.along({0, 0, 1}));
-    CHECK(upwards == 200);
-    double of_top = 0;
-    for (const RatedMesh::Side& side : mesh.sides())
-      if (std::ranges::all_of(side.corners, [&](auto v) { return mesh.vertices()[v].z == 30; }))
-        of_top += side.along({0, 0, 1});
-    CHECK(of_top == 200);
-    models::invert(facets);
-  }
+  const models::Facets facets = models::box({0, 0, 0}, {10, 20, 30});
+  const RatedMesh mesh({.facets = facets});
+  CHECK(mesh.vertices().size() == 8);
+  double upwards = 0;
+  for (const RatedMesh::Side& side : mesh.sides())
+    upwards += std::max(0.0, side.along({0, 0, 1}));
+  CHECK(upwards == 200);
+  double of_top = 0;
+  for (const RatedMesh::Side& side : mesh.sides())
+    if (std::ranges::all_of(side.corners, [&](auto v) { return mesh.vertices()[v].z == 30; }))
+      of_top += side.along({0, 0, 1});
+  CHECK(of_top == 200);
+}
+
+TEST_CASE("A sample takes no facet that does not count, and the others for all of the surface that counts") {
+  const models::Facets facets = models::together(models::box({0, 0, 0}, {10, 10, 10}), models::sphere(3, 20));
+  std::vector<double> exposed(facets.size(), 0.0);
+  std::fill_n(exposed.begin(), 12, 0.5);
+  const FacetSample sample = sample_of(facets, exposed, 100);
+  double stands_for = 0;
+  for (std::size_t i = 0; i < sample.facets.size(); ++i)
+    stands_for += sample.weights[i] * length_of(area_of(sample.facets[i]));
+  CHECK(sample.facets.size() == 12);
+  CHECK(std::abs(stands_for - 300) <= 300 * 0.0101);  // but for the last part
 }
 
 TEST_CASE("Vertices in the same cube of the grid have the same cell") {

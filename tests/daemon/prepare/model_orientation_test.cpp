@@ -13,7 +13,7 @@ constexpr Millimeters kAny{1000};
 ModelOrientation found(const models::Facets& facets, const OrientationTicket& asked = {}) {
   ModelTicket ticket;
   ticket.orientation = asked;
-  return find_orientation(facets, ticket, {{kAny, kAny, kAny}, Scale{}, {}, Millimeters{5}}).value();
+  return find_orientation(facets, ticket, {{kAny, kAny, kAny}, Scale{}, {}}).value();
 }
 
 models::Facets on_its_point() {
@@ -26,8 +26,8 @@ models::Facets on_its_point() {
 
 TEST_CASE("A chosen orientation is described with its figures and with those of the model as drawn") {
   CHECK(describe(found(on_its_point())) ==
-        "0, 0, -1 points up (auto): no overhangs, 20.00 mm high, largest layer 111 mm², stands by itself; as "
-        "drawn: about 1 contact, 0.01 ml of supports, 20.00 mm high, largest layer 111 mm²");
+        "0, 0, -1 points up (auto): no overhangs, 20.00 mm high, largest layer 113 mm², stands by itself; as "
+        "drawn: about 6 contacts, 0.11 ml of supports, 20.00 mm high, largest layer 113 mm²");
   CHECK(describe(found(models::box({0, 0, 0}, {10, 10, 10}), {OrientationPreset::Clean, {}})) ==
         "stays as drawn (clean): no overhangs, 10.00 mm high, largest layer 100 mm², stands by itself");
 }
@@ -42,6 +42,17 @@ TEST_CASE("The description reports touched surfaces and a model that does not fi
         "be kept clean are touched, does not fit into the machine");
 }
 
+TEST_CASE("The description and the report say that a model brings its supports along") {
+  ModelOrientation orientation;
+  orientation.choice.ranked.emplace_back();
+  orientation.choice.own_supports = true;
+  CHECK(
+      describe(orientation) ==
+      "stays as drawn (auto): the model brings its supports along, no overhangs, 0.00 mm high, largest layer "
+      "0 mm2");
+  CHECK(orientation_json(orientation)["own_supports"] == true);
+}
+
 TEST_CASE("A direction is printed in thousandths, without a minus in front of 0") {
   CHECK(text_of({0.70710678, -0.0001, -1}) == "0.707, 0, -1");
 }
@@ -54,6 +65,7 @@ TEST_CASE("The report lists the best orientations, the chosen one first") {
   REQUIRE(json["alternatives"].size() == kMaxReported);
   CHECK(json["alternatives"][0]["up"] == nlohmann::ordered_json{0, 0, -1});
   CHECK(json["alternatives"][0]["stands"] == true);
+  CHECK(json["alternatives"][0]["tried"] == true);
 }
 
 TEST_CASE("A model with fit fits the machine, however large it is in its file") {
