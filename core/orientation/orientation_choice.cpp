@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include "core/contract/expects.hpp"
 #include "core/model/height_index.hpp"
@@ -11,6 +14,7 @@
 #include "core/orientation/orientation_rating.hpp"
 #include "core/orientation/orientation_trial.hpp"
 #include "core/orientation/rated_mesh.hpp"
+#include "core/overhangs/carried_supports.hpp"
 
 namespace contourd {
 namespace {
@@ -186,16 +190,26 @@ class Choosing {
       OrientationFigures at_best = figures;
       at_best.contacts /= kMostOverestimated;
       at_best.support_mm3 /= kMostOverestimated;
-      OrientationTrial trial{figures};
+      OrientationFigures trial = figures;
       const bool may_be_chosen = !choice.own_supports || figures.up.z > kCosNearlyLevel;
       if (may_be_chosen && score_of(at_best, request_.weights, worst_) < best)
         trial = try_orientation(facets_, figures, request_, stop_);
       if (stop_.stop_requested()) break;
-      if (trial.figures.tried) best = std::min(best, score_of(trial.figures, request_.weights, worst_));
-      if (figures.up == kAsDrawn) choice.own_supports = trial.own_supports;
-      choice.ranked.push_back(trial.figures);
+      if (figures.up == kAsDrawn && trial.tried && tips_hold(tips_as_drawn(), trial.contacts)) {
+        choice.own_supports = true;
+        trial.contacts = trial.support_mm3 = 0;  // the print adds none
+      }
+      if (trial.tried) best = std::min(best, score_of(trial, request_.weights, worst_));
+      choice.ranked.push_back(trial);
     }
     return choice;
+  }
+
+  [[nodiscard]] std::size_t tips_as_drawn() const {
+    std::vector<Facet> copy(facets_.begin(), facets_.end());
+    orient(copy, {.scale = request_.scale});
+    const auto model = std::make_shared<const HeightIndex>(std::move(copy));
+    return Millimeters{model->bounds().size_z()} <= kHighestSweep ? carried_tips(model, stop_) : 0;
   }
 
   std::span<const Facet> facets_;

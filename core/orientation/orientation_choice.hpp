@@ -25,7 +25,7 @@ struct OrientationChoice {
   std::vector<OrientationFigures> ranked;
   std::uint32_t tried = 0;    // number of directions tried
   std::uint64_t steps = 0;    // work done: facets rated
-  bool own_supports = false;  // the model brings its supports along, so it stays as drawn
+  bool own_supports = false;  // the model carries supports in its file, so it stays as drawn
 
   [[nodiscard]] const OrientationFigures& chosen() const { return ranked.front(); }
   [[nodiscard]] bool as_drawn() const { return chosen().up == Direction{0, 0, 1}; }

@@ -11,7 +11,6 @@
 #include "core/engine/contour_engine.hpp"
 #include "core/model/height_index.hpp"
 #include "core/orientation/orientation_rating.hpp"
-#include "core/orientation/own_supports.hpp"
 #include "core/overhangs/overhang_sweep.hpp"
 #include "core/overhangs/sweep_grid.hpp"
 #include "core/support/support_lift.hpp"
@@ -96,31 +95,27 @@ class TrialObserver : public LayerObserver {
  public:
   explicit TrialObserver(double scale) : scale_(scale) {}
 
-  void begin(const DisplayGeometry& sweep_display, Nanometers step) override {
+  void begin(const DisplayGeometry& sweep_display, Nanometers /*step*/) override {
     pixel_mm_ = to_millimeters(sweep_display.pixel_pitch).count() / scale_;
-    own_supports_.emplace(OwnSupports::Grid{pixel_mm_, in_mm(step) / scale_});
   }
   void layer(Nanometers /*height*/, const MaskRuns& lit) override {
     std::int64_t pixels = 0;
     for (const PixelRun& run : lit.runs())
       pixels += run.end - run.first;
     largest_mm2_ = std::max(largest_mm2_, static_cast<double>(pixels) * pixel_mm_ * pixel_mm_);
-    own_supports_->add_layer(lit);
   }
 
   [[nodiscard]] double largest_mm2() const { return largest_mm2_; }
-  [[nodiscard]] bool own_supports() const { return own_supports_ && own_supports_->found(); }
 
  private:
   double scale_, pixel_mm_ = 0, largest_mm2_ = 0;
-  std::optional<OwnSupports> own_supports_;
 };
 
 }  // namespace
 
-OrientationTrial try_orientation(std::span<const Facet> facets, const OrientationFigures& figures,
-                                 const OrientationRequest& request, const std::stop_token& stop) {
-  OrientationTrial trial{figures};
+OrientationFigures try_orientation(std::span<const Facet> facets, const OrientationFigures& figures,
+                                   const OrientationRequest& request, const std::stop_token& stop) {
+  OrientationFigures trial = figures;
   const double largest_mm = std::max({figures.size_x_mm, figures.size_y_mm, figures.size_z_mm});
   if (facets.empty() || !(largest_mm < kLargestMm)) return trial;
   Turned model = turned(facets, figures, request.scale);
@@ -131,14 +126,13 @@ OrientationTrial try_orientation(std::span<const Facet> facets, const Orientatio
   const std::optional<HeldPlaces> held =
       find_overhangs({{model.model}, model.display, settings}, observer, stop);
   if (!held) return trial;
-  trial.own_supports = observer.own_supports();
-  trial.figures.tried = true;
-  trial.figures.stands = support_lift(*model.model.model, SupportSettings{}, kLayer) == Nanometers{};
-  trial.figures.largest_mm2 = observer.largest_mm2();
-  trial.figures.contacts = static_cast<double>(held->contacts.size());
-  trial.figures.support_mm3 = 0;
+  trial.tried = true;
+  trial.stands = support_lift(*model.model.model, SupportSettings{}, kLayer) == Nanometers{};
+  trial.largest_mm2 = observer.largest_mm2();
+  trial.contacts = static_cast<double>(held->contacts.size());
+  trial.support_mm3 = 0;
   for (const SupportContact& contact : held->contacts)
-    trial.figures.support_mm3 += pillar_mm3(contact.place.z / model.scale);
+    trial.support_mm3 += pillar_mm3(contact.place.z / model.scale);
   return trial;
 }
 

@@ -21,8 +21,7 @@ namespace {
 
 constexpr Nanometers kStep{100'000};
 constexpr std::size_t kFewestTips = 3;
-// Other programs place contacts farther apart.
-constexpr std::size_t kContactsForTip = 8;
+constexpr double kContactsForTip = 8;
 constexpr double kWidestTipMm2 = 1;
 // A tip has at most this share of the area that its stem had in the last millimetre or two.
 constexpr double kPointed = 1 / 1.5;
@@ -92,7 +91,7 @@ class TipCounter {
       const Stem& lower = stems_beneath_[joint.lower];
       Stem& upper = stems_[joint.upper];
       upper.stands = upper.stands || lower.stands;
-      // Branches begin anew: a raft is no thick part of the pillars on it.
+      // Branches start with their own width: a raft is no thick part of the pillars on it.
       if (lower.branches == 1) upper.widest = std::max(upper.widest, lower.widest * kForgottenByStep);
     }
     for (const Joint& joint : joints_) {
@@ -149,6 +148,10 @@ DisplayGeometry area_around(const Bounds& bounds) {
   return area;
 }
 
+PlateModel standing_in(const DisplayGeometry& area, const std::shared_ptr<const HeightIndex>& model) {
+  return {{model}, {PixelMap::true_scale(area, model->bounds().center())}};
+}
+
 std::size_t tips_of(const PlateModel& standing, const DisplayGeometry& area, const std::stop_token& stop) {
   TipCounter tips(standing, sweep_grid(area));
   const double layers = standing.model->bounds().size_z() / to_millimeters(kStep).count();
@@ -165,18 +168,28 @@ class NoObserver final : public LayerObserver {
 
 }  // namespace
 
-bool carries_supports(const std::shared_ptr<const HeightIndex>& model, const SupportSettings& settings,
-                      const std::stop_token& stop) {
+std::size_t carried_tips(const std::shared_ptr<const HeightIndex>& model, const std::stop_token& stop) {
   expects(model != nullptr && Millimeters{model->bounds().size_z()} <= kHighestSweep,
           "the model is there and no higher than can be swept");
-  if (model->bounds().empty() || !has_slender_parts(*model)) return false;
+  if (model->bounds().empty() || !has_slender_parts(*model)) return 0;
   const DisplayGeometry area = area_around(model->bounds());
-  const PlateModel standing{{model}, {PixelMap::true_scale(area, model->bounds().center())}};
-  const std::size_t tips = tips_of(standing, area, stop);
-  if (tips < kFewestTips) return false;
+  const std::size_t tips = tips_of(standing_in(area, model), area, stop);
+  return tips < kFewestTips ? 0 : tips;
+}
+
+bool tips_hold(std::size_t tips, double contacts) {
+  return tips > 0 && contacts <= kContactsForTip * static_cast<double>(tips);
+}
+
+bool carries_supports(const std::shared_ptr<const HeightIndex>& model, const SupportSettings& settings,
+                      const std::stop_token& stop) {
+  const std::size_t tips = carried_tips(model, stop);
+  if (tips == 0) return false;
+  const DisplayGeometry area = area_around(model->bounds());
   NoObserver none;
-  const std::optional<HeldPlaces> places = find_overhangs({{standing}, area, settings}, none, stop);
-  return places && places->contacts.size() <= kContactsForTip * tips;
+  const std::optional<HeldPlaces> places =
+      find_overhangs({{standing_in(area, model)}, area, settings}, none, stop);
+  return places && tips_hold(tips, static_cast<double>(places->contacts.size()));
 }
 
 }  // namespace contourd

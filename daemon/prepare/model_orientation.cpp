@@ -75,7 +75,7 @@ std::string describe(const ModelOrientation& orientation) {
   const std::string preset(name_of(orientation.preset));
   if (choice.as_drawn()) {
     return fmt::format("stays as drawn ({}): {}{}", preset,
-                       choice.own_supports ? "the model brings its supports along, " : "",
+                       choice.own_supports ? "the model carries supports in its file, " : "",
                        describe(choice.chosen()));
   }
   const auto drawn = std::ranges::find(choice.ranked, Direction{0, 0, 1}, &OrientationFigures::up);
