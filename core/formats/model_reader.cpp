@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <system_error>
 
@@ -56,8 +57,21 @@ const ModelFormat& format_of(const FileStart& start) {
   return format;
 }
 
+// Returns the unit that the first line or the header names as "UNITS=mm"; nullopt if there is none.
+std::optional<LengthUnit> unit_in(std::span<const std::byte> start) {
+  constexpr std::size_t kHeaderBytes = 80;  // of binary STL; the first line of a text is rarely longer
+  constexpr std::string_view kKey = "UNITS=", kEnds{" \t\r\n,;\0", 7};
+  const std::string_view header(reinterpret_cast<const char*>(start.data()),
+                                std::min(start.size(), kHeaderBytes));
+  const std::size_t key = header.find(kKey);
+  if (key == std::string_view::npos) return std::nullopt;
+  const std::string_view value = header.substr(key + kKey.size());
+  return length_unit(value.substr(0, value.find_first_of(kEnds)));
+}
+
 Model read_model(const FileStart& start, const ReadBytes& read) {
   Model model = format_of(start).read(start, read);
+  model.unit = unit_in(start.bytes);
   drop_stray_facets(model);
   return model;
 }

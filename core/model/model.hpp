@@ -1,17 +1,20 @@
 // A model, whatever file format it was read from.
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "core/geometry/facet.hpp"
+#include "core/model/length_unit.hpp"
 
 namespace contourd {
 
 struct Model {
-  std::vector<Facet> facets;          // in millimetres; all coordinates are finite
+  std::vector<Facet> facets;          // as in the file; all coordinates are finite
   std::vector<std::string> warnings;  // oddities that do not change the shape, one sentence each
+  std::optional<LengthUnit> unit{};   // the coordinates' unit, if the file names one; not applied to them
 };
 
 // Thrown if data is not a usable model. what() is one sentence: what, where (byte or line), why.

@@ -117,6 +117,27 @@ TEST_CASE("A binary header may hold any bytes") {
   CHECK(same(read_model(bytes).facets, tetrahedron()));
 }
 
+TEST_CASE("A unit in the header or the first line is read, but not applied") {
+  const auto unit_of = [](std::string_view header) {
+    std::vector<std::byte> bytes = binary();
+    std::memcpy(bytes.data(), header.data(), header.size());
+    CHECK(read_model(bytes).facets[0].vertices[1].y == 1);
+    return read_model(bytes).unit;
+  };
+  CHECK(unit_of("COLOR=abcd,MATERIAL=x UNITS=in") == LengthUnit::Inch);
+  CHECK(unit_of("UNITS=mm, made by hand") == LengthUnit::Millimeter);
+  CHECK(unit_of("UNITS=Meters\n") == LengthUnit::Meter);
+  CHECK_FALSE(unit_of("UNITS=furlong"));
+  CHECK_FALSE(unit_of("UNITS="));
+  CHECK_FALSE(unit_of("inches"));
+  // The header ends after 80 bytes, where the count and the facets begin.
+  CHECK_FALSE(unit_of(std::string(76, ' ') + "UNIT"));
+  const std::string text = models::to_ascii_stl(tetrahedron());
+  const std::string named = "solid part UNITS=cm" + text.substr(text.find('\n'));
+  CHECK(read_model(std::as_bytes(std::span(named))).unit == LengthUnit::Centimeter);
+  CHECK_FALSE(read_model(std::as_bytes(std::span(text))).unit);
+}
+
 TEST_CASE("Attributes and normals of any value do not matter") {
   std::vector<std::byte> bytes = binary();
   for (std::size_t facet = 0; facet < 4; ++facet) {
