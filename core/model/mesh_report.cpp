@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <vector>
 
@@ -41,6 +42,29 @@ void count_edges(const std::vector<Corners>& corners, MeshReport& report) {
     report.watertight = report.watertight && facets % 2 == 0 && balance == 0;
     i = end;
   }
+}
+
+// Joins the vertices of each facet and counts the groups.
+std::uint64_t count_parts(const std::vector<Corners>& corners) {
+  std::uint32_t last = 0;
+  for (const Corners& c : corners)
+    last = std::max({last, c[0], c[1], c[2]});
+  std::vector<std::uint32_t> parent(corners.empty() ? 0 : last + std::size_t{1});
+  std::iota(parent.begin(), parent.end(), 0U);
+  const auto root_of = [&parent](std::uint32_t vertex) {
+    while (parent[vertex] != vertex)
+      vertex = parent[vertex] = parent[parent[vertex]];
+    return vertex;
+  };
+  std::uint64_t parts = parent.size();
+  for (const Corners& c : corners) {
+    for (const std::uint32_t other : {c[1], c[2]}) {
+      const std::uint32_t a = root_of(c[0]), b = root_of(other);
+      parts -= a != b ? 1 : 0;
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  return parts;
 }
 
 void count_duplicates(std::vector<Corners> corners, MeshReport& report) {
@@ -91,6 +115,7 @@ MeshReport inspect_mesh(std::span<const Facet> facets) {
   report.degenerate_facets =
       static_cast<std::uint64_t>(std::count_if(corners.begin(), corners.end(), is_degenerate));
   count_edges(corners, report);
+  report.parts = count_parts(corners);
   count_duplicates(corners, report);
   return report;
 }

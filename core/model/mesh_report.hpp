@@ -36,6 +36,7 @@ struct MeshReport {
   std::uint64_t open_edges = 0;          // edges of one facet only
   std::uint64_t non_manifold_edges = 0;  // edges of more than two facets
   std::uint64_t flipped_edges = 0;       // edges of two facets that are wound against each other
+  std::uint64_t parts = 0;               // parts of the mesh that share no vertex
   // Every edge is shared by an even number of facets, half of them in each direction; and there is at least
   // one facet.
   bool watertight = false;

@@ -2,6 +2,7 @@
 
 #include "core/model/height_index.hpp"
 #include "core/model/placement.hpp"
+#include "core/model/shell_report.hpp"
 #include "core/model/sine_cosine.hpp"
 #include "core/repair/mesh_repair.hpp"
 #include "tests/broken_contract.hpp"
@@ -44,4 +45,5 @@ TEST_CASE("Meshes with coordinates that are not finite are neither indexed nor r
   facets[3].vertices[1].y = std::numeric_limits<float>::infinity();
   CHECK(contract_broken_by([&] { HeightIndex{facets}; }) == "all coordinates are finite");
   CHECK(contract_broken_by([&] { (void)repair_mesh(facets); }) == "all coordinates are finite");
+  CHECK(contract_broken_by([&] { (void)inspect_shells(facets); }) == "all coordinates are finite");
 }

@@ -19,6 +19,16 @@ EnclosedVolume volume_of(const std::vector<Facet>& facets) {
 
 }  // namespace
 
+TEST_CASE("The parts of a mesh that share no vertex are counted") {
+  CHECK(inspect_mesh({}).parts == 0);
+  CHECK(inspect_mesh(models::sphere(5, 8)).parts == 1);
+  const models::Facets two = together(unit_box(), models::box({3, 0, 0}, {4, 1, 1}));
+  CHECK(inspect_mesh(two).parts == 2);
+  // A box that touches a corner of the first.
+  CHECK(inspect_mesh(together(two, models::box({1, 1, 1}, {2, 2, 2}))).parts == 2);
+  CHECK(inspect_mesh(together(two, models::box({1, 0, 0}, {3, 1, 1}))).parts == 1);
+}
+
 TEST_CASE("A sound model has nothing to report") {
   const MeshReport report = inspect_mesh(models::box({1, 2, 3}, {2, 4, 6}));
   CHECK(report.facets == 12);
