@@ -17,6 +17,7 @@ CrackSurvey survey_cracks(const StandingModel& model, std::span<const Nanometers
     if (!section.balanced) {
       linker.link(section.segments, tolerance, contours);
       survey.cracks += contours.cracks;
+      survey.wide_layers += contours.cracks.widest_gap > kWideGap * tolerance ? 1 : 0;
       if (contours.cracks.has_guesses()) {
         ++survey.open_layers;
         if (!survey.first_open) survey.first_open = layer;

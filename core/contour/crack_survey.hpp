@@ -13,9 +13,14 @@
 
 namespace contourd {
 
+// A gap this many times as wide as the tolerance is no crack between facets: a part of the surface is
+// missing.
+inline constexpr double kWideGap = 10;
+
 struct CrackSurvey {
   std::int32_t open_layers = 0;            // layers with at least one open or turned chain
   std::optional<std::int32_t> first_open;  // the first such layer, counted from 0
+  std::int32_t wide_layers = 0;            // layers with a gap of more than kWideGap tolerances
   LayerCracks cracks;                      // the sum over all layers
 };
 

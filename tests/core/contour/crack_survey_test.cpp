@@ -57,6 +57,8 @@ TEST_CASE("The first layer with a hole is reported and the layers with holes are
   CHECK(survey.open_layers == 4);
   CHECK(survey.cracks.open_chains == 4);
   CHECK(survey.cracks.widest_gap == Millimeters{4});
+  CHECK(survey.wide_layers == 4);
+  CHECK(survey_cracks(standing(tower(0, true)), layers(7), Millimeters{0.5}).wide_layers == 0);
 }
 
 TEST_CASE("Layers whose contours close only if a facet is turned back are guesses") {
