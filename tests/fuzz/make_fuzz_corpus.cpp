@@ -132,6 +132,22 @@ void write_ticket_inputs(const fs::path& folder) {
  "copies": 3, "rotation_deg": {"z": 45}}]})");
 }
 
+void write_job_inputs(const fs::path& folder) {
+  models::Dice dice(1);
+  for (int i = 0; i < 40; ++i) {
+    std::string choices;
+    while (choices.size() < 100)
+      choices += static_cast<char>(dice.roll() % 256);
+    write(folder / std::to_string(i), choices);
+  }
+  // The printer's settings, a ticket as text for a model, and the number of the model.
+  const std::string box = std::string("\x04\xF0", 2) + '\0';
+  write(folder / "unit", box + R"({"unit": "inch", "scale": 0.1})");
+  write(folder / "auto", box + R"({"up": "auto", "keep_clean": [{"z": 1}], "supports": {"lift_mm": 3}})");
+  write(folder / "plate", "\x04\xF1" + std::string(R"({"models": [{"file": "ball.stl", "copies": 2},
+ {"file": "shell.stl", "position_mm": {"x": 5}}]})"));
+}
+
 void write_control_inputs(const fs::path& folder) {
   const std::string request = R"({"jsonrpc":"2.0","method":")", id = R"(","id":1})";
   for (const char* method : {"status", "pause", "fail", "watch", "none"})
@@ -217,9 +233,9 @@ int main(int argc, char** argv) {
   try {
     const fs::path folder = argv[1];
     const std::pair<const char*, void (*)(const fs::path&)> targets[] = {
-        {"model", write_model_inputs},   {"mask", write_mask_inputs},       {"config", write_config_inputs},
-        {"ticket", write_ticket_inputs}, {"control", write_control_inputs}, {"serial", write_serial_inputs},
-        {"records", write_record_inputs}};
+        {"model", write_model_inputs},   {"mask", write_mask_inputs},     {"config", write_config_inputs},
+        {"ticket", write_ticket_inputs}, {"job", write_job_inputs},       {"control", write_control_inputs},
+        {"serial", write_serial_inputs}, {"records", write_record_inputs}};
     for (const auto& [target, write_inputs] : targets) {
       fs::create_directories(folder / target);
       write_inputs(folder / target);
