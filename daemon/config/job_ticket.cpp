@@ -139,6 +139,7 @@ DrainHole read_drain_hole(const JsonSection& hole) {
 ModelTicket read_model(const JsonSection& root) {
   ModelTicket model;
   if (root.has("file")) model.file = root.text("file");
+  if (root.has("unit")) model.unit = length_unit(root.text("unit"));
   if (root.has("rotation_deg")) {
     const JsonSection rotation = root.section("rotation_deg");
     model.rotation = {rotation.number("x"), rotation.number("y"), rotation.number("z")};
@@ -184,7 +185,8 @@ JobTicket read_job(const JsonSection& root) {
     ticket.adaptive->thickest = adaptive.find("max_um", &JsonSection::length);
   }
   ticket.overrides = read_overrides(root);
-  ticket.cracks = root.text("cracks") == "refuse" ? CrackPolicy::Refuse : CrackPolicy::Repair;
+  if (root.has("cracks"))
+    ticket.cracks = root.text("cracks") == "refuse" ? CrackPolicy::Refuse : CrackPolicy::Repair;
   if (root.has("supports")) ticket.supports = read_supports(root);
   return ticket;
 }

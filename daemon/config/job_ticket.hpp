@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/geometry/units.hpp"
+#include "core/model/length_unit.hpp"
 #include "core/model/placement.hpp"
 #include "core/orientation/orientation_figures.hpp"
 #include "daemon/config/support_figures.hpp"
@@ -66,7 +67,8 @@ struct SupportTicket {
 
 // One model's orientation, size and position.
 struct ModelTicket {
-  std::string file;  // in the plate's folder; empty: the model beside the ticket
+  std::string file;                  // in the plate's folder; empty: the model beside the ticket
+  std::optional<LengthUnit> unit{};  // of the file's coordinates; without it, mm
   RotationDegrees rotation;
   std::optional<Direction> up;                     // never together with a rotation
   std::optional<OrientationTicket> orientation{};  // contourd's choice; never together with up or a rotation
@@ -87,11 +89,11 @@ struct AdaptiveTicket {
 
 // A job's settings. A default-constructed ticket is used for a model without a ticket file.
 struct JobTicket {
-  std::optional<std::string> resin;        // profile name; not yet known to exist
-  std::optional<Nanometers> layer_height;  // not yet checked against the resin
-  std::optional<AdaptiveTicket> adaptive;  // never together with layer_height, or an exposure
-  TicketOverrides overrides{};             // not yet checked against the resin's limits
-  CrackPolicy cracks = CrackPolicy::Repair;
+  std::optional<std::string> resin;                // profile name; not yet known to exist
+  std::optional<Nanometers> layer_height;          // not yet checked against the resin
+  std::optional<AdaptiveTicket> adaptive;          // never together with layer_height, or an exposure
+  TicketOverrides overrides{};                     // not yet checked against the resin's limits
+  std::optional<CrackPolicy> cracks{};             // without it, repair, but wide gaps need confirmation
   std::optional<SupportTicket> supports{};         // without it, the printer's setting
   std::vector<ModelTicket> models{ModelTicket{}};  // exactly one in a model's own ticket
   bool operator==(const JobTicket&) const = default;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
+#include "daemon/prepare/preprint_analysis.hpp"
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/print/print_modes.hpp"
@@ -33,10 +34,17 @@ AnalysisTask analysis_of(PreparedJob& job, const ZAxis& axis) {
   return task;
 }
 
-// Returns why a job with places that cannot be held is refused: no user was asked, because it was not checked
-// before its turn or its resin was changed meanwhile. Empty if there are no such places.
-std::string why_unheld(const PreparedJob& job) {
-  if (!job.summary.supports || job.summary.supports->unheld.empty()) return "";
+// Returns why a job with a finding that always needs confirmation is refused: no user was asked, because it
+// was not checked before its turn or its resin was changed meanwhile. Empty if there is no such finding.
+std::string why_unaccepted(const PreparedJob& job, const std::vector<std::string>& accepted) {
+  const auto analysis = analysis_of_preparation(job.summary);
+  if (!analysis) return "";
+  const auto finding = std::ranges::find_if(analysis->findings, [&](const std::string& each) {
+    return std::ranges::find(accepted, each) == accepted.end();
+  });
+  if (finding == analysis->findings.end()) return "";
+  if (*finding == kWideGaps)
+    return job.summary.wide_gaps + "; fix the model, or print it with \"cracks\": \"repair\" in its ticket";
   return unheld_sentence(job.summary.supports->unheld) +
          "; put it into incoming again, and it waits for \"contourctl accept\"";
 }
@@ -153,7 +161,7 @@ void CurrentJob::was_read(ReadJob result) {
   if (unwanted || std::holds_alternative<ReadingGivenUp>(result))
     return refuse(PrintOutcome::Canceled, "cancelled before it started");
   auto& prepared = std::get<PreparedJob>(result);
-  if (const std::string why = why_unheld(prepared); !why.empty() && !job_->claimed.unheld_accepted)
+  if (const std::string why = why_unaccepted(prepared, job_->claimed.accepted); !why.empty())
     return refuse(PrintOutcome::Failed, why);
   job_->prepared = std::move(prepared);
   log_.ready(name(), job_->prepared->summary, job_->prepared->first_mask_at - job_->claimed.turn_came);

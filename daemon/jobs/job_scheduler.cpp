@@ -139,12 +139,14 @@ std::optional<JobSettings> JobScheduler::settings_of(const WaitingJob& job) cons
 
 void JobScheduler::begin(TakenJob taken, const JobFiles& files) {
   const WaitingJob& job = taken.job;
-  const bool unheld_accepted = queue_.questions().has_accepted(job.analyzed, std::string(kUnheldPlaces));
+  std::vector<std::string> accepted;
+  for (const std::string_view finding : {kUnheldPlaces, kWideGaps})
+    if (queue_.questions().has_accepted(job.analyzed, std::string(finding))) accepted.emplace_back(finding);
   queue_.begun(job);
   use_.begin({.files = files,
               .settings = std::move(taken.settings),
               .turn_came = job.waited ? std::chrono::steady_clock::now() : job.arrived,
-              .unheld_accepted = unheld_accepted});
+              .accepted = std::move(accepted)});
   // The next job is analyzed during the print.
   if (queue_.questions().wanted()) run_soon();
 }

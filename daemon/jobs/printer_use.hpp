@@ -2,6 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "daemon/history/job_history.hpp"
 #include "daemon/prepare/job_settings.hpp"
@@ -15,8 +17,8 @@ struct ClaimedJob {
   JobFiles files;  // in printing/
   // The settings when its turn came; nullopt if its ticket is a reason to refuse it.
   std::optional<JobSettings> settings;
-  TimePoint turn_came;           // time of its arrival, or of the end of its wait; CLOCK_MONOTONIC
-  bool unheld_accepted = false;  // a user accepted that places cannot be held
+  TimePoint turn_came;                  // time of its arrival, or of the end of its wait; CLOCK_MONOTONIC
+  std::vector<std::string> accepted{};  // findings of the preparation that a user accepted
 };
 
 // Present use of the printer, on which it depends whether a job may begin.

@@ -12,7 +12,7 @@ namespace {
 // True if both models are made from the same file, turned and scaled alike.
 bool made_alike(const ModelTicket& a, const ModelTicket& b) {
   return a.file == b.file && a.rotation == b.rotation && a.up == b.up && a.orientation == b.orientation &&
-         a.scale == b.scale && a.fit == b.fit;
+         a.scale == b.scale && a.fit == b.fit && a.unit == b.unit;
 }
 
 }  // namespace
@@ -55,9 +55,13 @@ void JobContent::read(const DisplayGeometry& display, const MemoryRoom& room) {
     read_.push_back(file.read());
 }
 
+bool JobContent::has_room_to_repair(std::size_t facets) const {
+  return needed_ + memory_to_repair(facets) <= room_.bytes;
+}
+
 void JobContent::require_room_to_repair(std::span<const Facet> facets) {
   const std::uint64_t repairing = memory_to_repair(facets.size());
-  if (needed_ + repairing > room_.bytes) {
+  if (!has_room_to_repair(facets.size())) {
     if (is_sound(facets)) return;
     throw JobTooLarge(to_read_, ", which have to be repaired", needed_ + repairing, room_);
   }

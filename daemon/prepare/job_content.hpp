@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -40,6 +41,8 @@ class JobContent {
   // Reads all files. Blocks. Throws JobRefused; JobTooLarge if there is not enough memory for the job, before
   // any file is read.
   void read(const DisplayGeometry& display, const MemoryRoom& room);
+  // True if there is memory to repair this many facets beside the job.
+  [[nodiscard]] bool has_room_to_repair(std::size_t facets) const;
   // The next three functions check needs that are known only after reading. They throw JobTooLarge if the job
   // would not fit into the memory that was available before anything was read.
   // Checks the memory to repair these facets of a model.
@@ -54,6 +57,8 @@ class JobContent {
   [[nodiscard]] const std::vector<std::string>& warnings(std::size_t file) const {
     return read_[file].warnings;
   }
+  // Returns the unit that a file names. Valid after read().
+  [[nodiscard]] std::optional<LengthUnit> unit(std::size_t file) const { return read_[file].unit; }
   // Returns the facets of the model's file. Call it in the models' order, only for models whose `made_as` is
   // their own index: the last call for a file takes the facets over, earlier ones copy them.
   [[nodiscard]] std::vector<Facet> take_facets(std::size_t model);

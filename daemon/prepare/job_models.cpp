@@ -42,9 +42,30 @@ void find_up(JobContent& content, std::span<const Facet> facets, ModelTicket& ti
   if (figures.orientation) ticket.up = figures.orientation->choice.chosen().up;
 }
 
+// Converts the facets of a file to millimetres.
+void convert(std::span<Facet> facets, const NamedModel& model, JobSummary& summary) {
+  const double factor = millimeters_in(model.ticket.unit.value_or(LengthUnit::Millimeter));
+  const std::string warning = precision_warning(bounds_of(facets), factor);
+  if (!warning.empty()) summary.warnings.push_back(prefix_of(model, summary) + warning);
+  enlarge(facets, Scale{factor});
+  refuse_infinite(bounds_of(facets), model.name);
+}
+
+// Adds a warning if the model's size shows that its file is in another unit.
+void doubt_unit(const ModelSummary& figures, const NamedModel& model, const MakingContext& making,
+                std::optional<LengthUnit> named, JobSummary& summary) {
+  // The size of a model that is scaled is meant.
+  if (model.ticket.fit || model.ticket.scale) return;
+  const std::string hint = unit_hint({figures.size_x_mm, figures.size_y_mm, figures.size_z_mm},
+                                     {model.ticket.unit, named}, making.volume.size_mm());
+  if (hint.empty()) return;
+  summary.warnings.push_back(prefix_of(model, summary) + hint);
+  if (summary.unit_hint.empty()) summary.unit_hint = summary.warnings.back();
+}
+
 // Takes the model's facets from `content`, turns and scales them, and sets `made` to their height index.
 ModelSummary make_model(JobContent& content, std::size_t number, const MakingContext& making,
-                        std::shared_ptr<const HeightIndex>& made) {
+                        JobSummary& summary, std::shared_ptr<const HeightIndex>& made) {
   const auto& [given, name, file, made_as] = content.models()[number];
   ModelTicket ticket = given;
   ModelSummary figures;
@@ -52,14 +73,16 @@ ModelSummary make_model(JobContent& content, std::size_t number, const MakingCon
   figures.format = content.format(file);
   figures.rotation_deg = ticket.rotation;
   std::vector<Facet> facets = content.take_facets(number);
+  convert(facets, content.models()[number], summary);
   find_up(content, facets, ticket, making, figures);
   figures.up = ticket.up;
   figures.scale = turn_to_size(facets, ticket, making.volume, making.settings);
   const Bounds bounds = bounds_of(facets);
-  refuse_size(bounds, name, making.volume);
   figures.size_x_mm = bounds.size_x();
   figures.size_y_mm = bounds.size_y();
   figures.size_z_mm = bounds.size_z();
+  doubt_unit(figures, content.models()[number], making, content.unit(file), summary);
+  refuse_size(bounds, name, making.volume);
   content.require_room_to_repair(facets);
   made = std::make_shared<const HeightIndex>(std::move(facets));
   return figures;
@@ -79,7 +102,7 @@ std::vector<ModelToPlace> make_models(JobContent& content, const JobSettings& se
         summary.plate ? ticket.position : ticket.position.value_or(PlateOffset{});
     models.push_back({name, nullptr, position, ticket.copies});
     if (made_as == i) {
-      summary.models.push_back(make_model(content, i, making, models[i].model));
+      summary.models.push_back(make_model(content, i, making, summary, models[i].model));
     } else {
       models[i].model = models[made_as].model;
       summary.models.push_back(ModelSummary(summary.models[made_as]));

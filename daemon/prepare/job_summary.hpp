@@ -11,6 +11,7 @@
 
 #include "core/layers/adaptive_layers.hpp"
 #include "core/model/mesh_report.hpp"
+#include "core/model/shell_report.hpp"
 #include "core/repair/mesh_repair.hpp"
 #include "core/support/supports.hpp"
 #include "daemon/config/job_ticket.hpp"
@@ -27,6 +28,7 @@ struct ModelSummary {
   std::string_view format;  // name of the file format
   MeshReport mesh;          // as placed and repaired
   MeshRepairs repairs;
+  ShellReport shells;
   double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;  // as placed
   Scale scale;                                         // without the resin's shrinkage
   RotationDegrees rotation_deg;
@@ -61,6 +63,8 @@ struct JobSummary {
   Duration first_mask{};             // time to build the engine and compute the mask of layer 1
   bool prepared_before = false;      // true if the job was prepared while it waited, not at its turn
   std::vector<std::string> warnings;
+  std::string unit_hint;  // from unit_hint(), of the first model that has one; a warning, too
+  std::string wide_gaps;  // a sentence about the first model with gaps far wider than a pixel; a warning, too
 };
 
 // Returns the corrections of contours and masks, for a person: "contours moved outwards by 50 um, ...". Empty

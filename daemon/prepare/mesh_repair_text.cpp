@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/model/height_index.hpp"
+#include "daemon/system/readable.hpp"
 
 namespace contourd {
 
@@ -28,6 +29,25 @@ std::vector<std::string> mesh_warnings(bool turned_outwards, const MeshRepairs& 
   if (turned_outwards) warnings.emplace_back(kTurnedOutwardsWarning);
   if (repairs != MeshRepairs{})
     warnings.push_back("the model's facets disagree with each other: " + describe(repairs));
+  return warnings;
+}
+
+std::vector<std::string> shell_warnings(const ShellReport& shells,
+                                        const std::function<std::string(const Vertex&)>& place_of) {
+  std::vector<std::string> warnings;
+  const auto warn = [&](std::uint64_t count, const char* one, const char* many, const Vertex& at,
+                        const char* consequence) {
+    if (count == 0) return;
+    warnings.push_back(fmt::format("{}{} at {}: {}", count_of(count, one, many),
+                                   count == 1 ? "," : ", the first", place_of(at), consequence));
+  };
+  warn(shells.inside_out, "shell of the model is inside out though it lies in no solid",
+       "shells of the model are inside out though they lie in no solid", shells.inside_out_at,
+       "it is filled, but where it overlaps a solid, both are left out; turn its facets outwards if that is "
+       "wrong");
+  warn(shells.within, "shell of the model faces outwards within a solid",
+       "shells of the model face outwards within a solid", shells.within_at,
+       "it is filled; turn its facets inwards if it is a cavity");
   return warnings;
 }
 

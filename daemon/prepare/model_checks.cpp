@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -14,6 +15,45 @@
 
 namespace contourd {
 namespace {
+
+// Units in which models are drawn, the most frequent first.
+constexpr std::array kUsualUnits{LengthUnit::Millimeter, LengthUnit::Meter, LengthUnit::Inch,
+                                 LengthUnit::Centimeter, LengthUnit::Micrometer};
+
+// A part that is smaller in all directions is hardly meant.
+constexpr double kSmallestPartMm = 1;
+
+// Steps of coordinates of at least a tenth of a usual pixel show in the part.
+constexpr double kCoarsestStepMm = 0.005;
+
+// A model farther from the origin than this many times its size loses digits by its place, not by its size.
+constexpr double kFarInSizes = 4;
+
+bool is_plausible(SizeMm size, SizeMm room) {
+  std::ranges::sort(size);
+  std::ranges::sort(room);
+  return size[2] >= kSmallestPartMm && size[0] <= room[0] && size[1] <= room[1] && size[2] <= room[2];
+}
+
+SizeMm times(SizeMm size, double factor) {
+  for (double& length : size)
+    length *= factor;
+  return size;
+}
+
+// Returns the size with four significant digits, and without an exponent if it is large.
+std::string size_text(const SizeMm& size) {
+  const auto text = [](double length) {
+    return length < 1000 ? fmt::format("{:.4g}", length) : fmt::format("{:.0f}", length);
+  };
+  return fmt::format("{} x {} x {} mm", text(size[0]), text(size[1]), text(size[2]));
+}
+
+std::string in_unit(LengthUnit unit, const SizeMm& size) {
+  return fmt::format(
+      "in {}, the model would measure {}; if that is right, set \"unit\": \"{}\" in its ticket",
+      plural_of(unit), size_text(size), name_of(unit));
+}
 
 constexpr std::string_view kRepairIt = "fix the model, or print it with \"cracks\": \"repair\" in its ticket";
 
@@ -36,6 +76,15 @@ bool lights_a_pixel(const PlateModel& model, const LightSearch& search, const st
   });
 }
 
+// Returns the place of a vertex of the model's first copy.
+std::string place_of(const Vertex& vertex, const PlateModel& model, const Point& center) {
+  const Bounds& bounds = model.model->bounds();
+  const Point middle = bounds.center();
+  return fmt::format("{:.2f}, {:.2f} mm from the plate's centre at a height of {:.2f} mm",
+                     vertex.x - middle.x + center.x, vertex.y - middle.y + center.y,
+                     vertex.z + model.elevation.lift(bounds).count());
+}
+
 // Adds the mesh's figures and warnings.
 void inspect(const PlateModel& model, const std::string& prefix, ModelSummary& figures,
              std::vector<std::string>& warnings) {
@@ -53,11 +102,59 @@ void inspect(const PlateModel& model, const std::string& prefix, ModelSummary& f
   }
 }
 
+// Adds the report of the model's shells, and warnings about them. `figures` has the report of its mesh.
+void look_at_shells(const PlateModel& model, const std::string& prefix, ModelSummary& figures,
+                    std::vector<std::string>& warnings) {
+  const bool one_shell = figures.mesh.parts < 2 && figures.mesh.non_manifold_edges == 0;
+  if (one_shell) return;
+  figures.shells = inspect_shells(model.model->facets());
+  const auto place = [&](const Vertex& vertex) { return place_of(vertex, model, figures.centers.front()); };
+  for (const std::string& warning : shell_warnings(figures.shells, place))
+    warnings.push_back(prefix + warning);
+}
+
 }  // namespace
 
-void refuse_size(const Bounds& bounds, const std::string& name, const BuildVolume& volume) {
+std::string unit_hint(const SizeMm& size, const ModelUnit& unit, const SizeMm& room) {
+  const LengthUnit now = unit.asked.value_or(LengthUnit::Millimeter);
+  const auto size_in = [&](LengthUnit other) {
+    return times(size, millimeters_in(other) / millimeters_in(now));
+  };
+  if (unit.named && !unit.asked) {
+    if (*unit.named == now) return "";
+    return fmt::format("the model's file names {} as its unit and is read in millimetres: {}",
+                       plural_of(*unit.named), in_unit(*unit.named, size_in(*unit.named)));
+  }
+  if (is_plausible(size, room)) return "";
+  const auto* const likely = std::ranges::find_if(
+      kUsualUnits, [&](LengthUnit other) { return other != now && is_plausible(size_in(other), room); });
+  if (likely == kUsualUnits.end()) return "";
+  return fmt::format("the model measures {} if it is drawn in {}: {}", size_text(size), plural_of(now),
+                     in_unit(*likely, size_in(*likely)));
+}
+
+std::string precision_warning(const Bounds& coordinates, double millimeters) {
+  if (coordinates.empty()) return "";
+  const Bounds& b = coordinates;
+  const auto farthest =
+      static_cast<float>(std::max({std::fabs(b.min_x), std::fabs(b.min_y), std::fabs(b.min_z),
+                                   std::fabs(b.max_x), std::fabs(b.max_y), std::fabs(b.max_z)}));
+  const double size = std::max({b.size_x(), b.size_y(), b.size_z()});
+  const double step_mm = (double{std::nextafter(farthest, HUGE_VALF)} - farthest) * millimeters;
+  if (!(step_mm >= kCoarsestStepMm) || farthest < kFarInSizes * size) return "";
+  return fmt::format(
+      "the model lies {:.0f} m from the origin, where the file's numbers are {:.3g} mm apart: "
+      "finer detail is lost; move the model to the origin and export it again",
+      farthest * millimeters / 1000, step_mm);
+}
+
+void refuse_infinite(const Bounds& bounds, const std::string& name) {
   if (!std::isfinite(bounds.size_x() + bounds.size_y() + bounds.size_z()))
     throw JobRefused(name + " is too large: its coordinates leave the range of numbers");
+}
+
+void refuse_size(const Bounds& bounds, const std::string& name, const BuildVolume& volume) {
+  refuse_infinite(bounds, name);
   if (!(bounds.size_z() > 0)) throw JobRefused(name + " is flat: it has no height to print");
   // A thousandth of a millimetre: the rounding of float coordinates.
   if (bounds.size_z() > volume.height_mm + 1e-3) {
@@ -100,20 +197,47 @@ void refuse_cracks(const ModelToPlace& model, const PrintLayers& layers, const B
                   survey.cracks.widest_gap.count(), kRepairIt));
 }
 
+std::string wide_gaps_sentence(const ModelToPlace& model, std::span<const Nanometers> heights,
+                               Millimeters pixel) {
+  // A share of the layers is enough to judge, and bounds the time.
+  constexpr std::size_t kMostLayers = 200;
+  constexpr int kManyPercent = 10;
+  const std::size_t apart = heights.size() / kMostLayers + 1;
+  std::vector<Nanometers> some;
+  for (std::size_t i = apart / 2; i < heights.size(); i += apart)
+    some.push_back(heights[i]);
+  const CrackSurvey survey = survey_cracks(model.standing(), some, pixel);
+  const std::size_t percent =
+      some.empty() ? 0 : 100 * static_cast<std::size_t>(survey.wide_layers) / some.size();
+  if (percent < kManyPercent) return "";
+  return fmt::format(
+      "much of the surface of {} is missing: in {} % of its layers, gaps of up to {:.2f} mm are bridged by a "
+      "guess",
+      model.name, percent, survey.cracks.widest_gap.count());
+}
+
+std::string prefix_of(const NamedModel& model, const JobSummary& summary) {
+  return summary.plate ? model.name + ": " : "";
+}
+
 void inspect_models(const JobContent& content, std::span<const PlateModel> models, JobSummary& summary) {
   for (std::size_t i = 0; i < content.models().size(); ++i) {
     const auto& [ticket, name, file, made_as] = content.models()[i];
     if (made_as != i) {
       summary.models[i].mesh = summary.models[made_as].mesh;
       summary.models[i].repairs = summary.models[made_as].repairs;
+      summary.models[i].shells = summary.models[made_as].shells;
       continue;
     }
-    const std::string prefix = summary.plate ? name + ": " : "";
+    const std::string prefix = prefix_of(content.models()[i], summary);
     if (content.is_first_of_file(i)) {
       for (const std::string& warning : content.warnings(file))
         summary.warnings.push_back(prefix + warning);
     }
     inspect(models[i], prefix, summary.models[i], summary.warnings);
+    // The memory that repairs need.
+    if (content.has_room_to_repair(models[i].model->facets().size()))
+      look_at_shells(models[i], prefix, summary.models[i], summary.warnings);
   }
 }
 

@@ -1,9 +1,11 @@
 // Checks of the models that a job prints: refuses models that are too large or flat, of which nothing would
-// be printed, or whose cracks the ticket refuses, and warns about faults of their meshes. Thread-safe (no
-// shared state).
+// be printed, or whose cracks the ticket refuses, and warns about faults of their meshes, units and
+// precision. Thread-safe (no shared state).
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -17,7 +19,26 @@
 
 namespace contourd {
 
-// Throws JobRefused if a model with these bounds is flat or too high for the machine.
+using SizeMm = std::array<double, 3>;
+
+// The unit of a model's coordinates.
+struct ModelUnit {
+  std::optional<LengthUnit> asked{};  // by the ticket; nullopt: mm
+  std::optional<LengthUnit> named{};  // by the file
+};
+
+// Returns a hint, a clause with the size that the model would have in its likely unit; empty if its own unit
+// is plausible. The likely unit is the one that the file names, unless a ticket asks for a unit; for a model
+// that is smaller than 1 mm or larger than `room` in any orientation, it is a unit in which the model fits.
+[[nodiscard]] std::string unit_hint(const SizeMm& size, const ModelUnit& unit, const SizeMm& room);
+
+// Returns a warning, a sentence, if 32-bit floats near these coordinates, which are multiplied by
+// `millimeters` to print them, are so far apart that the part shows it; empty if not.
+[[nodiscard]] std::string precision_warning(const Bounds& coordinates, double millimeters);
+
+// Throws JobRefused if coordinates or sizes leave the range of numbers.
+void refuse_infinite(const Bounds& bounds, const std::string& name);
+// Throws JobRefused if a model with these bounds is infinite, flat or too high for the machine.
 void refuse_size(const Bounds& bounds, const std::string& name, const BuildVolume& volume);
 
 // Heights and limits of a search for a bright pixel.
@@ -36,6 +57,14 @@ void refuse_dark(const PlateModel& model, const std::string& name, const LightSe
 // Throws JobRefused if any layer needs a guess to close its contours. Cuts all layers before the first one is
 // exposed, since even a guess in the last layer must not be printed.
 void refuse_cracks(const ModelToPlace& model, const PrintLayers& layers, const BuildVolume& volume);
+
+// Returns a sentence if contours of many layers are closed over gaps far wider than a pixel; empty if not.
+// Cuts at most 200 of the layers, whose middles are `heights`.
+[[nodiscard]] std::string wide_gaps_sentence(const ModelToPlace& model, std::span<const Nanometers> heights,
+                                             Millimeters pixel);
+
+// Returns the beginning of a warning about a model: its name, or nothing if the job has only one model.
+[[nodiscard]] std::string prefix_of(const NamedModel& model, const JobSummary& summary);
 
 // Adds the figures of the meshes and their warnings to the summary. Inspects each file and each model once,
 // however often the plate contains it. `models` are those of `content`, in its order.

@@ -2,6 +2,7 @@
 // other. Thread-safe (no shared state).
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -35,6 +36,7 @@ struct BuildVolume {
 
   [[nodiscard]] double width_mm() const { return display.width_mm(); }
   [[nodiscard]] double depth_mm() const { return display.height_mm(); }
+  [[nodiscard]] std::array<double, 3> size_mm() const { return {width_mm(), depth_mm(), height_mm}; }
   [[nodiscard]] double pitch_mm() const { return to_millimeters(display.pixel_pitch).count(); }
 };
 

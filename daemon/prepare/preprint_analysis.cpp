@@ -14,8 +14,12 @@
 namespace contourd {
 namespace {
 
-bool has_unheld_places(const JobSummary& job) {
-  return job.supports && !job.supports->unheld.empty();
+// Returns the findings of the preparation that need confirmation whatever ask_before names.
+std::vector<std::string> always_asked(const JobSummary& job) {
+  std::vector<std::string> findings;
+  if (job.supports && !job.supports->unheld.empty()) findings.emplace_back(kUnheldPlaces);
+  if (!job.wide_gaps.empty()) findings.emplace_back(kWideGaps);
+  return findings;
 }
 
 // Limits of the warnings, since every request for the queue sends them all.
@@ -41,23 +45,22 @@ double first_layer_percent(const PrintFindings& findings) {
 }  // namespace
 
 std::optional<PreprintAnalysis> analysis_of_preparation(const JobSummary& job) {
-  if (!has_unheld_places(job)) return std::nullopt;
-  PreprintAnalysis analysis{
-      .resin_ml = {}, .findings = {std::string(kUnheldPlaces)}, .warnings = job.warnings};
+  PreprintAnalysis analysis{.resin_ml = {}, .findings = always_asked(job), .warnings = job.warnings};
+  if (analysis.findings.empty()) return std::nullopt;
   bound(analysis.warnings);
   return analysis;
 }
 
 PreprintAnalysis preprint_analysis_of(const JobSummary& job, const PrintFindings& findings,
                                       const PrinterConfig& printer) {
-  PreprintAnalysis analysis{.resin_ml = findings.resin_ml(), .findings = {}, .warnings = job.warnings};
+  PreprintAnalysis analysis{
+      .resin_ml = findings.resin_ml(), .findings = always_asked(job), .warnings = job.warnings};
   const auto note = [&analysis](bool found, std::string_view name) {
     if (found) analysis.findings.emplace_back(name);
   };
   const double percent = first_layer_percent(findings);
   const bool tiny = percent < printer.tiny_first_layer_percent;
   note(findings.island_count > 0, "islands");
-  note(has_unheld_places(job), kUnheldPlaces);
   note(findings.suction_cup_count > 0, "suction_cups");
   note(findings.resin_trap_count > 0, "resin_traps");
   note(tiny, "tiny_first_layer");
@@ -65,6 +68,7 @@ PreprintAnalysis preprint_analysis_of(const JobSummary& job, const PrintFindings
            std::ranges::any_of(job.models, &MeshRepairs::has_guesses, &ModelSummary::repairs),
        "cracks");
   note(!std::ranges::all_of(job.models, &MeshReport::watertight, &ModelSummary::mesh), "not_watertight");
+  note(std::ranges::any_of(job.models, &ShellReport::any, &ModelSummary::shells), "inverted_shells");
   note(!findings.empty_layers.empty(), "empty_layers");
   note(!findings.abandoned_layers.empty(), "abandoned_layers");
   if (tiny)
@@ -89,9 +93,9 @@ std::optional<PreprintAnalysis> analyze_before_print(const PreparedJob& job, con
     if (!findings) return std::nullopt;
     return preprint_analysis_of(job.summary, *findings, printer);
   } catch (const std::exception& error) {
-    PreprintAnalysis analysis{.resin_ml = {}, .findings = {std::string(kNotAnalyzed)}, .warnings = {}};
-    if (has_unheld_places(job.summary)) analysis.findings.emplace_back(kUnheldPlaces);
-    analysis.warnings = job.summary.warnings;
+    PreprintAnalysis analysis{
+        .resin_ml = {}, .findings = always_asked(job.summary), .warnings = job.summary.warnings};
+    analysis.findings.emplace_back(kNotAnalyzed);
     analysis.warnings.push_back(fmt::format("the layers could not be analyzed: {}", printable(error.what())));
     bound(analysis.warnings);
     return analysis;
@@ -101,7 +105,7 @@ std::optional<PreprintAnalysis> analyze_before_print(const PreparedJob& job, con
 std::vector<std::string> asked_findings(const PreprintAnalysis& analysis, const PrinterConfig& printer) {
   std::vector<std::string> asked = analysis.findings;
   std::erase_if(asked, [&](const std::string& name) {
-    if (name == kNotAnalyzed || name == kUnheldPlaces) return false;
+    if (name == kNotAnalyzed || name == kUnheldPlaces || name == kWideGaps) return false;
     return std::ranges::find(printer.ask_before, name) == printer.ask_before.end();
   });
   return asked;

@@ -27,6 +27,9 @@ inline constexpr std::string_view kNotAnalyzed = "not_analyzed";
 // Finding of a job with places that no support can hold. Needs confirmation even if ask_before does not name
 // it.
 inline constexpr std::string_view kUnheldPlaces = "unheld_places";
+// Finding of a job whose models lack much of their surface. Needs confirmation even if ask_before does not
+// name it.
+inline constexpr std::string_view kWideGaps = "wide_gaps";
 
 // An analysis, and the job's content and settings at that time.
 struct AnalyzedJob {

@@ -62,6 +62,18 @@ class Preparation {
 
   // Returns the prepared job, or nullopt if a stop was requested.
   std::optional<PreparedJob> run(const std::stop_token& stop) {
+    try {
+      return prepare(stop);
+    } catch (const JobTooLarge&) {
+      throw;
+    } catch (const JobRefused& refused) {
+      if (summary_.unit_hint.empty()) throw;
+      throw JobRefused(fmt::format("{}; {}", refused.what(), summary_.unit_hint));
+    }
+  }
+
+ private:
+  std::optional<PreparedJob> prepare(const std::stop_token& stop) {
     take_printer();
     content_.read(volume_.display, memory_room(printer_.memory_limit_bytes));
     summary_.reading = SteadyClock::now() - start_;
@@ -82,10 +94,10 @@ class Preparation {
     for (std::size_t i = 0; i < models_.size(); ++i)
       summary_.models[i].centers = (*arrangement)[i];
     inspect_models(content_, job_.plan.engine->models(), summary_);
+    find_wide_gaps();
     return std::move(job_);
   }
 
- private:
   void take_printer() {
     job_.settings = settings_;
     job_.display = volume_.display;
@@ -176,6 +188,17 @@ class Preparation {
     if (settings_.ticket.cracks != CrackPolicy::Refuse) return;
     for (std::size_t i = 0; i < models_.size(); ++i)
       if (content_.models()[i].made_as == i) refuse_cracks(models_[i], job_.plan.layers, volume_);
+  }
+
+  // A ticket that asks for the repair accepts all gaps.
+  void find_wide_gaps() {
+    if (settings_.ticket.cracks) return;
+    const std::vector<Nanometers> heights = middles_of(job_.plan.expected_layers);
+    for (std::size_t i = 0; i < models_.size() && summary_.wide_gaps.empty(); ++i) {
+      if (content_.models()[i].made_as == i && !summary_.models[i].mesh.watertight)
+        summary_.wide_gaps = wide_gaps_sentence(models_[i], heights, to_millimeters(printer_.pixel_pitch));
+    }
+    warn(summary_.wide_gaps);
   }
 
   void check_holes(const std::vector<Nanometers>& heights) {

@@ -45,7 +45,7 @@ def kinds(rng, gyroid):
         Kind("text", {"model.stl": ascii_stl(solid())}, {"layer_height_um": rng.choice((25, 40, 80))}),
         Kind("copies", {"model.stl": binary_stl(solid())}, {"copies": 2, "scale": 0.8}),
         Kind("turned", {"model.stl": binary_stl(solid())}, {"rotation_deg": {"x": rng.randint(1, 89), "z": 30}}),
-        Kind("cracked", {"model.stl": binary_stl(solid()[:-1])}),
+        Kind("cracked", {"model.stl": binary_stl(solid()[:-1])}, {"cracks": "repair"}),
         Kind("grown", {"model.stl": binary_stl(solid())}, {"resin": "growing"}),
         Kind("gyroid", {"model.stl": gyroid}, {"scale": rng.uniform(0.1, 0.15), "layer_height_um": 100}),
         Kind("plate", plate(placed)),

@@ -12,6 +12,8 @@ SOUND = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
 # A plate on a foot with 1 % of the plate's area.
 ON_A_FOOT = binary_stl([*box((4, 2, 0), (5, 2.5, 0.05)), *box((0, 0, 0.05), (10, 5, 0.2))])
 OPEN = binary_stl(box((0, 0, 0), (10, 5, 0.2))[1:])
+# A box without its sides of y = 0 and x = 0.
+HALF = binary_stl([facet for facet in box((0, 0, 0), (10, 5, 0.2)) if not any(all(v[axis] == 0 for v in facet) for axis in (0, 1))])
 ASKS = {"ask_before": ["islands", "tiny_first_layer", "cracks", "not_watertight"]}
 
 
@@ -67,6 +69,19 @@ class Accept(FolderTest):
         daemon.printed("odd.stl", ISLAND)
         daemon.drop("later.stl", ISLAND)
         self.refused(daemon, "later")
+
+    def test_a_model_that_lacks_much_of_its_surface_waits_to_be_accepted(self):
+        daemon = Daemon(self, {"supports": "auto"}).start()
+        daemon.drop("half.stl", HALF)
+        self.wait_unaccepted(daemon, "half")
+        job = daemon.job("half")
+        self.assertEqual(job["asks"], ["wide_gaps"])
+        self.assertTrue(any(each.startswith("much of the surface of the model is missing: in 100 % of") for each in job["warnings"]), job)
+        daemon.printed("sound.stl", SOUND)
+        self.accept(daemon, "half")
+        daemon.wait_done("half")
+        # A ticket that asks for the repair has accepted the gaps.
+        daemon.printed("repair.stl", HALF, {"cracks": "repair"})
 
     def test_submit_wait_reports_that_the_job_waits_to_be_accepted(self):
         daemon = self.daemon()

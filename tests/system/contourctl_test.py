@@ -90,6 +90,25 @@ class Inspect(FolderTest):
         result = contourctl("inspect", self.path("inverted.stl"))
         self.assertIn(f"warning      {INSIDE_OUT}\n".encode(), result.stdout)
 
+    def test_an_unlikely_unit_and_a_coarse_place_are_told_and_the_unit_can_be_set(self):
+        inches = self.write("inches.stl", binary_stl(box((0, 0, 0), (2, 1, 0.5)), b"UNITS=in"))
+        self.assertRegex(self.inspect(inches)["warnings"][0], "names inches as its unit .* would measure 50.8 x 25.4 x 12.7 mm")
+        found = json.loads(contourctl("inspect", "--json", "--unit", "inch", inches, expect=OK).stdout)
+        self.assertEqual(found["warnings"], [])
+        for size, expected in zip(found["size_mm"], (50.8, 25.4, 12.7)):
+            self.assertAlmostEqual(size, expected, delta=1e-5)  # the rounding of a float
+        metres = self.inspect(self.write("metres.stl", binary_stl(box((0, 0, 0), (0.04, 0.03, 0.06)))))
+        self.assertIn("in metres, the model would measure 40 x 30 x 60 mm", metres["warnings"][0])
+        far = self.inspect(self.write("far.stl", binary_stl(box((0, 4e6, 0), (10, 4e6 + 10, 10)))))
+        self.assertIn("4000 m from the origin, where the file's numbers are 0.25 mm apart", far["warnings"][0])
+
+    def test_shells_that_are_wound_against_their_place_are_told(self):
+        block, relief, core = box((0, 0, 0), (20, 20, 5)), box((5, 5, 3), (10, 10, 7)), box((5, 5, 1), (10, 10, 4))
+        self.assertIn("1 shell of the model is inside out", self.inspect(self.write("a.stl", binary_stl(block + inside_out(relief))))["warnings"][0])
+        self.assertIn("faces outwards within a solid", self.inspect(self.write("b.stl", binary_stl(block + core)))["warnings"][0])
+        for sound in (block + relief, block + inside_out(core)):
+            self.assertEqual(self.inspect(self.write("c.stl", binary_stl(sound)))["warnings"], [])
+
     def test_a_file_without_facets_is_not_an_error(self):
         for data in (binary_stl([]), b"solid nothing\nendsolid nothing\n"):
             found = self.inspect(self.write("empty.stl", data))

@@ -23,21 +23,23 @@ class Policies(FolderTest):
     def daemon(self):
         return Daemon(self, None, NIMBLE_RESIN, False).start()
 
-    def test_a_cracked_model_is_repaired_and_warned_about_unless_its_ticket_refuses_it(self):
-        for job, policy in (("plain", {}), ("marked", {"cracks": "repair"})):
-            with self.subTest(policy=policy):
-                daemon = self.daemon()
-                report = daemon.printed(job + ".stl", CRACKED, {"layer_height_um": 100, **policy})
-                self.assertIn("not watertight", " ".join(report["model"]["warnings"]))
-                layers = report["layer_records"]
-                self.assertEqual([layer["open_chains"] for layer in layers], [0] * 10 + [1] * 10)
-                self.assertEqual({layer["widest_gap_mm"] for layer in layers[10:]}, {4.0})
-                # The contour is closed by a straight line across the missing front, so its area is that of the sound model.
-                self.assertEqual({round(layer["area_mm2"], 6) for layer in layers[10:]}, {16.0})
-                [line] = [line for line in daemon.log().splitlines() if " did not close" in line and f"{job}: 10 of " in line]
-                self.assertIn("10 of 20 layers, from layer 11 to 20: contours did not close; the widest gap bridged is 4.000 mm", line)
-                self.assertNotIn("layer 12: ", daemon.log())
-                daemon.stop()
+    def test_a_cracked_model_whose_ticket_asks_for_the_repair_is_repaired_with_warnings(self):
+        daemon = self.daemon()
+        report = daemon.printed("part.stl", CRACKED, {"layer_height_um": 100, "cracks": "repair"})
+        self.assertIn("not watertight", " ".join(report["model"]["warnings"]))
+        layers = report["layer_records"]
+        self.assertEqual([layer["open_chains"] for layer in layers], [0] * 10 + [1] * 10)
+        self.assertEqual({layer["widest_gap_mm"] for layer in layers[10:]}, {4.0})
+        # The contour is closed by a straight line across the missing front, so its area is that of the sound model.
+        self.assertEqual({round(layer["area_mm2"], 6) for layer in layers[10:]}, {16.0})
+        [line] = [line for line in daemon.log().splitlines() if " did not close" in line and "part: 10 of " in line]
+        self.assertIn("10 of 20 layers, from layer 11 to 20: contours did not close; the widest gap bridged is 4.000 mm", line)
+        self.assertNotIn("layer 12: ", daemon.log())
+
+    def test_a_model_that_lacks_much_of_its_surface_is_refused_if_it_begins_at_once(self):
+        reason = self.daemon().refused("part.stl", CRACKED, {"layer_height_um": 100})
+        self.assertIn("in 50 % of its layers, gaps of up to 4.00 mm are bridged by a guess", reason)
+        self.assertIn('or print it with "cracks": "repair" in its ticket', reason)
 
     def test_a_ticket_that_refuses_cracks_refuses_the_model_before_its_first_layer(self):
         daemon = self.daemon()

@@ -6,15 +6,21 @@
 #include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 
 #include "core/formats/model_reader.hpp"
 #include "core/model/height_index.hpp"
 #include "core/model/mesh_report.hpp"
+#include "core/model/shell_report.hpp"
+#include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/prepare/mesh_repair_text.hpp"
+#include "daemon/prepare/model_checks.hpp"
+#include "daemon/prepare/model_turn.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {
@@ -22,10 +28,26 @@ namespace {
 
 struct InspectOptions {
   std::filesystem::path model;
+  std::optional<std::string> unit;
   bool json = false;
 };
 
 using Json = nlohmann::ordered_json;
+
+// The room in a large resin printer, in which a model is expected to fit.
+constexpr SizeMm kUsualRoom{250, 250, 250};
+
+// Converts the model to millimetres, and adds warnings about its unit and its precision.
+void convert(Model& model, const std::optional<LengthUnit>& unit) {
+  const double factor = millimeters_in(unit.value_or(LengthUnit::Millimeter));
+  const std::string imprecise = precision_warning(bounds_of(model.facets), factor);
+  enlarge(model.facets, Scale{factor});
+  const Bounds bounds = bounds_of(model.facets);
+  const std::string hint =
+      unit_hint({bounds.size_x(), bounds.size_y(), bounds.size_z()}, {unit, model.unit}, kUsualRoom);
+  for (const std::string& warning : {imprecise, hint})
+    if (!warning.empty()) model.warnings.push_back(warning);
+}
 
 Json to_json(const Model& model, std::string_view format, const MeshReport& report,
              const MeshRepairs& repairs) {
@@ -72,12 +94,19 @@ void print(const Model& model, std::string_view format, const MeshReport& report
 int inspect(const InspectOptions& options) {
   Model model = read_model(options.model);
   const std::string_view format = outline_of_model(options.model).format;
+  convert(model, options.unit ? length_unit(*options.unit) : std::nullopt);
   const MeshReport report = inspect_mesh(model.facets);
-  const MeshRepairs repairs = HeightIndex(std::move(model.facets)).repairs();
-  std::ranges::move(mesh_warnings(report.inside_out, repairs), std::back_inserter(model.warnings));
+  const HeightIndex index(std::move(model.facets));
+  std::ranges::move(mesh_warnings(report.inside_out, index.repairs()), std::back_inserter(model.warnings));
+  const auto place_of = [](const Vertex& at) {
+    return fmt::format("{:.4g}, {:.4g}, {:.4g} mm", at.x, at.y, at.z);
+  };
+  std::ranges::move(shell_warnings(inspect_shells(index.facets()), place_of),
+                    std::back_inserter(model.warnings));
   if (options.json) {
-    fmt::print("{}\n",
-               to_json(model, format, report, repairs).dump(2, ' ', true, Json::error_handler_t::replace));
+    fmt::print(
+        "{}\n",
+        to_json(model, format, report, index.repairs()).dump(2, ' ', true, Json::error_handler_t::replace));
   } else {
     print(model, format, report);
   }
@@ -90,6 +119,7 @@ void add_inspect(Command& program) {
   Command& command = program.add("inspect", "Show the contents and defects of a model file");
   auto& options = command.arguments<InspectOptions>();
   command.option("MODEL", options.model, "Model file").required().allow_empty();
+  command.option("--unit", options.unit, kUnitHelp).one_of(unit_names());
   command.option("--json", options.json, "Print JSON");
   command.run = [&options] { return inspect(options); };
 }

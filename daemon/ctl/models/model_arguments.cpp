@@ -32,6 +32,10 @@ std::vector<std::string> up_presets() {
   return {"auto", "fast", "clean", "safe"};
 }
 
+std::vector<std::string> unit_names() {
+  return {"mm", "cm", "m", "um", "inch", "foot"};
+}
+
 DisplayGeometry parse_display(const DisplayArgs& args) {
   DisplayGeometry display;
   int width = 0, height = 0, used = 0;

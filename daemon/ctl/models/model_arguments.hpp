@@ -17,6 +17,7 @@ namespace contourd::ctl {
 
 // Help texts of these options.
 inline constexpr const char* kUpHelp = "Direction that points up: X,Y,Z, or auto, fast, clean, safe";
+inline constexpr const char* kUnitHelp = "Unit of the model's file (default: mm)";
 inline constexpr const char* kScaleHelp = "Scale the model by this factor";
 inline constexpr const char* kAntiAliasingHelp = "Grey edges by area coverage (on), or 1-bit masks (off)";
 inline constexpr const char* kLikePrinterHelp = "Use this printer configuration, as contourd does";
@@ -31,6 +32,9 @@ using UpOption = std::variant<OrientationPreset, Direction>;
 
 // Returns the presets for completion in a shell.
 [[nodiscard]] std::vector<std::string> up_presets();
+
+// Returns the units of a model's file.
+[[nodiscard]] std::vector<std::string> unit_names();
 
 struct DisplayArgs {
   double pixel_pitch_um = 50;

@@ -35,7 +35,7 @@ namespace {
 struct SubmitOptions {
   std::vector<std::filesystem::path> models;
   // Keys of the tickets (config/ticket.schema.json); a value that is not given is not in the ticket.
-  std::optional<std::string> resin, supports;
+  std::optional<std::string> resin, unit, supports;
   std::optional<double> layer_height_um, scale;
   std::optional<double> exposure_ms, bottom_exposure_ms, lift_mm, settle_ms, rest_ms;
   std::optional<int> copies;
@@ -74,6 +74,7 @@ std::string ticket_of(const SubmitOptions& options) {
         std::pair("bottom_exposure_ms", options.bottom_exposure_ms), std::pair("lift_mm", options.lift_mm),
         std::pair("settle_ms", options.settle_ms), std::pair("rest_ms", options.rest_ms)})
     if (value) ticket[key] = *value;
+  if (options.unit) ticket["unit"] = *options.unit;
   if (const auto up = parse_up(options.up)) ticket["up"] = up_json(*up);
   if (options.supports) ticket["supports"] = *options.supports;
   if (options.scale) ticket["scale"] = *options.scale;
@@ -206,6 +207,7 @@ void add_submit(Command& program) {
   add("--up", options.up, kUpHelp).suggests(up_presets);
   add("--supports", options.supports, "Generate supports: auto or off (default: as configured)")
       .one_of({"auto", "off"});
+  add("--unit", options.unit, kUnitHelp).one_of(unit_names());
   const Option& scale = add("--scale", options.scale, kScaleHelp);
   add("--fit", options.fit, "Scale the model to fill the display").excludes(scale);
   command.option("--printer", options.printer,

@@ -22,7 +22,7 @@ Complaints ticket_complaints(std::string_view text) {
 
 TEST_CASE("every key of a ticket is read with its unit") {
   const JobTicket ticket = load_ticket(R"({
-    "$schema": "ticket.schema.json", "resin": "tough", "layer_height_um": 2.5, "scale": 1.25, "fit": false,
+    "$schema": "ticket.schema.json", "resin": "tough", "layer_height_um": 2.5, "unit": "inch", "scale": 1.25, "fit": false,
     "rotation_deg": {"x": 90, "y": -45.5, "z": 360}, "position_mm": {"x": -10, "y": 2.5}, "copies": 3.0})");
   CHECK(ticket.resin == "tough");
   CHECK(ticket.layer_height == Nanometers{2500});
@@ -33,6 +33,7 @@ TEST_CASE("every key of a ticket is read with its unit") {
   CHECK(model.rotation.x == 90.0);
   CHECK(model.rotation.y == -45.5);
   CHECK(model.rotation.z == 360.0);
+  CHECK(model.unit == LengthUnit::Inch);
   CHECK(model.scale == Scale{1.25});
   CHECK_FALSE(model.up);
   CHECK_FALSE(model.fit);
@@ -40,6 +41,24 @@ TEST_CASE("every key of a ticket is read with its unit") {
   CHECK(model.position->x == Millimeters{-10.0});
   CHECK(model.position->y == Millimeters{2.5});
   CHECK(model.copies == 3);
+}
+
+TEST_CASE("a ticket without a policy for cracks has none") {
+  CHECK_FALSE(load_ticket("{}").cracks);
+  CHECK(load_ticket(R"({"cracks": "repair"})").cracks == CrackPolicy::Repair);
+  CHECK(load_plate(R"({"cracks": "refuse", "models": [{"file": "a.stl"}]})").cracks == CrackPolicy::Refuse);
+}
+
+TEST_CASE("a ticket's unit is one of those that a model may be in") {
+  CHECK_FALSE(load_ticket("{}").models[0].unit);
+  for (const LengthUnit unit : {LengthUnit::Millimeter, LengthUnit::Centimeter, LengthUnit::Meter,
+                                LengthUnit::Micrometer, LengthUnit::Inch, LengthUnit::Foot}) {
+    const std::string key = R"("unit": ")" + std::string(name_of(unit)) + "\"";
+    CHECK(load_ticket("{" + key + "}").models[0].unit == unit);
+    CHECK(load_plate(R"({"models": [{"file": "a.stl", )" + key + "}]}").models[0].unit == unit);
+  }
+  CHECK(ticket_complaints(R"({"unit": "furlong"})").size() == 1);
+  CHECK(ticket_complaints(R"({"unit": 25.4})").size() == 1);
 }
 
 TEST_CASE("a ticket sets supports to auto or off, or to auto with its own values") {
@@ -298,7 +317,7 @@ TEST_CASE("a plate's mistakes are reported with the model's number, counted from
                                                {"up": {"z": 0}, "scale": []}]})") ==
         Complaints{
             "/models/1/clour: there is no key \"clour\" here; the known keys are \"copies\", \"drain\", "
-            "\"file\", \"keep_clean\", \"position_mm\", \"rotation_deg\", \"scale\", \"up\"",
+            "\"file\", \"keep_clean\", \"position_mm\", \"rotation_deg\", \"scale\", \"unit\", \"up\"",
             "/models/1/copies: 0 is less than the least allowed, 1",
             "/models/2/file: this key is missing: A model's file in the same folder: its name, without '/' "
             "and with no '.' at its start",

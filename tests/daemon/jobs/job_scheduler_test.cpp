@@ -96,7 +96,7 @@ TEST_CASE_METHOD(SchedulerFixture,
   SECTION("all places are held") {
     end_check(JobOutlook{});
     CHECK(begun() == Names{"part"});
-    CHECK_FALSE(printer.jobs[0].unheld_accepted);
+    CHECK(printer.jobs[0].accepted.empty());
   }
   SECTION("places that cannot be held are accepted") {
     find_unheld("part.stl");
@@ -107,7 +107,7 @@ TEST_CASE_METHOD(SchedulerFixture,
     queue.accept("part.stl", "user me");
     end_job();
     REQUIRE(begun() == Names{"other", "part"});
-    CHECK(printer.jobs[1].unheld_accepted);
+    CHECK(printer.jobs[1].accepted == Names{"unheld_places"});
   }
   SECTION("the job has changed since it was accepted") {
     find_unheld("part.stl");

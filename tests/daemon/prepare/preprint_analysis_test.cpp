@@ -57,6 +57,14 @@ TEST_CASE("Unheld places need confirmation whatever ask_before names") {
   CHECK_FALSE(analysis_of_preparation(job.summary));
 }
 
+TEST_CASE("Wide gaps need confirmation whatever ask_before names") {
+  Job job;
+  job.summary.wide_gaps = "much is missing";
+  CHECK(asked_findings(job.analysis(), printer_that_asks({})) == Names{"wide_gaps"});
+  REQUIRE(analysis_of_preparation(job.summary));
+  CHECK(analysis_of_preparation(job.summary)->findings == Names{"wide_gaps"});
+}
+
 TEST_CASE("Each finding has a name and a warning") {
   Job job;
   SECTION("islands") {
@@ -99,6 +107,12 @@ TEST_CASE("Each finding has a name and a warning") {
   SECTION("a mesh with open edges") {
     job.summary.models[0].mesh.watertight = false;
     CHECK(job.analysis().findings == Names{"not_watertight"});
+  }
+  SECTION("shells that are wound against their place") {
+    job.summary.models[0].shells.inside_out = 1;
+    CHECK(job.analysis().findings == Names{"inverted_shells"});
+    job.summary.models[0].shells = {.within = 1};
+    CHECK(job.analysis().findings == Names{"inverted_shells"});
   }
   SECTION("layers without light") {
     job.findings.empty_layers = {0};
