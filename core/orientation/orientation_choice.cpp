@@ -15,6 +15,7 @@
 #include "core/orientation/orientation_trial.hpp"
 #include "core/orientation/rated_mesh.hpp"
 #include "core/overhangs/carried_supports.hpp"
+#include "core/overhangs/overhang_sweep.hpp"
 
 namespace contourd {
 namespace {

@@ -26,9 +26,9 @@ constexpr double kWidestTipMm2 = 1;
 // A tip has at most this share of the area that its stem had in the last millimetre or two.
 constexpr double kPointed = 1 / 1.5;
 constexpr double kForgottenByStep = 0.95;
-// The part that a tip holds is so many times as wide.
+// The least ratio of the area of the held part to that of the tip.
 constexpr double kHeldPart = 10;
-// A foot may begin so many steps above the lowest one.
+// A foot begins at most this number of steps above the lowest one.
 constexpr int kUnevenSteps = 3;
 
 // A part of a layer, as a stem that comes from below.

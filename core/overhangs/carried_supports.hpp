@@ -20,12 +20,12 @@ namespace contourd {
 [[nodiscard]] std::size_t carried_tips(const std::shared_ptr<const HeightIndex>& model,
                                        const std::stop_token& stop = {});
 
-// True if so many tips hold a model for which find_overhangs() finds so many contacts: one tip for every
-// eight contacts, because other programs place contacts farther apart.
+// True if this number of tips holds a model for which find_overhangs() finds this number of contacts: at
+// least one tip for every eight contacts, because other programs place contacts farther apart.
 [[nodiscard]] bool tips_hold(std::size_t tips, double contacts);
 
-// True if the model hangs on supports of its own: on tips that hold it. Blocks: sweeps the model if it has
-// tips. Returns false if `stop` is requested. REQUIRES: as carried_tips().
+// True if the model hangs on supports of its own: on tips that hold it. Blocks as carried_tips(), and sweeps
+// a model that has tips. Returns false if `stop` is requested. The model is as carried_tips() requires it.
 [[nodiscard]] bool carries_supports(const std::shared_ptr<const HeightIndex>& model,
                                     const SupportSettings& settings, const std::stop_token& stop = {});
 

@@ -21,7 +21,7 @@ struct ModelToPlace {
   std::shared_ptr<const HeightIndex> model;
   std::optional<PlateOffset> position;  // centre of all copies; nullopt: wherever there is room
   int copies = 1;
-  Elevation elevation{};  // height of each copy above the plate
+  Elevation elevation{};          // height of each copy above the plate
   bool carries_supports = false;  // in its file
   // Drain holes in each copy (see PlateModel); null if there are none.
   std::shared_ptr<const SectionSource> holes{};

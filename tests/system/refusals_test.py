@@ -85,7 +85,7 @@ class Refusals(FolderTest):
 
     def test_bad_usage_is_reported_without_a_daemon(self):
         for words in (["hoem"], ["move", "--by", "far"], ["move", "--to", "1", "--by", "1"], ["move", "--to", "5", "--unhomed"],
-                      ["move", "--by", "1", "--speed", "1", "--unhomed"], ["light", "on"], ["light"], ["queue", "move", "part"], ["replaced", "screw"],
+                      ["move", "--by", "1", "--speed", "1", "--unhomed"], ["light", "on"], ["queue", "move", "part"], ["replaced", "screw"],
                       ["history", "--last", "0"], ["queue", "move", "part", "--to", "0"], ["show"], ["preview"]):  # fmt: skip
             with self.subTest(words):
                 result = contourctl(*words, expect=BAD_USAGE)

@@ -27,9 +27,9 @@ inline constexpr OrientationLimits kAnyPrinter{
                                       const std::optional<double>& scale);
 
 struct SupportedModel {
-  PlateModel model;                  // one copy
+  PlateModel model;                    // one copy
   std::optional<Supports> supports{};  // nullopt: not wanted
-  bool carries_supports = false;     // in its file: it gets no others
+  bool carries_supports = false;       // in its file: it gets no others
 
   [[nodiscard]] ContourEngine engine(const EngineSettings& settings) const;
 };

@@ -228,7 +228,7 @@ TEST_CASE("A base that is drawn nearly level is put flat on the plate") {
   }
 }
 
-TEST_CASE("A model that brings its supports along stays as drawn") {
+TEST_CASE("A model that carries supports in its file stays as drawn") {
   for (const OrientationPreset preset :
        {OrientationPreset::Auto, OrientationPreset::Fast, OrientationPreset::Clean}) {
     const OrientationChoice choice = chosen(plate_on_its_supports(), {}, preset);

@@ -42,14 +42,14 @@ TEST_CASE("The description reports touched surfaces and a model that does not fi
         "be kept clean are touched, does not fit into the machine");
 }
 
-TEST_CASE("The description and the report say that a model brings its supports along") {
+TEST_CASE("The description and the report say that a model carries supports in its file") {
   ModelOrientation orientation;
   orientation.choice.ranked.emplace_back();
   orientation.choice.own_supports = true;
-  CHECK(
-      describe(orientation) ==
-      "stays as drawn (auto): the model brings its supports along, no overhangs, 0.00 mm high, largest layer "
-      "0 mm2");
+  CHECK(describe(orientation) ==
+        "stays as drawn (auto): the model carries supports in its file, no overhangs, 0.00 mm high, largest "
+        "layer "
+        "0 mm²");
   CHECK(orientation_json(orientation)["own_supports"] == true);
 }
 
