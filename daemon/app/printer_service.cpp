@@ -35,8 +35,9 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       queue_(config, reader_, *this, log),
       history_worker_(loop, log, state_folder_path(config.spool_folder) / "history.sqlite", spool_.ends()),
       job_(context_, spool_, reader_, hold_, history_worker_, *this),
-      scheduler_(context_, spool_, queue_, hold_, *this),
-      notices_(loop, log, config.job_ended_socket, config.name),
+      scheduler_(context_, spool_, spool_, queue_, hold_, *this),
+      notices_(loop, log, config.job_ended_socket, config.name,
+               [this](std::int64_t key) { notice_sent(key); }),
       manual_(machine, clock, [this] { manual_changed(); }),
       stop_(context_, {spool_, reader_, job_, scheduler_, manual_}),
       reminders_(config.reminders),
@@ -100,7 +101,7 @@ void PrinterService::adopt_left_jobs() {
     if (each.awaits(EndConsumer::Files) || !each.awaits(EndConsumer::Notice)) continue;
     EndedJob ended = ended_job(each.end);
     ended.reports = spool_.reports_of(folder_for(each.end), ended.name);
-    send_notice(ended);
+    notices_.add(ended);
   }
   remind();
 }
@@ -186,16 +187,14 @@ void PrinterService::job_refused(EndedJob job) {
   note_end(std::move(job));
 }
 
-void PrinterService::send_notice(const EndedJob& job) {
-  notices_.add(job);
-  spool_.keep(
-      [&ends = spool_.ends(), key = job.key](const StateRecords&) { ends.taken(key, EndConsumer::Notice); },
-      [](const std::string&) {});
+void PrinterService::notice_sent(std::int64_t key) {
+  spool_.keep([&ends = spool_.ends(), key](const StateRecords&) { ends.taken(key, EndConsumer::Notice); },
+              [](const std::string&) {});
 }
 
 void PrinterService::note_end(EndedJob job) {
   const std::string last = fmt::format("last job {}: {}", printable(job.name), job.outcome);
-  send_notice(job);
+  notices_.add(job);
   history_.add(std::move(job));
   context_.supervisor.status(fmt::format("{}; {}", readiness(), last));
   notify("ended", ControlServer::Delivery::Certain);

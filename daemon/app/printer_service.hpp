@@ -73,7 +73,7 @@ class PrinterService final : private JobObserver, private QueueObserver, private
   [[nodiscard]] bool has_job() const override { return job_.job() != nullptr; }
   [[nodiscard]] bool controlled_by_hand() const override { return manual_.in_use(); }
   void begin(ClaimedJob job) override;
-  void left_job_filed(const EndedJob& job) override { send_notice(job); }
+  void left_job_filed(const EndedJob& job) override { notices_.add(job); }
 
   [[nodiscard]] ControlMethods control_methods();
   void manual_changed();
@@ -84,8 +84,8 @@ class PrinterService final : private JobObserver, private QueueObserver, private
   // Queries the history for parts that are due to be replaced, and reports them.
   void remind();
   void part_replaced(WearPart part);
-  // Starts the user's command for ended jobs.
-  void send_notice(const EndedJob& job);
+  // Records that the notice of this job's end needs no further attempt.
+  void notice_sent(std::int64_t key);
   // Adds the job to the recent history and notifies all watching clients.
   void note_end(EndedJob job);
   void notify(const std::string& what, ControlServer::Delivery delivery);

@@ -50,7 +50,7 @@ void ServiceStop::try_to_stop() {
                                 [this] { stop_waiting_for_filing(); });
     return;
   }
-  if (parts_.scheduler.copying()) return parts_.spool.stop_copying();  // called again after it
+  if (parts_.scheduler.claiming()) return parts_.spool.stop_copying();  // called again after it
   // The job is still being read and nothing was printed: it waits for the next start.
   if (job.job() != nullptr) job.give_back();
   context_.loop.stop();

@@ -199,7 +199,7 @@ void ManualControl::require_no_print(const std::string& instead) const {
 
 void ManualControl::require_free() const {
   require_no_print("the printer is controlled by hand while nothing prints");
-  if (parts_.scheduler.copying()) throw ControlRefusal("the next job is about to begin");
+  if (parts_.scheduler.claiming()) throw ControlRefusal("the next job is about to begin");
   if (process_.state() != ManualState::Idle) {
     throw ControlRefusal(
         fmt::format("the printer is already controlled by hand ({}): stop ends the operation",

@@ -56,18 +56,22 @@ std::string notice_of(const EndedJob& job, const std::string& printer) {
 }
 
 EndedJobNotices::EndedJobNotices(EventLoop& loop, const Log& log, std::filesystem::path socket,
-                                 std::string printer)
-    : loop_(loop), log_(log), socket_(std::move(socket)), printer_(std::move(printer)) {}
+                                 std::string printer, Sent sent)
+    : loop_(loop),
+      log_(log),
+      socket_(std::move(socket)),
+      printer_(std::move(printer)),
+      sent_(std::move(sent)) {}
 
 EndedJobNotices::~EndedJobNotices() {
   // The event loop has stopped, so the connections cannot be watched.
-  for (FileDescriptor socket; !waiting_.empty() && send(waiting_.front(), socket) == Sent::Taken;)
-    waiting_.pop_front();
+  for (FileDescriptor socket; !waiting_.empty() && send(waiting_.front().notice, socket) == Delivery::Taken;)
+    finish_first();
 }
 
 void EndedJobNotices::add(const EndedJob& job) {
   if (waiting_.size() < kMostWaiting) {
-    waiting_.push_back(notice_of(job, printer_));
+    waiting_.push_back({notice_of(job, printer_), job.key});
     return hand_over();
   }
   if (std::exchange(too_many_logged_, true)) return;
@@ -82,37 +86,43 @@ void EndedJobNotices::add(const EndedJob& job) {
 void EndedJobNotices::hand_over() {
   while (!waiting_.empty() && open_.size() < kMostOpen) {
     FileDescriptor socket;
-    switch (send(waiting_.front(), socket)) {
-      case Sent::Taken:
+    switch (send(waiting_.front().notice, socket)) {
+      case Delivery::Taken:
         watch(std::move(socket));
-        waiting_.pop_front();
+        finish_first();
         too_many_logged_ = false;
         break;
-      case Sent::Busy:
+      case Delivery::Busy:
         timer_ = loop_.at(std::chrono::steady_clock::now() + kNoticeRetryInterval, "a notice's timer",
                           [this] { hand_over(); });
         return;
-      case Sent::NoListener:
-      case Sent::Refused:
-        waiting_.clear();
+      case Delivery::NoListener:
+      case Delivery::Refused:
+        while (!waiting_.empty())
+          finish_first();
     }
   }
 }
 
-EndedJobNotices::Sent EndedJobNotices::send(const std::string& notice, FileDescriptor& socket) {
+void EndedJobNotices::finish_first() {
+  sent_(waiting_.front().key);
+  waiting_.pop_front();
+}
+
+EndedJobNotices::Delivery EndedJobNotices::send(const std::string& notice, FileDescriptor& socket) {
   socket = FileDescriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   socket_.native().copy(static_cast<char*>(address.sun_path), sizeof address.sun_path - 1);
   const auto refused = [this](int error) {
     note_trouble(std::generic_category().message(error));
-    return Sent::Refused;
+    return Delivery::Refused;
   };
   if (!socket.valid()) return refused(errno);
   // A Unix stream socket connects at once, or fails because the listener's queue is full.
   if (::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    if (errno == ENOENT || errno == ECONNREFUSED) return Sent::NoListener;
-    return errno == EAGAIN ? Sent::Busy : refused(errno);
+    if (errno == ENOENT || errno == ECONNREFUSED) return Delivery::NoListener;
+    return errno == EAGAIN ? Delivery::Busy : refused(errno);
   }
   // The buffer of a new connection is larger than the longest notice.
   const ssize_t sent = ::send(socket.get(), notice.data(), notice.size(), MSG_NOSIGNAL);
@@ -120,7 +130,7 @@ EndedJobNotices::Sent EndedJobNotices::send(const std::string& notice, FileDescr
   if (static_cast<std::size_t>(sent) != notice.size()) return refused(ENOBUFS);
   ::shutdown(socket.get(), SHUT_WR);
   trouble_.clear();
-  return Sent::Taken;
+  return Delivery::Taken;
 }
 
 // Waits for the other end to close the connection. Data from there is not read, so its sender can fill at

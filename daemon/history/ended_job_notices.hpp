@@ -4,8 +4,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <list>
 #include <string>
 
@@ -27,8 +29,12 @@ class EndedJobNotices {
   // Maximum number of notices that wait for a connection. Further jobs get no notice, which is logged.
   static constexpr std::size_t kMostWaiting = 64;
 
+  // Receives the key of a job whose notice was sent, or has no receiver. Called from the loop's thread.
+  using Sent = std::function<void(std::int64_t key)>;
+
   // Loop and log must outlive the object. `socket` is the path of a stream socket.
-  EndedJobNotices(EventLoop& loop, const Log& log, std::filesystem::path socket, std::string printer);
+  EndedJobNotices(EventLoop& loop, const Log& log, std::filesystem::path socket, std::string printer,
+                  Sent sent);
   // Sends the waiting notices at once, beyond kMostOpen.
   ~EndedJobNotices();
   EndedJobNotices(const EndedJobNotices&) = delete;
@@ -37,15 +43,21 @@ class EndedJobNotices {
   void add(const EndedJob& job);
 
  private:
-  enum class Sent { Taken, Busy, NoListener, Refused };
+  enum class Delivery { Taken, Busy, NoListener, Refused };
+  struct Waiting {
+    std::string notice;
+    std::int64_t key = 0;  // of its job
+  };
   struct Notice {
     FileDescriptor socket;
     std::unique_ptr<EventLoop::IoSource> end;
   };
 
   void hand_over();
+  // Removes the first waiting notice, which needs no further attempt.
+  void finish_first();
   // Sends a notice; `socket` becomes its connection if the result is Taken.
-  [[nodiscard]] Sent send(const std::string& notice, FileDescriptor& socket);
+  [[nodiscard]] Delivery send(const std::string& notice, FileDescriptor& socket);
   void watch(FileDescriptor socket);
   void note_trouble(const std::string& trouble);
 
@@ -53,7 +65,8 @@ class EndedJobNotices {
   const Log& log_;
   std::filesystem::path socket_;
   std::string printer_, trouble_;  // trouble_: the error that was logged last
-  std::deque<std::string> waiting_;
+  std::deque<Waiting> waiting_;
+  Sent sent_;
   std::list<Notice> open_;
   bool too_many_logged_ = false;
   EventLoop::SourcePtr timer_;

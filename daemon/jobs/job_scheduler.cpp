@@ -92,8 +92,8 @@ bool JobScheduler::waits_for_profile() const {
 }
 
 void JobScheduler::claim_next() {
-  // The end of the check, of the rejection or of the copy leads here again.
-  if (!queue_.first_may_begin() || copying_) return;
+  // The end of the check, of the rejection or of the claim leads here again.
+  if (!queue_.first_may_begin() || claiming_) return;
   WaitingJob& job = queue_.next();
   // The file is being rewritten; it arrives again when it is complete.
   if (spool_.is_unfinished(job.file)) {
@@ -101,7 +101,6 @@ void JobScheduler::claim_next() {
     return run_soon();
   }
   std::optional<JobSettings> settings;
-  JobFiles files;
   try {
     settings = settings_of(job);
     if (is_checked_first(job, settings)) return queue_.check_next();
@@ -110,13 +109,19 @@ void JobScheduler::claim_next() {
       job.check_again();
       return run_soon();
     }
-    files = spool_.begin(job.file);
   } catch (const ProfileTrouble& trouble) {
     return wait_for_profile(job, trouble.sentence());
-  } catch (const std::system_error& error) {
-    return not_claimed(job, std::move(settings), error);
   }
-  begin({queue_.take_first(), std::move(settings)}, files);
+  claiming_ = TakenJob{queue_.take_first(), std::move(settings)};
+  claims_.claim(claiming_->job.file, [this](const Claim& claim) { claimed(claim); });
+}
+
+void JobScheduler::claimed(const Claim& claim) {
+  if (claim.files)
+    begin(*std::exchange(claiming_, std::nullopt), *claim.files);
+  else
+    not_claimed(claim);
+  use_.may_stop();
 }
 
 bool JobScheduler::is_checked_first(const WaitingJob& job, const std::optional<JobSettings>& settings) const {
@@ -165,17 +170,19 @@ void JobScheduler::wait_for_profile(WaitingJob& job, const std::string& why) {
 }
 
 // Retries until the job is removed, because no event reports that the disk works again.
-void JobScheduler::not_claimed(WaitingJob& job, std::optional<JobSettings> settings,
-                               const std::system_error& error) {
-  if (!spool_.is_waiting(job.file)) {
-    const std::string file = queue_.take_first().file;
+void JobScheduler::not_claimed(const Claim& claim) {
+  const std::string file = claiming_->job.file;
+  if (spool_.is_waiting(file) && is_immovable(claim.code))
+    return spool_.begin_with_copy(
+        file, [this, why = claim.code.message()](const Spool::Copy& copy) { copied(copy, why); });
+  WaitingJob job = std::exchange(claiming_, std::nullopt)->job;
+  if (!spool_.is_waiting(file)) {
     queue_.withdrawn(file);
     log_withdrawn(context_.log, file);
     return run_soon();
   }
-  if (is_immovable(error.code()))
-    return copy({queue_.take_first(), std::move(settings)}, error.code().message());
-  note_trouble(job, fmt::format("{} cannot be claimed: {}", printable(job.file), printable(error.what())));
+  note_trouble(job, fmt::format("{} cannot be claimed: {}", printable(file), printable(claim.trouble)));
+  queue_.put_first(std::move(job));
   retry_later(kRetryInterval);
 }
 
@@ -186,13 +193,8 @@ void JobScheduler::note_trouble(WaitingJob& job, const std::string& trouble) {
   job.waited = true;
 }
 
-void JobScheduler::copy(TakenJob job, const std::string& why) {
-  copying_ = std::move(job);
-  spool_.begin_with_copy(copying_->job.file, [this, why](const Spool::Copy& copy) { copied(copy, why); });
-}
-
 void JobScheduler::copied(const Spool::Copy& copy, const std::string& why) {
-  TakenJob taken = *std::exchange(copying_, std::nullopt);
+  TakenJob taken = *std::exchange(claiming_, std::nullopt);
   if (copy.job) {
     const std::string& file = taken.job.file;
     context_.log.warning(

@@ -18,9 +18,9 @@ namespace contourd {
 class JobScheduler {
  public:
   // All must outlive the scheduler.
-  JobScheduler(const PrinterContext& context, Spool& spool, PrintQueue& queue, QueueHold& hold,
-               PrinterUse& use)
-      : context_(context), spool_(spool), queue_(queue), hold_(hold), use_(use) {}
+  JobScheduler(const PrinterContext& context, Spool& spool, JobClaims& claims, PrintQueue& queue,
+               QueueHold& hold, PrinterUse& use)
+      : context_(context), spool_(spool), claims_(claims), queue_(queue), hold_(hold), use_(use) {}
 
   // Does what is due: saves the hold's records again if the disk refused them, begins the next job, or starts
   // the check of a waiting one. Must not be called from inside the print process.
@@ -34,11 +34,11 @@ class JobScheduler {
 
   // Returns why the next job does not begin; empty if it begins, or if there is none.
   [[nodiscard]] const std::string& waiting_for() const { return waiting_for_; }
-  // True while a job is being copied to printing/.
-  [[nodiscard]] bool copying() const { return copying_.has_value(); }
+  // True while a job is being moved or copied to printing/.
+  [[nodiscard]] bool claiming() const { return claiming_.has_value(); }
 
  private:
-  // A job taken from the queue. While its files are copied, no other list contains it.
+  // A job taken from the queue. While its files are moved or copied, no other list contains it.
   struct TakenJob {
     WaitingJob job;
     std::optional<JobSettings> settings;
@@ -58,21 +58,22 @@ class JobScheduler {
   // the queue has to wait for the profile.
   [[nodiscard]] std::optional<JobSettings> settings_of(const WaitingJob& job) const;
   void wait_for_profile(WaitingJob& job, const std::string& why);
-  void not_claimed(WaitingJob& job, std::optional<JobSettings> settings, const std::system_error& error);
+  void claimed(const Claim& claim);
+  void not_claimed(const Claim& claim);
   // Logs `trouble` once, and marks the job as waiting.
   void note_trouble(WaitingJob& job, const std::string& trouble);
-  void copy(TakenJob job, const std::string& why);
   void copied(const Spool::Copy& copy, const std::string& why);
   void not_copied(WaitingJob job, const std::string& trouble);
   void begin(TakenJob taken, const JobFiles& files);
 
   const PrinterContext& context_;
   Spool& spool_;
+  JobClaims& claims_;
   PrintQueue& queue_;
   QueueHold& hold_;
   PrinterUse& use_;
   std::string waiting_for_;  // already logged
-  std::optional<TakenJob> copying_;
+  std::optional<TakenJob> claiming_;
   bool stopped_ = false, hold_just_changed_ = false;
   EventLoop::SourcePtr timer_;
 };

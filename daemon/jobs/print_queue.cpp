@@ -334,18 +334,18 @@ void PrintQueue::reject(WaitingJob& job, const std::string& reason, bool removed
                    .reason = reason,
                    .ended = std::chrono::system_clock::now(),
                    .kind = JobEnd::Kind::Refused};
-  checks_.reject(
-      job.file, end,
-      [this, reject = Reject{job.file, end, removed}](
-          Spool::Rejection rejection, const std::string& trouble) { rejected(reject, rejection, trouble); });
+  checks_.reject(job.file, end,
+                 [this, reject = Reject{job.file, end, removed}](const FileRejections::Result& result) {
+                   rejected(reject, result);
+                 });
 }
 
-void PrintQueue::rejected(const Reject& reject, Spool::Rejection rejection, const std::string& trouble) {
+void PrintQueue::rejected(const Reject& reject, const FileRejections::Result& result) {
   --rejections_;
   const Position job = std::ranges::find_if(jobs_, [&](const WaitingJob& each) {
     return each.file == reject.file && each.check == WaitingJob::Check::Refused;
   });
-  if (rejection == Spool::Rejection::Unfinished) {
+  if (result.rejection == Rejection::Unfinished) {
     if (reject.removed)
       log_.warning(
           "removed",
@@ -357,8 +357,10 @@ void PrintQueue::rejected(const Reject& reject, Spool::Rejection rejection, cons
     jobs_.erase(job);
     order_.remove(reject.file);
   }
-  log_rejection(reject, rejection, trouble);
-  observer_.job_refused(ended_job(reject.end));
+  log_rejection(reject, result);
+  EndedJob ended = ended_job(reject.end);
+  ended.name = result.job;
+  observer_.job_refused(std::move(ended));
   observer_.queue_changed();
 }
 
@@ -373,18 +375,19 @@ void PrintQueue::not_rejected(const Position& job) {
   observer_.queue_changed();
 }
 
-void PrintQueue::log_rejection(const Reject& job, Spool::Rejection rejection,
-                               const std::string& trouble) const {
+void PrintQueue::log_rejection(const Reject& job, const FileRejections::Result& result) const {
   const std::string file = printable(job.file);
   const std::string_view event = job.removed ? "removed" : "refused";
   log_.write(job.removed ? LogLevel::Info : LogLevel::Error, event,
              fmt::format("{}: {}", file, job.end.reason), file_fields(job.file));
-  if (rejection == Spool::Rejection::LeftThere)
+  if (result.rejection == Rejection::LeftThere)
     log_.warning(event,
                  fmt::format("{}: stays in incoming, because it cannot be moved; it may be deleted", file),
                  file_fields(job.file));
-  if (rejection == Spool::Rejection::Impossible)
-    log_.error(event, fmt::format("{}: cannot be moved to failed: {}", file, printable(trouble)));
+  if (result.trouble.empty()) return;
+  const std::string_view what = result.rejection == Rejection::Impossible ? "cannot be moved to failed"
+                                                                          : "cannot write its reason file";
+  log_.error(event, fmt::format("{}: {}: {}", file, what, printable(result.trouble)), file_fields(job.file));
 }
 
 LogFields file_fields(const std::string& file) {

@@ -166,9 +166,9 @@ class PrintQueue {
     bool removed = false;  // by a user
   };
   void reject(WaitingJob& job, const std::string& reason, bool removed = false);
-  void rejected(const Reject& job, Spool::Rejection rejection, const std::string& trouble);
+  void rejected(const Reject& job, const FileRejections::Result& result);
   void not_rejected(const Position& job);
-  void log_rejection(const Reject& job, Spool::Rejection rejection, const std::string& trouble) const;
+  void log_rejection(const Reject& job, const FileRejections::Result& result) const;
   void move_to_end(const Position& queued);
   void remove_withdrawn(const Position& job);
 

@@ -23,8 +23,9 @@ enum class Rejection : std::uint8_t {
 class FileRejections {
  public:
   struct Result {
-    Rejection rejection;
-    std::string trouble{};
+    Rejection rejection = Rejection::Impossible;
+    std::string trouble{};  // why the job stays in incoming/, or why its reason file is missing
+    std::string job{};      // its name in failed/
   };
 
   // The arguments must outlive the object.
@@ -37,8 +38,11 @@ class FileRejections {
   void finish();
 
  private:
-  [[nodiscard]] Rejection move(const std::string& file, JobEnd& end);
-  void write_reason(const JobEnd& end) const;
+  void move(const std::string& file, JobEnd& end, Result& result);
+  // Moves the files, or notes that they stay in incoming/ for good. Throws std::system_error.
+  [[nodiscard]] Rejection move_files_of(const JobFiles& from, const JobFiles& to, const JobEnd& end);
+  // Returns why the reason cannot be written; empty on success.
+  [[nodiscard]] std::string write_reason(const JobEnd& end) const;
 
   const SpoolFolders& folders_;
   JobEndRecord& ends_;

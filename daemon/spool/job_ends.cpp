@@ -23,7 +23,19 @@ constexpr std::array<std::string_view, 3> kKinds{"printed", "refused", "interrup
 constexpr std::size_t kLongestReason = 1'000;  // bytes
 
 // The fields of an end in the record.
-enum Field : std::size_t { Key, Job, Outcome, Reason, EndedMs, Kind, File, Mark, Consumers, kFields };
+enum Field : std::size_t {
+  Key,
+  Job,
+  Outcome,
+  Reason,
+  EndedMs,
+  Kind,
+  File,
+  Mark,
+  ChangedNs,
+  Consumers,
+  kFields
+};
 
 char letter_of(EndConsumer consumer) {
   return kLetters[static_cast<std::size_t>(consumer)];
@@ -38,9 +50,9 @@ void append_fields(const JobEndRecord::Pending& pending, std::vector<std::string
     consumers += letter_of(consumer);
   std::string reason = shortened(end.reason, kLongestReason);
   std::erase(reason, '\0');  // it ends a field
-  texts.insert(texts.end(),
-               {std::to_string(end.key), end.job, end.outcome, reason, std::to_string(ended_ms),
-                std::string(kKinds[static_cast<std::size_t>(end.kind)]), end.file, end.mark, consumers});
+  texts.insert(texts.end(), {std::to_string(end.key), end.job, end.outcome, reason, std::to_string(ended_ms),
+                             std::string(kKinds[static_cast<std::size_t>(end.kind)]), end.file, end.mark,
+                             std::to_string(end.changed_ns), consumers});
 }
 
 std::optional<std::int64_t> integer_in(const std::string& text) {
@@ -56,10 +68,11 @@ bool is_file_name(const std::string& name) {
 
 // Returns nullopt if contourd did not write these fields.
 std::optional<JobEndRecord::Pending> pending_in(std::span<const std::string> fields) {
-  const std::optional<std::int64_t> key = integer_in(fields[Key]), ended_ms = integer_in(fields[EndedMs]);
+  const std::optional<std::int64_t> key = integer_in(fields[Key]), ended_ms = integer_in(fields[EndedMs]),
+                                    changed_ns = integer_in(fields[ChangedNs]);
   const std::string& outcome = fields[Outcome];
   const auto kind = std::ranges::find(kKinds, fields[Kind]);
-  if (!key || *key == 0 || !ended_ms || kind == kKinds.end() || fields[Job].empty() ||
+  if (!key || *key == 0 || !ended_ms || !changed_ns || kind == kKinds.end() || fields[Job].empty() ||
       !is_file_name(fields[Job]) || !is_file_name(fields[File]) ||
       (outcome != "done" && outcome != "cancelled" && outcome != "failed"))
     return std::nullopt;
@@ -70,7 +83,8 @@ std::optional<JobEndRecord::Pending> pending_in(std::span<const std::string> fie
                                  .ended = system_clock::time_point(milliseconds(*ended_ms)),
                                  .kind = static_cast<JobEnd::Kind>(kind - kKinds.begin()),
                                  .file = fields[File],
-                                 .mark = fields[Mark]},
+                                 .mark = fields[Mark],
+                                 .changed_ns = *changed_ns},
                                 {}};
   for (const EndConsumer consumer : kConsumers)
     if (fields[Consumers].find(letter_of(consumer)) != std::string::npos)
@@ -126,12 +140,14 @@ void JobEndRecord::files_taken(std::string_view job) {
   if (end != ends_.end()) take(end, EndConsumer::Files);
 }
 
-// Does not write the record while other consumers wait: the next process finds the files where they are, and
-// the history recognises the key.
+// Does not write the record while other consumers wait, except for a notice, which would be sent again: the
+// next process finds the files where they are, and the history recognises the key.
 void JobEndRecord::take(Position end, EndConsumer consumer) {
   std::erase(end->consumers, consumer);
-  if (!end->consumers.empty()) return;
-  ends_.erase(end);
+  if (end->consumers.empty())
+    ends_.erase(end);
+  else if (consumer != EndConsumer::Notice)
+    return;
   saved_ = false;
   save_if_possible();
 }

@@ -31,9 +31,10 @@ struct JobEnd {
     Refused,      // refused or removed before its print began
     Interrupted,  // no process recorded its end: the power was cut, or contourd was killed or crashed
   } kind = Kind::Printed;
-  // The name in incoming/ and the mark_of() of a job that was refused there; empty if the job was in
-  // printing/.
+  // The name in incoming/, the mark_of() and the change_time() of a job that was refused there; empty if the
+  // job was in printing/.
   std::string file{}, mark{};
+  std::int64_t changed_ns = 0;
 };
 
 // Returns a random key that is not 0.

@@ -120,8 +120,21 @@ JobFiles Spool::begin(const std::string& file) {
   if (from.ticket && to.name != from.name)
     records_.keep_claim({file, to.model.filename().string(), mark_of(from)});
   move_files(folders_, from, to);
-  watch_.moved_away(file);
   return to;
+}
+
+void Spool::claim(const std::string& file, std::function<void(const Claim&)> done) {
+  // An examination in progress must not report the file as gone.
+  watch_.moved_away(file);
+  disk_.run(
+      [this, file]() -> Claim {
+        try {
+          return {begin(file)};
+        } catch (const std::system_error& error) {
+          return {std::nullopt, error.code(), error.what()};
+        }
+      },
+      std::move(done));
 }
 
 bool Spool::end(const JobFiles& files, Folder where) {
@@ -159,7 +172,7 @@ void Spool::reject(const std::string& file, const JobEnd& end, Rejected done) {
   disk_.run([this, file, end] { return rejections_.file(file, end); },
             [this, file, done = std::move(done)](const FileRejections::Result& result) {
               if (result.rejection == Rejection::LeftThere) watch_.add_original(file);
-              done(result.rejection, result.trouble);
+              done(result);
             });
 }
 

@@ -1,10 +1,10 @@
 // The spool folder with incoming/, printing/, done/ and failed/. Jobs move through it by rename, so that
 // after a power cut at any moment every file is in exactly one folder, and the folder shows the job's state.
-// Event loop's thread only, except folder(), files_of(), is_unfinished(), write_beside(), reports_of() and
-// end(), which any thread may call.
+// Event loop's thread only, except folder(), files_of(), is_unfinished(), write_beside(), reports_of(),
+// begin() and end(), which any thread may call.
 //
-// A disk may take seconds. Work that comes at any time, also while the light is on (examining incoming/,
-// refusals), runs on a thread of its own; the other calls block and are made while the light is off.
+// A disk may take seconds. Everything that waits for it (examining incoming/, refusals, claims, records) runs
+// on a thread of its own. The other calls block only while contourd starts or stops.
 //
 //   incoming/NAME.stl (+ NAME.json)     a job that waits for its turn
 //   incoming/NAME/                      a plate: plate.json, and the STL files that it names
@@ -18,6 +18,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -48,14 +49,30 @@ class SpoolLock {
   FileDescriptor lock_;
 };
 
-class Spool {
+// The result of a claim: the job's files in printing/, or the error of the disk.
+struct Claim {
+  std::optional<JobFiles> files;
+  std::error_code code{};
+  std::string trouble{};  // a sentence
+};
+
+// Moves jobs to printing/, without blocking.
+class JobClaims {
+ public:
+  virtual ~JobClaims() = default;
+
+  // Moves incoming/`file` to printing/: see Spool::begin(). `done` is called from the loop.
+  virtual void claim(const std::string& file, std::function<void(const Claim&)> done) = 0;
+};
+
+class Spool final : public JobClaims {
  public:
   using Folder = SpoolFolder;
 
   // Makes the folders and locks the spool for this process. Throws std::runtime_error if that fails, one of
   // the folders is a symbolic link, or another contourd uses the spool.
   Spool(std::filesystem::path root, EventLoop& loop, SpoolObserver& observer);
-  ~Spool();
+  ~Spool() override;
   Spool(const Spool&) = delete;
   Spool& operator=(const Spool&) = delete;
 
@@ -81,9 +98,11 @@ class Spool {
   }
 
   // Moves a job from incoming/ to printing/, under a name that no job in printing/, done/ or failed/ has. A
-  // ticket that belongs to another model too is copied instead. Throws std::system_error; then the files are
-  // where they were.
+  // ticket that belongs to another model too is copied instead. Any thread may call it; blocks. Throws
+  // std::system_error; then the files are where they were.
   [[nodiscard]] JobFiles begin(const std::string& file);
+  // Does the same on the spool's thread. Returns at once; `done` is called from the loop.
+  void claim(const std::string& file, std::function<void(const Claim&)> done) override;
   // Copies a job from incoming/ to printing/ that can be read but not moved (see is_immovable()). The
   // original stays, is among the originals of incoming(), and is not reported again until it changes. Returns
   // at once; `done` is called from the loop.
@@ -99,7 +118,7 @@ class Spool {
   // job of its name by now. Throws std::runtime_error; then the job is where it was.
   void give_back(const JobFiles& files);
   using Rejection = contourd::Rejection;
-  using Rejected = std::function<void(Rejection, const std::string& trouble)>;
+  using Rejected = std::function<void(const FileRejections::Result& result)>;
   // Moves a job from incoming/ to failed/, writes a reason file there, and records this end with the files'
   // names. Returns at once; `done` is called from the loop.
   void reject(const std::string& file, const JobEnd& end, Rejected done);

@@ -78,3 +78,17 @@ class Order(FolderTest):
         self.assertEqual(daemon.wait_done("part")["layers_exposed"], 4)
         self.assertEqual(daemon.status()["plate_job"], "part")
         daemon.stop()
+
+    def test_a_job_that_is_moved_to_printing_delays_no_answer(self):
+        daemon = Daemon(self, REALTIME, NIMBLE_RESIN)
+        gate = os.path.join(daemon.put_on_slow_disk(), "writes")
+        daemon.start()
+        self.write(gate, b"")
+        daemon.drop("part.stl", SMALL)
+        wait_until(lambda: os.path.exists(os.path.join(os.path.dirname(gate), "waiting")), "the move to wait for the disk")
+        for _ in range(3):
+            self.assertEqual(daemon.status()["state"], "idle")
+        self.assertTrue(os.path.exists(gate))
+        os.unlink(gate)
+        self.assertEqual(daemon.wait_done("part")["layers_exposed"], 4)
+        daemon.stop()

@@ -15,7 +15,7 @@ class ControlFixture : public CurrentJobFixture {
   FakeChecks checks;
   FakeQueueObserver queue_observer;
   PrintQueue queue{config, checks, queue_observer, log.log};
-  JobScheduler scheduler{context, spool, queue, hold, use};
+  JobScheduler scheduler{context, spool, spool, queue, hold, use};
   JobHistory history;
   ManualProcess manual{machine, clock, [] {}};
   ReminderConfig reminder_config;

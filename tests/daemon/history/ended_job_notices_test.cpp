@@ -53,8 +53,14 @@ class Listener {
 
 class EndedJobNoticesFixture {
  public:
-  EndedJobNoticesFixture() { notices.emplace(loop, log.log, path, "Old Faithful"); }
-  void end(const std::string& job) { notices->add({job, "done", ""}); }
+  EndedJobNoticesFixture() {
+    notices.emplace(loop, log.log, path, "Old Faithful", [this](std::int64_t key) { sent.push_back(key); });
+  }
+  void end(const std::string& job) {
+    EndedJob ended{.name = job, .outcome = "done", .reason = ""};
+    ended.key = ++key;
+    notices->add(ended);
+  }
   void end(int count) {
     for (int i = 0; i < count; ++i)
       end("job" + std::to_string(i));
@@ -65,6 +71,8 @@ class EndedJobNoticesFixture {
   fs::path path = folder.path() / "ended.socket";
   EventLoop loop;
   testing::LogText log{loop};
+  std::int64_t key = 0;
+  std::vector<std::int64_t> sent;  // keys of jobs
   std::optional<EndedJobNotices> notices;
 };
 
@@ -127,6 +135,7 @@ TEST_CASE("Without a listener no notice is kept and nothing is logged") {
   fixture.end(100);
   fs::remove(fixture.path);
   Listener listener(fixture.path);
+  CHECK(fixture.sent.size() == 200);
   fixture.end("last");
   REQUIRE(listener.accept_all() == 1);
   CHECK(values_of(Listener::received(listener.open[0]))[1] == "CONTOURD_JOB=last");
@@ -156,6 +165,7 @@ TEST_CASE("A bounded number of notices waits for connections to close, and the f
   fixture.end(static_cast<int>(EndedJobNotices::kMostOpen + EndedJobNotices::kMostWaiting) + 20);
   CHECK(listener.accept_all() == EndedJobNotices::kMostOpen);
   CHECK(fixture.log.count("job68: no notice is sent of its end") == 1);
+  CHECK(fixture.sent == std::vector<std::int64_t>{1, 2, 3, 4});
   CHECK(fixture.log.count("no notice is sent") == 1);
   listener.open.clear();
   std::size_t notices_seen = 0;
@@ -164,6 +174,7 @@ TEST_CASE("A bounded number of notices waits for connections to close, and the f
     listener.open.clear();
     return notices_seen == EndedJobNotices::kMostWaiting;
   }));
+  CHECK(fixture.sent.size() == EndedJobNotices::kMostOpen + EndedJobNotices::kMostWaiting);
 }
 
 TEST_CASE("Waiting notices are sent when contourd ends") {

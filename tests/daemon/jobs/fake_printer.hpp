@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -58,6 +59,24 @@ class FakeChecks final : public JobChecks {
   Names forgotten;
   std::vector<Names> saved;
   std::function<void(const std::string&)> save_done;  // ends the last save
+};
+
+// Claims jobs at once, on the caller's thread.
+class BlockingClaims final : public JobClaims {
+ public:
+  explicit BlockingClaims(Spool& spool) : spool_(spool) {}
+  void claim(const std::string& file, std::function<void(const Claim&)> done) override {
+    Claim claim;
+    try {
+      claim.files = spool_.begin(file);
+    } catch (const std::system_error& error) {
+      claim = {std::nullopt, error.code(), error.what()};
+    }
+    done(claim);
+  }
+
+ private:
+  Spool& spool_;
 };
 
 class FakeQueueObserver final : public QueueObserver {

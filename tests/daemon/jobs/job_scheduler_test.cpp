@@ -62,7 +62,8 @@ class SchedulerFixture : public testing::PrinterFixture {
   testing::FakeQueueObserver queue_observer;
   QueueHold hold{context, spool, printer};
   PrintQueue queue{config, work, queue_observer, log.log};
-  JobScheduler scheduler{context, spool, queue, hold, printer};
+  testing::BlockingClaims claims{spool};
+  JobScheduler scheduler{context, spool, claims, queue, hold, printer};
 };
 
 // A scheduler with ask_before for islands, whose checks succeed at once.
@@ -240,6 +241,23 @@ TEST_CASE_METHOD(SchedulerFixture, "A job whose name is taken gets a number afte
   REQUIRE(printer.jobs.size() == 1);
   CHECK(printer.jobs[0].files.name != "part");
   CHECK(has("done/part.stl"));
+}
+
+TEST_CASE_METHOD(SchedulerFixture,
+                 "The spool claims a job on another thread, and reports an error of the disk") {
+  put(Spool::Folder::Incoming, "part.stl");
+  std::vector<Claim> results;
+  const auto note = [&](const Claim& claim) { results.push_back(claim); };
+  spool.claim("part.stl", note);
+  spool.claim("gone.stl", note);
+  CHECK(results.empty());
+  REQUIRE(run_until([&] { return results.size() == 2; }));
+  REQUIRE(results[0].files);
+  CHECK(results[0].files->name == "part");
+  CHECK(has("printing/part.stl"));
+  CHECK_FALSE(results[1].files);
+  CHECK(results[1].code == std::errc::no_such_file_or_directory);
+  CHECK(results[1].trouble.find("gone.stl") != std::string::npos);
 }
 
 TEST_CASE_METHOD(SchedulerFixture, "No job begins after a stop") {

@@ -221,7 +221,7 @@ TEST_CASE_METHOD(
   CHECK(order() == Names{"a.stl", "b.stl"});
   CHECK_FALSE(log.has("no model"));
   reported.clear();
-  work.rejections[0].done(Spool::Rejection::Filed, "");
+  work.rejections[0].done({Rejection::Filed, "", "a"});
   CHECK(order() == Names{"b.stl"});
   CHECK(reported == Names{"a failed: no model", "changed"});
   CHECK(log.has("error: a.stl: no model"));
@@ -232,7 +232,7 @@ TEST_CASE_METHOD(QueueFixture, "A file that the spool moves to failed/ is not lo
   begin_to_refuse("no model");
   queue.withdrawn("a.stl");
   CHECK(order() == Names{"a.stl"});
-  work.rejections[0].done(Spool::Rejection::Filed, "");
+  work.rejections[0].done({Rejection::Filed, "", "a"});
   CHECK(order().empty());
   CHECK_FALSE(log.has("removed from incoming"));
 }
@@ -245,7 +245,7 @@ TEST_CASE_METHOD(
   const bool removed = GENERATE(true, false);
   if (removed) queue.withdrawn("a.stl");
   reported.clear();
-  work.rejections[0].done(Spool::Rejection::Unfinished, "");
+  work.rejections[0].done({Rejection::Unfinished, "", "a"});
   CHECK(order() == (removed ? Names{"b.stl"} : Names{"a.stl", "b.stl"}));
   CHECK(log.has("a.stl: removed from incoming by a user") == removed);
   CHECK(reported == Names{"changed"});
@@ -259,19 +259,19 @@ TEST_CASE_METHOD(QueueFixture,
   queue.arrived("a.stl");
   SECTION("it went to failed/, and no user removed it") {
     queue.withdrawn("a.stl");
-    work.rejections[0].done(Spool::Rejection::Filed, "");
+    work.rejections[0].done({Rejection::Filed, "", "a"});
     CHECK(order().empty());
     CHECK_FALSE(log.has("removed from incoming"));
   }
   SECTION("it was rewritten, and is checked") {
-    work.rejections[0].done(Spool::Rejection::Unfinished, "");
+    work.rejections[0].done({Rejection::Unfinished, "", "a"});
     queue.check_next();
     CHECK(work.checks.size() == 2);
   }
   SECTION("a user removed it before") {
     queue.withdrawn("a.stl");
     queue.arrived("a.stl");
-    work.rejections[0].done(Spool::Rejection::Unfinished, "");
+    work.rejections[0].done({Rejection::Unfinished, "", "a"});
     CHECK(order() == Names{"a.stl"});
     CHECK_FALSE(log.has("removed from incoming"));
   }
@@ -281,7 +281,7 @@ TEST_CASE_METHOD(QueueFixture,
                  "A file that arrives after the refusal of another with its name is a new job") {
   arrive({"a.stl"});
   begin_to_refuse("no model");
-  work.rejections[0].done(Spool::Rejection::Filed, "");
+  work.rejections[0].done({Rejection::Filed, "", "a"});
   queue.arrived("a.stl");
   CHECK(order() == Names{"a.stl"});
   CHECK(queue.first_may_begin());
@@ -292,11 +292,11 @@ TEST_CASE_METHOD(QueueFixture,
   arrive({"a.stl"});
   begin_to_refuse("no model");
   SECTION("its files may be deleted") {
-    work.rejections[0].done(Spool::Rejection::LeftThere, "");
+    work.rejections[0].done({Rejection::LeftThere, "", "a"});
     CHECK(log.has("warning: a.stl: stays in incoming, because it cannot be moved; it may be deleted"));
   }
   SECTION("the move has failed") {
-    work.rejections[0].done(Spool::Rejection::Impossible, "no room");
+    work.rejections[0].done({Rejection::Impossible, "no room", "a"});
     CHECK(log.has("error: a.stl: cannot be moved to failed: no room"));
   }
   CHECK(order().empty());
@@ -339,7 +339,7 @@ TEST_CASE_METHOD(QueueFixture,
   begin_to_refuse("no model");
   CHECK(work.rejections[0].file == "b.stl");
   CHECK_FALSE(queue.first_may_begin());
-  work.rejections[0].done(Spool::Rejection::Filed, "");
+  work.rejections[0].done({Rejection::Filed, "", "a"});
   CHECK(queue.first_may_begin());
 }
 
@@ -403,7 +403,7 @@ TEST_CASE_METHOD(QueueFixture, "A job that has left the queue is removed from th
   }
   SECTION("refused") {
     queue.refuse_first("no");
-    work.rejections.back().done(Spool::Rejection::Filed, "");
+    work.rejections.back().done({Rejection::Filed, "", "a"});
     CHECK(work.saved.back() == Names{"a.stl", "b.stl", "c.stl"});
   }
 }
@@ -455,7 +455,7 @@ TEST_CASE_METHOD(
   REQUIRE(work.rejections.size() == 1);
   CHECK(work.rejections[0].reason == "removed by me");
   reported.clear();
-  work.rejections[0].done(Spool::Rejection::Filed, "");
+  work.rejections[0].done({Rejection::Filed, "", "a"});
   CHECK(order() == Names{"b.stl"});
   CHECK(reported == Names{"a cancelled: removed by me", "changed"});
   CHECK(log.has("info: a.stl: removed by me"));
@@ -465,7 +465,7 @@ TEST_CASE_METHOD(QueueFixture, "A job that is being rewritten is not removed, an
   arrive({"a.stl"});
   queue.remove("a.stl", "removed by me");
   queue.arrived("a.stl");
-  work.rejections[0].done(Spool::Rejection::Unfinished, "");
+  work.rejections[0].done({Rejection::Unfinished, "", "a"});
   CHECK(order() == Names{"a.stl"});
   CHECK(queue.jobs().front().check == Check::Wanted);
   CHECK(log.has("warning: a.stl: stays in the queue, because it is being rewritten"));

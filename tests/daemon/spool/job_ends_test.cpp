@@ -48,7 +48,8 @@ class CutRejection {
                                .outcome = "failed",
                                .reason = "no model",
                                .file = "part.stl",
-                               .mark = mark_of(job)});
+                               .mark = mark_of(job),
+                               .changed_ns = change_time(job.model)});
   }
   // Puts a model with an older ticket into incoming/.
   void put_job() const {
@@ -63,6 +64,7 @@ class CutRejection {
     std::ifstream file(failed / "part-2.reason.txt");
     return {std::istreambuf_iterator<char>(file), {}};
   }
+  [[nodiscard]] std::int64_t refused_at() const { return JobEndRecord(records).pending()[0].end.changed_ns; }
   // Starts the next process, and returns true if the end waits for no files then.
   bool restart() {
     Spool spool(root, loop, observer);
@@ -172,6 +174,17 @@ TEST_CASE("A refused job that was not moved when contourd was killed is moved at
   CHECK(fs::exists(cut.failed / "part-2.json"));
   CHECK(fs::is_empty(cut.incoming));
   CHECK(cut.reason() == "no model\n");
+}
+
+TEST_CASE("A refused model that a user has moved back to incoming/ stays there") {
+  CutRejection cut;
+  do {
+    fs::rename(cut.incoming / "part.stl", cut.failed / "part-2.stl");
+    fs::rename(cut.failed / "part-2.stl", cut.incoming / "part.stl");
+  } while (change_time(cut.incoming / "part.stl") == cut.refused_at());
+  CHECK(cut.restart());
+  CHECK(fs::exists(cut.incoming / "part.stl"));
+  CHECK(fs::exists(cut.incoming / "part.json"));
 }
 
 TEST_CASE("The ticket of a refused job follows its model at the next start, under the model's new name") {

@@ -137,8 +137,8 @@ def _what_was_told(job, item, cut):
 def _recorded_outcome(name, cut):
     """Returns how the print of a job in printing/ ended, by daemon/spool/job_ends.cpp."""
     fields = cut.found.get("state/ended-jobs", b"").decode().split("\0")
-    for at in range(0, len(fields) - 8, 9):
-        _, job, outcome, _, _, kind, file, _, consumers = fields[at : at + 9]
+    for at in range(0, len(fields) - 9, 10):
+        _, job, outcome, _, _, kind, file, _, _, consumers = fields[at : at + 10]
         if job == name and kind != "interrupted" and not file and "f" in consumers:
             return outcome
     return None

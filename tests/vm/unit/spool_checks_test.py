@@ -121,7 +121,7 @@ class SpoolChecksTest(unittest.TestCase):
         self.assert_told("not held", [TICKETED], "", found, failed(TICKETED))
 
     def test_a_print_that_ended_is_judged_by_its_record(self):
-        found = lying(TICKETED, "printing") | {"state/ended-jobs": b"1\0ticketed\0done\0\x000\0printed\0\0\0fhn\0"}
+        found = lying(TICKETED, "printing") | {"state/ended-jobs": b"1\0ticketed\0done\0\x000\0printed\0\0\x000\0fhn\0"}
         self.assertEqual(broken([TICKETED], "", found, lying(TICKETED, "done")), [])
         self.assert_told("went to", [TICKETED], "", found, failed(TICKETED), status={"held": "check the printer"})
 
