@@ -21,17 +21,17 @@
 
 namespace contourd {
 
-// The limits from which a part of a layer is carried (see IslandFinder).
+// Limits that decide whether the layer beneath carries a part of a layer (see IslandFinder).
 struct CarryingSupport {
-  std::uint8_t least_grey = 64;    // grey of a pixel beneath from which it counts: a quarter of the light
-  double contact_area_mm2 = 0.01;  // needed area of such pixels, or a third of the part's own if that is less
+  std::uint8_t least_grey = 64;    // minimum grey of a carrying pixel: a quarter of full light
+  double contact_area_mm2 = 0.01;  // minimum area of carrying pixels; a third of the part's area if smaller
 
   bool operator==(const CarryingSupport&) const = default;
 };
 
-// The sizes from which voids are reported (see VoidFinder). Air presses with at most 0.1 N on a mm2: 5 mm2
-// suck with half a newton, less than half of what a support tip of 0.4 mm holds. A mm3 is a droplet, which
-// stays on the walls anyway. Lattices and sponges have thousands of smaller voids.
+// Minimum sizes of voids that are reported (see VoidFinder). Air pressure is 0.1 N/mm2, so a cup of 5 mm2
+// pulls with at most 0.5 N, less than half of what a support tip of 0.4 mm holds. A droplet of 1 mm3 stays on
+// the walls of its void anyway. Lattices and sponges have thousands of smaller voids.
 struct VoidLimits {
   double cup_area_mm2 = 5;
   double cup_volume_mm3 = 1;
@@ -40,7 +40,7 @@ struct VoidLimits {
   bool operator==(const VoidLimits&) const = default;
 };
 
-// A part of a layer that begins with nothing under it that carries it.
+// A part of a layer that the layer beneath does not carry.
 struct Island {
   std::int32_t layer = 0;  // from 0
   PixelPoint pixel{};      // the part's middle in the mask
@@ -56,7 +56,7 @@ struct PrintVoid {
   std::int32_t widest_layer = 0;  // the layer with the largest area open towards the film
   PixelPoint pixel{};             // middle of that area, in the mask
   Point plate_mm{};               // the middle on the plate, as in Island
-  double area_mm2 = 0;            // open area in the widest layer, which sucks
+  double area_mm2 = 0;            // area open towards the film in the widest layer: the area that sucks
   double volume_mm3 = 0;          // sum over all layers of the void
   bool on_plate = false;          // true if the void begins on the plate, which closes it there
 };
@@ -72,8 +72,8 @@ struct PrintFindings {
   double volume_mm3 = 0;         // cured resin: area times thickness, summed
   double largest_area_mm2 = 0;   // the area with the greatest peel force
   std::int32_t largest_area_layer = 0;
-  // Dark layers, except for a single one at the top: the print has enough layers to reach the model's top, so
-  // the last one may be cut above it.
+  // Dark layers, except for a single dark layer at the top: the last layer of a print may be cut above the
+  // model's top.
   std::vector<std::int32_t> empty_layers;
   std::uint64_t island_count = 0;
   // The first kMaxIslands islands from the bottom up. The first layer has none: it stands on the plate.
@@ -135,11 +135,11 @@ class PrintAnalysis {
   CarryingSupport support_;
   VoidLimits limits_;
   MaskRuns lit_;               // lit pixels of the last layer
-  MaskRuns bright_, beneath_;  // pixels of the last layer that carry, and of the layer before it
+  MaskRuns bright_, beneath_;  // carrying pixels of the last layer, and of the layer beneath it
   std::int32_t beneath_layer_ = 0;
   IslandFinder finder_;
   VoidFinder void_finder_;
-  std::int32_t dark_since_ = 0;  // the first dark layer on top that is not counted yet, if any
+  std::int32_t dark_since_ = 0;  // empty_layers is complete for all layers before this one
   PrintFindings findings_;
 };
 

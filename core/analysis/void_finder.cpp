@@ -10,14 +10,15 @@ namespace {
 
 constexpr std::uint32_t kOutside = 0;
 
-// True if a gap shares a column with the outside in this row.
+// True if a gap shares a column with the outside pixels of `row`: a neighbouring row of the layer, or the row
+// with the same number in an adjacent layer.
 template <typename Gap, typename Row>
 bool reaches_out(const Gap& gap, const Row& row) {
   return gap.first < row.first || gap.end > row.end;
 }
 
-// Calls meet(a, b) for every two gaps that share a column. Both lists are sorted from left to right, so one
-// pass is enough.
+// Calls meet(a, b) for each gap of `a` and each gap of `b` that share a column. Both lists are sorted from
+// left to right, so one pass is enough.
 template <typename Gaps, typename Meet>
 void for_each_meeting(Gaps a, Gaps b, Meet&& meet) {
   for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end();) {
@@ -31,7 +32,8 @@ void for_each_meeting(Gaps a, Gaps b, Meet&& meet) {
   }
 }
 
-void take_in(const MaskVoid& beneath, MaskVoid& whole) {
+// Merges a void of the layer beneath into the void that continues it.
+void merge_into(const MaskVoid& beneath, MaskVoid& whole) {
   whole.first_layer = std::min(whole.first_layer, beneath.first_layer);
   whole.volume += beneath.volume;
   whole.on_plate = whole.on_plate || beneath.on_plate;
@@ -173,7 +175,7 @@ void VoidFinder::note_voids(const Layer& layer) {
   for (std::uint32_t i = 0; i < beneath_.voids.size(); ++i) {
     const std::uint32_t root = root_of(i + 1);
     if (void_of_[root] != 0) {
-      take_in(beneath_.voids[i], layer_.voids[void_of_[root] - 1]);
+      merge_into(beneath_.voids[i], layer_.voids[void_of_[root] - 1]);
     } else {
       ended_.push_back(beneath_.voids[i]);
       ended_.back().closed = root != kOutside;

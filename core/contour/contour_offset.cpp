@@ -11,20 +11,20 @@
 namespace contourd {
 namespace {
 
-// Corners nearer than this are merged: short sides would get in each other's way when they are moved.
-constexpr double kNoLength = ContourOffset::kChordError.count();
+// Corners that are closer than this are merged, because very short sides cross each other when they move.
+constexpr double kShortestSide = ContourOffset::kChordError.count();
 
-// The cosine of the sharpest turn at which a corner is mitered: the corner moves by 2.6 times the distance
-// there.
-constexpr double kSharpest = -0.7;
+// Cosine of the sharpest turn at which a corner is mitered. A miter at this turn moves the corner by 2.6
+// times the offset distance.
+constexpr double kSharpestMiter = -0.7;
 
 Point moved_by(Point point, double factor, Point vector) {
   return {point.x + factor * vector.x, point.y + factor * vector.y};
 }
 
-// True if nothing is left of the enclosed area when the loop is moved inwards: every chord along a direction
-// is at most as long as the loop's extent in that direction. Fine loops that are smaller than the distance
-// would cross themselves everywhere.
+// True if the loop's extent in any of eight directions is at most twice the distance: every point inside the
+// loop is then within the distance of the loop, so a move inwards leaves no area. The caller drops such
+// loops, because their moved sides would cross each other everywhere.
 bool vanishes(std::span<const Point> points, double distance) {
   constexpr double kCos = 0.92387953251128674, kSin = 0.38268343236508977, kHalf = 0.70710678118654752;
   constexpr std::array<Point, 8> kDirections{{{1, 0},
@@ -65,8 +65,9 @@ Point outward(Point direction) {
   return {direction.y, -direction.x};
 }
 
-// Returns how far to grow before shrinking. Far from the origin a float's step is larger than a file's
-// decimals; the limit prevents a single stray facet very far away from closing real gaps.
+// Returns the distance by which the contours grow before they shrink: kClosing, or twice the step of a float
+// if that is larger, as for contours far from the origin. The upper limit ensures that a single stray facet
+// very far away does not close real gaps.
 double closing_for(const Contours& contours) {
   constexpr double kStep = 1.0 / (1 << 23);  // step of a float, relative to its value
   constexpr double kMost = 5 * ContourOffset::kClosing.count();
@@ -105,7 +106,7 @@ void ContourOffset::offset(const Contours& contours, Millimeters distance, Conto
 bool ContourOffset::close_gaps(const Contours& contours, double closing, MaskBudget& budget) {
   if (!move(contours, closing, Join::Mitered, closed_, budget)) return false;
   if (!union_.winds_negatively()) return true;
-  // A loop runs the wrong way round; the outline has it turned.
+  // A loop runs in the wrong direction. The outline of the union has no such loop, so it is grown instead.
   return union_.unite(contours, FillRule::NonZero, ContourUnion::kDoubleRounding, outline_, budget) &&
          move(outline_, closing, Join::Mitered, closed_, budget);
 }
@@ -124,7 +125,7 @@ bool ContourOffset::move(const Contours& contours, double distance, Join join, C
 }
 
 void ContourOffset::move_loop(std::span<const Point> points) {
-  const auto far_apart = [](Point a, Point b) { return length_of({b.x - a.x, b.y - a.y}) > kNoLength; };
+  const auto far_apart = [](Point a, Point b) { return length_of({b.x - a.x, b.y - a.y}) > kShortestSide; };
   corners_.clear();
   for (const Point& point : points) {
     if (corners_.empty() || far_apart(corners_.back(), point)) corners_.push_back(point);
@@ -159,7 +160,7 @@ void ContourOffset::move_corner(const Corner& corner) {
   const double straight = a.x * b.x + a.y * b.y;
   const Point from = outward(a), to = outward(b);
   if (turn * distance_ > 0 || (turn == 0 && straight < 0)) {
-    if (join_ == Join::Mitered && straight > kSharpest) {
+    if (join_ == Join::Mitered && straight > kSharpestMiter) {
       add(moved_by(corner.at, distance_ / (1 + straight), {from.x + to.x, from.y + to.y}));
       return;
     }
@@ -167,9 +168,9 @@ void ContourOffset::move_corner(const Corner& corner) {
     add_arc(corner.at, {side * from.x, side * from.y}, {side * to.x, side * to.y}, a);
     return;
   }
-  // The moved sides cross after being shortened by distance * tan(angle / 2). Both sides have swept over the
-  // area left out; while each corner takes at most half of a side, no point is left out at all corners of a
-  // loop.
+  // The moved sides are cut at their crossing, which shortens each of them by distance * tan(angle / 2). Both
+  // sides sweep over the area next to the corner; after the cut, that area is swept once instead of twice.
+  // Each corner takes at most half of a side, so that the cuts at a side's two ends do not overlap.
   const double shortened = 2 * std::fabs(distance_ * turn);
   if (straight > -1 && shortened <= corner.into_length * (1 + straight) &&
       shortened <= corner.out_of_length * (1 + straight)) {
@@ -181,10 +182,10 @@ void ContourOffset::move_corner(const Corner& corner) {
   add(moved_by(corner.at, distance_, to));
 }
 
-// Adds an arc from one unit vector to another; `between` lies between them if they are opposite.
+// Adds the arc from one unit vector to another; `between` is a vector on the arc, used if they are opposite.
 void ContourOffset::add_arc(Point center, Point from, Point to, Point between) {
-  // The arc is halved until the chord is near enough: each halving quarters the distance. A half turn at 1 mm
-  // takes six.
+  // The arc is halved until each chord is within kChordError of the arc: each halving quarters the distance
+  // between the two. A half turn with a radius of 1 mm takes six halvings.
   constexpr int kMaxHalvings = 10;
   struct Arc {
     Point to;
