@@ -14,7 +14,8 @@ using std::string_view_literals::operator""sv;
 
 constexpr std::string_view kExport = "export the model as STL from the program that made it";
 constexpr std::string_view kUnpack = "unpack it and print the STL file that is in it";
-constexpr std::string_view kSliced = "contourd prints the model itself: take the STL file that was sliced";
+constexpr std::string_view kSliced =
+    "contourd prints unsliced models: use the STL file that this file was made from";
 constexpr std::string_view kDownload = "download the model's file itself";
 
 struct OtherFormat {
@@ -58,7 +59,7 @@ constexpr std::array kBinaryFormats{
 
 // Formats of text. Blanks and a byte order mark before them are ignored.
 constexpr std::array kTextFormats{
-    OtherFormat{"version https://git-lfs"sv, "a pointer of Git LFS, which stands for the real file",
+    OtherFormat{"version https://git-lfs"sv, "a Git LFS pointer, which is not the model itself",
                 "fetch the file with \"git lfs pull\""},
     OtherFormat{"<!doctype html"sv, "a web page", kDownload},
     OtherFormat{"<html"sv, "a web page", kDownload},
@@ -76,7 +77,7 @@ constexpr std::array kTextFormats{
 // First words of the lines of a Wavefront OBJ file.
 constexpr std::array kObjWords{"v"sv, "vn"sv, "vt"sv, "f"sv, "o"sv, "g"sv, "s"sv, "mtllib"sv, "usemtl"sv};
 
-// Names of entries by which a ZIP archive's purpose is known.
+// Names of entries that identify the contents of a ZIP archive.
 constexpr std::array kZipFormats{
     OtherFormat{"3D/3dmodel.model"sv, "a 3MF model", kExport},
     OtherFormat{"[Content_Types].xml"sv, "a 3MF model", kExport},
@@ -96,7 +97,8 @@ std::string in_lower_case(std::string_view text) {
   return lower;
 }
 
-// True if each line, but for comments and blank ones, begins with a word of OBJ, and there is such a line.
+// True if at least one line begins with a word of OBJ, and every other line does too, or is blank or a
+// comment.
 bool is_obj(std::string_view text) {
   bool any = false;
   // The last line may be cut by the end of the bytes.
