@@ -42,8 +42,8 @@ constexpr timespec kCheckInterval{0, 20'000'000};
 
 class DrmDisplay final : public MaskDisplay {
  public:
-  // Sets the mode, with a black picture. A display that is merely not connected counts as lost:
-  // why_not_ready() says so. Throws HardwareError for an error that waiting does not fix: no such card,
+  // Sets the mode, with a black picture. A display that is not connected counts as lost, and
+  // why_not_ready() says why. Throws HardwareError for an error that waiting does not fix: no such card,
   // connector, mode or format, a card in use, no permission. The watcher must outlive this object. Blocks for
   // some refreshes, and for some milliseconds (with some displays 300 or more) per connected display.
   DrmDisplay(DescriptorWatcher& watcher, const DrmDisplayConfig& config)
@@ -217,8 +217,8 @@ class DrmDisplay final : public MaskDisplay {
       ask_display();
   }
 
-  // Reads the display's state on the other thread: that may take long, a mask may be on the screen and the
-  // light on.
+  // Reads the display's state on the other thread, because the call may take long while a mask is on the
+  // screen and the light is on.
   void ask_display() {
     if (!output_->card().is_master()) return lose_to(EACCES);
     ask_again_ = asking_;
@@ -261,7 +261,8 @@ class DrmDisplay final : public MaskDisplay {
     if (!mask_is_up_ && !output_->flip_waits()) keep_checking(false);
   }
 
-  // If this program itself was delayed, the confirmation may be waiting to be read, so that is done first.
+  // If this program itself was delayed, the confirmation may be waiting to be read, so lose_flip() reads it
+  // first.
   void lose_flip() {
     flip_done();
     if (problem_ || !output_->flip_is_overdue()) return;
@@ -325,7 +326,7 @@ class DrmDisplay final : public MaskDisplay {
     wake_.clear();
     const int error = std::exchange(failed_show_, 0);
     if (error != 0 && !problem_) return lose_to(error);
-    // Denied even if the display has come back since.
+    // The request is denied even if the display has come back since.
     if (std::exchange(denied_, false) && waiting_) std::exchange(waiting_, nullptr)(std::nullopt);
   }
 

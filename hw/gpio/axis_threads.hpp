@@ -1,4 +1,5 @@
-// The threads that run an axis' steps and inputs: two real-time threads, or a test with its own clock.
+// The two real-time threads that run a GpioAxis' steps and inputs, and their parts, which the measurement of
+// wake-up latency uses too. Tests replace the threads by a clock of their own (AxisThreads).
 #pragma once
 
 #include <pthread.h>
@@ -13,9 +14,9 @@
 
 namespace contourd {
 
-// A thread with SCHED_FIFO, on a stack that is in memory. The program's memory at its start is locked; later
-// allocations (mainly models) are not, as the thread does not touch them. If the system refuses the priority
-// or the lock, the thread runs all the same and reports that.
+// A thread with SCHED_FIFO, whose stack is locked in memory. The memory that the program has at its start is
+// locked too; later allocations (mainly models) are not locked, because the thread does not touch them. If
+// the system refuses the priority or the lock, the thread runs without it, and refusals() says so.
 class RealtimeThread {
  public:
   // Starts a thread named `name` (at most 15 letters) that runs `body(argument)`, with SCHED_FIFO `priority`
@@ -39,8 +40,8 @@ class RealtimeThread {
   std::vector<std::string> refusals_;
 };
 
-// Waits for deadlines. A thread wakes a little after the requested time. So the sleep is shortened by the
-// smallest recent wake-up delay, and the last microseconds are spent polling the clock.
+// Waits for deadlines. A sleeping thread wakes a little late, so until() shortens the sleep by the smallest
+// recent delay and polls the clock for the last microseconds.
 class DeadlineWait {
  public:
   // Returns at `due`, or earlier if `interrupted()`, which is checked at least every 10 ms.
@@ -75,7 +76,7 @@ class StepThread {
   RealtimeThread thread_;  // last member: ends before the others are destroyed
 };
 
-// The destructor returns when the threads have ended.
+// Interface of the threads of an axis. The destructor blocks until the threads have ended.
 class AxisThreads : public Interface {
  public:
   // Returns a sentence for each request of the threads that the system refused.
@@ -101,8 +102,8 @@ class InputThread {
 
 class RealtimeAxisThreads final : public AxisThreads {
  public:
-  // The input thread has the higher priority: if both share a processor that the steps keep fully busy, a
-  // switch must still halt them.
+  // The input thread has the higher priority, so that a switch can still halt the steps if they keep the
+  // processor of both threads fully busy.
   RealtimeAxisThreads(StepEngine& engine, AxisInputs& inputs, int priority)
       : steps_(engine, priority), inputs_(inputs, priority + 1) {}
 

@@ -1,8 +1,9 @@
 // A serial projector's light as one table: the effects of each event in each state. Only this table decides
-// whether light off is sent. `contourd --print-states` draws it.
+// whether light off is sent. ProjectorLight carries out the effects; `contourd --print-states` draws the
+// table.
 //
 // The light counts as on from the first byte of light on, or of power on, until it is confirmed off. Light on
-// is never sent again: if its reply is lost the projector is asked, or its light is turned off.
+// is never sent again: if its reply is lost, contourd asks the projector, or turns its light off.
 #pragma once
 
 #include "hw/state_table.hpp"
@@ -10,15 +11,16 @@
 namespace contourd {
 
 enum class ProjectorLightState {
-  Dark,             // as far as is known
+  Dark,             // the light is off, as far as is known
   TurningOn,        // light on was sent, its reply is pending
   AskedWhetherLit,  // light on's reply was lost or ambiguous, so the projector was asked
-  Lit,              // as far as is known
+  Lit,              // the light is on, as far as is known
   ComingUp,         // power on was sent: the projector comes up with a picture of its own
   MakingSure,       // light off is sent although there is no sign of light
   TurningOff,       // light off is sent until it is confirmed
   Overdue,          // TurningOff, after the missing confirmation was reported
-  // Light off was not confirmed, which is usual for projectors that are off: asked whether it is on at all.
+  // Light off was not confirmed, as usual for a projector that is off, so the projector was asked whether it
+  // is on at all.
   AskedWhetherOn,
   LitAskedWhetherOn,      // AskedWhetherOn, where there may be light
   OverdueAskedWhetherOn,  // LitAskedWhetherOn, after the missing confirmation was reported
@@ -33,7 +35,7 @@ enum class ProjectorLightEvent {
   LightOnUnanswered,  // no reply or an ambiguous one, but the table has a query for the light
   LightOnFailed,      // refused, never sent, or no reply and no query for the light
   SaysLit,
-  SaysUnlit,  // or no answer
+  SaysUnlit,  // or the projector gave no answer
   PowerOnSent,
   Suspected,  // the projector has come up or its warm-up is over: its light may be on
   LightOffWanted,
@@ -47,25 +49,25 @@ enum class ProjectorLightEvent {
   LineLost,
   RetryDue,
   SaysOff,
-  SaysOn,  // or bytes that make no sense
+  SaysOn,  // or the projector sent bytes that make no sense
   SaysNothing,
   SaysTooEarly,  // any answer or none, while the projector is warming up
   PowerIsOff,
 };
 
 enum class ProjectorLightEffect {
-  SendLightOff,    // now, ahead of all others; only replies to this one count
-  RepeatLightOff,  // now, ahead of all others; replies to the previous one count too
-  RetryLater,      // light off, after a pause
+  SendLightOff,    // at once, ahead of all other commands; only replies to this light off count
+  RepeatLightOff,  // at once, ahead of all other commands; replies to the previous light off count too
+  RetryLater,      // sends light off after a pause
   StopSending,     // drops a pending light off
   AskWhetherLit,
   AskWhetherOn,
-  NoteLightOn,  // the light's time starts, and turn_on() is answered with `sent`
-  NoteLit,      // the light was on by now
-  NoteDark,     // the light was off by now
-  DropLightOn,  // drops a pending light on, which must not follow a light off that failed
-  TellLit,      // answers turn_on()
-  TellUnlit,
+  NoteLightOn,      // the light's time starts, and turn_on() is answered with `sent`
+  NoteLit,          // the light was on by now
+  NoteDark,         // the light was off by now
+  DropLightOn,      // drops a pending light on, which must not follow a light off that failed
+  TellLit,          // answers turn_on(): the light is on
+  TellUnlit,        // answers turn_on(): the light is not on
   TellDark,         // answers when_dark()
   TellConfirmed,    // answers tell_whether_dark()
   TellUnconfirmed,  // answers tell_whether_dark()
@@ -98,7 +100,7 @@ using ProjectorLightTransition =
 [[nodiscard]] bool may_shine(ProjectorLightState state);
 // True if light off is to be sent until it is confirmed.
 [[nodiscard]] bool is_turned_off(ProjectorLightState state);
-// True if the missing confirmation of light off was reported, and has not come since.
+// True if a missing confirmation of light off was reported, and light off has not been confirmed since.
 [[nodiscard]] bool is_overdue(ProjectorLightState state);
 
 }  // namespace contourd
