@@ -54,9 +54,10 @@ void QueueHold::adopt(const JobFiles& files, bool ended_in_reading) {
     return context_.log.error("refused", fmt::format("{}: {}", printable(files.name), printable(end.reason)),
                               job_fields(files.name));
   const bool interrupted = end.kind == JobEnd::Kind::Interrupted;
-  const std::string how = interrupted
-                              ? "contourd did not end this print"
-                              : fmt::format("contourd did not file this print, which was {}", end.outcome);
+  const std::string how =
+      interrupted ? "contourd stopped before this print ended"
+                  : fmt::format("contourd stopped before it moved the files of this print, which was {}",
+                                end.outcome);
   context_.log.error("interrupted",
                      fmt::format("{}: {} (power cut, crash or kill)", printable(files.name), how),
                      job_fields(files.name));

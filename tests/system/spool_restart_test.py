@@ -193,7 +193,7 @@ class Outcome(SpoolTest):
         daemon.kill()
         os.unlink(daemon.file("done"))
         daemon.start()
-        self.assertIn("contourd did not file this print, which was done", daemon.log())
+        self.assertIn("contourd stopped before it moved the files of this print, which was done", daemon.log())
         self.assertTrue(daemon.has("done", "part.stl"))
         daemon.wait_done("next")
         self.assertEqual(daemon.names_in("failed"), ["last.reason.txt", "last.stl"])

@@ -209,7 +209,7 @@ def _daemon(jobs, cut):
     refused = [job.name for job in jobs if not job.good]
     for line in cut.log.splitlines():
         error = re.fullmatch(r"\S+ error +(.*)", line)
-        if not error or "contourd did not end this print" in error[1] or "contourd did not file this print" in error[1]:
+        if not error or ": contourd stopped before " in error[1]:
             continue
         if not any(error[1].startswith(name) for name in refused):
             yield f"the daemon logged: {error[1]}"

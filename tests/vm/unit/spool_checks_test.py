@@ -144,6 +144,6 @@ class SpoolChecksTest(unittest.TestCase):
     def test_errors_of_the_daemon_are_found(self):
         self.assert_told("exited with 1", [BROKEN], "", {}, {}, exit_code=1)
         self.assert_told("cannot write", [BROKEN], "", {}, {}, log="12:00:00.000 error   cannot write")
-        log = "12:00:00.000 error   broken: line 2\n12:00:00.000 error   plain: contourd did not end this print (power cut)"
+        log = "12:00:00.000 error   broken: line 2\n12:00:00.000 error   plain: contourd stopped before this print ended (power cut)"
         self.assertEqual(broken([BROKEN], "", {}, {}, log=log), [])
         self.assert_told("timed out waiting", [BROKEN], "", {}, {}, trouble="timed out waiting for the queue to be empty")
