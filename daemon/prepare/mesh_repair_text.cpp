@@ -43,11 +43,11 @@ std::vector<std::string> shell_warnings(const ShellReport& shells,
   };
   warn(shells.inside_out, "shell of the model is inside out though it lies in no solid",
        "shells of the model are inside out though they lie in no solid", shells.inside_out_at,
-       "it is filled, but where it overlaps a solid, both are left out; turn its facets outwards if that is "
-       "wrong");
+       "such a shell is filled, but where it overlaps a solid, nothing is printed; turn its facets outwards "
+       "if that is wrong");
   warn(shells.within, "shell of the model faces outwards within a solid",
        "shells of the model face outwards within a solid", shells.within_at,
-       "it is filled; turn its facets inwards if it is a cavity");
+       "such a shell is filled; turn its facets inwards if it is a cavity");
   return warnings;
 }
 

@@ -67,11 +67,12 @@ TEST_CASE_METHOD(PrintJobFixture, "Shells that are wound against their place are
   const models::Facets ridge = models::inverted(models::box({5, 5, 19}, {8, 7, 22}));
   const PreparedJob job = prepare(models::together(kCube, ridge));
   CHECK(job.summary.models[0].shells.inside_out == 1);
-  CHECK(job.summary.warnings == std::vector<std::string>{"1 shell of the model is inside out though it lies "
-                                                         "in no solid, at -5.00, -5.00 mm from the plate's "
-                                                         "centre at a height of 19.00 mm: it is filled, but "
-                                                         "where it overlaps a solid, both are left out; turn "
-                                                         "its facets outwards if that is wrong"});
+  CHECK(job.summary.warnings ==
+        std::vector<std::string>{"1 shell of the model is inside out though it lies "
+                                 "in no solid, at -5.00, -5.00 mm from the plate's "
+                                 "centre at a height of 19.00 mm: such a shell is "
+                                 "filled, but where it overlaps a solid, nothing is "
+                                 "printed; turn its facets outwards if that is wrong"});
   const models::Facets core = models::box({5, 5, 5}, {15, 15, 15});
   const JobSummary filled = prepare(models::together(kCube, core)).summary;
   REQUIRE(filled.warnings.size() == 1);
