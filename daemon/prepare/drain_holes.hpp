@@ -15,8 +15,8 @@
 namespace contourd {
 
 // Returns the ticket's holes as cylinders, in the ticket's order and in the coordinates of the turned and
-// scaled model. `scale` is the model's, `shrinkage` the resin's. Throws JobRefused if a hole has no size
-// there or is out of reach.
+// scaled model. `scale` is the model's, `shrinkage` the resin's. Throws JobRefused if a scaled hole is too
+// small, too large or too far away.
 [[nodiscard]] std::vector<Frustum> drain_cylinders(const ModelTicket& ticket, const Scale& scale,
                                                    const Scale& shrinkage);
 // Returns the cylinders as the engine subtracts them from the model; null if there are none.
@@ -28,13 +28,14 @@ struct DrilledModel {
   const ModelTicket& ticket;
   std::span<const Frustum> cylinders;  // the ticket's holes in it
 };
-// Layers and time limit of the check. A hole that is not checked by the deadline counts as good.
+// Layers and deadline of the check. A hole whose check has not ended by the deadline counts as good.
 struct HoleSearch {
   EngineSettings settings;
   std::vector<Nanometers> heights;  // at which the print cuts its layers
   MaskBudget::Clock::time_point deadline;
 };
-// Time limit for all holes of a job. A good hole shows in the first layers that it reaches.
+// Time limit for all holes of a job. A hole that cuts the model usually does so in the first layers that it
+// reaches, so its check is short.
 inline constexpr std::chrono::seconds kLongestHoleSearch{5};
 
 // Throws JobRefused for the first hole that removes nothing from any layer; `name` is the model's. Blocks for

@@ -65,7 +65,7 @@ std::string describe(const OrientationFigures& figures) {
   text += fmt::format(", {:.2f} mm high, largest layer {:.0f} mm²", figures.size_z_mm, figures.largest_mm2);
   if (figures.stands) text += ", stands by itself";
   if (figures.touched_mm2 > 0)
-    text += fmt::format(", {:.0f} mm² of the surfaces to be kept clean are touched", figures.touched_mm2);
+    text += fmt::format(", touches {:.0f} mm² of the surfaces to be kept clean", figures.touched_mm2);
   if (!figures.fits) text += ", does not fit into the machine";
   return text;
 }
