@@ -25,7 +25,7 @@ constexpr milliseconds kPatience{500}, kLongestQuery{2000};
 constexpr std::size_t kLongestText = 1'000, kLongestAnalysis = 8'000, kMostWarnings = 10;
 constexpr std::size_t kMostResins = 100;
 
-// `replaced` holds the usage of all prints at the time when the part was new.
+// `replaced` holds the usage of all prints up to the time when the part was replaced.
 constexpr const char* kTables = R"(
 CREATE TABLE job(
   id INTEGER PRIMARY KEY AUTOINCREMENT,
@@ -189,7 +189,7 @@ constexpr int kMostAside = 9;
 
 struct FoundFile {
   ino_t inode = 0;
-  std::string wrong;  // the clause that says what it is instead of a file, or empty
+  std::string wrong;  // why the path is not usable, such as "is a folder"; empty for a regular file
 };
 
 // Returns nullopt if the path does not exist. Throws std::system_error.
@@ -302,7 +302,7 @@ void HistoryDatabase::check_file() {
     throw SqliteError(SQLITE_CORRUPT, found);
   // The quick check accepts definitions with other names of tables and columns.
   if (version == kVersion && schema_of(*database_) != expected_schema())
-    throw SqliteError(SQLITE_CORRUPT, "its tables have other columns than contourd gave them");
+    throw SqliteError(SQLITE_CORRUPT, "its tables do not have the columns that contourd created");
   // These settings make commits survive a power cut, let other programs read without waiting, write only in
   // the file's folder, and use little memory.
   database_->execute(
@@ -370,7 +370,8 @@ void HistoryDatabase::adopt(const std::vector<JobEnd>& ends) {
 }
 
 void HistoryDatabase::adopt_end(const JobEnd& end) {
-  // A print without a recorded end was begun under a key that only the history has.
+  // contourd records the end of an interrupted print at its next start, under a new key. The print's row has
+  // the key that it was begun with, so the row gets the new one.
   SqliteStatement(
       *database_,
       "UPDATE OR IGNORE job SET key=? WHERE id=(SELECT max(id) FROM job WHERE outcome IS NULL AND "

@@ -19,7 +19,7 @@ std::unique_ptr<PrintMode> make_print_mode(Machine& machine, Clock& clock, Print
 }
 
 std::vector<PrintState> print_states() {
-  // A state of two modes, such as idle, is listed once.
+  // Each name is listed once, even if several modes share it. LayeredPrint is the only mode so far.
   std::vector<PrintState> states;
   for (const PrintState& state : layered_print_states()) {
     if (std::ranges::find(states, state.name, &PrintState::name) == states.end()) states.push_back(state);

@@ -1,4 +1,4 @@
-// The print modes that there are. No other module knows which of them runs.
+// The available print modes; LayeredPrint is the only one so far. No other module knows which mode runs.
 #pragma once
 
 #include <memory>

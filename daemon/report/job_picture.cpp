@@ -32,7 +32,8 @@ std::vector<PreviewPart> parts_of(const ContourEngine& engine) {
   return parts;
 }
 
-// Makes the pixels that are not `printed` faint; what was printed shines through.
+// Makes the pixels of parts that are not in `printed` faint, so that the printed parts stay visible. Keeps
+// the lowest bit of each pixel, which marks supports (see Preview).
 void fade(Mask& whole, const Mask& printed) {
   constexpr double kFaint = 0.3;
   for (std::int32_t y = 0; y < whole.height().count(); ++y) {
