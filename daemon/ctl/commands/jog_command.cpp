@@ -46,7 +46,7 @@ constexpr std::array kSteps_mm{0.01, 0.1, 1.0, 10.0, 50.0};
 constexpr std::array<const char*, 5> kPictures{"grid", "border", "focus", "dimensions", "black"};
 constexpr char kCtrlC = 3, kCtrlD = 4;
 
-// Translates keys into requests to the daemon, and its answers into the line with the state.
+// Translates keys into requests to the daemon, and shows the daemon's answers in a status line.
 class Jog {
  public:
   Jog(DaemonConnection& connection, const JogOptions& options) : connection_(connection), options_(options) {}
@@ -90,6 +90,7 @@ class Jog {
     draw();
   }
 
+  // Draws the status line.
   void draw() {
     std::string line;
     if (asks_for_light_) {
@@ -112,7 +113,7 @@ class Jog {
   }
 
  private:
-  // Prints a sentence above the line with the state.
+  // Prints a sentence above the status line.
   void print_sentence(const std::string& sentence) const {
     fmt::print("{}{}\n", in_place_ ? "\r\x1b[K" : "", printable_lines(sentence));
   }
@@ -170,7 +171,7 @@ class Jog {
   std::string shown_;
 };
 
-// Ends the line with the state when jog() returns or throws.
+// Ends the status line when jog() returns or throws.
 struct LineEnd {
   LineEnd() = default;
   LineEnd(const LineEnd&) = delete;

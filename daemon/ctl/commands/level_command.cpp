@@ -72,10 +72,11 @@ class Level {
     if (const int code = send("home", {{"plate_is_clear", true}}); code != kOk) return code;
     switch_height_ = height();
     if (!(std::abs(switch_height_ - configured()) <= kSame_mm)) {
-      fmt::print(stderr,
-                 "contourctl: contourd has the switch at {:.3f} mm, but {} at {:.3f} mm: contourd runs with "
-                 "another or an older configuration; run sudo systemctl reload contourd first\n",
-                 switch_height_, printable(file_.string()), configured());
+      fmt::print(
+          stderr,
+          "contourctl: contourd uses a switch height of {:.3f} mm, but {} has {:.3f} mm: contourd runs with "
+          "another or an older configuration; run sudo systemctl reload contourd first\n",
+          switch_height_, printable(file_.string()), configured());
       return kFailed;
     }
     return move_to(std::min(kClearance_mm, travel()));

@@ -1,5 +1,6 @@
-// contourctl's commands for manual control. Each blocks until the operation has ended. If contourctl is
-// interrupted or killed, the daemon stops the operation, because the connection is lost.
+// Shared code of contourctl's commands for manual control, level and setup. Each command blocks until its
+// operation has ended. If contourctl is interrupted or killed, the daemon stops the operation, because the
+// connection is lost.
 #pragma once
 
 #include <string>
@@ -20,7 +21,8 @@ enum class WaitFor {
 // Sends the request, prints each phase, and waits. Returns the exit code.
 int control_by_hand(const ClientOptions& options, const Request& request, WaitFor what);
 
-// Returns "found 1.3 um higher than at the previous homing".
+// Describes the limit switch's shift since the previous homing: "found 1.3 um higher than at the previous
+// homing".
 std::string describe_homing_shift(double shift_um);
 
 }  // namespace contourd::ctl

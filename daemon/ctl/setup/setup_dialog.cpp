@@ -26,8 +26,8 @@ void SetupDialog::answer_again(std::string_view key, Answers& answers, const Set
 void SetupDialog::answer_from(std::size_t again, Answers& answers, const SetupFacts& facts,
                               const std::function<void()>& kept) {
   const auto all = questions();
-  // Earlier answers are not compared with this computer's devices: a device need not be plugged in now, and
-  // the answers may be for another computer.
+  // Earlier answers are checked without this computer's devices: a device need not be plugged in now, and the
+  // answers may be for another computer.
   const SetupFacts elsewhere{.devices = {}, .tables = facts.tables};
   std::vector<std::size_t> passed;
   for (std::size_t i = 0; i < all.size();) {
