@@ -212,7 +212,7 @@ class Pictures(PreviewTest):
         for name, why in (("high", "500.00 mm high"), ("odd", "copis")):
             result = contourctl("preview", name, "--spool", spool, "--printer", self.printer())
             self.assertEqual(result.returncode, OK, result)
-            self.assert_one_line(result.stderr, "contourctl: warning: drawn as in its file: ", why)
+            self.assert_one_line(result.stderr, "contourctl: warning: the model is drawn as in its file: ", why)
             self.assertIn("facets", result.stdout.decode().splitlines()[0])
             self.assert_refusal(contourctl("preview", name, "--layer", "1", "--spool", spool, "--printer", self.printer()), BAD_DATA, why)
 
@@ -330,7 +330,7 @@ class Output(PreviewTest):
         spool = self.spool(incoming={"j": (SMALL, None)})
         for arguments in (["a.stl", "-o", "a.stl"], ["a.stl", "-o", "./same.png"], ["a.stl", "--ticket", ticket, "-o", "t.json"],
                           ["j", "--spool", spool, "-o", "spool/incoming/j.stl"]):  # fmt: skip
-            self.assert_refusal(contourctl("preview", *arguments), BAD_USAGE, "this file is to be drawn")
+            self.assert_refusal(contourctl("preview", *arguments), BAD_USAGE, "the output would replace the model or its ticket")
         self.assertEqual(contents(model), SMALL)
 
     def test_an_interrupted_preview_leaves_no_file(self):

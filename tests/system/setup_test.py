@@ -232,7 +232,7 @@ class OnTerminal(TerminalTest):
         self.type("?")
         self.expect("Expected a key above, Enter, back", "Enter: write")
         self.type("top_speed")
-        self.expect("none of the keys", "Enter: write")
+        self.expect("not one of the keys", "Enter: write")
         self.type("travel_mm")
         self.answer(("Enter: 160, as answered before", "120"), ("travel_mm = 120: as answered", ""), ("skip: no checks:", "skip"))
         self.expect("Not checked:", "the limit switch: contourctl switches", "the light's end")

@@ -270,7 +270,8 @@ NotedPicture draw(const PreviewSubject& subject, const PreviewOptions& options) 
     if (!subject.spooled || files.plate) throw;
     // A job that cannot be printed can still be drawn.
     NotedPicture picture = shaded_model(subject);
-    fmt::print(stderr, "contourctl: warning: drawn as in its file: {}\n", printable(error.what()));
+    fmt::print(stderr, "contourctl: warning: the model is drawn as in its file: {}\n",
+               printable(error.what()));
     return picture;
   }
 }
@@ -280,7 +281,8 @@ void refuse_to_overwrite(const JobFiles& files, const PreviewOptions& options) {
   std::error_code code;  // ignored: a file that does not exist is not the subject
   if (fs::equivalent(*options.output, files.model, code) ||
       (files.ticket && fs::equivalent(*options.output, *files.ticket, code)))
-    throw UsageError(fmt::format("-o {}: this file is to be drawn", options.output->string()));
+    throw UsageError(
+        fmt::format("-o {}: the output would replace the model or its ticket", options.output->string()));
 }
 
 // Tries again if the job is moved meanwhile: it can pass through four folders.

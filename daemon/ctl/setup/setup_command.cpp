@@ -259,7 +259,7 @@ class Setup {
       } else if (find_question(key) != nullptr && find_question(key)->is_asked(record_.answers, facts_)) {
         dialog_.answer_again(key, record_.answers, facts_, keep);
       } else {
-        dialog_.say("This is none of the keys above.");
+        dialog_.say("This is not one of the keys above.");
       }
     }
     return check();
