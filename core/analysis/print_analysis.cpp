@@ -76,8 +76,8 @@ void PrintAnalysis::note_area(double area_mm2, const Layer& layer) {
     findings_.largest_area_layer = number;
   }
   const bool dark = area_mm2 == 0;
-  // The first dark layer on a lit one is not counted until another layer follows: it may lie above the
-  // model's top.
+  // The first dark layer on a lit one is not counted until another layer follows: it may hold a
+  // tip that is too small for a pixel.
   if (dark && number > 0 && findings_.area_mm2[static_cast<std::size_t>(number) - 1] > 0) return;
   for (; dark_since_ < number + (dark ? 1 : 0); ++dark_since_)
     findings_.empty_layers.push_back(dark_since_);

@@ -72,8 +72,8 @@ struct PrintFindings {
   double volume_mm3 = 0;         // cured resin: area times thickness, summed
   double largest_area_mm2 = 0;   // the area with the greatest peel force
   std::int32_t largest_area_layer = 0;
-  // Dark layers, except for a single dark layer at the top: the last layer of a print may be cut above the
-  // model's top.
+  // Dark layers, except for a single dark layer at the top, which may hold a tip that is too small for a
+  // pixel.
   std::vector<std::int32_t> empty_layers;
   std::uint64_t island_count = 0;
   // The first kMaxIslands islands from the bottom up. The first layer has none: it stands on the plate.

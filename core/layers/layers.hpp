@@ -46,17 +46,27 @@ class TooManyLayers : public std::runtime_error {
                            std::to_string(kMaxLayers) + " can be printed") {}
 };
 
-// Returns as many layers as it takes to reach the highest model's top above the plate. A remainder below a
-// hundredth of a layer is rounding noise of the file's coordinates and is no layer. Throws TooManyLayers.
-// REQUIRES: is_layer(thickness).
+// True if models whose highest top is at `top` above the plate have a section at a height: below the top.
+// Tops are sums of two lengths, whose last digits are not sure.
+[[nodiscard]] inline bool is_below_top(Nanometers height, Millimeters top) {
+  constexpr double kLastDigits = 4 * std::numeric_limits<double>::epsilon();
+  return to_millimeters(height) < top * (1 - kLastDigits);
+}
+
+// Returns the layers that have something of a model whose highest top is at `top` above the plate. What
+// remains above the last whole layer is one more layer if it is higher than that layer's middle, where it is
+// cut: the mask of a lower remainder would be dark. Throws TooManyLayers. REQUIRES: is_layer(thickness).
 [[nodiscard]] inline LayerStack layers_for(Millimeters top, Nanometers thickness) {
   expects(is_layer(thickness), "a layer's thickness is positive and at most kThickestLayer");
-  constexpr double kRoundingNoise = 0.01;
   constexpr double kLargestExactCount = 1LL << 53;
-  const double layers = std::ceil(top.count() / to_millimeters(thickness).count() - kRoundingNoise);
+  const double layers = std::ceil(top.count() / to_millimeters(thickness).count());
   if (!(layers <= kLargestExactCount)) throw TooManyLayers();
-  if (layers > kMaxLayers) throw TooManyLayers(static_cast<std::int64_t>(layers));
-  return LayerStack{thickness, static_cast<std::int32_t>(std::fmax(layers, 0.0))};
+  // One more may be a remainder.
+  if (layers > kMaxLayers + 1) throw TooManyLayers(static_cast<std::int64_t>(layers));
+  LayerStack stack{thickness, static_cast<std::int32_t>(std::fmax(layers, 0.0))};
+  if (stack.count > 0 && !is_below_top(stack.middle_of(stack.count - 1), top)) --stack.count;
+  if (stack.count > kMaxLayers) throw TooManyLayers(stack.count);
+  return stack;
 }
 
 // Returns the heights at which layers of these thicknesses, stacked from the plate up, are cut: each at its

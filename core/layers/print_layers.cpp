@@ -20,13 +20,11 @@ std::optional<Nanometers> PrintLayers::thickness_at(Nanometers bottom) const {
     const bool printed = uniform_.count == 0 || bottom / uniform_.thickness >= uniform_.count;
     return printed ? std::nullopt : std::optional(uniform_.thickness);
   }
-  // A remainder of half a layer step is the rounding of heights.
-  const Millimeters rest = top_ - to_millimeters(bottom);
-  if (!(rest > to_millimeters(kLayerStep) / 2)) return std::nullopt;
   Nanometers thickness = next_thickness(models_.front(), bottom, adaptive_);
   for (const StandingModel& model : models_)
     thickness = std::min(thickness, next_thickness(model, bottom, adaptive_));
-  return thickness;
+  // Above the models, the mask would be dark.
+  return is_below_top(bottom + thickness / 2, top_) ? std::optional(thickness) : std::nullopt;
 }
 
 std::vector<Nanometers> PrintLayers::all() const {

@@ -25,8 +25,8 @@ class PrintLayers {
   // REQUIRES: adaptive.are_printable(); no null pointers.
   PrintLayers(std::vector<StandingModel> models, const AdaptiveLayers& adaptive);
 
-  // Returns the thickness of the layer on `bottom`, which is 0 or the top of an earlier layer; nullopt if the
-  // print has reached its full height.
+  // Returns the thickness of the layer on `bottom`, which is 0 or the top of an earlier layer; nullopt if
+  // that layer would be cut above the models.
   [[nodiscard]] std::optional<Nanometers> thickness_at(Nanometers bottom) const;
 
   // Returns all thicknesses, from the plate up, for an estimate of the printing time. Makes every decision

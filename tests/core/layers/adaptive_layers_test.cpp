@@ -114,6 +114,18 @@ TEST_CASE("A tip without a flat face gets a last layer of the thinnest thickness
   CHECK(layers[20].thickness == um(20));
 }
 
+TEST_CASE("A remainder that does not reach the middle of the thinnest layer is no layer") {
+  // Without a cusp that matters, layers of 100 um: 20 of them, and a remainder.
+  constexpr AdaptiveLayers kWalls{um(100), um(100), um(15)};
+  CHECK(layers_of({models::box({0, 0, 0}, {5, 5, 2.01F})}, kWalls).size() == 20);
+  CHECK(layers_of({models::box({0, 0, 0}, {5, 5, 2.049F})}, kWalls).size() == 20);
+  CHECK(layers_of({models::box({0, 0, 0}, {5, 5, 2.051F})}, kWalls).size() == 21);
+  CHECK(
+      layers_of({models::box({0, 0, 0}, {5, 5, 2}), models::box({0, 0, 0}, {5, 5, 2.01F})}, kWalls).size() ==
+      20);
+  CHECK(layers_of({models::box({0, 0, 0}, {5, 5, 0.04F})}, kWalls).empty());
+}
+
 TEST_CASE("A sphere's layers are thin at its poles and thick at its equator") {
   const models::Facets sphere = models::globe(5, 200, 64);
   const std::vector<PlacedLayer> layers = layers_of({sphere});
@@ -164,8 +176,10 @@ TEST_CASE("No layer's cusp is wider than allowed unless it is the thinnest, and 
     const auto reached = [&](const PlacedLayer& layer) {
       return static_cast<double>((layer.bottom + layer.thickness).count()) / 1e3;
     };
-    // Within half a step, or beyond by less than the thinnest layer, and not before the last.
-    RC_ASSERT(reached(layers.back()) >= top_um - 0.5);
+    // Up to the top less half the thinnest layer, which would be cut above it, or beyond by less than the
+    // thinnest layer, and not before the last.
+    RC_ASSERT(reached(layers.back()) >= top_um - 0.5 - static_cast<double>(thinnest) / 2);
+    RC_ASSERT(in_mm(layers.back().bottom + layers.back().thickness / 2) < index.bounds().size_z());
     RC_ASSERT(reached(layers.back()) < top_um + static_cast<double>(thinnest) + 0.5);
     if (layers.size() > 1) RC_ASSERT(reached(layers[layers.size() - 2]) < top_um - 0.5);
   }));

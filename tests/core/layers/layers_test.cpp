@@ -14,15 +14,18 @@ std::int32_t count_for(double height_mm, Nanometers thickness) {
 
 }  // namespace
 
-TEST_CASE("A model has as many layers as reach its top") {
+TEST_CASE("A model has as many layers as are cut below its top") {
   CHECK(count_for(10.0, kFiftyMicrometers) == 200);
-  CHECK(count_for(10.02, kFiftyMicrometers) == 201);
-  CHECK(count_for(0.001, kFiftyMicrometers) == 1);
+  CHECK(count_for(10.03, kFiftyMicrometers) == 201);
+  CHECK(count_for(0.03, kFiftyMicrometers) == 1);
 }
 
-TEST_CASE("A remainder below a hundredth of a layer is no layer") {
-  CHECK(count_for(10.0 + 0.0004, kFiftyMicrometers) == 200);  // 0.8 hundredths
-  CHECK(count_for(10.0 + 0.0006, kFiftyMicrometers) == 201);  // 1.2 hundredths
+TEST_CASE("A remainder that does not reach the middle of its layer is no layer") {
+  CHECK(count_for(10.01, kFiftyMicrometers) == 200);
+  CHECK(count_for(10.025, kFiftyMicrometers) == 200);  // a face at the height of the cut is below it
+  CHECK(count_for(10.0 + 0.025, kFiftyMicrometers) == 200);
+  CHECK(count_for(10.025001, kFiftyMicrometers) == 201);
+  CHECK(count_for(0.02, kFiftyMicrometers) == 0);
   // 0.1 as a float is 1.5e-9 too large.
   CHECK(count_for(static_cast<double>(0.1F), Nanometers{100'000}) == 1);
 }
@@ -38,8 +41,8 @@ TEST_CASE("Too many layers are refused with their number if it can be counted") 
         [&] { (void)layers_for(Millimeters{height_mm}, kFiftyMicrometers); });
   };
   const std::string uncounted = "the model has more than 10000000 layers";
-  CHECK(count_for(500'000, kFiftyMicrometers) == 10'000'000);
-  CHECK(complaint(500'000.01) == "the model has 10000001 layers, at most 10000000 can be printed");
+  CHECK(count_for(500'000.01, kFiftyMicrometers) == 10'000'000);
+  CHECK(complaint(500'000.03) == "the model has 10000001 layers, at most 10000000 can be printed");
   CHECK(complaint(1e8) == "the model has 2000000000 layers, at most 10000000 can be printed");
   CHECK(complaint(3e38) == uncounted);
   CHECK(complaint(1e300) == uncounted);
@@ -64,16 +67,13 @@ TEST_CASE("The highest layer that a print can have does not overflow") {
   CHECK(layers.middle_of(layers.count - 1) == Nanometers{2'147'483'646'500'000});
 }
 
-TEST_CASE("The layers cover the model and none lies above it") {
+TEST_CASE("Every layer is cut below the model's top, and one more would not be") {
   CHECK(rc::check([] {
     const Nanometers thickness{testing::draw(1'000, 200'000)};
     const Nanometers height{testing::draw(1, 200'000'000)};
     const LayerStack layers = layers_for(to_millimeters(height), thickness);
-    // A hundredth of a layer may be left out; 1 nm for the rounding of that hundredth.
-    const std::int64_t noise_nm = thickness.count() / 100 + 1;
     RC_ASSERT(layers.count >= 0);
-    const Nanometers top = thickness * layers.count;
-    RC_ASSERT(layers.count == 0 || top.count() + noise_nm >= height.count());
-    RC_ASSERT(layers.count == 0 || top - thickness < height);
+    RC_ASSERT(layers.count == 0 || layers.middle_of(layers.count - 1) < height);
+    RC_ASSERT(layers.middle_of(layers.count) >= height);
   }));
 }
