@@ -89,7 +89,7 @@ Segment segment_of(const Facet& facet, double z, float float_z) {
 }  // namespace
 
 void slice_at(const HeightIndex& model, Millimeters z, Section& section) {
-  const double z_mm = z.count();
+  const double z_mm = model.cut_at(z.count());
   section.segments.clear();
   section.intersecting_facets = 0;
   // Sum over all segments of hash(from) - hash(to): zero when starts and ends are the same multiset of

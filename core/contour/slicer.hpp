@@ -14,6 +14,7 @@
 //   VI    parallel, in the plane                  not crossed
 //
 // The result is the section just above z_slice, so a plane in a flat face gives the face's solid side once.
+// In a flat face that rounding has made uneven, z_slice is the face's highest vertex (see UnevenFaces).
 #pragma once
 
 #include <cstdint>

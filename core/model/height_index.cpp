@@ -37,6 +37,7 @@ HeightIndex::HeightIndex(std::vector<Facet> facets)
   if (!is_sound(facets_)) repairs_ = repair_mesh(facets_);
   make_levels();
   sort_into_cells();
+  find_uneven_faces();
 }
 
 void HeightIndex::turn_outwards() {
@@ -62,11 +63,13 @@ void HeightIndex::make_levels() {
 }
 
 std::size_t HeightIndex::cell_of(float low, float high) const {
-  // The deepest level whose cells are higher than the facet.
-  const double reach = static_cast<double>(high) - static_cast<double>(low);
+  const Level& level = level_of(static_cast<double>(high) - static_cast<double>(low));
+  return level.first_cell + cell_of(low, level);
+}
+
+const HeightIndex::Level& HeightIndex::level_of(double reach) const {
   const double part_of_height = reach * kCellMargin * levels_[0].cells_per_mm;
-  const std::size_t level = std::min(levels_.size() - 1, halvings_above(part_of_height));
-  return levels_[level].first_cell + cell_of(low, levels_[level]);
+  return levels_[std::min(levels_.size() - 1, halvings_above(part_of_height))];
 }
 
 void HeightIndex::sort_into_cells() {
@@ -87,6 +90,16 @@ void HeightIndex::sort_into_cells() {
     const auto [low, high] = heights_of(facets_[i]);
     candidates_[next[cells[i]]++] = {low, high, static_cast<std::uint32_t>(i)};
   }
+}
+
+void HeightIndex::find_uneven_faces() {
+  if (levels_.empty()) return;
+  UnevenFaces::Collector collector(bounds_);
+  // Facets that may be level lie on the deepest levels, whose candidates are the last ones.
+  const Level& level = level_of(std::min(double{collector.rounding_mm()}, bounds_.size_z()));
+  for (const Candidate& each : std::span(candidates_).subspan(cell_starts_[level.first_cell]))
+    collector.add(facets_[each.facet], {each.low, each.high});
+  uneven_faces_ = collector.take();
 }
 
 }  // namespace contourd

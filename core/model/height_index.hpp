@@ -19,6 +19,7 @@
 
 #include "core/contract/expects.hpp"
 #include "core/geometry/facet.hpp"
+#include "core/model/uneven_faces.hpp"
 #include "core/repair/mesh_repair.hpp"
 
 namespace contourd {
@@ -44,6 +45,11 @@ class HeightIndex {
   [[nodiscard]] bool turned_outwards() const { return turned_outwards_; }
   // Returns the repairs that were made where facets disagreed with each other.
   [[nodiscard]] const MeshRepairs& repairs() const { return repairs_; }
+  // Returns the height at which to cut instead of z (millimetres, model coordinates), so that no uneven flat
+  // face is cut into scraps: z itself, or at most a micrometre above it.
+  [[nodiscard]] double cut_at(double z) const { return uneven_faces_.cut_at(z); }
+  // Returns the lowest height from which on all sections are empty.
+  [[nodiscard]] double end_z() const { return uneven_faces_.below(bounds_.max_z); }
 
   // A facet's number in facets(), and the heights of its lowest and highest vertex.
   struct Candidate {
@@ -95,14 +101,18 @@ class HeightIndex {
     return cell < level.cells ? cell : level.cells - 1;
   }
   [[nodiscard]] std::size_t cell_of(float low, float high) const;
+  // Returns the deepest level whose cells are higher than a facet that reaches so far.
+  [[nodiscard]] const Level& level_of(double reach) const;
   void turn_outwards();
   void make_levels();
   void sort_into_cells();
+  void find_uneven_faces();
 
   std::vector<Facet> facets_;
   Bounds bounds_;
   bool turned_outwards_ = false;
   MeshRepairs repairs_;
+  UnevenFaces uneven_faces_;
   std::vector<Level> levels_;               // none for a model without height
   std::vector<Candidate> candidates_;       // cell by cell; all in one run for a model without height
   std::vector<std::uint32_t> cell_starts_;  // candidates_ offsets, one more than there are cells

@@ -52,8 +52,13 @@ struct StandingModel {
 
   // Returns the model's z at a height above the plate.
   [[nodiscard]] Millimeters z_at(Nanometers height) const { return elevation.z_at(height, model->bounds()); }
-  // Returns the height of the model's highest point above the plate.
-  [[nodiscard]] Millimeters top() const { return elevation.top(model->bounds()); }
+  // Returns the height above the plate from which on all sections are empty: that of the highest point, less
+  // the unevenness of a flat face there.
+  [[nodiscard]] Millimeters top() const {
+    Bounds bounds = model->bounds();
+    bounds.max_z = model->end_z();
+    return elevation.top(bounds);
+  }
 };
 
 }  // namespace contourd
