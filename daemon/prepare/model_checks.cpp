@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/analysis/unmet_parts.hpp"
 #include "core/contour/crack_survey.hpp"
 #include "daemon/prepare/mesh_repair_text.hpp"
 #include "daemon/system/readable.hpp"
@@ -214,6 +215,23 @@ std::string wide_gaps_sentence(const ModelToPlace& model, std::span<const Nanome
       "much of the surface of {} is missing: in {} % of its layers, gaps of up to {:.2f} mm are bridged by a "
       "guess",
       model.name, percent, survey.cracks.widest_gap.count());
+}
+
+std::string unmet_parts_warning(const PlateModel& model, const DisplayGeometry& display,
+                                std::span<const Nanometers> heights, Duration mask_budget) {
+  constexpr double kSmallestPartMm2 = 0.1;
+  const std::vector<UnmetPart> parts =
+      find_unmet_parts(model, display, heights, kSmallestPartMm2, mask_budget);
+  if (parts.empty()) return "";
+  const UnmetPart& first = parts.front();
+  return fmt::format(
+      "parts of the model are thinner than a layer, lie between two layers and are not printed, at {}: the "
+      "first "
+      "is {:.3g} mm thick, at {:.2f}, {:.2f} mm from the plate's centre at a height of {:.3f} mm ({:.3g} "
+      "mm²); "
+      "make them thicker, or print thinner layers",
+      count_of(parts.size(), "height", "heights"), first.thickness.count(), first.plate_mm.x,
+      first.plate_mm.y, in_mm(first.height), first.area_mm2);
 }
 
 std::string prefix_of(const NamedModel& model, const JobSummary& summary) {

@@ -63,6 +63,12 @@ void refuse_cracks(const ModelToPlace& model, const PrintLayers& layers, const B
 [[nodiscard]] std::string wide_gaps_sentence(const ModelToPlace& model, std::span<const Nanometers> heights,
                                              Millimeters pixel);
 
+// Returns a warning, a sentence, if thin parts of the model lie between two layers' cuts, so that they are
+// not printed; empty if not. `heights` are the cuts of all layers. Computes a few masks, each within its
+// budget.
+[[nodiscard]] std::string unmet_parts_warning(const PlateModel& model, const DisplayGeometry& display,
+                                              std::span<const Nanometers> heights, Duration mask_budget);
+
 // Returns the beginning of a warning about a model: its name, or nothing if the job has only one model.
 [[nodiscard]] std::string prefix_of(const NamedModel& model, const JobSummary& summary);
 

@@ -95,6 +95,7 @@ class Preparation {
       summary_.models[i].centers = (*arrangement)[i];
     inspect_models(content_, job_.plan.engine->models(), summary_);
     find_wide_gaps();
+    find_unmet_parts();
     return std::move(job_);
   }
 
@@ -199,6 +200,16 @@ class Preparation {
         summary_.wide_gaps = wide_gaps_sentence(models_[i], heights, to_millimeters(printer_.pixel_pitch));
     }
     warn(summary_.wide_gaps);
+  }
+
+  void find_unmet_parts() {
+    const std::vector<Nanometers> heights = middles_of(job_.plan.expected_layers);
+    for (std::size_t i = 0; i < models_.size(); ++i) {
+      if (content_.models()[i].made_as != i) continue;
+      const std::string warning =
+          unmet_parts_warning(job_.plan.engine->models()[i], volume_.display, heights, printer_.mask_budget);
+      if (!warning.empty()) warn(prefix_of(content_.models()[i], summary_) + warning);
+    }
   }
 
   void check_holes(const std::vector<Nanometers>& heights) {

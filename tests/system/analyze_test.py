@@ -63,9 +63,22 @@ class Figures(AnalyzeTest):
         self.assertEqual(len(found["warnings"]), 2)
 
     def test_a_model_whose_masks_are_all_dark_gives_a_warning(self):
-        found = self.analyze(binary_stl(box((0, 0, 0), (5, 5, 0.01))))
+        found = self.analyze(binary_stl(box((0, 0, 0), (0.00001, 5, 0.04))))
         self.assertEqual((found["layers"], found["empty_layers"], found["empty_layer_list"]), (1, 1, [1]))
         self.assertEqual(found["warnings"], ["all masks are dark (1 layer): nothing would be printed"])
+
+    def test_a_model_that_reaches_no_layers_middle_gives_a_warning(self):
+        found = self.analyze(binary_stl(box((0, 0, 0), (5, 5, 0.01))))
+        self.assertEqual((found["layers"], found["empty_layers"]), (0, 0))
+        self.assertEqual(
+            found["model_warnings"], ["the model is 0.01 mm high, too thin for a layer: nothing would be printed"]
+        )
+
+    def test_a_plate_between_two_cuts_gives_a_warning(self):
+        stem, plate = box((0, 0, 0), (4, 4, 6)), box((-3, -3, 2), (7, 7, 2.02))
+        warnings = self.analyze(binary_stl(stem + plate))["model_warnings"]
+        self.assertEqual(len(warnings), 1)
+        self.assertIn("at 1 height: the first is 0.02 mm thick, at ", warnings[0])
 
     def test_cracks_are_listed_by_layer(self):
         facets = [f for f in cube(2) if not all(vertex[0] == 2 for vertex in f)]

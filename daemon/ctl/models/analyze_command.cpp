@@ -25,6 +25,7 @@
 #include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/prepare/mesh_repair_text.hpp"
+#include "daemon/prepare/model_checks.hpp"
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/print_job.hpp"
 #include "daemon/prepare/supports_text.hpp"
@@ -81,6 +82,9 @@ using Json = nlohmann::ordered_json;
 // Each layer is timed this often, and the shortest time counts, to exclude interruptions by other processes.
 constexpr int kRuns = 3;
 
+// The time for each mask in the search for parts that no layer has.
+constexpr Duration kLongestMask = std::chrono::seconds(5);
+
 struct AnalysisSubject {
   std::unique_ptr<ContourEngine> engine;
   std::vector<Duration> layer_durations;  // by layer
@@ -101,6 +105,10 @@ AnalysisSubject subject_alone(const AnalyzeOptions& options, const PrintAlone& p
                                  ? support_model(made, {.display = display, .layer = print.layer_height})
                                  : lay_on_plate(made, PixelMap::true_scale(display, bounds.center()));
   subject.model.layers = PrintLayers(layers_for(supported.model.top(), print.layer_height)).all();
+  if (subject.model.layers.empty()) {
+    warnings.push_back(fmt::format(
+        "the model is {:.6g} mm high, too thin for a layer: nothing would be printed", bounds.size_z()));
+  }
   subject.layer_durations.assign(subject.model.layers.size(), print.layer_time);
   subject.model.assumed_layer_time = print.layer_time;
   subject.model.display = display;
@@ -108,6 +116,9 @@ AnalysisSubject subject_alone(const AnalyzeOptions& options, const PrintAlone& p
   if (bounds.size_x() > display.width_mm() || bounds.size_y() > display.height_mm())
     warnings.emplace_back("the model is larger than the display: parts outside are not counted");
   subject.engine = std::make_unique<ContourEngine>(supported.engine(print.engine));
+  std::string unmet = unmet_parts_warning(subject.engine->models().front(), display,
+                                          middles_of(subject.model.layers), kLongestMask);
+  if (!unmet.empty()) warnings.push_back(std::move(unmet));
   subject.model.supports = std::move(supported.supports);
   if (supported.carries_supports)
     warnings.emplace_back("the model carries supports in its file, so contourctl adds none");

@@ -27,10 +27,9 @@ TEST_CASE_METHOD(PrintJobFixture, "A model of which nothing would be printed is 
   CHECK(refusal_of(models::box({0, 0, 0}, {0.02F, 0.03F, 1})) ==
         "nothing of the model would be printed: in 20 layers, no pixel of 0.05 mm reaches grey 64 of 255; it "
         "measures 0.02 x 0.03 x 1 mm");
-  // The only layer is cut at a height above the model.
+  // The only layer would be cut at a height above the model.
   CHECK(refusal_of(models::box({0, 0, 0}, {5, 5, 0.01F})) ==
-        "nothing of the model would be printed: in 1 layer, no pixel of 0.05 mm reaches grey 64 of 255; it "
-        "measures 5 x 5 x 0.01 mm");
+        "the model is 0.01 mm high, too thin for a layer");
   const std::string drill = R"({"drain": [
     {"position_mm": {"x": 1, "y": 1}, "direction": {"z": 1}, "diameter_mm": 4}]})";
   CHECK(refusal_of(models::box({0, 0, 0}, {2, 2, 2}), drill) ==
@@ -78,6 +77,19 @@ TEST_CASE_METHOD(PrintJobFixture, "Shells that are wound against their place are
   REQUIRE(filled.warnings.size() == 1);
   CHECK(filled.warnings[0].starts_with("1 shell of the model faces outwards within a solid, at "));
   CHECK(prepare(models::together(kCube, models::inverted(core))).summary.warnings.empty());
+}
+
+TEST_CASE_METHOD(PrintJobFixture, "A plate that no layer has is named with its place") {
+  const models::Facets stem = models::box({8, 8, 0}, {12, 12, 20});
+  const JobSummary summary =
+      prepare(models::together(stem, models::box({0, 0, 10}, {20, 20, 10.02F}))).summary;
+  CHECK(
+      summary.warnings ==
+      std::vector<std::string>{"parts of the model are thinner than a layer, lie between two layers and are "
+                               "not printed, at 1 height: the first is 0.02 mm thick, at -9.98, 9.98 mm from "
+                               "the plate's centre at a height of 10.010 mm (384 mm²); make them thicker, or "
+                               "print thinner layers"});
+  CHECK(prepare(models::together(stem, models::box({0, 0, 10}, {20, 20, 10.2F}))).summary.warnings.empty());
 }
 
 TEST_CASE_METHOD(PrintJobFixture, "A model that lacks much of its surface has wide gaps") {
