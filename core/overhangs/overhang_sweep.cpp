@@ -68,15 +68,19 @@ class Sweep {
  public:
   explicit Sweep(const SupportRequest& request)
       : settings_(request.settings),
-        grid_(sweep_grid(request.display)),
+        layers_(request.printed.thicknesses, top_of(request.models)),
+        grid_(sweep_grid(request.display, layers_.step())),
         models_(on_grid(request, grid_)),
-        engine_(models_, {.display = grid_.display, .anti_aliasing = AntiAliasing::Off}),
+        engine_(models_, {.display = grid_.display,
+                          .anti_aliasing = AntiAliasing::Off,
+                          .compensation = request.printed.compensation}),
         underside_(grid_),
         cover_(holding_radii(settings_, grid_)),
         peel_(settings_.tip_holds_mm2 / pixel_area_mm2()) {
     lit_.extract(Mask(grid_.display.width, grid_.display.height));
   }
 
+  [[nodiscard]] const SweepLayers& layers() const { return layers_; }
   [[nodiscard]] const SweepGrid& grid() const { return grid_; }
   // Adds the next layer up and returns its lit pixels, valid until the next call. If `stop` was requested,
   // the layer's contacts are incomplete.
@@ -102,6 +106,7 @@ class Sweep {
   void add_contact(const PlacedContact& contact);
 
   SupportSettings settings_;
+  SweepLayers layers_;
   SweepGrid grid_;
   std::vector<PlateModel> models_;  // their copies map to grid_
   ContourEngine engine_;
@@ -111,7 +116,6 @@ class Sweep {
   LayerParts parts_;
   MaskRuns lit_, beneath_;
   std::int32_t layer_ = 0;
-  std::vector<OverhangCover::Spot> spots_;
   std::vector<SweepPixel> specks_;  // specks in the last layer
   std::vector<PlacedContact> contacts_;
 };
@@ -119,15 +123,16 @@ class Sweep {
 const MaskRuns& Sweep::add_layer(const std::stop_token& stop) {
   ++layer_;
   std::swap(lit_, beneath_);
-  lit_.extract(engine_.mask_at(grid_.height_of(layer_)));
+  lit_.extract(engine_.mask_at(layers_.middle_of(layer_)));
   parts_.add_layer(lit_, beneath_);
   peel_.add_layer(parts_);
-  const bool rests = (layer_ - 1) * grid_.step_mm() <= settings_.closed_gap.count() + kRoundingMm;
+  const bool rests =
+      to_millimeters(layers_.bottom_of(layer_)).count() <= settings_.closed_gap.count() + kRoundingMm;
   if (rests) {
     for (const LayerPart& part : parts_.parts())
       peel_.stand(part.body);
   }
-  underside_.add_layer({lit_, beneath_, parts_, rests},
+  underside_.add_layer({lit_, beneath_, parts_, layers_.middle_of(layer_), rests},
                        {kSoon * cover_.radii().reach * grid_.pixel_mm(), settings_.bridge.count()});
   for (const Underside::Sample& sample : underside_.samples())
     peel_.add_place({sample.at, layer_, sample.steep}, parts_.parts()[sample.part].body);
@@ -172,15 +177,15 @@ SweepPixel Sweep::place_for(const OverhangCover::Choice& choice) const {
 }
 
 void Sweep::hold_overhangs(const std::stop_token& stop) {
-  spots_.clear();
+  std::vector<OverhangCover::Spot> spots;
   for (const ReachingPixel& pixel : underside_.reaching()) {
     if (is_speck(parts_.parts()[pixel.part])) {
       specks_.push_back(pixel.at);
     } else if (const Need need = need_of(pixel); need != Need::None) {
-      spots_.push_back({pixel.at, pixel.part, need});
+      spots.push_back({pixel.at, pixel.part, need});
     }
   }
-  cover_.set_spots(spots_);
+  cover_.set_spots(spots);
   while (!has_enough() && !stop.stop_requested()) {
     const std::optional<OverhangCover::Choice> choice = cover_.choose();
     if (!choice) break;
@@ -217,18 +222,19 @@ void Sweep::add_contact(const PlacedContact& contact) {
 std::vector<SurfacePlace> Sweep::places() const {
   std::vector<SurfacePlace> places;
   for (const PlacedContact& placed : contacts_) {
-    const double high_mm = to_millimeters(grid_.height_of(placed.layer)).count();
-    places.push_back({grid_.place_of(placed.at), high_mm - 3 * grid_.step_mm(), high_mm,
-                      settings_.tip_diameter.count() / 2});
+    const double high_mm = to_millimeters(layers_.middle_of(placed.layer)).count();
+    const double thickness_mm = to_millimeters(layers_.thickness_of(placed.layer)).count();
+    places.push_back(
+        {grid_.place_of(placed.at), high_mm - 3 * thickness_mm, high_mm, settings_.tip_diameter.count() / 2});
   }
   return places;
 }
 
 SupportContact Sweep::contact_of(const PlacedContact& placed, const std::optional<Surface>& surface) const {
   const Point place = grid_.place_of(placed.at);
-  const double high_mm = to_millimeters(grid_.height_of(placed.layer)).count();
+  const double bottom_mm = to_millimeters(layers_.bottom_of(placed.layer)).count();
   SupportContact contact;
-  contact.place = {place.x, place.y, surface ? surface->z_mm : high_mm - grid_.step_mm() / 2};
+  contact.place = {place.x, place.y, surface ? surface->z_mm : bottom_mm};
   contact.outward = surface ? surface->outward : Direction{0, 0, -1};
   contact.cause = placed.cause;
   contact.load_mm2 = std::max(placed.held_pixels, peel_.load_pixels(placed.body)) * pixel_area_mm2();
@@ -241,7 +247,7 @@ HeldPlaces Sweep::held() const {
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const SupportContact contact = contact_of(contacts_[i], surfaces[i]);
     // A contact below the end of the first layer lies on the plate.
-    if (contact.place.z >= grid_.step_mm()) held.contacts.push_back(contact);
+    if (contact.place.z >= to_millimeters(layers_.top_of(1)).count()) held.contacts.push_back(contact);
   }
   std::ranges::stable_sort(held.contacts, {}, [](const SupportContact& contact) {
     return std::tuple(contact.place.z, contact.place.y, contact.place.x);
@@ -261,10 +267,13 @@ std::optional<HeldPlaces> find_overhangs(const SupportRequest& request, LayerObs
   expects(top <= kHighestSweep, "the models are no higher than can be swept");
   Sweep sweep(request);
   observer.begin(sweep.grid().display, sweep.grid().step);
-  for (std::int32_t layer = 1; to_millimeters(sweep.grid().height_of(layer)) < top; ++layer) {
+  const Nanometers step = sweep.grid().step;
+  Nanometers middle = step / 2;
+  for (std::int32_t layer = 1; layer <= sweep.layers().count(); ++layer) {
     if (stop.stop_requested()) return std::nullopt;
     const MaskRuns& lit = sweep.add_layer(stop);
-    observer.layer(sweep.grid().height_of(layer), lit);
+    for (; middle < sweep.layers().top_of(layer); middle += step)
+      observer.layer(middle, lit);
   }
   if (stop.stop_requested()) return std::nullopt;
   return sweep.held();

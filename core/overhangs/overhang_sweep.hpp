@@ -1,8 +1,8 @@
 // Finds the places that have to be held (islands, overhangs and where peel pulls too hard) in one sweep of
 // sections from the plate up. A layer with no more than SupportSettings::closed_gap beneath it rests on the
-// plate wherever its material begins. The sweep has its own layer thickness and pixel size, independent of
-// the print's. Thread-safe (no shared state). Deterministic: the same models and settings give the same
-// contacts on every machine.
+// plate wherever its material begins. The sweep has the print's layers and compensation, if they are known,
+// and pixels of its own. Thread-safe (no shared state). Deterministic: the same models and settings give the
+// same contacts on every machine.
 #pragma once
 
 #include <optional>
@@ -26,11 +26,10 @@ class LayerObserver {
   virtual ~LayerObserver() = default;
 
   // Called once, before all layers, with the sweep's display (without mirrors; centred on the plate; no
-  // smaller than the build area) and the layer thickness.
+  // smaller than the build area) and the step between heights.
   virtual void begin(const DisplayGeometry& sweep_display, Nanometers step) = 0;
-  // Called for each layer, including dark ones, up to the models' top. `height` is the middle of the layer
-  // above the plate; `lit` holds the pixels that are at least half covered there and is valid during the
-  // call.
+  // Called for the middle of each step above the plate, up to the last layer's top. `lit` holds the lit
+  // pixels of the print's layer there, which may be none, and is valid during the call.
   virtual void layer(Nanometers height, const MaskRuns& lit) = 0;
 };
 

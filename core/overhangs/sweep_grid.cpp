@@ -10,11 +10,10 @@ namespace {
 
 constexpr double kPixelMm = 0.05;
 constexpr double kMostPixels = 2048;
-constexpr std::int64_t kStepNm = 50'000;
 
 }  // namespace
 
-SweepGrid sweep_grid(const DisplayGeometry& build_area) {
+SweepGrid sweep_grid(const DisplayGeometry& build_area, Nanometers step) {
   expects(
       build_area.pixel_pitch > Micrometers{} && build_area.width > Pixels{} && build_area.height > Pixels{},
       "the build area has a size");
@@ -27,7 +26,7 @@ SweepGrid sweep_grid(const DisplayGeometry& build_area) {
   grid.display.width = pixels(build_area.width_mm());
   grid.display.height = pixels(build_area.height_mm());
   grid.display.pixel_pitch = Micrometers{pixel_mm * 1000};
-  grid.step = Nanometers{kStepNm};
+  grid.step = step;
   return grid;
 }
 

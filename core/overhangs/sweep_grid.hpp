@@ -1,10 +1,11 @@
-// The grid of a sweep: its pixels and its layers. Values; thread-safe as any value is.
+// The grid of a sweep: its pixels, and the step of its heights. Values; thread-safe as any value is.
 #pragma once
 
 #include <cstdint>
 
 #include "core/geometry/units.hpp"
 #include "core/mask/pixel_map.hpp"
+#include "core/overhangs/sweep_layers.hpp"
 
 namespace contourd {
 
@@ -19,15 +20,12 @@ struct SweepPixel {
   return columns * columns + rows * rows;
 }
 
-// The display and the layer thickness of a sweep. Layers count from 1: layer 0 is the plate.
 struct SweepGrid {
   DisplayGeometry display;  // without mirrors
-  Nanometers step;
+  Nanometers step;          // of LayerObserver
 
   [[nodiscard]] double pixel_mm() const { return to_millimeters(display.pixel_pitch).count(); }
   [[nodiscard]] double step_mm() const { return to_millimeters(step).count(); }
-  // Returns the height at which a layer is cut: its middle, above the plate.
-  [[nodiscard]] Nanometers height_of(std::int32_t layer) const { return step * layer - step / 2; }
   // Returns a pixel's middle, from the plate's centre.
   [[nodiscard]] Point place_of(SweepPixel pixel) const {
     return on_plate(display, {pixel.column + 0.5, pixel.row + 0.5});
@@ -38,8 +36,8 @@ struct SweepGrid {
   }
 };
 
-// Returns the grid for a build area, with a margin of one pixel: layers of 50 um, and pixels of 50 um or as
-// large as needed to have at most 2048 a side. REQUIRES: the build area has a size.
-[[nodiscard]] SweepGrid sweep_grid(const DisplayGeometry& build_area);
+// Returns the grid for a build area, with a margin of one pixel: pixels of 50 um, or as large as needed to
+// have at most 2048 a side. REQUIRES: the build area has a size.
+[[nodiscard]] SweepGrid sweep_grid(const DisplayGeometry& build_area, Nanometers step = kDefaultSweptLayer);
 
 }  // namespace contourd

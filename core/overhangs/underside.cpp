@@ -44,6 +44,7 @@ Underside::Underside(const SweepGrid& grid)
       stride_(static_cast<std::size_t>(grid.display.width.count()) + 2),
       field_(std::max(1, static_cast<std::int32_t>(kFieldMm / grid.pixel_mm()))) {
   const std::size_t cells = stride_ * (static_cast<std::size_t>(grid.display.height.count()) + 2);
+  levels_.resize(1);
   cells_.resize(cells);
   mark_.resize(cells);
 }
@@ -51,7 +52,8 @@ Underside::Underside(const SweepGrid& grid)
 double Underside::reach_of(SweepPixel pixel, const Cell& cell, std::int32_t layer) const {
   if (cell.holder_layer == 0) return kInfinite;
   const double distance = std::sqrt(squared_distance(pixel, {cell.column, cell.row})) * grid_.pixel_mm();
-  return distance - (layer - cell.holder_layer) * grid_.step_mm();
+  const double grown = levels_[static_cast<std::size_t>(layer)] - levels_[cell.holder_layer];
+  return distance - grown * grid_.step_mm();
 }
 
 bool Underside::hangs_alone(SweepPixel pixel) const {
@@ -94,6 +96,7 @@ Underside::Cell Underside::held_by(SweepPixel pixel, const Cell& cell) const {
 void Underside::add_layer(const Layer& layer, const Thresholds& thresholds) {
   ++layer_;
   expects(layer_ < std::numeric_limits<std::uint16_t>::max(), "layers have 16-bit numbers");
+  levels_.push_back(static_cast<double>(layer.height.count()) / static_cast<double>(grid_.step.count()));
   new_.clear();
   any_uncarried_ = false;
   const std::span<const LayerPart> parts = layer.parts.parts();

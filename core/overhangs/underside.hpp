@@ -33,6 +33,7 @@ class Underside {
     const MaskRuns& lit;
     const MaskRuns& beneath;
     const LayerParts& parts;
+    Nanometers height;   // at which it was cut, above the plate
     bool rests = false;  // on the plate, wherever its material begins; the first layer always does
   };
   struct Thresholds {
@@ -105,6 +106,7 @@ class Underside {
   std::size_t stride_;
   std::int32_t field_;  // pixels between samples
   std::int32_t layer_ = 0;
+  std::vector<double> levels_;       // by layer: its height, in steps of the grid
   std::vector<Cell> cells_;          // with a dark rim
   std::vector<std::uint32_t> mark_;  // by cell: its index in new_, or the flood that reached it last
   std::vector<NewPixel> new_;

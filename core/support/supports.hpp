@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/engine/compensation.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/mask/pixel_map.hpp"
 #include "core/support/support_contact.hpp"
@@ -28,11 +29,18 @@ struct Supports {
   double volume_mm3 = 0;  // resin outside the models
 };
 
+// The layers and the contours of a print.
+struct PrintedLayers {
+  std::vector<Nanometers> thicknesses{};  // from the plate up; empty: not known
+  Compensation compensation{};
+};
+
 struct SupportRequest {
   std::vector<PlateModel> models;  // as they stand, already lifted by support_lift()
   DisplayGeometry display;         // the build area; no part of a support lies outside it
   SupportSettings settings;
   std::vector<PlateModel> carriers{};  // models that carry supports of their own, and get no others
+  PrintedLayers printed{};
 };
 
 }  // namespace contourd

@@ -29,7 +29,7 @@ Arrangement arranged(const PlateToHold& plate, Millimeters gap) {
 std::optional<Supports> supports_of(const PlateToHold& plate, const Arrangement& arrangement,
                                     const std::stop_token& stop) {
   const DisplayGeometry& display = plate.volume.display;
-  SupportRequest request{{}, display, plate.settings};
+  SupportRequest request{{}, display, plate.settings, {}, plate.printed};
   const std::vector<PlateModel> standing = stand_on_plate(plate.models, arrangement, display);
   plate.content.require_room_for_supports(standing, display);
   for (std::size_t i = 0; i < standing.size(); ++i)

@@ -31,6 +31,7 @@ struct PlateToHold {
   const BuildVolume& volume;
   const SupportSettings& settings;
   const JobContent& content;
+  const PrintedLayers& printed;
   Nanometers layer;  // the thinnest; the step in height of the search for collisions
 };
 // Arranges the models and generates their supports; nullopt if `stop` was requested. If no model needs

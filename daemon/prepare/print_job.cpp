@@ -82,6 +82,7 @@ class Preparation {
     drill();
     lift(stop);
     job_.plan.layers = choose_layers(settings_.ticket, printer_, models_, summary_);
+    count_layers(job_.plan, summary_);
     const std::optional<Arrangement> arrangement = place(stop);
     if (!arrangement) return std::nullopt;
     warn(growth_warning(models_, *arrangement, volume_, summary_.resin.compensation.growth));
@@ -152,8 +153,9 @@ class Preparation {
       return arrangement;
     }
     const auto start = SteadyClock::now();
+    const PrintedLayers printed{job_.plan.expected_layers, summary_.resin.compensation};
     std::optional<HeldPlate> held =
-        hold_plate({models_, volume_, summary_.resin.supports, content_, layer}, stop);
+        hold_plate({models_, volume_, summary_.resin.supports, content_, printed, layer}, stop);
     if (!held) return std::nullopt;
     summary_.supporting = SteadyClock::now() - start;
     warn(unheld_sentence(held->supports.unheld));
@@ -178,7 +180,6 @@ class Preparation {
   }
 
   void check_layers(const std::stop_token& stop) {
-    count_layers(job_.plan, summary_);
     refuse_costly_masks(*job_.plan.engine, job_.plan.expected_layers, printer_.mask_budget);
     const std::vector<Nanometers> heights = middles_of(job_.plan.expected_layers);
     check_holes(heights);

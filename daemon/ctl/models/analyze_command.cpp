@@ -104,7 +104,7 @@ AnalysisSubject subject_alone(const AnalyzeOptions& options, const PrintAlone& p
   SupportedModel supported = options.supports == "auto"
                                  ? support_model(made, {.display = display, .layer = print.layer_height})
                                  : lay_on_plate(made, PixelMap::true_scale(display, bounds.center()));
-  subject.model.layers = PrintLayers(layers_for(supported.model.top(), print.layer_height)).all();
+  subject.model.layers = print_layers(supported.model, print.layer_height, {}).all();
   if (subject.model.layers.empty()) {
     warnings.push_back(fmt::format(
         "the model is {:.6g} mm high, too thin for a layer: nothing would be printed", bounds.size_z()));

@@ -151,9 +151,10 @@ PixelMap map_for(const SliceOptions& options, const Bounds& bounds) {
 
 SupportedModel stand(const std::shared_ptr<const HeightIndex>& model, const SliceOptions& options) {
   if (!options.supports) return lay_on_plate(model, map_for(options, model->bounds()));
-  SupportingOptions supporting{.display = options.engine.display};
+  SupportingOptions supporting{.display = options.engine.display,
+                               .adaptive = options.adaptive,
+                               .compensation = options.engine.compensation};
   if (options.layer_height) supporting.layer = *options.layer_height;
-  if (options.adaptive) supporting.layer = options.adaptive->thickest;
   return support_model(model, supporting);
 }
 
@@ -236,9 +237,7 @@ int slice_at_height(const SliceOptions& options, const SupportedModel& supported
 
 // Returns the heights above the plate at which the layers are cut: their middles.
 std::vector<Nanometers> layer_middles(const SliceOptions& options, const StandingModel& model) {
-  const PrintLayers layers = options.adaptive ? PrintLayers({model}, *options.adaptive)
-                                              : PrintLayers(layers_for(model.top(), *options.layer_height));
-  return middles_of(layers.all());
+  return middles_of(print_layers(model, options.layer_height.value_or(Nanometers{}), options.adaptive).all());
 }
 
 struct MeasuredLayers {

@@ -48,6 +48,11 @@ ContourEngine SupportedModel::engine(const EngineSettings& settings) const {
   return {{model}, settings, supports ? supports->structure : nullptr};
 }
 
+PrintLayers print_layers(const StandingModel& model, Nanometers layer,
+                         const std::optional<AdaptiveLayers>& adaptive) {
+  return adaptive ? PrintLayers({model}, *adaptive) : PrintLayers(layers_for(model.top(), layer));
+}
+
 SupportedModel lay_on_plate(std::shared_ptr<const HeightIndex> model, const PixelMap& map) {
   return {.model = PlateModel{{std::move(model)}, {map}}};
 }
@@ -55,7 +60,9 @@ SupportedModel lay_on_plate(std::shared_ptr<const HeightIndex> model, const Pixe
 SupportedModel support_model(std::shared_ptr<const HeightIndex> model, const SupportingOptions& options) {
   const PixelMap map = PixelMap::true_scale(options.display, model->bounds().center());
   SupportSettings settings;
-  settings.closed_gap = closed_gap(kBottomLayers, options.layer);
+  const Nanometers thickest = options.adaptive ? options.adaptive->thickest : options.layer;
+  settings.closed_gap =
+      closed_gap(kBottomLayers, options.adaptive ? options.adaptive->thinnest : options.layer);
   SupportedModel supported = lay_on_plate(std::move(model), map);
   const bool low_enough = supported.model.top() <= kHighestSweep;
   supported.carries_supports = low_enough && carries_supports(supported.model.model, settings);
@@ -63,12 +70,14 @@ SupportedModel support_model(std::shared_ptr<const HeightIndex> model, const Sup
     supported.supports = Supports{};
     return supported;
   }
-  supported.model.elevation = Elevation(support_lift(*supported.model.model, settings, options.layer));
+  supported.model.elevation = Elevation(support_lift(*supported.model.model, settings, thickest));
   if (supported.model.top() > kHighestSweep) {
     throw ModelError(fmt::format("the model is {:.0f} mm high: supports are possible up to {:.0f} mm",
                                  supported.model.top().count(), kHighestSweep.count()));
   }
-  supported.supports = make_supports({{supported.model}, options.display, settings}).value();
+  const PrintedLayers printed{print_layers(supported.model, options.layer, options.adaptive).all(),
+                              options.compensation};
+  supported.supports = make_supports({{supported.model}, options.display, settings, {}, printed}).value();
   return supported;
 }
 

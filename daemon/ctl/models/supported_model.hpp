@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/engine/contour_engine.hpp"
+#include "core/layers/print_layers.hpp"
 #include "core/model/model.hpp"
 #include "core/routing/support_layout.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
@@ -36,12 +37,17 @@ struct SupportedModel {
 
 struct SupportingOptions {
   DisplayGeometry display;
-  Nanometers layer{50'000};  // the model is lifted by whole layers
+  Nanometers layer{50'000};                  // the model is lifted by whole layers
+  std::optional<AdaptiveLayers> adaptive{};  // instead of layers of one thickness
+  Compensation compensation{};
 };
 
 // Prepares a model with supports. Does not move it in x or y. Blocks: see make_supports().
 [[nodiscard]] SupportedModel support_model(std::shared_ptr<const HeightIndex> model,
                                            const SupportingOptions& options);
+// Returns the layers of a standing model: adaptive ones, or layers of one thickness.
+[[nodiscard]] PrintLayers print_layers(const StandingModel& model, Nanometers layer,
+                                       const std::optional<AdaptiveLayers>& adaptive);
 // Prepares a model without supports.
 [[nodiscard]] SupportedModel lay_on_plate(std::shared_ptr<const HeightIndex> model, const PixelMap& map);
 

@@ -294,6 +294,54 @@ TEST_CASE("An observer sees every layer from the plate to the models' top") {
     CHECK(observer.heights[i] == Nanometers{25'000 + 50'000 * static_cast<std::int64_t>(i)});
 }
 
+TEST_CASE("An island that only the print's layers cut is held") {
+  const auto model =
+      together(models::box({-2, -2, 0}, {2, 2, 1}), models::box({3, -1, 1.03F}, {5, 1, 1.07F}));
+  SupportRequest request = held_request(model, 0);
+  CHECK(contacts_of(request).empty());
+  request.printed.thicknesses.assign(60, Nanometers{20'000});
+  const auto contacts = contacts_of(request);
+  CHECK(count(contacts, ContactCause::Island) == contacts.size());
+  CHECK_FALSE(contacts.empty());
+  CHECK(all_at_height(contacts, 1.03));
+}
+
+TEST_CASE("A part whose neck the compensation closes is held, and one that it leaves is not") {
+  const auto model =
+      together({models::box({-2, -2, 0}, {2, 2, 1}), models::box({-0.08F, -0.08F, 1}, {0.08F, 0.08F, 2}),
+                models::box({-0.5F, -0.5F, 2}, {0.5F, 0.5F, 4})});
+  SupportRequest request = held_request(model, 0);
+  CHECK(contacts_of(request).empty());
+  request.printed.compensation.growth = Micrometers{-30.0};
+  CHECK(contacts_of(request).empty());
+  request.printed.compensation.growth = Micrometers{-100.0};
+  const auto contacts = contacts_of(request);
+  REQUIRE(contacts.size() == 1);
+  CHECK(contacts.front().cause == ContactCause::Island);
+  CHECK(all_at_height(contacts, 2));
+}
+
+TEST_CASE("An elephant's foot that erases the bottom of a wall leaves an island above the closed gap") {
+  const auto wall = models::box({-5, -0.1F, 0}, {5, 0.1F, 4});
+  SupportRequest request = held_request(wall, 0);
+  request.printed.compensation = {Micrometers{}, Micrometers{200.0}, Nanometers{2'000'000}};
+  const auto contacts = contacts_of(request);
+  REQUIRE_FALSE(contacts.empty());
+  CHECK(contacts.front().cause == ContactCause::Island);
+  request.printed.compensation.elephant_foot_height = Nanometers{400'000};
+  CHECK(contacts_of(request).empty());
+}
+
+TEST_CASE("An observer of layers of any thickness sees the material at equal steps") {
+  SupportRequest request = held_request(models::box({-2, -2, 0}, {2, 2, 0.18F}), 0);
+  request.printed.thicknesses = {Nanometers{100'000}, Nanometers{40'000}, Nanometers{40'000}};
+  testing::CountingObserver observer;
+  REQUIRE(find_overhangs(request, observer));
+  CHECK(observer.step == Nanometers{40'000});
+  CHECK(observer.heights ==
+        std::vector{Nanometers{20'000}, Nanometers{60'000}, Nanometers{100'000}, Nanometers{140'000}});
+}
+
 TEST_CASE("A sweep stops before the next layer on request") {
   class Stopper final : public LayerObserver {
    public:

@@ -17,7 +17,7 @@ TEST_CASE("A tip is moved inwards until all of it holds, and to the middle of a 
   LayerParts parts;
   parts.add_layer(lit, dark);
   Underside underside(grid);
-  underside.add_layer({lit, dark, parts}, {1, 1});
+  underside.add_layer({lit, dark, parts, grid.step / 2}, {1, 1});
   CHECK(underside.centered({100, 100}, 4) == SweepPixel{104, 104});
   CHECK(underside.centered({139, 115}, 4) == SweepPixel{135, 115});
   CHECK(underside.centered({120, 115}, 4) == SweepPixel{120, 115});

@@ -240,6 +240,20 @@ TEST_CASE_METHOD(PrintJobFixture,
   CHECK(contacts(R"({"supports": "auto"})") > 0);
 }
 
+TEST_CASE_METHOD(PrintJobFixture, "Supports hold the islands of the job's own layers and compensation") {
+  const auto islands = [this](const models::Facets& facets, const char* ticket) {
+    return counts_of(*prepare(facets, ticket).summary.supports).islands;
+  };
+  const auto plate = models::together(kCube, models::box({22, 5, 3.03F}, {24, 7, 3.07F}));
+  CHECK(islands(plate, R"({"supports": "auto"})") == 0);
+  CHECK(islands(plate, R"({"supports": "auto", "layer_height_um": 25})") > 0);
+  const auto necked = models::together({kCube, models::box({9.92F, 9.92F, 20}, {10.08F, 10.08F, 21}),
+                                        models::box({9.5F, 9.5F, 21}, {10.5F, 10.5F, 23})});
+  CHECK(islands(necked, R"({"supports": "auto"})") == 0);
+  resin.compensation.growth = Micrometers{-100.0};
+  CHECK(islands(necked, R"({"supports": "auto"})") == 1);
+}
+
 TEST_CASE_METHOD(PlateFixture,
                  "A model that carries supports gets no others, but its neighbour on the plate does") {
   models::Facets carrier = models::box({-6, -6, 5}, {6, 6, 8});
