@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/analysis/erased_parts.hpp"
 #include "core/analysis/unmet_parts.hpp"
 #include "core/contour/crack_survey.hpp"
 #include "daemon/prepare/mesh_repair_text.hpp"
@@ -176,6 +177,21 @@ void refuse_dark(const PlateModel& model, const std::string& name, const LightSe
       to_millimeters(search.settings.display.pixel_pitch).count(),
       std::max(search.least_grey, search.settings.tone.threshold), bounds.size_x(), bounds.size_y(),
       bounds.size_z(), model.holes ? " less its drain holes" : ""));
+}
+
+std::string erased_sentence(const std::vector<PlateModel>& models, const LightSearch& search,
+                            const std::stop_token& stop) {
+  const ErasedParts erased = find_erased_parts(
+      models, {search.settings, search.heights, search.least_grey, search.mask_budget}, stop);
+  if (!erased.largest) return "";
+  const ErasedPart& part = *erased.largest;
+  return fmt::format(
+      "the compensation moves outlines by {:.0f} um in layer {} and erases walls thinner than twice that: "
+      "nothing is left at {:.2f}, {:.2f} mm from the plate's centre ({:.3g} mm²){}; thicken the wall, or "
+      "reduce growth_um or elephant_foot_um",
+      search.settings.compensation.offset_at(search.heights[static_cast<std::size_t>(part.layer)]).count(),
+      part.layer + 1, part.plate_mm.x, part.plate_mm.y, part.area_mm2,
+      erased.count > 1 ? fmt::format(", and {} more", erased.count - 1) : "");
 }
 
 void refuse_cracks(const ModelToPlace& model, const PrintLayers& layers, const BuildVolume& volume) {

@@ -54,6 +54,11 @@ struct LightSearch {
 void refuse_dark(const PlateModel& model, const std::string& name, const LightSearch& search,
                  const std::stop_token& stop);
 
+// Returns a sentence if the compensation erases parts of layers whole, with the largest of them; empty if
+// not. Compares at most 200 layers.
+[[nodiscard]] std::string erased_sentence(const std::vector<PlateModel>& models, const LightSearch& search,
+                                          const std::stop_token& stop = {});
+
 // Throws JobRefused if any layer needs a guess to close its contours. Cuts all layers before the first one is
 // exposed, since even a guess in the last layer must not be printed.
 void refuse_cracks(const ModelToPlace& model, const PrintLayers& layers, const BuildVolume& volume);

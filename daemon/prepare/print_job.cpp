@@ -187,6 +187,8 @@ class Preparation {
                              summary_.resin.support.least_grey, printer_.mask_budget};
     for (std::size_t i = 0; i < models_.size(); ++i)
       refuse_dark(job_.plan.engine->models()[i], models_[i].name, search, stop);
+    const std::span<const PlateModel> models = job_.plan.engine->models();
+    warn(erased_sentence({models.begin(), models.end()}, search, stop));
     if (settings_.ticket.cracks != CrackPolicy::Refuse) return;
     for (std::size_t i = 0; i < models_.size(); ++i)
       if (content_.models()[i].made_as == i) refuse_cracks(models_[i], job_.plan.layers, volume_);

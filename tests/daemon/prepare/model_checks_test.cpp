@@ -111,6 +111,29 @@ TEST_CASE_METHOD(PrintJobFixture, "A model that lacks much of its surface has wi
   CHECK(prepare(holed).summary.wide_gaps.empty());
 }
 
+TEST_CASE_METHOD(PrintJobFixture, "A compensation that erases walls whole is told with the place") {
+  const auto walled = models::together(kCube, models::box({25, 0, 0}, {25.1F, 10, 5}));
+  const auto warnings = [&] { return prepare(walled).summary.warnings; };
+  CHECK(warnings().empty());
+  resin.compensation = {Micrometers{}, Micrometers{60.0}, Nanometers{400'000}};
+  CHECK(warnings() == std::vector<std::string>{
+                          "the compensation moves outlines by -56 um in layer 1 and erases walls thinner "
+                          "than twice that: nothing is left at 12.50, -5.00 mm from the plate's centre "
+                          "(1 mm²), and 2 more; thicken the wall, or reduce growth_um or "
+                          "elephant_foot_um"});
+  resin.compensation = {Micrometers{-60.0}, {}, {}};
+  REQUIRE(warnings().size() == 1);
+  CHECK(warnings().front().find("-60 um in layer 1 ") != std::string::npos);
+  resin.compensation = {Micrometers{60.0}, {}, {}};
+  CHECK(warnings().empty());
+}
+
+TEST_CASE_METHOD(PrintJobFixture, "A compensation that only shortens points erases nothing") {
+  resin.compensation.growth = Micrometers{-100.0};
+  const std::array<Point, 3> profile{{{0, 0}, {5, 5}, {0, 10}}};
+  CHECK(prepare(models::lathe(profile, 24)).summary.warnings.empty());
+}
+
 TEST_CASE_METHOD(PlateFixture, "A plate's warnings name the model") {
   models::Facets open = kCube;
   open.pop_back();
