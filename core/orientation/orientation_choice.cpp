@@ -196,7 +196,7 @@ class Choosing {
       if (may_be_chosen && score_of(at_best, request_.weights, worst_) < best)
         trial = try_orientation(facets_, figures, request_, stop_);
       if (stop_.stop_requested()) break;
-      if (figures.up == kAsDrawn && trial.tried && tips_hold(tips_as_drawn(), trial.contacts)) {
+      if (figures.up == kAsDrawn && trial.tried && carries_supports_as_drawn()) {
         choice.own_supports = true;
         trial.contacts = trial.support_mm3 = 0;  // the print adds none
       }
@@ -206,11 +206,12 @@ class Choosing {
     return choice;
   }
 
-  [[nodiscard]] std::size_t tips_as_drawn() const {
+  [[nodiscard]] bool carries_supports_as_drawn() const {
     std::vector<Facet> copy(facets_.begin(), facets_.end());
     orient(copy, {.scale = request_.scale});
     const auto model = std::make_shared<const HeightIndex>(std::move(copy));
-    return Millimeters{model->bounds().size_z()} <= kHighestSweep ? carried_tips(model, stop_) : 0;
+    return Millimeters{model->bounds().size_z()} <= kHighestSweep &&
+           carries_supports(model, request_.supports, stop_);
   }
 
   std::span<const Facet> facets_;

@@ -21,11 +21,15 @@ namespace {
 
 constexpr Nanometers kStep{100'000};
 constexpr std::size_t kFewestTips = 3;
+// Other programs place contacts farther apart than find_overhangs() does.
 constexpr double kContactsForTip = 8;
+// A tip holds the model around it up to this distance.
+constexpr double kTipReachMm = 10;
 constexpr double kWidestTipMm2 = 1;
-// A tip has at most this share of the area that its stem had in the last millimetre or two.
+// A tip has at most this share of the area that its stem had in the last centimetre, which is forgotten step
+// by step.
 constexpr double kPointed = 1 / 1.5;
-constexpr double kForgottenByStep = 0.95;
+constexpr double kForgottenByStep = 0.99;
 // The least ratio of the area of the held part to that of the tip.
 constexpr double kHeldPart = 10;
 // A foot begins at most this number of steps above the lowest one.
@@ -43,6 +47,7 @@ class TipCounter {
  public:
   TipCounter(const PlateModel& standing, const SweepGrid& grid)
       : engine_({standing}, {.display = grid.display, .anti_aliasing = AntiAliasing::Off}),
+        grid_(grid),
         widest_tip_(kWidestTipMm2 / (grid.pixel_mm() * grid.pixel_mm())) {
     lit_.extract(Mask(grid.display.width, grid.display.height));
   }
@@ -63,25 +68,30 @@ class TipCounter {
     rise();
     ++layer_;
   }
-  [[nodiscard]] std::size_t tips() const { return tips_; }
+  [[nodiscard]] const std::vector<PlatePoint>& tips() const { return tips_; }
 
  private:
   // A part and a part that rests on it.
   struct Joint {
     std::uint32_t lower, upper;
-    auto operator<=>(const Joint&) const = default;
+    SweepPixel at;  // a pixel of both
+    [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> parts() const { return {lower, upper}; }
   };
 
   void find_joints() {
     joints_.clear();
     for (std::int32_t row = 0; row < lit_.rows(); ++row) {
       for_each_meeting(lit_.in_row(row), beneath_.in_row(row), 0, [&](std::size_t upper, std::size_t lower) {
+        const std::int32_t column =
+            std::max(lit_.in_row(row)[upper].first, beneath_.in_row(row)[lower].first);
         joints_.push_back({part_of_run_beneath_[beneath_.first_in_row(row) + lower],
-                           parts_.part_of_run()[lit_.first_in_row(row) + upper]});
+                           parts_.part_of_run()[lit_.first_in_row(row) + upper],
+                           {column, row}});
       });
     }
-    std::ranges::sort(joints_);
-    joints_.erase(std::unique(joints_.begin(), joints_.end()), joints_.end());
+    std::ranges::sort(joints_, {}, &Joint::parts);
+    const auto repeated = std::ranges::unique(joints_, {}, &Joint::parts);
+    joints_.erase(repeated.begin(), repeated.end());
     for (const Joint& joint : joints_)
       ++stems_beneath_[joint.lower].branches;
   }
@@ -99,11 +109,17 @@ class TipCounter {
       const Stem& upper = stems_[joint.upper];
       if (lower.stands && lower.pixels <= widest_tip_ && lower.pixels <= kPointed * lower.widest &&
           upper.pixels >= kHeldPart * lower.pixels)
-        ++tips_;
+        tips_.push_back(place_of(joint.at));
     }
   }
 
+  [[nodiscard]] PlatePoint place_of(SweepPixel pixel) const {
+    const Point place = grid_.place_of(pixel);
+    return {place.x, place.y, to_millimeters(kStep).count() * layer_};
+  }
+
   ContourEngine engine_;
+  SweepGrid grid_;
   double widest_tip_;  // in pixels
   LayerParts parts_;
   MaskRuns lit_, beneath_;
@@ -111,7 +127,7 @@ class TipCounter {
   std::vector<Stem> stems_, stems_beneath_;
   std::vector<Joint> joints_;
   int layer_ = 0;
-  std::size_t tips_ = 0;
+  std::vector<PlatePoint> tips_;
 };
 
 // True if sections near the plate have several slender parts.
@@ -148,16 +164,21 @@ DisplayGeometry area_around(const Bounds& bounds) {
   return area;
 }
 
-PlateModel standing_in(const DisplayGeometry& area, const std::shared_ptr<const HeightIndex>& model) {
-  return {{model}, {PixelMap::true_scale(area, model->bounds().center())}};
-}
-
-std::size_t tips_of(const PlateModel& standing, const DisplayGeometry& area, const std::stop_token& stop) {
+std::vector<PlatePoint> tips_of(const PlateModel& standing, const DisplayGeometry& area,
+                                const std::stop_token& stop) {
   TipCounter tips(standing, sweep_grid(area));
   const double layers = standing.model->bounds().size_z() / to_millimeters(kStep).count();
   for (int layer = 0; layer < layers && !stop.stop_requested(); ++layer)
     tips.add_layer();
   return tips.tips();
+}
+
+// True if the tips hold the place: nothing floats there, and one of them is near.
+bool is_held(const SupportContact& contact, const std::vector<PlatePoint>& tips) {
+  return contact.cause != ContactCause::Island &&
+         std::ranges::any_of(tips, [&place = contact.place](const PlatePoint& tip) {
+           return std::hypot(tip.x - place.x, tip.y - place.y, tip.z - place.z) <= kTipReachMm;
+         });
 }
 
 class NoObserver final : public LayerObserver {
@@ -168,28 +189,21 @@ class NoObserver final : public LayerObserver {
 
 }  // namespace
 
-std::size_t carried_tips(const std::shared_ptr<const HeightIndex>& model, const std::stop_token& stop) {
-  expects(model != nullptr && Millimeters{model->bounds().size_z()} <= kHighestSweep,
-          "the model is there and no higher than can be swept");
-  if (model->bounds().empty() || !has_slender_parts(*model)) return 0;
-  const DisplayGeometry area = area_around(model->bounds());
-  const std::size_t tips = tips_of(standing_in(area, model), area, stop);
-  return tips < kFewestTips ? 0 : tips;
-}
-
-bool tips_hold(std::size_t tips, double contacts) {
-  return tips > 0 && contacts <= kContactsForTip * static_cast<double>(tips);
-}
-
 bool carries_supports(const std::shared_ptr<const HeightIndex>& model, const SupportSettings& settings,
                       const std::stop_token& stop) {
-  const std::size_t tips = carried_tips(model, stop);
-  if (tips == 0) return false;
+  expects(model != nullptr && Millimeters{model->bounds().size_z()} <= kHighestSweep,
+          "the model is there and no higher than can be swept");
+  if (model->bounds().empty() || !has_slender_parts(*model)) return false;
   const DisplayGeometry area = area_around(model->bounds());
+  const PlateModel standing{{model}, {PixelMap::true_scale(area, model->bounds().center())}};
+  const std::vector<PlatePoint> tips = tips_of(standing, area, stop);
+  if (tips.size() < kFewestTips) return false;
   NoObserver none;
-  const std::optional<HeldPlaces> places =
-      find_overhangs({{standing_in(area, model)}, area, settings}, none, stop);
-  return places && tips_hold(tips, static_cast<double>(places->contacts.size()));
+  const std::optional<HeldPlaces> places = find_overhangs({{standing}, area, settings}, none, stop);
+  return places &&
+         static_cast<double>(places->contacts.size()) <= kContactsForTip * static_cast<double>(tips.size()) &&
+         std::ranges::all_of(places->contacts,
+                             [&](const SupportContact& contact) { return is_held(contact, tips); });
 }
 
 }  // namespace contourd
