@@ -9,6 +9,7 @@
 #include "core/clearance/clearance_field.hpp"
 #include "core/clearance/support_path_field.hpp"
 #include "core/overhangs/overhang_sweep.hpp"
+#include "core/routing/missed_islands.hpp"
 #include "core/routing/support_loads.hpp"
 #include "core/routing/support_routing.hpp"
 #include "core/routing/support_solids.hpp"
@@ -209,18 +210,30 @@ std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts, c
 
 std::optional<Supports> make_supports(const SupportRequest& request, const std::stop_token& stop) {
   if (request.models.empty()) return Supports{};
-  LitLayers layers;
+  LitLayers layers, all_layers;
   std::optional<HeldPlaces> places = find_overhangs(request, layers, stop);
   if (!places) return std::nullopt;
-  const auto lay_out = [&](const LitLayers& obstacles) {
-    return lay_out_supports(std::move(places->contacts), obstacles, request.display, request.settings, stop);
+  if (!request.carriers.empty()) {
+    SupportRequest everything = request;
+    everything.models.insert(everything.models.end(), request.carriers.begin(), request.carriers.end());
+    if (!find_overhangs(everything, all_layers, stop)) return std::nullopt;
+  }
+  const auto lay_out = [&] {
+    return lay_out_supports(places->contacts, request.carriers.empty() ? layers : all_layers, request.display,
+                            request.settings, stop);
   };
-  if (request.carriers.empty() || places->contacts.empty()) return lay_out(layers);
-  SupportRequest everything = request;
-  everything.models.insert(everything.models.end(), request.carriers.begin(), request.carriers.end());
-  LitLayers all_layers;
-  if (!find_overhangs(everything, all_layers, stop)) return std::nullopt;
-  return lay_out(all_layers);
+  std::optional<Supports> supports = lay_out();
+  if (!supports) return std::nullopt;
+  const std::vector<SupportContact> missed = missed_islands(request, *supports, stop);
+  if (!missed.empty()) {
+    places->contacts.insert(places->contacts.end(), missed.begin(), missed.end());
+    supports = lay_out();
+    if (!supports) return std::nullopt;
+    for (const SupportContact& contact : missed_islands(request, *supports, stop))
+      supports->unheld.push_back({contact, "no support reaches its first layer"});
+  }
+  if (stop.stop_requested()) return std::nullopt;
+  return supports;
 }
 
 }  // namespace contourd

@@ -29,10 +29,12 @@ struct Supports {
   double volume_mm3 = 0;  // resin outside the models
 };
 
-// The layers and the contours of a print.
+// The masks of a print.
 struct PrintedLayers {
   std::vector<Nanometers> thicknesses{};  // from the plate up; empty: not known
   Compensation compensation{};
+  AntiAliasing anti_aliasing = AntiAliasing::On;
+  std::uint8_t least_grey = 64;  // lowest grey value that carries the next layer
 };
 
 struct SupportRequest {

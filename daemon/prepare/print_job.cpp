@@ -153,7 +153,9 @@ class Preparation {
       return arrangement;
     }
     const auto start = SteadyClock::now();
-    const PrintedLayers printed{job_.plan.expected_layers, summary_.resin.compensation};
+    const PrintedLayers printed{job_.plan.expected_layers, summary_.resin.compensation,
+                                printer_.anti_aliasing ? AntiAliasing::On : AntiAliasing::Off,
+                                std::max(summary_.resin.support.least_grey, printer_.tone.threshold)};
     std::optional<HeldPlate> held =
         hold_plate({models_, volume_, summary_.resin.supports, content_, printed, layer}, stop);
     if (!held) return std::nullopt;

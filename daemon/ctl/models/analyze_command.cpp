@@ -102,7 +102,9 @@ AnalysisSubject subject_alone(const AnalyzeOptions& options, const PrintAlone& p
   const Bounds bounds = made->bounds();
   const DisplayGeometry& display = print.engine.display;
   SupportedModel supported = options.supports == "auto"
-                                 ? support_model(made, {.display = display, .layer = print.layer_height})
+                                 ? support_model(made, {.display = display,
+                                                        .layer = print.layer_height,
+                                                        .anti_aliasing = print.engine.anti_aliasing})
                                  : lay_on_plate(made, PixelMap::true_scale(display, bounds.center()));
   subject.model.layers = print_layers(supported.model, print.layer_height, {}).all();
   if (subject.model.layers.empty()) {

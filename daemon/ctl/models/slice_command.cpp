@@ -153,7 +153,9 @@ SupportedModel stand(const std::shared_ptr<const HeightIndex>& model, const Slic
   if (!options.supports) return lay_on_plate(model, map_for(options, model->bounds()));
   SupportingOptions supporting{.display = options.engine.display,
                                .adaptive = options.adaptive,
-                               .compensation = options.engine.compensation};
+                               .compensation = options.engine.compensation,
+                               .anti_aliasing = options.engine.anti_aliasing,
+                               .threshold = options.engine.tone.threshold};
   if (options.layer_height) supporting.layer = *options.layer_height;
   return support_model(model, supporting);
 }

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "core/analysis/print_analysis.hpp"
 #include "core/model/placement.hpp"
 #include "core/overhangs/carried_supports.hpp"
 #include "core/overhangs/overhang_sweep.hpp"
@@ -76,7 +78,8 @@ SupportedModel support_model(std::shared_ptr<const HeightIndex> model, const Sup
                                  supported.model.top().count(), kHighestSweep.count()));
   }
   const PrintedLayers printed{print_layers(supported.model, options.layer, options.adaptive).all(),
-                              options.compensation};
+                              options.compensation, options.anti_aliasing,
+                              std::max(CarryingSupport{}.least_grey, options.threshold)};
   supported.supports = make_supports({{supported.model}, options.display, settings, {}, printed}).value();
   return supported;
 }

@@ -40,6 +40,8 @@ struct SupportingOptions {
   Nanometers layer{50'000};                  // the model is lifted by whole layers
   std::optional<AdaptiveLayers> adaptive{};  // instead of layers of one thickness
   Compensation compensation{};
+  AntiAliasing anti_aliasing = AntiAliasing::On;
+  std::uint8_t threshold = 0;
 };
 
 // Prepares a model with supports. Does not move it in x or y. Blocks: see make_supports().
