@@ -292,8 +292,9 @@ class Masks(FolderTest):
             self.assertEqual((right - left, bottom - top), (380 - 40 * number, 200), number)
             self.assertEqual(left, 760)  # the upright side does not move
 
-    def test_the_layers_reach_the_top(self):
-        self.assertEqual(len(self.masks(box((0, 0, 0), (5, 5, 10.2)), 1000, "--display", "128x128")), 11)
+    def test_the_last_layer_is_the_last_one_that_is_cut_below_the_top(self):
+        for height, layers in ((10.2, 10), (10.6, 11)):
+            self.assertEqual(len(self.masks(box((0, 0, 0), (5, 5, height)), 1000, "--display", "128x128")), layers)
 
     def test_a_pixel_that_is_covered_partly_is_grey(self):
         # 20.025 mm are 400.5 pixels: a quarter of a pixel on each side.

@@ -15,7 +15,8 @@ class ControlFixture : public CurrentJobFixture {
   FakeChecks checks;
   FakeQueueObserver queue_observer;
   PrintQueue queue{config, checks, queue_observer, log.log};
-  JobScheduler scheduler{context, spool, spool, queue, hold, use};
+  BlockingClaims claims{spool};
+  JobScheduler scheduler{context, spool, claims, queue, hold, use};
   JobHistory history;
   ManualProcess manual{machine, clock, [] {}};
   ReminderConfig reminder_config;

@@ -286,7 +286,7 @@ TEST_CASE_METHOD(
   CHECK(prepare(inches, R"({"scale": 1.5})").summary.warnings.empty());
   CHECK(prepare(inches, R"({"fit": true})").summary.warnings.empty());
   const std::string metres = refusal_of(models::box({0, 0, 0}, {0.04F, 0.03F, 0.02F}));
-  CHECK(has(metres, "nothing of the model would be printed"));
+  CHECK(has(metres, "the model is 0.02 mm high, too thin for a layer"));
   CHECK(
       has(metres,
           "; the model measures 0.04 x 0.03 x 0.02 mm if it is drawn in millimetres: in metres, the model"));

@@ -38,8 +38,8 @@ TEST_CASE("The description reports touched surfaces and a model that does not fi
   figures.touched_mm2 = 12;
   figures.fits = false;
   CHECK(describe(figures) ==
-        "about 2 contacts, 0.00 ml of supports, 0.00 mm high, largest layer 0 mm², 12 mm² of the surfaces to "
-        "be kept clean are touched, does not fit into the machine");
+        "about 2 contacts, 0.00 ml of supports, 0.00 mm high, largest layer 0 mm², touches 12 mm² of the "
+        "surfaces to be kept clean, does not fit into the machine");
 }
 
 TEST_CASE("The description and the report say that a model carries supports in its file") {
