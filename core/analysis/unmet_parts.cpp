@@ -120,9 +120,9 @@ class PartFinder {
     const auto first = std::ranges::find_if(pixels, [](std::uint8_t grey) { return grey > 0; });
     if (first == pixels.end()) return std::nullopt;
     const auto at = static_cast<std::int64_t>(first - pixels.begin());
-    const std::int32_t width = mask.width().count();
+    const std::int64_t width = mask.width().count(), row = at / width, column = at % width;
     const double pitch_mm = to_millimeters(display_.pixel_pitch).count();
-    const PixelPoint pixel{static_cast<double>(at % width) + 0.5, static_cast<double>(at / width) + 0.5};
+    const PixelPoint pixel{static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5};
     return UnmetPart{height, {}, mask.lit_area() * pitch_mm * pitch_mm, on_plate(display_, pixel)};
   }
 

@@ -90,8 +90,8 @@ class TipCounter {
       });
     }
     std::ranges::sort(joints_, {}, &Joint::parts);
-    const auto repeated = std::ranges::unique(joints_, {}, &Joint::parts);
-    joints_.erase(repeated.begin(), repeated.end());
+    const auto are_same = [](const Joint& a, const Joint& b) { return a.parts() == b.parts(); };
+    joints_.erase(std::unique(joints_.begin(), joints_.end(), are_same), joints_.end());
     for (const Joint& joint : joints_)
       ++stems_beneath_[joint.lower].branches;
   }
