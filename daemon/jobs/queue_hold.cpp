@@ -50,9 +50,12 @@ void QueueHold::adopt_left_jobs(const std::function<bool(const JobFiles&)>& ende
 void QueueHold::adopt(const JobFiles& files, bool ended_in_reading) {
   const JobEnd end = end_of_left(files.name, ended_in_reading);
   unfiled_.add_left(files, end);
-  if (end.kind == JobEnd::Kind::Refused)
-    return context_.log.error("refused", fmt::format("{}: {}", printable(files.name), printable(end.reason)),
+  if (end.kind == JobEnd::Kind::Refused) {
+    const bool failed = end.outcome == name_of(PrintOutcome::Failed);
+    return context_.log.write(failed ? LogLevel::Error : LogLevel::Info, "refused",
+                              fmt::format("{}: {}", printable(files.name), printable(end.reason)),
                               job_fields(files.name));
+  }
   const bool interrupted = end.kind == JobEnd::Kind::Interrupted;
   const std::string how =
       interrupted ? "contourd stopped before this print ended"

@@ -162,6 +162,18 @@ TEST_CASE("A print that ended but was not filed is filed by its end, and holds t
     CHECK(fixture.log.has("error: part: no model"));
     CHECK_FALSE(fixture.hold->reason());
   }
+  SECTION("cancelled before it began") {
+    fixture.spool.ends().add({.key = 1,
+                              .job = "part",
+                              .outcome = "cancelled",
+                              .reason = "cancelled before it started",
+                              .kind = JobEnd::Kind::Refused});
+    fixture.adopt_left_jobs();
+    REQUIRE(fixture.run({}));
+    CHECK(fixture.has("failed/part.stl"));
+    CHECK(fixture.log.has("info: part: cancelled before it started"));
+    CHECK_FALSE(fixture.hold->reason());
+  }
   CHECK_FALSE(fixture.hold->plate_occupant());
 }
 
