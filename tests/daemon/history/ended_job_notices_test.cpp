@@ -58,7 +58,7 @@ class EndedJobNoticesFixture {
   }
   void end(const std::string& job) {
     EndedJob ended{.name = job, .outcome = "done", .reason = ""};
-    ended.key = ++key;
+    ended.key = ++last_key;
     notices->add(ended);
   }
   void end(int count) {
@@ -71,7 +71,7 @@ class EndedJobNoticesFixture {
   fs::path path = folder.path() / "ended.socket";
   EventLoop loop;
   testing::LogText log{loop};
-  std::int64_t key = 0;
+  std::int64_t last_key = 0;
   std::vector<std::int64_t> sent;  // keys of jobs
   std::optional<EndedJobNotices> notices;
 };
