@@ -39,7 +39,7 @@ SupportSettings scaled(SupportSettings settings, double scale) {
        {&SupportSettings::tip_diameter, &SupportSettings::tip_depth, &SupportSettings::tip_length,
         &SupportSettings::pillar_diameter, &SupportSettings::foot_diameter, &SupportSettings::foot_height,
         &SupportSettings::clearance, &SupportSettings::lift, &SupportSettings::bridge,
-        &SupportSettings::spacing})
+        &SupportSettings::spacing, &SupportSettings::closed_gap})
     settings.*length = settings.*length * scale;
   settings.tip_holds_mm2 *= scale * scale;
   return settings;
@@ -127,7 +127,10 @@ OrientationFigures try_orientation(std::span<const Facet> facets, const Orientat
       find_overhangs({{model.model}, model.display, settings}, observer, stop);
   if (!held) return trial;
   trial.tried = true;
-  trial.stands = support_lift(*model.model.model, SupportSettings{}, kLayer) == Nanometers{};
+  // Without supports the lift is 0, whether the model stands or not.
+  SupportSettings lifting;
+  lifting.closed_gap = settings.closed_gap;
+  trial.stands = support_lift(*model.model.model, lifting, kLayer) == Nanometers{};
   trial.largest_mm2 = observer.largest_mm2();
   trial.contacts = static_cast<double>(held->contacts.size());
   trial.support_mm3 = 0;

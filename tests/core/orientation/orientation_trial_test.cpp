@@ -49,6 +49,16 @@ TEST_CASE("Scale applies to a trial") {
                  400) < 5);
 }
 
+TEST_CASE(
+    "A model whose base rises beyond the closed gap does not stand, however small its trial's scale is") {
+  for (const float height_mm : {20.0F, 200.0F}) {
+    INFO(height_mm);
+    models::Facets tilted = models::box({0, 0, 0}, {20, 20, height_mm});
+    orient(tilted, {.y_deg = 2});  // the base rises by 0.7 mm
+    CHECK_FALSE(tried(tilted).stands);
+  }
+}
+
 TEST_CASE("A soup of facets that cross each other is not tried") {
   models::Facets soup;
   for (int i = 0; i < 3000; ++i) {
