@@ -28,7 +28,7 @@ struct SupportSettings {
   Millimeters spacing{3.2};     // between contacts below a horizontal surface
   double tip_holds_mm2 = 11.1;  // area of a layer that one tip holds when the layer is peeled off
 
-  // Of the print, not of the resin: what begins with a smaller gap above the plate rests on the plate.
+  // Largest gap above the plate that the bottom layers close. The print sets it, not the resin.
   Millimeters closed_gap{0.25};
 
   bool operator==(const SupportSettings&) const = default;

@@ -111,7 +111,7 @@ TEST_CASE_METHOD(PrintJobFixture, "A model that lacks much of its surface has wi
   CHECK(prepare(holed).summary.wide_gaps.empty());
 }
 
-TEST_CASE_METHOD(PrintJobFixture, "A compensation that erases walls whole is told with the place") {
+TEST_CASE_METHOD(PrintJobFixture, "A compensation that erases walls whole is reported with its place") {
   const auto walled = models::together(kCube, models::box({25, 0, 0}, {25.1F, 10, 5}));
   const auto warnings = [&] { return prepare(walled).summary.warnings; };
   CHECK(warnings().empty());
