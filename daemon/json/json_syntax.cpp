@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "core/contract/expects.hpp"
 #include "daemon/system/utf_8.hpp"
 
 namespace contourd {
@@ -156,7 +155,9 @@ bool SyntaxCheck::parse_error(std::size_t position, const std::string& token,
 }  // namespace
 
 std::vector<Violation> check_json_syntax(std::string_view text, const std::string& file) {
-  expects(!text.starts_with("\xEF\xBB\xBF"), "there is no byte order mark");
+  if (text.starts_with("\xEF\xBB\xBF")) {  // The parser would skip this one without counting its columns.
+    throw ConfigError({{file, "", place(text, 0) + ": there is a second byte order mark"}});
+  }
   if (const auto offset = first_invalid_utf_8(text)) {
     throw ConfigError({{file, "", place(text, *offset) + ": this is not UTF-8 text"}});
   }

@@ -3,7 +3,6 @@
 #include "daemon/config/plausibility.hpp"
 #include "daemon/config/resin_profile.hpp"
 #include "daemon/json/config_error.hpp"
-#include "daemon/json/json_syntax.hpp"
 #include "daemon/system/utf_8.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
@@ -11,12 +10,6 @@
 TEST_CASE("A ConfigError has at least one violation") {
   CHECK(contract_broken_by([] { ConfigError(std::vector<Violation>{}); }) ==
         "there is at least one violation");
-}
-
-TEST_CASE("The JSON syntax check requires text without a byte order mark") {
-  CHECK(contract_broken_by([] { (void)check_json_syntax("{}", "a.json"); }).empty());
-  CHECK(contract_broken_by([] { (void)check_json_syntax("\xEF\xBB\xBF{}", "a.json"); }) ==
-        "there is no byte order mark");
 }
 
 TEST_CASE("A code point is of exactly one character") {

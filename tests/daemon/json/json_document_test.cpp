@@ -101,6 +101,13 @@ TEST_CASE("a byte order mark is skipped and not counted as a column") {
   CHECK(syntax_complaints("\xff\xfe{\0}\0").size() == 1);  // UTF-16
 }
 
+TEST_CASE("a second byte order mark is refused, a third one too") {
+  for (const std::string marks : {"\xef\xbb\xbf\xef\xbb\xbf", "\xef\xbb\xbf\xef\xbb\xbf\xef\xbb\xbf"})
+    CHECK(syntax_complaints(marks + "{\"a\": 1}") ==
+          Complaints{"line 1, column 1: there is a second byte order mark"});
+  CHECK(syntax_complaints("\xef\xbb\xbf") == syntax_complaints(""));
+}
+
 TEST_CASE("a text that is not UTF-8 is refused at its first invalid byte") {
   CHECK(syntax_complaints("{\n\"a\": \"x\xff\"}") == Complaints{"line 2, column 8: this is not UTF-8 text"});
   // A lone continuation byte, overlong forms, a surrogate, code points beyond U+10FFFF, truncated characters.
