@@ -135,12 +135,12 @@ def _what_was_told(job, item, cut):
 
 
 def _recorded_outcome(name, cut):
-    """Returns how the print of a job in printing/ ended, by daemon/spool/job_ends.cpp."""
+    """Returns how a job in printing/ ended, by daemon/spool/job_ends.cpp: a print's outcome, "refused", or None."""
     fields = cut.found.get("state/ended-jobs", b"").decode().split("\0")
     for at in range(0, len(fields) - 9, 10):
         _, job, outcome, _, _, kind, file, _, _, consumers = fields[at : at + 10]
         if job == name and kind != "interrupted" and not file and "f" in consumers:
-            return outcome
+            return "refused" if kind == "refused" else outcome
     return None
 
 

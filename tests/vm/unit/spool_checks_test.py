@@ -125,6 +125,12 @@ class SpoolChecksTest(unittest.TestCase):
         self.assertEqual(broken([TICKETED], "", found, lying(TICKETED, "done")), [])
         self.assert_told("went to", [TICKETED], "", found, failed(TICKETED), status={"held": "check the printer"})
 
+    def test_a_refused_job_need_not_hold_the_queue_but_a_failed_print_does(self):
+        found = lying(BROKEN, "printing")
+        ended = b"1\0broken\0failed\0line 2\x000\0%s\0\0\x000\0fhn\0"
+        self.assertEqual(broken([BROKEN], "", found | {"state/ended-jobs": ended % b"refused"}, failed(BROKEN, b"line 2")), [])
+        self.assert_told("not held", [BROKEN], "", found | {"state/ended-jobs": ended % b"printed"}, failed(BROKEN, b"line 2"))
+
     def test_files_that_belong_to_no_job_are_found(self):
         for path in ("spool/failed/broken.reason.txt", "spool/done/.contourd-0.new", "spool/printing/.copies/a", "state/x"):
             self.assert_told(f"{path} belongs", [BROKEN], "", {}, {path: b""})
