@@ -21,6 +21,9 @@ constexpr std::string_view kLetters = "fhn";
 // The names of JobEnd::Kind.
 constexpr std::array<std::string_view, 3> kKinds{"printed", "refused", "interrupted"};
 constexpr std::size_t kLongestReason = 1'000;  // bytes
+// The latest time that the clock can represent.
+constexpr std::int64_t kLatestMs =
+    std::chrono::duration_cast<milliseconds>(system_clock::duration::max()).count();
 
 // The fields of an end in the record.
 enum Field : std::size_t {
@@ -41,6 +44,14 @@ char letter_of(EndConsumer consumer) {
   return kLetters[static_cast<std::size_t>(consumer)];
 }
 
+// Returns the reason as the record has it: without NULs, which end a field, and shortened once, so that each
+// process reads and writes the same text.
+std::string recorded_reason(std::string reason) {
+  constexpr std::size_t kNote = 40;  // bytes for the note about the rest
+  std::erase(reason, '\0');
+  return reason.size() <= kLongestReason ? reason : shortened(reason, kLongestReason - kNote);
+}
+
 void append_fields(const JobEndRecord::Pending& pending, std::vector<std::string>& texts) {
   const JobEnd& end = pending.end;
   const std::int64_t ended_ms =
@@ -48,11 +59,10 @@ void append_fields(const JobEndRecord::Pending& pending, std::vector<std::string
   std::string consumers;
   for (const EndConsumer consumer : pending.consumers)
     consumers += letter_of(consumer);
-  std::string reason = shortened(end.reason, kLongestReason);
-  std::erase(reason, '\0');  // it ends a field
-  texts.insert(texts.end(), {std::to_string(end.key), end.job, end.outcome, reason, std::to_string(ended_ms),
-                             std::string(kKinds[static_cast<std::size_t>(end.kind)]), end.file, end.mark,
-                             std::to_string(end.changed_ns), consumers});
+  texts.insert(texts.end(),
+               {std::to_string(end.key), end.job, end.outcome, recorded_reason(end.reason),
+                std::to_string(ended_ms), std::string(kKinds[static_cast<std::size_t>(end.kind)]), end.file,
+                end.mark, std::to_string(end.changed_ns), consumers});
 }
 
 std::optional<std::int64_t> integer_in(const std::string& text) {
@@ -72,14 +82,14 @@ std::optional<JobEndRecord::Pending> pending_in(std::span<const std::string> fie
                                     changed_ns = integer_in(fields[ChangedNs]);
   const std::string& outcome = fields[Outcome];
   const auto kind = std::ranges::find(kKinds, fields[Kind]);
-  if (!key || *key == 0 || !ended_ms || !changed_ns || kind == kKinds.end() || fields[Job].empty() ||
-      !is_file_name(fields[Job]) || !is_file_name(fields[File]) ||
-      (outcome != "done" && outcome != "cancelled" && outcome != "failed"))
+  if (!key || *key == 0 || !ended_ms || *ended_ms < 0 || *ended_ms > kLatestMs || !changed_ns ||
+      kind == kKinds.end() || fields[Job].empty() || !is_file_name(fields[Job]) ||
+      !is_file_name(fields[File]) || (outcome != "done" && outcome != "cancelled" && outcome != "failed"))
     return std::nullopt;
   JobEndRecord::Pending pending{{.key = *key,
                                  .job = fields[Job],
                                  .outcome = outcome,
-                                 .reason = fields[Reason],
+                                 .reason = recorded_reason(fields[Reason]),
                                  .ended = system_clock::time_point(milliseconds(*ended_ms)),
                                  .kind = static_cast<JobEnd::Kind>(kind - kKinds.begin()),
                                  .file = fields[File],

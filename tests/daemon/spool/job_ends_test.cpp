@@ -104,6 +104,18 @@ TEST_CASE("An end survives a restart until every consumer has it") {
   CHECK_FALSE(fs::exists(fixture.file));
 }
 
+TEST_CASE("A long reason is shortened once, however many processes read and write it") {
+  JobEndsFixture fixture;
+  JobEnd end = kDone;
+  end.reason = std::string(2000, 'a');
+  fixture.ends.add(end);
+  const std::string first = fixture.next().pending().at(0).end.reason;
+  CHECK(first == std::string(960, 'a') + "... (1040 bytes more)");
+  JobEndRecord next = fixture.next();
+  next.add({.key = 2, .job = "other", .outcome = "done"});
+  CHECK(fixture.next().pending().at(0).end.reason == first);
+}
+
 TEST_CASE("An end that the disk does not accept is written with the next one") {
   JobEndsFixture fixture;
   fixture.obstruct();
@@ -163,6 +175,9 @@ TEST_CASE("A damaged record gives only the ends that are valid") {
   for (const std::string job : {"", "..", "a/b"})
     CHECK(read(1, job) == 1);
   CHECK(read(2, "splendid") == 1);
+  CHECK(read(4, "9223372036854") == 2);
+  for (const std::string ended_ms : {"-1", "9223372036855"})
+    CHECK(read(4, ended_ms) == 1);
   fixture.records.keep_job_ends({fields.begin(), fields.begin() + static_cast<std::ptrdiff_t>(size + 1)});
   CHECK(fixture.next().pending().size() == 1);
 }
