@@ -42,7 +42,7 @@ models::Facets facets_of(std::string_view name) {
   if (name == "needle.stl") return models::box({0, 0, 0}, {0.01F, 0.01F, 6});
   if (name == "tiny.stl") return models::box({0, 0, 0}, {0.002F, 0.001F, 0.003F});
   models::Dice dice(1);
-  if (name == "soup.stl") return models::soup(30, 2, dice);
+  if (name == "soup.stl") return models::soup(8, 2, dice);
   models::Facets facets = name == "cracked.stl" ? models::sphere(1.5, 6) : box;
   if (name == "cracked.stl") models::drop_facets(facets, 0.05, dice);
   if (name == "far.stl") models::translate(facets, 0, 4e6F, 0);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "tests/fuzz/mask_input.hpp"
+#include "tests/fuzz/odd_json.hpp"
 #include "tests/models/damage.hpp"
 
 namespace {
@@ -41,6 +42,18 @@ models::Facets extremes() {
           {{Vertex{1, 2, 3}, Vertex{1, 2, 3}, Vertex{-0.0F, 1e38F, 3}}}};
 }
 
+// Writes a sound ASCII file with each odd number in place of one of its coordinates.
+void write_odd_numbers(const fs::path& folder, const std::string& sound) {
+  int number = 0;
+  std::size_t place = sound.find("vertex ");
+  for (const char* odd : {"nan", "-nan(ind)", "inf", "-infinity", "1.#INF", "1e999", "1e-999", "1e39", "-0",
+                          "1e", "+-1", "0x1p3", "1,5", "", "1 2"}) {
+    write(folder / ("ascii_number" + std::to_string(number++)),
+          sound.substr(0, place + 7) + odd + sound.substr(sound.find(' ', place + 7)));
+    place = sound.find("vertex ", place + 1);
+  }
+}
+
 void write_model_inputs(const fs::path& folder) {
   const models::Facets box = models::box({0, 0, 0}, {1, 2, 3});
   const std::string text = models::to_ascii_stl(box);
@@ -48,6 +61,7 @@ void write_model_inputs(const fs::path& folder) {
   write(folder / "none.stl", models::to_binary_stl({}));
   write(folder / "extremes.stl", models::to_binary_stl(extremes()));
   write(folder / "ascii.stl", text);
+  write_odd_numbers(folder, text);
   write(folder / "ascii_extremes.stl", models::to_ascii_stl(extremes()));
   write(folder / "ascii_cut.stl", text.substr(0, text.size() / 2));
   write(folder / "ascii_twice.stl", "; a comment\r\n" + text + text);
@@ -88,6 +102,13 @@ std::string text_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+// Writes a sound text of JSON in its odd variants, each after the bytes that choose the reader.
+void write_odd_json(const fs::path& name, const std::string& before, const std::string& sound) {
+  int number = 0;
+  for (const std::string& text : fuzz::odd_variants(sound))
+    write(name.string() + "_" + std::to_string(number++), before + text);
+}
+
 void write_all_in(const fs::path& config, const fs::path& folder, char kind) {
   for (const fs::directory_entry& entry : fs::directory_iterator(config))
     write(folder / entry.path().filename(), kind + text_of(entry.path()));
@@ -99,6 +120,9 @@ void write_config_inputs(const fs::path& folder) {
     write(folder / name, "c" + text_of(config / name));
   write_all_in(config / "resins", folder, 'r');
   write_all_in(config / "projectors", folder, 't');
+  write_odd_json(folder / "odd_printer", "c", text_of(config / "contourd.json"));
+  write_odd_json(folder / "odd_resin", "r", text_of(config / "resins/standard.json"));
+  write_odd_json(folder / "odd_table", "t", text_of(config / "projectors/optoma.json"));
   write(folder / "line",
         R"(c{"hardware": "real", "projector": {"light": {"chip": "gpiochip0", "line": 5}}})");
   write(
@@ -113,6 +137,13 @@ void write_config_inputs(const fs::path& folder) {
 }
 
 void write_ticket_inputs(const fs::path& folder) {
+  write_odd_json(folder / "odd", "t",
+                 R"({"resin": "standard", "adaptive_layers": {"cusp_um": 15, "min_um": 20, "max_um": 90},
+ "unit": "mm", "up": {"x": 0.5, "y": 0, "z": 1}, "scale": {"x": 2}, "position_mm": {"x": -5, "y": 3}, "copies": 4,
+ "drain": [{"position_mm": {"x": 1}, "direction": {"y": -1, "z": 0}, "diameter_mm": 2}]})");
+  write_odd_json(folder / "odd_plate", "p",
+                 R"({"resin": "standard", "layer_height_um": 50, "models": [{"file": "a.stl", "copies": 3,
+ "rotation_deg": {"z": 45}}, {"file": "b.stl", "unit": "inch", "scale": 0.1}]})");
   write(folder / "two_sizes", R"(t{"fit": true, "scale": {"x": 2}})");
   write(folder / "no_direction", R"(p{"models": [{"file": "a.stl", "up": {}}]})");
   write(folder / "empty", std::string("t{}"));
@@ -124,6 +155,9 @@ void write_ticket_inputs(const fs::path& folder) {
  "scale": {"x": 1.01, "y": 1, "z": 2}})");
   write(folder / "both",
         R"(t{"up": {"z": 0}, "rotation_deg": {}, "fit": true, "scale": 2, "copies": 1, "copies": 2})");
+  write(folder / "turned_round", R"(t{"adaptive_layers": {"cusp_um": 15, "min_um": 90, "max_um": 20}})");
+  write(folder / "keep_clean", R"(t{"up": "auto", "keep_clean": [{"z": -1}, {"x": 0, "y": 0},
+ {"min": {"x": 0, "y": -1, "z": 0}, "max": {"x": 4, "y": 1, "z": 0}}]})");
   write(
       folder / "drain",
       R"(t{"drain": [{"position_mm": {"x": 1, "z": -2}, "direction": {"y": -1}, "diameter_mm": 2, "depth_mm": 3}]})");
@@ -142,8 +176,12 @@ void write_job_inputs(const fs::path& folder) {
   }
   // The printer's settings, a ticket as text for a model, and the number of the model.
   const std::string box = std::string("\x04\xF0", 2) + '\0';
+  write_odd_json(
+      folder / "odd", box,
+      R"({"layer_height_um": 50, "up": {"x": 0.5, "y": 0, "z": 1}, "scale": {"x": 2, "y": 1, "z": 1}, "unit": "mm"})");
   write(folder / "unit", box + R"({"unit": "inch", "scale": 0.1})");
   write(folder / "auto", box + R"({"up": "auto", "keep_clean": [{"z": 1}], "supports": {"lift_mm": 3}})");
+  write(folder / "no_direction", box + R"({"up": {"y": 0}})");
   write(folder / "plate", "\x04\xF1" + std::string(R"({"models": [{"file": "ball.stl", "copies": 2},
  {"file": "shell.stl", "position_mm": {"x": 5}}]})"));
 }
@@ -152,12 +190,21 @@ void write_control_inputs(const fs::path& folder) {
   const std::string request = R"({"jsonrpc":"2.0","method":")", id = R"(","id":1})";
   for (const char* method : {"status", "pause", "fail", "watch", "none"})
     write(folder / method, "\x80" + request + method + id + "\r\n");
+  write_odd_json(folder / "odd", "\x80",
+                 R"({"jsonrpc": "2.0", "method": "echo", "params": {"value": "a", "other": 0.5}, "id": 1})");
   write(folder / "echo",
         "\x40" + request + R"(echo","params":{"value":"\u00e9","other":0.5},"id":"x"})" + "\n");
   write(folder / "set",
         "\x41" + request + R"(set","params":[1],"id":null})" + "\n" + request + R"(set"})" + "\n");
   write(folder / "batch", "\x80[" + request + "status" + id + "," + request + R"(status"},7,)" + request +
                               "echo" + id + "]\n[]\n");
+  write(folder / "types",
+        "\x80"
+        R"({"jsonrpc":"2.0","method":7,"id":1})"
+        "\n"
+        R"({"jsonrpc":2,"method":"status","id":1})"
+        "\n" +
+            request + R"(echo","params":7,"id":{}})" + "\n");
   write(folder / "too_long", "\x41" + request + "status" + id);
   write(folder / "broken", std::string("\x10{\n\n[[[[\n\"\\ud800\"\n{\"id\":[]}\n\xff\n"));
 }
@@ -200,6 +247,8 @@ void write_serial_inputs(const fs::path& folder) {
         on + 'o' + answers("F\r") + answers("F\r") + answers("OK1\r") + "TfTdT" + says("INFO4\r"));
   write(folder / "whether_lit",
         on + "ottt" + answers("OK0\r") + 'd' + 'f' + answers("F\r") + answers("OK0\r") + 'T');
+  write(folder / "half_a_reply",
+        "\0mp"s + answers("P\r") + "tTtp" + answers("OK1\r") + says("P") + answers("") + 'T');
   write(folder / "silent", on + "oTTfdTTxTTu");
   write(folder / "gone", on + 'o' + answers("P\r") + says("INFO2\r") + "TudpT");
   write(folder / "left", "\0mc"s + answers("P\r") + "tT" + 'p' + answers("OK1\r") + says("P\r") + 'T');
@@ -207,17 +256,31 @@ void write_serial_inputs(const fs::path& folder) {
 }
 
 void write_record_inputs(const fs::path& folder) {
+  using namespace std::string_literals;
   write(folder / "occupied", std::string("opart\n"));
   write(folder / "held", std::string("hpart failed: the lid is open\nand more"));
-  for (const char* outcome : {"done", "cancelled", "failed"})
-    write(folder / outcome,
-          R"(e{"job":"part","outcome":")" + std::string(outcome) + R"(","reason":"it is full","key":7})");
+  const std::string rest =
+      "\0part.stl\0"
+      "17 17:684:5\0"
+      "5\0fhn\0"s;
+  for (const std::string end : {"done", "cancelled", "failed"})
+    for (const std::string kind : {"printed", "refused", "interrupted", "unknown"})
+      write(folder / (end + "_" + kind), "e7\0part\0"s + end +
+                                             "\0it is full\0"
+                                             "1700000000000\0"s +
+                                             kind + rest);
+  write(folder / "no_key",
+        "e0\0part\0done\0\0"
+        "0\0printed"s +
+            rest);
   write(folder / "copied", std::string("c@\n17 17:684:5\ncopying 17 @\n"));
   write(folder / "copying", std::string("ccopying 99 99 99:684:5\n"));
   write(folder / "reading", std::string("r@\n@\n17 17:684:5"));
-  write(folder / "light", R"(l{"light": {"chip": "gpiochip0", "line": 5, "active_low": false},
+  const std::string light = R"({"light": {"chip": "gpiochip0", "line": 5, "active_low": false},
  "port": "/dev/ttyUSB0", "table": )" +
-                              text_of(fs::path(CONTOURD_CONFIG_DIR) / "projectors/optoma.json") + "}");
+                            text_of(fs::path(CONTOURD_CONFIG_DIR) / "projectors/optoma.json") + "}";
+  write(folder / "light", "l" + light);
+  write_odd_json(folder / "odd_light", "l", light);
   write(folder / "printing",
         std::string("ppart.stl\nppart.json\nPplate\niother.json\npother.stl\npnotes.txt\nplost.json\n"
                     "dlost.stl\nilost.stl\nfnotes.txt\nfother.stl\n"));
