@@ -44,31 +44,38 @@ class Evidence {
   void suppose_lit(bool lit) { lit_ = lit; }
 
  private:
+  // A command that was sent, and the number of bytes heard before it.
+  struct Asked {
+    const ProjectorCommand* command;
+    std::size_t since;
+  };
+
   [[nodiscard]] static bool is(const std::optional<ProjectorCommand>& command, std::string_view bytes) {
     return command && command->bytes == bytes;
   }
   void ask(const ProjectorCommand& command) {
-    if (std::ranges::find(asked_, &command) == asked_.end()) asked_.push_back(&command);
+    const auto is_it = [&](const Asked& each) { return each.command == &command; };
+    if (std::ranges::none_of(asked_, is_it)) asked_.push_back({&command, heard_.size()});
   }
 
   [[nodiscard]] bool says_dark() const {
-    for (const ProjectorCommand* const command : asked_) {
+    for (const auto& [command, since] : asked_) {
       for (const auto& [meaning, pattern] : command->replies)
-        if ((meaning == ReplyMeaning::Off || meaning == ReplyMeaning::Accepted) && came_now(pattern))
+        if ((meaning == ReplyMeaning::Off || meaning == ReplyMeaning::Accepted) && came_now(pattern, since))
           return true;
     }
     return std::ranges::any_of(table_.unasked, [this](const UnaskedLine& line) {
-      return line.kind == UnaskedLine::Kind::Off && came_now(line.pattern);
+      return line.kind == UnaskedLine::Kind::Off && came_now(line.pattern, 0);
     });
   }
 
-  // True if any part of the received bytes that ends in the last portion fits the pattern. A line may begin
-  // and end where the projector paused.
-  [[nodiscard]] bool came_now(const ReplyPattern& pattern) const {
+  // True if any part of the received bytes that begins at `since` or later and ends in the last portion fits
+  // the pattern. A line may begin and end where the projector paused.
+  [[nodiscard]] bool came_now(const ReplyPattern& pattern, std::size_t since) const {
     const std::string_view all = heard_;
-    for (std::size_t end = starts_.back(); end <= all.size(); ++end) {
-      if (pattern.is_of_bytes() ? pattern.match_end(all.substr(0, end)).has_value()
-                                : is_end(end) && is_line_to(end, pattern))
+    for (std::size_t end = std::max(starts_.back(), since); end <= all.size(); ++end) {
+      if (pattern.is_of_bytes() ? pattern.match_end(all.substr(since, end - since)).has_value()
+                                : is_end(end) && is_line_to(end, pattern, since))
         return true;
     }
     return false;
@@ -87,9 +94,11 @@ class Evidence {
       --end;
     return std::string_view(heard_).substr(begin, end - begin);
   }
-  [[nodiscard]] bool is_line_to(std::size_t end, const ReplyPattern& pattern) const {
+  [[nodiscard]] bool is_line_to(std::size_t end, const ReplyPattern& pattern, std::size_t since) const {
     const auto fits = [&](std::size_t begin) {
-      return begin < end && pattern.match_line(trimmed(begin, end)).has_value();
+      if (begin >= end) return false;
+      const std::string_view line = trimmed(begin, end);
+      return line.data() >= heard_.data() + since && pattern.match_line(line).has_value();
     };
     if (std::ranges::any_of(starts_, fits)) return true;
     for (std::size_t begin = 1; begin < end; ++begin)
@@ -100,8 +109,8 @@ class Evidence {
   const ProjectorTable& table_;
   bool lit_ = false;
   std::string heard_;
-  std::vector<std::size_t> starts_;             // start of each portion
-  std::vector<const ProjectorCommand*> asked_;  // commands sent since the light may have been lit
+  std::vector<std::size_t> starts_;  // start of each portion
+  std::vector<Asked> asked_;         // commands sent since the light may have been lit
 };
 
 // A serial line without a projector: records the sent bytes and passes on the bytes it is given.

@@ -3,6 +3,7 @@
 // the plate's folder.
 #include <cmath>
 #include <cstdint>
+#include <variant>
 
 #include "daemon/config/job_ticket.hpp"
 #include "tests/fuzz/told.hpp"
@@ -53,6 +54,18 @@ void check_drain(const ModelTicket& model) {
     check(hole);
 }
 
+void check_kept_clean(const ModelTicket& model) {
+  if (!model.orientation) return;
+  for (const KeepClean& part : model.orientation->keep_clean) {
+    if (const auto* const box = std::get_if<KeepCleanBox>(&part)) {
+      demand(box->least.x <= box->most.x && box->least.y <= box->most.y && box->least.z <= box->most.z,
+             "a box is turned inside out");
+    } else {
+      demand(std::get<Direction>(part) != Direction{0, 0, 0}, "a part to keep clean has no direction");
+    }
+  }
+}
+
 void check(const JobTicket& ticket, bool of_plate) {
   demand(!ticket.resin || is_plain_name(*ticket.resin), "a resin's name leads out of its folder");
   demand(!ticket.layer_height || ticket.layer_height->count() > 0, "layers without a height");
@@ -66,6 +79,7 @@ void check(const JobTicket& ticket, bool of_plate) {
   for (const ModelTicket& model : ticket.models) {
     check(model, of_plate);
     check_drain(model);
+    check_kept_clean(model);
   }
 }
 
