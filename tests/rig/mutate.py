@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Reintroduces fixed defects, one at a time, and checks that print-rig finds each: a rig that finds nothing proves
-nothing. Works on a copy of the committed sources, in a new folder.
+nothing. Works in FOLDER, on a copy of the committed sources.
 
     tests/rig/mutate.py FOLDER [--prints N] [--only PART_OF_A_NAME]
 """
@@ -10,7 +10,9 @@ import pathlib
 import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "planted"))
+
+from planting import build, copy_head, planted  # noqa: E402
 
 EXCHANGE = "hw/serial/command_exchange.cpp"
 LIGHT = "hw/serial/projector_light.cpp"
@@ -94,27 +96,9 @@ MUTATIONS = [
 ]
 
 
-def copy_head(folder):
-    source = folder / "source"
-    source.mkdir(parents=True)
-    archive = subprocess.run(["git", "-C", ROOT, "archive", "HEAD"], check=True, capture_output=True).stdout
-    subprocess.run(["tar", "-x", "-C", source], input=archive, check=True)
-    return source
-
-
-def mutated(name, text, changes):
-    for old, new in zip(changes[::2], changes[1::2]):
-        if text.count(old) != 1:
-            sys.exit(f"{name}: this text occurs {text.count(old)} times instead of once: {old}")
-        text = text.replace(old, new)
-    return text
-
-
-def broken_rules(source, build, prints):
-    made = subprocess.run([source / ".ci/build", build, "--", "print-rig"], capture_output=True, text=True)
-    if made.returncode != 0:
-        sys.exit(f"the build failed:\n{made.stdout[-3000:]}{made.stderr[-3000:]}")
-    rig = subprocess.run([build / "bin/print-rig", "--prints", str(prints), "--show", "0"],
+def broken_rules(source, prints):
+    build(source, source / "build", "print-rig")
+    rig = subprocess.run([source / "build/bin/print-rig", "--prints", str(prints), "--show", "0"],
                          capture_output=True, text=True)
     rules = [line for line in rig.stdout.splitlines() if line.startswith("BROKEN")]
     return rules or ([f"print-rig exited with {rig.returncode}"] if rig.returncode not in (0, 1) else [])
@@ -126,18 +110,15 @@ def main():
     parser.add_argument("--prints", type=int, default=2000)
     parser.add_argument("--only", default="")
     options = parser.parse_args()
-    source, build = copy_head(options.folder), options.folder / "build"
-    if rules := broken_rules(source, build, options.prints):
+    source = copy_head(options.folder)
+    if rules := broken_rules(source, options.prints):
         sys.exit("\n".join(["without any defect:", *rules]))
     missed = 0
     for name, file, *changes in MUTATIONS:
         if options.only not in name:
             continue
-        path = source / file
-        sound = path.read_text()
-        path.write_text(mutated(name, sound, changes))
-        rules = broken_rules(source, build, options.prints)
-        path.write_text(sound)
+        with planted(name, source / file, changes):
+            rules = broken_rules(source, options.prints)
         print(f"{'found ' if rules else 'MISSED'}  {name}", *(f"\n        {rule}" for rule in rules), flush=True)
         missed += not rules
     return 1 if missed else 0

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Puts defects into the daemon, one at a time, and checks that the soak finds each: a soak that finds nothing proves nothing.
-It works on a copy of the committed sources in a new folder.
+It works in FOLDER, on a copy of the committed sources.
 
     tests/soak/mutate.py FOLDER [--minutes N] [--seed S] [--only PART_OF_A_NAME]
 """
@@ -10,9 +10,9 @@ import pathlib
 import subprocess
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "rig"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "planted"))
 
-from mutate import copy_head  # noqa: E402
+from planting import build, copy_head, planted  # noqa: E402
 
 CONTROL = "daemon/control/control_server.cpp"
 PROCESS = "daemon/print/layered_print.cpp"
@@ -44,11 +44,9 @@ MUTATIONS = [
 ]
 
 
-def found(source, build, options):
-    made = subprocess.run([source / ".ci/build", build, "--", "contourd", "make-model", "slow-disk", "give-back"], capture_output=True, text=True)
-    if made.returncode != 0:
-        sys.exit(f"the build failed:\n{made.stdout[-3000:]}{made.stderr[-3000:]}")
-    soak = subprocess.run([source / "tests/soak/soak", "--bin", build / "bin", "--minutes", str(options.minutes), "--seed", str(options.seed)],
+def found(source, options):
+    build(source, source / "build", "contourd", "make-model", "slow-disk", "give-back")
+    soak = subprocess.run([source / "tests/soak/soak", "--bin", source / "build/bin", "--minutes", str(options.minutes), "--seed", str(options.seed)],
                           capture_output=True, text=True)  # fmt: skip
     if soak.returncode == 0:
         return None
@@ -62,20 +60,15 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="")
     options = parser.parse_args()
-    source, build = copy_head(options.folder), options.folder / "build"
-    if not options.only and (what := found(source, build, options)):
+    source = copy_head(options.folder)
+    if not options.only and (what := found(source, options)):
         sys.exit(f"without any defect: {what}")
     missed = 0
     for name, file, old, new in MUTATIONS:
         if options.only not in name:
             continue
-        path = source / file
-        sound = path.read_text()
-        if sound.count(old) != 1:
-            sys.exit(f"{name}: {file} has {sound.count(old)} times: {old}")
-        path.write_text(sound.replace(old, new))
-        what = found(source, build, options)
-        path.write_text(sound)
+        with planted(name, source / file, (old, new)):
+            what = found(source, options)
         print(f"{'found ' if what else 'MISSED'}  {name}" + (f"\n        {what[:300]}" if what else ""), flush=True)
         missed += not what
     return 1 if missed else 0
