@@ -98,6 +98,7 @@ class PrinterService final : private JobObserver, private QueueObserver, private
   PrintQueue queue_;
   HistoryWorker history_worker_;
   CurrentJob job_;
+  SpoolClaims claims_;
   JobScheduler scheduler_;
   JobHistory history_;
   EndedJobNotices notices_;

@@ -44,6 +44,8 @@ void ServiceStop::try_to_stop() {
   if (ending_ == Ending::No || job.print().under_way() || parts_.manual.in_use()) return;
   if (ending_ == Ending::HandOver && job.finishing()) return;  // called again after filing
   job.stop_analysis();
+  // A job that is still being read waits for the next start: nothing was printed.
+  if (job.job() != nullptr && !job.is_being_filed()) job.give_back();
   if (job.is_being_filed()) {
     if (!timer_)
       timer_ = context_.loop.at(std::chrono::steady_clock::now() + kLongestFiling, "the stop's timer",
@@ -51,8 +53,6 @@ void ServiceStop::try_to_stop() {
     return;
   }
   if (parts_.scheduler.claiming()) return parts_.spool.stop_copying();  // called again after it
-  // The job is still being read and nothing was printed: it waits for the next start.
-  if (job.job() != nullptr) job.give_back();
   context_.loop.stop();
 }
 

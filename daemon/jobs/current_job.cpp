@@ -147,6 +147,7 @@ void CurrentJob::read() {
 }
 
 void CurrentJob::was_read(ReadJob result) {
+  if (job_->leaving) return;
   const bool unwanted = job_->cancel_wanted || stopping_;
   if (const auto* refusal = std::get_if<JobRefusal>(&result)) {
     if (unwanted || !refusal->for_now || ++job_->readings >= kMaxReadings)
@@ -154,7 +155,7 @@ void CurrentJob::was_read(ReadJob result) {
     // There was too little memory; more may be free soon.
     const TimePoint later = std::chrono::steady_clock::now() + kReadingInterval;
     read_timer_ = context_.loop.at(later, "a job's timer", [this] {
-      if (job_) read();
+      if (job_ && !job_->leaving) read();
     });
     return;
   }
@@ -178,7 +179,7 @@ JobEnd CurrentJob::end_as(PrintOutcome outcome, const std::string& reason) const
 
 void CurrentJob::refuse(PrintOutcome outcome, const std::string& reason) {
   log_.refused(name(), reason);
-  job_->refused = true;
+  job_->leaving = true;
   JobEnd end = end_as(outcome, reason);
   end.kind = JobEnd::Kind::Refused;
   const auto troubles = std::make_shared<std::vector<std::string>>();
@@ -227,21 +228,24 @@ void CurrentJob::stop(const std::string& reason) {
 
 void CurrentJob::give_back() {
   expects(job_ && !job_->record, "there is a job that has not begun");
-  const std::string name = this->name();
+  job_->leaving = true;
   history_.forget();
   if (job_->prepared) hold_.set_plate_occupant(job_->plate_before);
-  try {
-    spool_.give_back(job_->claimed.files);
+  spool_.give_back(job_->claimed.files, [this](const std::string& trouble) { given_back(trouble); });
+}
+
+void CurrentJob::given_back(const std::string& trouble) {
+  const std::string job = name();
+  job_.reset();
+  if (trouble.empty())
     context_.log.info(
         "stopped",
-        fmt::format("{}: not started yet; waits in incoming for the next start of contourd", printable(name)),
-        job_fields(name));
-  } catch (const std::runtime_error& error) {
-    context_.log.error("spool",
-                       fmt::format("{}: stays in printing: {}", printable(name), printable(error.what())),
-                       job_fields(name));
-  }
-  job_.reset();
+        fmt::format("{}: not started yet; waits in incoming for the next start of contourd", printable(job)),
+        job_fields(job));
+  else
+    context_.log.error("spool", fmt::format("{}: stays in printing: {}", printable(job), printable(trouble)),
+                       job_fields(job));
+  observer_.may_stop();
 }
 
 // --- the print
@@ -250,7 +254,7 @@ void CurrentJob::give_back() {
 void CurrentJob::occupy_plate() {
   job_->plate_before = hold_.plate_occupant();
   hold_.set_plate_occupant(name(), [this](const std::string& trouble) {
-    if (job_) plate_saved(trouble);
+    if (job_ && !job_->leaving) plate_saved(trouble);
   });
 }
 

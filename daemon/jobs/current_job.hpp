@@ -53,7 +53,7 @@ class CurrentJob final : private PrintObserver {
     EndedJob ended;                           // set once the job is being filed
     bool cancel_wanted = false;               // cancelled before it could start
     std::optional<std::string> plate_before;  // the plate's occupant before this job
-    bool refused = false;                     // it does not begin, and its files are being moved
+    bool leaving = false;                     // it does not begin, and its files are being moved
     bool had_light = false;                   // the light of its first layer was due
     int readings = 0;                         // number of readings that found too little memory
   };
@@ -70,7 +70,8 @@ class CurrentJob final : private PrintObserver {
   // Ends a print under way: turns the light off and moves its files to failed/. Prevents the print of a job
   // that is being read.
   void stop(const std::string& reason);
-  // Moves the job back to incoming/. REQUIRES: a job that has not begun.
+  // Moves the job back to incoming/, while is_being_filed(); then there is no job. REQUIRES: a job that has
+  // not begun.
   void give_back();
   // Files a print that is over and waits only for its analysis. Does nothing if there is none.
   void stop_analysis();
@@ -87,7 +88,7 @@ class CurrentJob final : private PrintObserver {
   // Returns an upper bound of the light in all prints so far.
   [[nodiscard]] Duration lit() const { return lit_; }
   // True while its files are moved out of printing/.
-  [[nodiscard]] bool is_being_filed() const { return archivist_.busy() || (job_ && job_->refused); }
+  [[nodiscard]] bool is_being_filed() const { return archivist_.busy() || (job_ && job_->leaving); }
   [[nodiscard]] PrintMode& print() { return *print_; }
   [[nodiscard]] const PrintMode& print() const { return *print_; }
 
@@ -105,6 +106,7 @@ class CurrentJob final : private PrintObserver {
   void was_read(ReadJob result);
   // Moves the job to failed/, then reports its end.
   void refuse(PrintOutcome outcome, const std::string& reason);
+  void given_back(const std::string& trouble);
   void refusal_filed(const JobEnd& end, const std::string& why_it_stays);
   [[nodiscard]] JobEnd end_as(PrintOutcome outcome, const std::string& reason) const;
   void occupy_plate();

@@ -34,11 +34,10 @@ std::vector<std::string> JobQuestions::about(const AnalyzedJob& job) const {
   return asked;
 }
 
-bool JobQuestions::knows(const std::optional<AnalyzedJob>& job, const JobFiles& files,
+bool JobQuestions::knows(const std::optional<AnalyzedJob>& job, const std::string& content,
                          const std::optional<JobSettings>& settings) const {
   if (!wanted() && !job) return true;
-  return job && settings && job->settings == *settings && !job->content.empty() &&
-         job->content == content_mark(files);
+  return job && settings && job->settings == *settings && !content.empty() && job->content == content;
 }
 
 void JobQuestions::ended() {

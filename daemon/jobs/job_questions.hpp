@@ -34,9 +34,9 @@ class JobQuestions {
     return job && acceptances_.has(job->content, finding);
   }
 
-  // True if the job's files and settings are those that were analyzed, or if no analysis is wanted and none
-  // was made.
-  [[nodiscard]] bool knows(const std::optional<AnalyzedJob>& job, const JobFiles& files,
+  // True if the job's content (see content_mark()) and settings are those that were analyzed, or if no
+  // analysis is wanted and none was made.
+  [[nodiscard]] bool knows(const std::optional<AnalyzedJob>& job, const std::string& content,
                            const std::optional<JobSettings>& settings) const;
 
   // Notes that the job's turn has come. Its acceptances are kept until ended(), because until then the job

@@ -24,10 +24,20 @@ constexpr const char* kReadingRecord = "reading";
 JobReader::JobReader(const PrinterConfig& config, Spool& spool, EventLoop& loop)
     : config_(config),
       spool_(spool),
-      record_(state_folder_path(config.spool_folder) / kReadingRecord),
+      record_(std::make_shared<ReadingRecord>(state_folder_path(config.spool_folder) / kReadingRecord)),
       worker_(loop, "contourd-reader", kReaderNiceness) {}
 
 JobReader::~JobReader() {
+  give_up();
+}
+
+void JobReader::stop() {
+  spool_.run(
+      [record = record_] {
+        record->stop();
+        return true;
+      },
+      [](bool) {});
   give_up();
 }
 
@@ -43,8 +53,8 @@ void JobReader::give_up_inspections() {
 
 ReadJob JobReader::read_now(const JobFiles& files, const std::optional<JobSettings>& settings,
                             const std::stop_token& stop) {
-  if (record_.take_ended(files)) return JobRefusal{std::string(kEndedAProcess)};
-  const ReadingRecord::Reading under_way(record_, files);
+  if (record_->take_ended(files)) return JobRefusal{std::string(kEndedAProcess)};
+  const ReadingRecord::Reading under_way(*record_, files);
   ReadJob job = prepare(files, settings, stop);
   const auto* const refusal = std::get_if<JobRefusal>(&job);
   if (refusal == nullptr || !refusal->for_now || cache_.empty()) return job;
@@ -138,7 +148,7 @@ JobAnalysisOutcome JobReader::analyze_now(const JobFiles& files, Keep keep, cons
   auto& job = std::get<PreparedJob>(read);
   std::optional<PreprintAnalysis> analysis;
   {
-    const ReadingRecord::Reading under_way(record_, files);
+    const ReadingRecord::Reading under_way(*record_, files);
     analysis = analyze_before_print(job, config_, stop);
   }
   if (!analysis) return ReadingGivenUp{};

@@ -54,12 +54,9 @@ class JobReader final : public JobChecks {
   void sync(const JobFiles& files);
 
   // See ReadingRecord.
-  [[nodiscard]] bool take_ended(const JobFiles& job) { return record_.take_ended(job); }
+  [[nodiscard]] bool take_ended(const JobFiles& job) { return record_->take_ended(job); }
   // Ends all readings, because this process ends; the record then blames none of them for that.
-  void stop() {
-    record_.stop();
-    give_up();
-  }
+  void stop();
 
  private:
   // A check or analysis of a waiting job, from its request to its end.
@@ -88,8 +85,8 @@ class JobReader final : public JobChecks {
 
   const PrinterConfig& config_;
   Spool& spool_;
-  ReadingRecord record_;
-  std::stop_source reading_;  // for the last read()
+  std::shared_ptr<ReadingRecord> record_;  // the spool's thread changes it, too
+  std::stop_source reading_;               // for the last read()
   Inspections inspections_;
   PreparedJobCache cache_;  // for the worker's thread only
   Worker worker_;           // last: its thread ends before what its tasks use

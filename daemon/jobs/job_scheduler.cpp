@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cstdint>
 #include <utility>
 
 #include "daemon/spool/job_moves.hpp"
@@ -37,17 +36,10 @@ void JobScheduler::retry_later(Duration wait) {
 }
 
 void JobScheduler::run() {
-  try {
-    // A failed save is not tried again at once.
-    if (!std::exchange(hold_just_changed_, false)) hold_.retry();
-    if (hold_.failed()) run_later(kRetryInterval);
-    take_what_is_due();
-  } catch (const std::system_error& error) {
-    // The spool's disk is gone or full; the queue waits for it.
-    const std::string trouble = fmt::format("the spool cannot be used: {}", printable(error.what()));
-    if (std::exchange(waiting_for_, trouble) != trouble) context_.log.error("spool", trouble);
-    retry_later(kRetryInterval);
-  }
+  // A failed save is not tried again at once.
+  if (!std::exchange(hold_just_changed_, false)) hold_.retry();
+  if (hold_.failed()) run_later(kRetryInterval);
+  take_what_is_due();
 }
 
 void JobScheduler::hold_changed() {
@@ -57,15 +49,19 @@ void JobScheduler::hold_changed() {
 
 void JobScheduler::take_what_is_due() {
   if (stopped_) return;
-  const bool has_job = use_.has_job();
-  const std::string reason = has_job || queue_.empty() ? "" : reason_to_wait();
+  const bool due = !use_.has_job() && !queue_.empty();
+  const std::string reason = due ? reason_to_wait() : "";
+  if (due && reason.empty()) return look_at_next();
+  wait_because(reason);
+}
+
+void JobScheduler::wait_because(const std::string& reason) {
   // The reason of a job that waits for confirmation is already logged.
   if (std::exchange(waiting_for_, reason) != reason && !reason.empty() && queue_.has_first()) {
     context_.log.info("waiting",
                       fmt::format("{} waits: {}", printable(queue_.next().file), printable(reason)));
   }
   if (queue_.empty()) return;
-  if (!has_job && reason.empty()) return claim_next();
   if (queue_.has_first()) queue_.next().waited = true;
   // Polled, because no event reports free disk space or a fixed profile.
   if (!reason.empty()) retry_later(waits_for_profile() ? kProfileInterval : kRetryInterval);
@@ -76,13 +72,6 @@ std::string JobScheduler::reason_to_wait() const {
   if (use_.controlled_by_hand()) return "the printer is controlled by hand; \"contourctl stop\" ends that";
   if (std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty()) return not_ready;
   if (std::string reason = hold_.reason_to_wait(); !reason.empty()) return reason;
-  if (std::string trouble = spool_.trouble(); !trouble.empty()) return trouble;
-  const std::uintmax_t free = spool_.free_bytes();
-  const std::uintmax_t needed = context_.config.min_free_disk_bytes;
-  if (free < needed) {
-    return fmt::format("the spool's disk has {} MB free, {} MB are needed", free / 1'000'000,
-                       needed / 1'000'000);
-  }
   if (!queue_.has_first()) return question_about(queue_.jobs().front().file, queue_.jobs().front().asks);
   return queue_.first_unanalyzed();
 }
@@ -91,28 +80,46 @@ bool JobScheduler::waits_for_profile() const {
   return queue_.has_first() && queue_.next().analysis == WaitingJob::Analysis::Blocked;
 }
 
-void JobScheduler::claim_next() {
-  // The end of the check, of the rejection or of the claim leads here again.
-  if (!queue_.first_may_begin() || claiming_) return;
+void JobScheduler::look_at_next() {
+  if (waiting_for_ != disk_trouble_) waiting_for_.clear();
+  // The end of the check, of the rejection, of the claim or of the look leads here again.
+  if (!queue_.first_may_begin() || claiming_ || looking_) return;
+  looking_ = true;
+  claims_.look(queue_.next().file, [this, before = queue_.next()](const JobLook& look) {
+    looking_ = false;
+    looked_at(before, look);
+  });
+}
+
+void JobScheduler::looked_at(const WaitingJob& before, const JobLook& look) {
+  if (stopped_) return;
+  const bool is_due = !use_.has_job() && queue_.has_first() && reason_to_wait().empty();
+  // A file that arrived again meanwhile is another job.
+  const bool is_same = is_due && queue_.next().file == before.file && queue_.next().arrived == before.arrived;
+  if (!is_same || !queue_.first_may_begin()) return run();
+  disk_trouble_ = look.disk_trouble;
+  if (!disk_trouble_.empty()) return wait_because(disk_trouble_);
+  waiting_for_.clear();
+  claim_next(look);
+}
+
+void JobScheduler::claim_next(const JobLook& look) {
   WaitingJob& job = queue_.next();
   // The file is being rewritten; it arrives again when it is complete.
-  if (spool_.is_unfinished(job.file)) {
+  if (look.is_unfinished) {
     spool_.wait_for(queue_.take_first().file);
     return run_soon();
   }
-  std::optional<JobSettings> settings;
-  try {
-    settings = settings_of(job);
-    if (is_checked_first(job, settings)) return queue_.check_next();
-    const JobFiles there = spool_.files_of(Spool::Folder::Incoming, job.file);
-    if (spool_.is_waiting(job.file) && !queue_.questions().knows(job.analyzed, there, settings)) {
-      job.check_again();
-      return run_soon();
-    }
-  } catch (const ProfileTrouble& trouble) {
-    return wait_for_profile(job, trouble.sentence());
+  if (const std::string why = trouble_of_profile(job, look); !why.empty()) return wait_for_profile(job, why);
+  // Only the preparation finds what a user has to accept. A job that has no outlook was checked when its
+  // profile could not be used.
+  if (job.check == WaitingJob::Check::Passed && !job.outlook) job.check_again();
+  if (look.is_there && job.check == WaitingJob::Check::Wanted) return queue_.check_next();
+  if (look.is_there && !queue_.questions().knows(job.analyzed, look.content, look.settings)) {
+    job.check_again();
+    return run_soon();
   }
-  claiming_ = TakenJob{queue_.take_first(), std::move(settings)};
+  claiming_ = TakenJob{queue_.take_first(), look.settings};
   claims_.claim(claiming_->job.file, [this](const Claim& claim) { claimed(claim); });
 }
 
@@ -124,22 +131,12 @@ void JobScheduler::claimed(const Claim& claim) {
   use_.may_stop();
 }
 
-bool JobScheduler::is_checked_first(const WaitingJob& job, const std::optional<JobSettings>& settings) const {
-  const bool supported = settings && settings->supports == SupportPolicy::Auto;
-  return supported && job.check == WaitingJob::Check::Wanted && spool_.is_waiting(job.file);
-}
-
-std::optional<JobSettings> JobScheduler::settings_of(const WaitingJob& job) const {
-  try {
-    return read_settings(spool_.files_of(Spool::Folder::Incoming, job.file), context_.config);
-  } catch (const ProfileTrouble& trouble) {
-    // The ticket is not at fault if the profile existed when the job was checked.
-    const bool known = job.check == WaitingJob::Check::Passed;
-    if (known || trouble.fault() == ProfileTrouble::Fault::Profile) throw;
-    return std::nullopt;
-  } catch (const JobRefused&) {
-    return std::nullopt;
-  }
+std::string JobScheduler::trouble_of_profile(const WaitingJob& job, const JobLook& look) {
+  if (!look.profile_trouble) return "";
+  // The ticket is not at fault if the profile existed when the job was checked.
+  const bool known = job.check == WaitingJob::Check::Passed;
+  const bool of_profile = look.profile_trouble->fault() == ProfileTrouble::Fault::Profile;
+  return known || of_profile ? look.profile_trouble->sentence() : "";
 }
 
 void JobScheduler::begin(TakenJob taken, const JobFiles& files) {
@@ -172,11 +169,11 @@ void JobScheduler::wait_for_profile(WaitingJob& job, const std::string& why) {
 // Retries until the job is removed, because no event reports that the disk works again.
 void JobScheduler::not_claimed(const Claim& claim) {
   const std::string file = claiming_->job.file;
-  if (spool_.is_waiting(file) && is_immovable(claim.code))
+  if (claim.is_there && is_immovable(claim.code))
     return spool_.begin_with_copy(
         file, [this, why = claim.code.message()](const Spool::Copy& copy) { copied(copy, why); });
   WaitingJob job = std::exchange(claiming_, std::nullopt)->job;
-  if (!spool_.is_waiting(file)) {
+  if (!claim.is_there) {
     queue_.withdrawn(file);
     log_withdrawn(context_.log, file);
     return run_soon();

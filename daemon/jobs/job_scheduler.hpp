@@ -5,8 +5,8 @@
 
 #include <optional>
 #include <string>
-#include <system_error>
 
+#include "daemon/jobs/job_claims.hpp"
 #include "daemon/jobs/print_queue.hpp"
 #include "daemon/jobs/printer_context.hpp"
 #include "daemon/jobs/printer_use.hpp"
@@ -47,16 +47,17 @@ class JobScheduler {
   void run_later(Duration wait);
   void retry_later(Duration wait);
   void take_what_is_due();
+  // Returns why no job begins, as far as that is known without the disk; empty if there is no reason.
   [[nodiscard]] std::string reason_to_wait() const;
+  // Has waiting jobs checked while the next one waits for this reason; empty if it waits for the end of a
+  // job.
+  void wait_because(const std::string& reason);
   [[nodiscard]] bool waits_for_profile() const;
-  void claim_next();
-  // True if the job must be checked before it begins: a user may have to accept places that cannot be held,
-  // and only the preparation finds them.
-  [[nodiscard]] bool is_checked_first(const WaitingJob& job,
-                                      const std::optional<JobSettings>& settings) const;
-  // Returns the job's settings; nullopt if its ticket is a reason to refuse the job. Throws ProfileTrouble if
-  // the queue has to wait for the profile.
-  [[nodiscard]] std::optional<JobSettings> settings_of(const WaitingJob& job) const;
+  void look_at_next();
+  void looked_at(const WaitingJob& before, const JobLook& look);
+  void claim_next(const JobLook& look);
+  // Returns why the queue has to wait for the job's resin profile; empty if it does not.
+  [[nodiscard]] static std::string trouble_of_profile(const WaitingJob& job, const JobLook& look);
   void wait_for_profile(WaitingJob& job, const std::string& why);
   void claimed(const Claim& claim);
   void not_claimed(const Claim& claim);
@@ -72,7 +73,9 @@ class JobScheduler {
   PrintQueue& queue_;
   QueueHold& hold_;
   PrinterUse& use_;
-  std::string waiting_for_;  // already logged
+  std::string waiting_for_;   // already logged
+  std::string disk_trouble_;  // found by the last look at the next job
+  bool looking_ = false;      // a look at the next job is under way
   std::optional<TakenJob> claiming_;
   bool stopped_ = false, hold_just_changed_ = false;
   EventLoop::SourcePtr timer_;

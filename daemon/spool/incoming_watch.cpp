@@ -51,13 +51,10 @@ void IncomingWatch::open() {
   consider_all();
 }
 
-bool IncomingWatch::watch_plate(const std::string& file) {
+int IncomingWatch::watch_plate(const std::string& file) const {
+  if (!folders_.is_plate(SpoolFolder::Incoming, file)) return -1;
   const fs::path path = folders_.path(SpoolFolder::Incoming) / file;
-  const int watch = ::inotify_add_watch(inotify_.get(), path.c_str(), kFolderChanges | IN_DONT_FOLLOW);
-  if (watch < 0) return false;
-  plate_watches_[watch] = file;
-  watch_of_plate_[file] = watch;
-  return true;
+  return ::inotify_add_watch(inotify_.get(), path.c_str(), kFolderChanges | IN_DONT_FOLLOW);
 }
 
 void IncomingWatch::stop_watching_plate(const std::string& file) {
@@ -185,7 +182,11 @@ void IncomingWatch::consider(const std::string& file, Look look) {
   disk_.run([this, file] { return look_at(file); },
             [this, file, look, number](const Seen& what) {
               const auto latest = looks_.find(file);
-              if (latest == looks_.end()) return;  // the file was removed during the look
+              if (latest == looks_.end()) {  // the file was removed during the look
+                if (what.watch >= 0 && !plate_watches_.contains(what.watch))
+                  (void)::inotify_rm_watch(inotify_.get(), what.watch);
+                return;
+              }
               // An outdated look is reported too, so that files arrive in the order of their first looks; the
               // later look then updates it.
               if (latest->second == number) looks_.erase(latest);
@@ -196,6 +197,7 @@ void IncomingWatch::consider(const std::string& file, Look look) {
 IncomingWatch::Seen IncomingWatch::look_at(const std::string& file) const noexcept {
   Seen seen;
   try {
+    seen.watch = watch_plate(file);
     seen.upload = upload_state(folders_, file);
     if (seen.upload.is_there) {
       seen.taken = copied_.contains(folders_.files_of(SpoolFolder::Incoming, file));
@@ -228,9 +230,12 @@ void IncomingWatch::seen(const std::string& file, Look look, const Seen& seen) {
   }
   originals_.erase(file);
   const bool watched = !upload.is_plate || watch_of_plate_.contains(file);
-  // The watch starts before the plate is examined, so that no change is missed. (Adding it does not block:
-  // the disk's thread has just looked up the path, so the kernel has it cached.)
-  if (!watched && watch_plate(file)) return consider(file, look);
+  // Events of a new watch are known only from now on, so the plate is examined again.
+  if (!watched && seen.watch >= 0) {
+    plate_watches_[seen.watch] = file;
+    watch_of_plate_[file] = seen.watch;
+    return consider(file, look);
+  }
   note_missing(file, upload.missing);
   if (!upload.missing.empty()) {
     candidates_.erase(file);

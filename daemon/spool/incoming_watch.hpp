@@ -94,12 +94,14 @@ class IncomingWatch final : private IncomingFolderObserver {
     UploadState upload;
     bool taken = false;             // true if the job was copied, so that this original is no longer needed
     std::optional<WhyIgnored> why;  // why the file will not be printed as it is
+    int watch = -1;                 // of a plate, see watch_plate()
   };
 
   enum class Look { Event, Timer };
 
-  // Returns false if the kernel has no watches left.
-  [[nodiscard]] bool watch_plate(const std::string& file);
+  // Watches a plate's folder, and returns its watch; -1 if it is no plate, or the kernel has no watches left.
+  // The disk's thread calls it, since it looks up the path.
+  [[nodiscard]] int watch_plate(const std::string& file) const;
   void stop_watching_plate(const std::string& file);
   void read_events();
   void take_event(const inotify_event& event);

@@ -29,6 +29,18 @@ bool is_same_file(const FileDescriptor& a, const FileDescriptor& b) {
          one.st_ino == other.st_ino;
 }
 
+// Moves a job that has not begun from printing/ to incoming/. Throws std::runtime_error.
+void return_to_incoming(const SpoolFolders& folders, PrintingCopies& copies, const JobFiles& files) {
+  if (!files.original.empty()) return copies.take_back(files);
+  const JobFiles to = folders.unused_in_incoming(files);
+  try {
+    move_files(folders, files, to);
+  } catch (const std::system_error& error) {
+    if (error.code() != std::errc::cross_device_link) throw;
+    copies.give_back(files, to);
+  }
+}
+
 }  // namespace
 
 // Other users get no read permission for the lock file: a process that can open it could lock it.
@@ -98,10 +110,6 @@ void Spool::open() {
   watch_.open();
 }
 
-bool Spool::is_unfinished(const std::string& file) const {
-  return contourd::is_unfinished(files_of(Folder::Incoming, file));
-}
-
 bool Spool::is_waiting(const std::string& file) const {
   std::error_code code;
   return fs::symlink_status(folder(Folder::Incoming) / file, code).type() != fs::file_type::not_found;
@@ -123,20 +131,6 @@ JobFiles Spool::begin(const std::string& file) {
   return to;
 }
 
-void Spool::claim(const std::string& file, std::function<void(const Claim&)> done) {
-  // An examination in progress must not report the file as gone.
-  watch_.moved_away(file);
-  disk_.run(
-      [this, file]() -> Claim {
-        try {
-          return {begin(file)};
-        } catch (const std::system_error& error) {
-          return {std::nullopt, error.code(), error.what()};
-        }
-      },
-      std::move(done));
-}
-
 bool Spool::end(const JobFiles& files, Folder where) {
   fs::create_directories(folder(where));
   const bool there = fs::exists(fs::symlink_status(files.model));
@@ -153,19 +147,20 @@ void Spool::begin_with_copy(const std::string& file, std::function<void(const Co
             });
 }
 
-void Spool::give_back(const JobFiles& files) {
-  if (!files.original.empty()) {
-    copies_.take_back(files);
-    watch_.remove_original(files.original);
-    return;
-  }
-  const JobFiles to = folders_.unused_in_incoming(files);
-  try {
-    move_files(folders_, files, to);
-  } catch (const std::system_error& error) {
-    if (error.code() != std::errc::cross_device_link) throw;
-    copies_.give_back(files, to);
-  }
+void Spool::give_back(const JobFiles& files, std::function<void(const std::string&)> done) {
+  disk_.run(
+      [this, files]() -> std::string {
+        try {
+          return_to_incoming(folders_, copies_, files);
+          return "";
+        } catch (const std::runtime_error& error) {
+          return error.what();
+        }
+      },
+      [this, original = files.original, done = std::move(done)](const std::string& trouble) {
+        if (!original.empty() && trouble.empty()) watch_.remove_original(original);
+        done(trouble);
+      });
 }
 
 void Spool::reject(const std::string& file, const JobEnd& end, Rejected done) {

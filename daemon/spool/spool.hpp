@@ -1,10 +1,11 @@
 // The spool folder with incoming/, printing/, done/ and failed/. Jobs move through it by rename, so that
 // after a power cut at any moment every file is in exactly one folder, and the folder shows the job's state.
-// Event loop's thread only, except folder(), files_of(), is_unfinished(), write_beside(), reports_of(),
-// begin() and end(), which any thread may call.
+// Event loop's thread only, except for the functions that any thread may call.
 //
 // A disk may take seconds. Everything that waits for it (examining incoming/, refusals, claims, records) runs
-// on a thread of its own. The other calls block only while contourd starts or stops.
+// on a thread of its own. The functions that block may be called by any thread but the event loop's once the
+// loop runs: folder(), files_of(), is_waiting(), begin(), end(), write_beside(), reports_of(), trouble() and
+// free_bytes().
 //
 //   incoming/NAME.stl (+ NAME.json)     a job that waits for its turn
 //   incoming/NAME/                      a plate: plate.json, and the STL files that it names
@@ -49,30 +50,14 @@ class SpoolLock {
   FileDescriptor lock_;
 };
 
-// The result of a claim: the job's files in printing/, or the error of the disk.
-struct Claim {
-  std::optional<JobFiles> files;
-  std::error_code code{};
-  std::string trouble{};  // a sentence
-};
-
-// Moves jobs to printing/, without blocking.
-class JobClaims {
- public:
-  virtual ~JobClaims() = default;
-
-  // Moves incoming/`file` to printing/: see Spool::begin(). `done` is called from the loop.
-  virtual void claim(const std::string& file, std::function<void(const Claim&)> done) = 0;
-};
-
-class Spool final : public JobClaims {
+class Spool {
  public:
   using Folder = SpoolFolder;
 
   // Makes the folders and locks the spool for this process. Throws std::runtime_error if that fails, one of
   // the folders is a symbolic link, or another contourd uses the spool.
   Spool(std::filesystem::path root, EventLoop& loop, SpoolObserver& observer);
-  ~Spool() override;
+  ~Spool();
   Spool(const Spool&) = delete;
   Spool& operator=(const Spool&) = delete;
 
@@ -81,9 +66,6 @@ class Spool final : public JobClaims {
 
   [[nodiscard]] std::filesystem::path folder(Folder folder) const { return folders_.path(folder); }
 
-  // True if a process has incoming/`file`, its ticket or a plate's file open for writing now, or a plate
-  // lacks a file.
-  [[nodiscard]] bool is_unfinished(const std::string& file) const;
   // False if incoming/`file` does not exist; true if it exists or its state cannot be read.
   [[nodiscard]] bool is_waiting(const std::string& file) const;
   // The watcher for incoming/; it lists the files that it has seen there.
@@ -99,10 +81,12 @@ class Spool final : public JobClaims {
 
   // Moves a job from incoming/ to printing/, under a name that no job in printing/, done/ or failed/ has. A
   // ticket that belongs to another model too is copied instead. Any thread may call it; blocks. Throws
-  // std::system_error; then the files are where they were.
+  // std::system_error; then the files are where they were. To
+  // be called after moves_away().
   [[nodiscard]] JobFiles begin(const std::string& file);
-  // Does the same on the spool's thread. Returns at once; `done` is called from the loop.
-  void claim(const std::string& file, std::function<void(const Claim&)> done) override;
+  // Notes that begin() is about to move incoming/`file` away: an examination in progress does not report it
+  // as gone.
+  void moves_away(const std::string& file) { watch_.moved_away(file); }
   // Copies a job from incoming/ to printing/ that can be read but not moved (see is_immovable()). The
   // original stays, is among the originals of incoming(), and is not reported again until it changes. Returns
   // at once; `done` is called from the loop.
@@ -115,8 +99,9 @@ class Spool final : public JobClaims {
   // model no longer exists, so that a retry is useless. Throws std::system_error.
   bool end(const JobFiles& files, Folder to);
   // Moves a job that has not begun from printing/ back to incoming/, under another name if incoming/ has a
-  // job of its name by now. Throws std::runtime_error; then the job is where it was.
-  void give_back(const JobFiles& files);
+  // job of its name by now. Returns at once; `done` is called from the loop, with an empty text, or with an
+  // error after which the job is where it was.
+  void give_back(const JobFiles& files, std::function<void(const std::string& trouble)> done);
   using Rejection = contourd::Rejection;
   using Rejected = std::function<void(const FileRejections::Result& result)>;
   // Moves a job from incoming/ to failed/, writes a reason file there, and records this end with the files'
@@ -140,6 +125,11 @@ class Spool final : public JobClaims {
   // Returns the order that a user has set for the jobs in incoming/, without those that no longer exist: see
   // QueueOrder.
   [[nodiscard]] std::vector<std::string> order() const;
+  // Calls `task`, which must not throw, on the spool's thread, then `done` with its result from the loop.
+  template <typename Task, typename Done>
+  void run(Task task, Done done) {
+    disk_.run(std::move(task), std::move(done));
+  }
   // Changes the records on the spool's thread. Returns at once; `done` is called from the loop, with the
   // error of the disk or an empty text.
   void keep(std::function<void(const StateRecords& records)> change,

@@ -71,8 +71,17 @@ class Accept(FolderTest):
         self.refused(daemon, "later")
 
     def test_a_model_that_lacks_much_of_its_surface_waits_to_be_accepted(self):
-        daemon = Daemon(self, {"supports": "auto"}).start()
-        daemon.drop("half.stl", HALF)
+        self.check_half("auto")
+
+    def test_such_a_model_waits_without_supports_too_even_if_the_printer_is_idle(self):
+        self.check_half("off")
+
+    def check_half(self, supports):
+        daemon = Daemon(self, {"supports": supports}).start()
+        model = self.write("half.stl", HALF)
+        submitted = daemon.ctl("submit", "--yes", "--printer", daemon.config_path, model).stdout.decode()
+        self.assertIn("the printer will ask before it prints this: wide gaps", submitted)
+        self.assertNotIn("refuse", submitted)
         self.wait_unaccepted(daemon, "half")
         job = daemon.job("half")
         self.assertEqual(job["asks"], ["wide_gaps"])

@@ -107,11 +107,9 @@ class Interruption(SpoolTest):
         self.assertEqual(run(MAKE_MODEL, "gyroid-sphere", large, "120").returncode, 0)
         daemon = self.daemon(WAITS).start()
         os.rename(large, daemon.file("incoming", "large.stl"))
-        wait_until(lambda: daemon.has("printing", "large.stl"), "the job to be claimed")
-        self.assertEqual(daemon.status()["state"], "preparing", "the model is read too fast for this test")
+        daemon.wait_job("large", "checking")
         daemon.stop()
-        os.replace(self.write("small", SLAB), os.fsencode(daemon.file(
-            "incoming" if daemon.has("incoming", "large.stl") else "printing", "large.stl")))  # fmt: skip
+        os.replace(self.write("small", SLAB), os.fsencode(daemon.file("incoming", "large.stl")))
         daemon.start()
         self.assertFalse(daemon.has("failed", "large.stl"), "nothing was printed, yet it counts as interrupted")
         daemon.wait_done("large")

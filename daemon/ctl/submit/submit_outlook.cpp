@@ -109,10 +109,6 @@ class Look {
     outlook_.json["asks"] = asked;
     if (!asked.empty())
       note(fmt::format("the printer will ask before it prints this: {}", findings_text(asked)));
-    if (!job.summary.wide_gaps.empty())
-      note(
-          "a printer that is idle and adds no supports refuses it instead, unless its ticket has \"cracks\": "
-          "\"repair\"");
   }
 
   // Returns nullopt if the deadline passed before all layers were analyzed.

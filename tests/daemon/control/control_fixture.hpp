@@ -15,7 +15,7 @@ class ControlFixture : public CurrentJobFixture {
   FakeChecks checks;
   FakeQueueObserver queue_observer;
   PrintQueue queue{config, checks, queue_observer, log.log};
-  BlockingClaims claims{spool};
+  BlockingClaims claims{spool, config};
   JobScheduler scheduler{context, spool, claims, queue, hold, use};
   JobHistory history;
   ManualProcess manual{machine, clock, [] {}};

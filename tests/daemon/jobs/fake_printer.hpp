@@ -4,11 +4,11 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "daemon/jobs/job_checks.hpp"
+#include "daemon/jobs/job_claims.hpp"
 #include "daemon/jobs/print_queue.hpp"
 #include "daemon/jobs/printer_use.hpp"
 
@@ -61,22 +61,24 @@ class FakeChecks final : public JobChecks {
   std::function<void(const std::string&)> save_done;  // ends the last save
 };
 
-// Claims jobs at once, on the caller's thread.
+// Looks at jobs and claims them at once, on the caller's thread.
 class BlockingClaims final : public JobClaims {
  public:
-  explicit BlockingClaims(Spool& spool) : spool_(spool) {}
-  void claim(const std::string& file, std::function<void(const Claim&)> done) override {
-    Claim claim;
-    try {
-      claim.files = spool_.begin(file);
-    } catch (const std::system_error& error) {
-      claim = {std::nullopt, error.code(), error.what()};
-    }
-    done(claim);
+  BlockingClaims(Spool& spool, const PrinterConfig& config) : spool_(spool), config_(config) {}
+  void look(const std::string& file, std::function<void(const JobLook&)> done) override {
+    JobLook look = look_at(spool_, file, config_);
+    if (after_look) after_look();
+    done(look);
   }
+  void claim(const std::string& file, std::function<void(const Claim&)> done) override {
+    done(claim_now(spool_, file));
+  }
+
+  std::function<void()> after_look;  // what happens between a look and its report
 
  private:
   Spool& spool_;
+  const PrinterConfig& config_;
 };
 
 class FakeQueueObserver final : public QueueObserver {

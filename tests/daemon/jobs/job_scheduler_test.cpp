@@ -10,12 +10,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A scheduler whose jobs and checks end when a test ends them.
+// A scheduler whose jobs end when a test ends them. Its checks succeed at once.
 class SchedulerFixture : public testing::PrinterFixture {
  public:
   SchedulerFixture() {
     queue_observer.on_change = [this] { scheduler.run(); };
     hold.load();
+    work.check_result = JobOutlook{};
   }
 
   void arrive(const std::string& file) {
@@ -62,17 +63,14 @@ class SchedulerFixture : public testing::PrinterFixture {
   testing::FakeQueueObserver queue_observer;
   QueueHold hold{context, spool, printer};
   PrintQueue queue{config, work, queue_observer, log.log};
-  testing::BlockingClaims claims{spool};
+  testing::BlockingClaims claims{spool, config};
   JobScheduler scheduler{context, spool, claims, queue, hold, printer};
 };
 
-// A scheduler with ask_before for islands, whose checks succeed at once.
+// A scheduler with ask_before for islands.
 class AskingSchedulerFixture : public SchedulerFixture {
  public:
-  AskingSchedulerFixture() {
-    config.ask_before = {"islands"};
-    work.check_result = JobOutlook{};
-  }
+  AskingSchedulerFixture() { config.ask_before = {"islands"}; }
 };
 
 }  // namespace
@@ -84,12 +82,11 @@ TEST_CASE_METHOD(SchedulerFixture,
   CHECK(has("printing/part.stl"));
   CHECK(printer.jobs[0].settings);
   CHECK(scheduler.waiting_for().empty());
-  CHECK(checked().empty());
 }
 
-TEST_CASE_METHOD(SchedulerFixture,
-                 "A job with supports is checked before it begins, because it may need confirmation") {
-  config.supports = SupportPolicy::Auto;
+TEST_CASE_METHOD(SchedulerFixture, "A job is checked before it begins, because it may need confirmation") {
+  config.supports = GENERATE(SupportPolicy::Auto, SupportPolicy::Off);
+  work.check_result.reset();
   arrive("part.stl");
   CHECK(begun().empty());
   REQUIRE(checked() == Names{"part.stl"});
@@ -119,11 +116,57 @@ TEST_CASE_METHOD(SchedulerFixture,
   }
 }
 
+TEST_CASE_METHOD(
+    SchedulerFixture,
+    "A job whose profile could not be used when it was checked is checked again before it begins") {
+  const std::string resin = std::exchange(config.resin, "none-such");
+  arrive("part.stl");
+  CHECK(checked().empty());
+  config.resin = resin;
+  work.check_result.reset();
+  scheduler.run();
+  CHECK(begun().empty());
+  REQUIRE(checked() == Names{"part.stl"});
+  end_check(JobOutlook{});
+  CHECK(begun() == Names{"part"});
+}
+
+TEST_CASE_METHOD(SchedulerFixture, "A look at the next job is void if something has changed meanwhile") {
+  SECTION("the queue is held") {
+    claims.after_look = [&] { hold.hold("part failed"); };
+    arrive("part.stl");
+    CHECK(begun().empty());
+    CHECK(scheduler.waiting_for().starts_with("the queue is held"));
+  }
+  SECTION("the job is gone") {
+    claims.after_look = [&] { queue.withdrawn("part.stl"); };
+    arrive("part.stl");
+    CHECK(begun().empty());
+    CHECK(queue.empty());
+  }
+  SECTION("a stop was requested") {
+    claims.after_look = [&] { scheduler.stop(); };
+    arrive("part.stl");
+    CHECK(begun().empty());
+  }
+}
+
+TEST_CASE_METHOD(SchedulerFixture, "The reason of the disk stays while the next job is looked at again") {
+  config.min_free_disk_bytes = ~std::uintmax_t{0};
+  arrive("part.stl");
+  claims.after_look = [&] { CHECK(scheduler.waiting_for().starts_with("the spool's disk has ")); };
+  scheduler.run();
+  claims.after_look = nullptr;
+  config.min_free_disk_bytes = 0;
+  scheduler.run();
+  CHECK(begun() == Names{"part"});
+}
+
 TEST_CASE_METHOD(SchedulerFixture, "Jobs begin one after the other, in the order of the queue") {
   for (const char* file : {"b.stl", "a.stl", "c.stl"})
     arrive(file);
   CHECK(begun() == Names{"b"});
-  CHECK(checked() == Names{"a.stl", "c.stl"});
+  CHECK(checked() == Names{"b.stl", "a.stl", "c.stl"});
 }
 
 TEST_CASE_METHOD(SchedulerFixture,
@@ -132,7 +175,7 @@ TEST_CASE_METHOD(SchedulerFixture,
   const TimePoint between = std::chrono::steady_clock::now();
   arrive("two.stl");
   const TimePoint end_of_wait = std::chrono::steady_clock::now();
-  (void)queue.take_first();  // it is still being checked
+  (void)queue.take_first();
   CHECK(printer.jobs[0].turn_came <= between);
   queue.put_last({.file = "two.stl", .arrived = between, .waited = true});
   end_job();
@@ -187,11 +230,6 @@ TEST_CASE_METHOD(SchedulerFixture,
   queue.arrived("gone-too.stl");
   put(Spool::Folder::Incoming, "part.stl");
   queue.put_last({.file = "part.stl", .arrived = {}});
-  // No check of this fixture ends by itself.
-  WaitingJob gone = queue.take_first(), gone_too = queue.take_first();
-  gone.check = gone_too.check = WaitingJob::Check::Passed;
-  queue.put_first(std::move(gone_too));
-  queue.put_first(std::move(gone));
   printer.job = false;
   scheduler.run_soon();
   CHECK(run_until([&] { return printer.job; }));
@@ -227,9 +265,11 @@ TEST_CASE_METHOD(SchedulerFixture, "A job waits for a broken profile, and the ot
   CHECK(log.count("part.stl waits") == 1);
 }
 
-TEST_CASE_METHOD(SchedulerFixture,
-                 "A job with an invalid ticket begins, because its reading says why it is refused") {
+TEST_CASE_METHOD(
+    SchedulerFixture,
+    "An unchecked job with an invalid ticket begins, because its reading says why it is refused") {
   put_text(Spool::Folder::Incoming, "part.json", "no ticket");
+  work.check_result = JobRefusal{.reason = "too little memory", .for_now = true};
   arrive("part.stl");
   REQUIRE(begun() == Names{"part"});
   CHECK_FALSE(printer.jobs[0].settings);
@@ -248,8 +288,9 @@ TEST_CASE_METHOD(SchedulerFixture,
   put(Spool::Folder::Incoming, "part.stl");
   std::vector<Claim> results;
   const auto note = [&](const Claim& claim) { results.push_back(claim); };
-  spool.claim("part.stl", note);
-  spool.claim("gone.stl", note);
+  SpoolClaims on_disk{spool, config};
+  on_disk.claim("part.stl", note);
+  on_disk.claim("gone.stl", note);
   CHECK(results.empty());
   REQUIRE(run_until([&] { return results.size() == 2; }));
   REQUIRE(results[0].files);
@@ -258,6 +299,7 @@ TEST_CASE_METHOD(SchedulerFixture,
   CHECK_FALSE(results[1].files);
   CHECK(results[1].code == std::errc::no_such_file_or_directory);
   CHECK(results[1].trouble.find("gone.stl") != std::string::npos);
+  CHECK_FALSE(results[1].is_there);
 }
 
 TEST_CASE_METHOD(SchedulerFixture, "No job begins after a stop") {

@@ -485,7 +485,7 @@ TEST_CASE_METHOD(QueueFixture, "Without ask_before no job is analyzed") {
   arrive({"a.stl"});
   CHECK_FALSE(queue.questions().wanted());
   CHECK(queue.first_unanalyzed().empty());
-  CHECK(queue.questions().knows(std::nullopt, {}, std::nullopt));
+  CHECK(queue.questions().knows(std::nullopt, "", std::nullopt));
 }
 
 TEST_CASE_METHOD(AskingQueueFixture,
