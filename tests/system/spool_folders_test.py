@@ -273,13 +273,21 @@ class ReplacedFolders(SpoolTest):
         self.addCleanup(subprocess.run, ["umount", "-q", daemon.file("incoming")], check=False)
 
     def stopped_while_it_reads(self, daemon, meanwhile=lambda: None):
-        """Stops the daemon while it prepares big.stl, which has a ticket."""
+        """Stops the daemon while it prepares big.stl, which has a ticket, for its print."""
         large = self.path("large.stl")
-        self.assertEqual(run(MAKE_MODEL, "gyroid-sphere", large, "120").returncode, 0)
+        self.assertEqual(run(MAKE_MODEL, "gyroid-sphere", large, "50").returncode, 0)
         daemon.start()
-        data = contents(large)
+        self.printed(daemon, "first")
+        # Only the next job's preparation is kept until its turn.
+        self.put(daemon, "other.stl")
+        daemon.wait_job("other", "ready")
         self.put(daemon, "big.json", b"{}")
-        self.put(daemon, "big.stl", data)
+        self.put(daemon, "big.stl", contents(large))
+        daemon.wait_job("big", "ready")
+        daemon.rpc("queue_move", job="big", to=1)
+        os.unlink(daemon.file("incoming", "other.stl"))
+        daemon.wait_status("queued", 1)
+        daemon.rpc("plate_cleared")
         daemon.wait_status("state", "preparing")
         meanwhile()
         self.assertEqual(daemon.status()["state"], "preparing", "the model is read too fast for this test")
@@ -375,13 +383,13 @@ class ReplacedFolders(SpoolTest):
         self.printed(daemon, "under")
 
     def test_a_job_that_has_not_begun_returns_to_a_mounted_incoming_folder(self):
-        daemon = self.daemon()
+        daemon = self.daemon(WAITS)
         self.mount_over_incoming(daemon)
         self.stopped_while_it_reads(daemon)
         self.assertEqual(daemon.names_in("incoming"), ["big.json", "big.stl"])
         self.assertEqual(daemon.names_in("printing"), [])
 
     def test_a_job_that_returns_to_incoming_does_not_overwrite_another_job(self):
-        daemon = self.daemon()
+        daemon = self.daemon(WAITS)
         self.stopped_while_it_reads(daemon, lambda: self.put(daemon, "big.stl"))
         self.assertEqual(daemon.names_in("incoming"), ["big-2.json", "big-2.stl", "big.stl"])
