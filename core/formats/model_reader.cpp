@@ -57,16 +57,27 @@ const ModelFormat& format_of(const FileStart& start) {
   return format;
 }
 
-// Returns the unit that the first line or the header names as "UNITS=mm"; nullopt if there is none.
+std::string_view without_leading_blanks(std::string_view text) {
+  return text.substr(std::min(text.find_first_not_of(" \t"), text.size()));
+}
+
+// Returns the unit that the first line or the header names as "UNITS=mm", in either case and with blanks
+// around the sign; nullopt if there is none.
 std::optional<LengthUnit> unit_in(std::span<const std::byte> start) {
   constexpr std::size_t kHeaderBytes = 80;  // of binary STL; the first line of a text is rarely longer
-  constexpr std::string_view kKey = "UNITS=", kEnds{" \t\r\n,;\0", 7};
+  constexpr std::string_view kKey = "units", kEnds{" \t\r\n,;\0", 7};
   const std::string_view header(reinterpret_cast<const char*>(start.data()),
                                 std::min(start.size(), kHeaderBytes));
-  const std::size_t key = header.find(kKey);
-  if (key == std::string_view::npos) return std::nullopt;
-  const std::string_view value = header.substr(key + kKey.size());
-  return length_unit(value.substr(0, value.find_first_of(kEnds)));
+  const auto same = [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; };
+  auto key = std::search(header.begin(), header.end(), kKey.begin(), kKey.end(), same);
+  for (; key != header.end(); key = std::search(key + 1, header.end(), kKey.begin(), kKey.end(), same)) {
+    const auto place = static_cast<std::size_t>(key - header.begin());
+    std::string_view value = without_leading_blanks(header.substr(place + kKey.size()));
+    if (!value.starts_with('=')) continue;
+    value = without_leading_blanks(value.substr(1));
+    return length_unit(value.substr(0, value.find_first_of(kEnds)));
+  }
+  return std::nullopt;
 }
 
 Model read_model(const FileStart& start, const ReadBytes& read) {

@@ -41,10 +41,11 @@ std::vector<std::string> shell_warnings(const ShellReport& shells,
     warnings.push_back(fmt::format("{}{} at {}: {}", count_of(count, one, many),
                                    count == 1 ? "," : ", the first", place_of(at), consequence));
   };
-  warn(shells.inside_out, "shell of the model is inside out though it lies in no solid",
-       "shells of the model are inside out though they lie in no solid", shells.inside_out_at,
-       "such a shell is filled, but where it overlaps a solid, nothing is printed; turn its facets outwards "
-       "if that is wrong");
+  warn(shells.inside_out, "shell of the model is inside out though it lies in no solid or overlaps a cavity",
+       "shells of the model are inside out though they lie in no solid or overlap a cavity",
+       shells.inside_out_at,
+       "such a shell is filled there, but where it overlaps a solid, nothing is printed; turn its facets "
+       "outwards if it is a body, or unite it with the cavity that it overlaps");
   warn(shells.within, "shell of the model faces outwards within a solid",
        "shells of the model face outwards within a solid", shells.within_at,
        "such a shell is filled; turn its facets inwards if it is a cavity");

@@ -25,6 +25,9 @@ constexpr std::array kUsualUnits{LengthUnit::Millimeter, LengthUnit::Meter, Leng
 // A part that is smaller in all directions is hardly meant.
 constexpr double kSmallestPartMm = 1;
 
+// Parts that are drawn in micrometres are larger than this: a smaller one would be drawn up to 5 m large.
+constexpr double kSmallestInUmMm = 5;
+
 // Steps of coordinates of at least a tenth of a usual pixel show in the part.
 constexpr double kCoarsestStepMm = 0.005;
 
@@ -53,8 +56,10 @@ std::string size_text(const SizeMm& size) {
 
 std::string in_unit(LengthUnit unit, const SizeMm& size) {
   return fmt::format(
-      "in {}, the model would measure {}; if that is right, set \"unit\": \"{}\" in its ticket",
-      plural_of(unit), size_text(size), name_of(unit));
+      "in {}, the model would measure {}; if that is right, set \"unit\": \"{}\" in its ticket (contourctl "
+      "submit "
+      "--unit {})",
+      plural_of(unit), size_text(size), name_of(unit), name_of(unit));
 }
 
 constexpr std::string_view kRepairIt = "fix the model, or print it with \"cracks\": \"repair\" in its ticket";
@@ -128,8 +133,13 @@ std::string unit_hint(const SizeMm& size, const ModelUnit& unit, const SizeMm& r
                        plural_of(*unit.named), in_unit(*unit.named, size_in(*unit.named)));
   }
   if (is_plausible(size, room)) return "";
-  const auto* const likely = std::ranges::find_if(
-      kUsualUnits, [&](LengthUnit other) { return other != now && is_plausible(size_in(other), room); });
+  const auto is_likely = [&](LengthUnit other) {
+    // A huge model is rather too large than drawn in micrometres, unless it is larger than any.
+    const bool is_meant =
+        other != LengthUnit::Micrometer || std::ranges::max(size_in(other)) >= kSmallestInUmMm;
+    return other != now && is_meant && is_plausible(size_in(other), room);
+  };
+  const auto* const likely = std::ranges::find_if(kUsualUnits, is_likely);
   if (likely == kUsualUnits.end()) return "";
   return fmt::format("the model measures {} if it is drawn in {}: {}", size_text(size), plural_of(now),
                      in_unit(*likely, size_in(*likely)));

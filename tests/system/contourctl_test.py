@@ -102,6 +102,17 @@ class Inspect(FolderTest):
         far = self.inspect(self.write("far.stl", binary_stl(box((0, 4e6, 0), (10, 4e6 + 10, 10)))))
         self.assertIn("4000 m from the origin, where the file's numbers are 0.25 mm apart", far["warnings"][0])
 
+    def test_the_unit_can_be_set_by_any_of_its_names_in_the_commands_that_read_a_model(self):
+        model = self.write("inch.stl", binary_stl(box((0, 0, 0), (2, 1, 0.5))))
+        for unit in ("inch", "inches", "In"):
+            cut = json.loads(contourctl("slice", "--json", "--z", "1", "--unit", unit, model, expect=OK).stdout)
+            self.assertAlmostEqual(cut["area_mm2"], 50.8 * 25.4, delta=1e-2)  # the rounding of a float
+        scaled = json.loads(contourctl("slice", "--json", "--z", "1", "--unit", "inch", "--scale", "0.5", model, expect=OK).stdout)
+        self.assertAlmostEqual(scaled["area_mm2"], 25.4 * 12.7, delta=1e-2)
+        found = json.loads(contourctl("orient", "--json", "--unit", "inch", model, expect=OK).stdout)
+        self.assertIn("12.7", json.dumps(found))
+        self.assert_refusal(contourctl("inspect", "--unit", "furlong", model), BAD_USAGE, "--unit furlong: expected mm, cm, m, um, inch, foot")
+
     def test_shells_that_are_wound_against_their_place_are_told(self):
         block, relief, core = box((0, 0, 0), (20, 20, 5)), box((5, 5, 3), (10, 10, 7)), box((5, 5, 1), (10, 10, 4))
         self.assertIn("1 shell of the model is inside out", self.inspect(self.write("a.stl", binary_stl(block + inside_out(relief))))["warnings"][0])

@@ -42,7 +42,7 @@ struct AnalyzeOptions {
   bool json = false;
   std::optional<std::filesystem::path> html;  // one self-contained page
   std::optional<std::string> supports;        // default: as configured; without a configuration none
-  std::optional<double> scale;                // factor for the model's size
+  SizeArgs size;
 
   // Configuration and ticket of a print by contourd.
   std::optional<std::filesystem::path> printer, ticket;
@@ -95,7 +95,7 @@ struct AnalysisSubject {
 // Prepares the model in the middle of a display, without a printer's configuration.
 AnalysisSubject subject_alone(const AnalyzeOptions& options, const PrintAlone& print) {
   AnalysisSubject subject;
-  Model model = read_turned_model(options.model, print.up, options.scale);
+  Model model = read_turned_model(options.model, print.up, parse_size(options.size));
   std::vector<std::string>& warnings = subject.model.warnings = std::move(model.warnings);
   const auto made = std::make_shared<const HeightIndex>(std::move(model.facets));
   std::ranges::move(mesh_warnings(made->turned_outwards(), made->repairs()), std::back_inserter(warnings));
@@ -136,7 +136,7 @@ AnalysisSubject subject_of_printer(const AnalyzeOptions& options) {
   const PrinterConfig printer = load_printer_config(*options.printer, Places::Elsewhere);
   // Reads the model first, so that a bad file gives the same message as with other commands.
   (void)read_model(options.model);
-  AskedOfJob asked{.supports = {}, .scale = options.scale};
+  AskedOfJob asked{.supports = {}, .scale = parse_size(options.size)};
   if (options.supports)
     asked.supports = *options.supports == "auto" ? SupportPolicy::Auto : SupportPolicy::Off;
   PreparedJob job =
@@ -231,7 +231,7 @@ void print_json(const AnalyzedModel& m) {
 
 int analyze(const AnalyzeOptions& options) {
   const PrintAlone alone = parse_alone(options);
-  check_scale(options.scale);
+  (void)parse_size(options.size);
   refuse_to_overwrite_model(options.model, "--html", options.html);
   AnalysisSubject subject = options.printer ? subject_of_printer(options) : subject_alone(options, alone);
   subject.model.name = options.model.filename().string();
@@ -259,7 +259,7 @@ void add_analyze(Command& program) {
       .option("--supports", options.supports,
               "Generate supports: auto or off (default: as configured, or off)")
       .one_of({"auto", "off"});
-  command.option("--scale", options.scale, kScaleHelp);
+  add_size_options(command, options.size);
   command.option("--up", options.up, kUpHelp).suggests(up_presets).excludes(printer);
   command.option("--layer-height-um", options.layer_height_um, "Layer height, um").excludes(printer);
   command.option("--layer-time-s", options.layer_time_s, "Time that the printer needs per layer, s")

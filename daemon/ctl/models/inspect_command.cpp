@@ -94,7 +94,7 @@ void print(const Model& model, std::string_view format, const MeshReport& report
 int inspect(const InspectOptions& options) {
   Model model = read_model(options.model);
   const std::string_view format = outline_of_model(options.model).format;
-  convert(model, options.unit ? length_unit(*options.unit) : std::nullopt);
+  convert(model, parse_unit(options.unit));
   const MeshReport report = inspect_mesh(model.facets);
   const HeightIndex index(std::move(model.facets));
   std::ranges::move(mesh_warnings(report.inside_out, index.repairs()), std::back_inserter(model.warnings));
@@ -119,7 +119,7 @@ void add_inspect(Command& program) {
   Command& command = program.add("inspect", "Show the contents and defects of a model file");
   auto& options = command.arguments<InspectOptions>();
   command.option("MODEL", options.model, "Model file").required().allow_empty();
-  command.option("--unit", options.unit, kUnitHelp).one_of(unit_names());
+  command.option("--unit", options.unit, kUnitHelp).suggests(unit_names);
   command.option("--json", options.json, "Print JSON");
   command.run = [&options] { return inspect(options); };
 }

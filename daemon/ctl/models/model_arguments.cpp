@@ -1,6 +1,7 @@
 #include "daemon/ctl/models/model_arguments.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <cstdio>
@@ -64,10 +65,24 @@ Nanometers parse_um(const char* option, double um, double least) {
   return *length;
 }
 
-void check_scale(const std::optional<double>& scale) {
+std::optional<LengthUnit> parse_unit(const std::optional<std::string>& word) {
+  if (!word) return std::nullopt;
+  if (const std::optional<LengthUnit> unit = length_unit(*word)) return unit;
+  throw UsageError(fmt::format("--unit {}: expected {}", printable(*word), fmt::join(unit_names(), ", ")));
+}
+
+std::optional<double> parse_size(const SizeArgs& args) {
+  const std::optional<double>& scale = args.scale;
   // Negated, so that NaN is refused, too.
   if (scale && !(*scale >= 0.001 && *scale <= 1000))
     throw UsageError(fmt::format("--scale {}: expected 0.001 to 1000", *scale));
+  const std::optional<LengthUnit> unit = parse_unit(args.unit);
+  return unit ? millimeters_in(*unit) * scale.value_or(1) : scale;
+}
+
+void add_size_options(Command& command, SizeArgs& args) {
+  command.option("--unit", args.unit, kUnitHelp).suggests(unit_names);
+  command.option("--scale", args.scale, kScaleHelp);
 }
 
 void refuse_to_overwrite_model(const std::filesystem::path& model, const char* option,

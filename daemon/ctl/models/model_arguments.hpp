@@ -10,14 +10,16 @@
 
 #include "core/geometry/units.hpp"
 #include "core/mask/pixel_map.hpp"
+#include "core/model/length_unit.hpp"
 #include "core/model/placement.hpp"
 #include "core/orientation/orientation_figures.hpp"
+#include "daemon/ctl/terminal/command.hpp"
 
 namespace contourd::ctl {
 
 // Help texts of these options.
 inline constexpr const char* kUpHelp = "Direction that points up: X,Y,Z, or auto, fast, clean, safe";
-inline constexpr const char* kUnitHelp = "Unit of the model's file (default: mm)";
+inline constexpr const char* kUnitHelp = "Unit of the model: mm, cm, m, um, inch or foot (default: mm)";
 inline constexpr const char* kScaleHelp = "Scale the model by this factor";
 inline constexpr const char* kAntiAliasingHelp = "Grey edges by area coverage (on), or 1-bit masks (off)";
 inline constexpr const char* kLikePrinterHelp = "Use this printer configuration, as contourd does";
@@ -36,6 +38,13 @@ using UpOption = std::variant<OrientationPreset, Direction>;
 // Returns the units of a model's file.
 [[nodiscard]] std::vector<std::string> unit_names();
 
+struct SizeArgs {
+  std::optional<std::string> unit;
+  std::optional<double> scale;
+};
+// Adds --unit and --scale.
+void add_size_options(Command& command, SizeArgs& args);
+
 struct DisplayArgs {
   double pixel_pitch_um = 50;
   std::string display = "1920x1080";
@@ -45,8 +54,12 @@ struct DisplayArgs {
 [[nodiscard]] DisplayGeometry parse_display(const DisplayArgs& args);
 // Parses a layer height, or a length that is compared with layer heights.
 [[nodiscard]] Nanometers parse_um(const char* option, double um, double least);
-// Checks that the factor is in the range that a ticket allows.
-void check_scale(const std::optional<double>& scale);
+// Parses a unit by any of its names: "inch", "inches", "in".
+[[nodiscard]] std::optional<LengthUnit> parse_unit(const std::optional<std::string>& word);
+// Returns the factor by which the model's coordinates are multiplied; nullopt if no option is given. The
+// range of
+// --scale is that of a ticket.
+[[nodiscard]] std::optional<double> parse_size(const SizeArgs& args);
 // Checks that the output is not the model itself, so that a slip does not destroy the model.
 void refuse_to_overwrite_model(const std::filesystem::path& model, const char* option,
                                const std::optional<std::filesystem::path>& output);

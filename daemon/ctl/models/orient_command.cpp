@@ -31,7 +31,7 @@ namespace {
 
 struct OrientOptions {
   std::filesystem::path model;
-  std::optional<double> scale;
+  SizeArgs size;
   std::string preset = "auto";
   // Configuration of contourd, for build volume and resin.
   std::optional<std::filesystem::path> printer;
@@ -125,7 +125,7 @@ std::string orientation_page(const std::string& name, const ModelOrientation& or
 }
 
 int orient(const OrientOptions& options) {
-  check_scale(options.scale);
+  const std::optional<double> scale = parse_size(options.size);
   if (options.force && !options.pictures) throw UsageError("--force needs --pictures");
   refuse_to_overwrite_model(options.model, "--html", options.html);
   const OrientationLimits limits = limits_of(options);
@@ -135,7 +135,7 @@ int orient(const OrientOptions& options) {
     open_layer_folder(*options.pictures, ".png", options.force ? Earlier::Replace : Earlier::Refuse);
   ModelTicket ticket;
   ticket.orientation = OrientationTicket{orientation_preset(options.preset).value(), {}};
-  if (options.scale) ticket.scale = Scale{*options.scale};
+  if (scale) ticket.scale = Scale{*scale};
   const ModelOrientation orientation = find_orientation(facets, ticket, limits).value();
   if (options.html || options.pictures) {
     const std::vector<Mask> pictures = pictures_of(facets, orientation);
@@ -162,7 +162,7 @@ void add_orient(Command& program) {
   command.option("MODEL", options.model, "Model file").required().allow_empty();
   command.option("--preset", options.preset, "Weights: auto (from the resin's profile), fast, clean or safe")
       .one_of(up_presets());
-  command.option("--scale", options.scale, kScaleHelp);
+  add_size_options(command, options.size);
   command.option("--printer", options.printer, kLikePrinterHelp);
   command.option("--profile", options.resin, "Resin profile, instead of the printer's resin");
   command.option("--html", options.html, "Write a page with pictures");

@@ -46,8 +46,8 @@ struct SliceOptions {
 
   EngineSettings engine;
   bool fit = false;
-  bool supports = false;        // layers then count from the plate; z still refers to the file
-  std::optional<double> scale;  // factor for the model's size
+  bool supports = false;  // layers then count from the plate; z still refers to the file
+  SizeArgs size;
   std::optional<std::filesystem::path> uniformity;  // picture to read into engine.uniformity
 
   std::optional<std::filesystem::path> mask;      // one PNG, with z
@@ -115,7 +115,7 @@ AdaptiveLayers parse_adaptive(const SliceArgs& args) {
 SliceOptions parse_slice(const SliceArgs& args) {
   SliceOptions options = args.options;
   options.supports = args.supports == "auto";
-  check_scale(options.scale);
+  (void)parse_size(options.size);
   // Supports have sizes in millimetres, and a picture that fills the display has no scale.
   if (options.supports && options.fit) throw UsageError("--supports auto excludes --fit");
   options.up = parse_up(args.up);
@@ -350,8 +350,8 @@ int slice_layers(const SliceOptions& options, const SupportedModel& supported) {
 int slice(SliceOptions options) {
   if (options.uniformity)
     options.engine.uniformity = read_uniformity_mask(*options.uniformity, options.engine.display);
-  const auto model =
-      std::make_shared<const HeightIndex>(read_turned_model(options.model, options.up, options.scale).facets);
+  const auto model = std::make_shared<const HeightIndex>(
+      read_turned_model(options.model, options.up, parse_size(options.size)).facets);
   for (const std::string& warning : mesh_warnings(model->turned_outwards(), model->repairs()))
     fmt::print(stderr, "contourctl: warning: {}\n", warning);
   const SupportedModel supported = stand(model, options);
@@ -391,7 +391,7 @@ void add_slice(Command& program) {
   command.option("--uniformity-mask", options.uniformity,
                  "Darken the masks by this 8-bit grey PNG file; 255: unchanged");
   command.option("--supports", args.supports, "Generate supports: auto or off").one_of({"auto", "off"});
-  command.option("--scale", options.scale, kScaleHelp);
+  add_size_options(command, options.size);
   command.option("--gamma", args.gamma, "Gamma of the projector, which the masks compensate");
   command.option("--threshold", args.threshold, "Make grey below this value black");
   command.option("--force", options.force, "Replace the files of an earlier slice");

@@ -26,7 +26,7 @@ namespace {
 struct SupportOptions {
   std::filesystem::path model;
   bool json = false;
-  std::optional<double> scale;    // factor for the model's size
+  SizeArgs size;
   std::optional<std::string> up;  // direction that points up; nullopt: as drawn
   DisplayArgs display;            // the model is in its middle
   double layer_height_um = 50;
@@ -110,10 +110,10 @@ int support(const SupportOptions& options) {
   const std::optional<UpOption> up = parse_up(options.up);
   const SupportingOptions supporting{.display = parse_display(options.display),
                                      .layer = parse_um("--layer-height-um", options.layer_height_um, 1)};
-  check_scale(options.scale);
+  (void)parse_size(options.size);
   refuse_to_overwrite_model(options.model, "--stl", options.stl);
   if (options.with_model && !options.stl) throw UsageError("--with-model needs --stl");
-  Model model = read_turned_model(options.model, up, options.scale);
+  Model model = read_turned_model(options.model, up, parse_size(options.size));
   const SupportedModel supported =
       support_model(std::make_shared<const HeightIndex>(std::move(model.facets)), supporting);
   if (options.stl) write_text(*options.stl, binary_stl(facets_of(supported, options.with_model)));
@@ -136,7 +136,7 @@ void add_support(Command& program) {
   command.option("MODEL", options.model, "Model file").required().allow_empty();
   command.option("--stl", options.stl, "Write the supports to this STL file");
   command.option("--with-model", options.with_model, "Also write the lifted model to the STL file");
-  command.option("--scale", options.scale, kScaleHelp);
+  add_size_options(command, options.size);
   command.option("--up", options.up, kUpHelp).suggests(up_presets);
   command.option("--layer-height-um", options.layer_height_um,
                  "Layer height, um; the model is lifted by whole layers");

@@ -74,7 +74,7 @@ std::string ticket_of(const SubmitOptions& options) {
         std::pair("bottom_exposure_ms", options.bottom_exposure_ms), std::pair("lift_mm", options.lift_mm),
         std::pair("settle_ms", options.settle_ms), std::pair("rest_ms", options.rest_ms)})
     if (value) ticket[key] = *value;
-  if (options.unit) ticket["unit"] = *options.unit;
+  if (const auto unit = parse_unit(options.unit)) ticket["unit"] = name_of(*unit);
   if (const auto up = parse_up(options.up)) ticket["up"] = up_json(*up);
   if (options.supports) ticket["supports"] = *options.supports;
   if (options.scale) ticket["scale"] = *options.scale;
@@ -207,7 +207,7 @@ void add_submit(Command& program) {
   add("--up", options.up, kUpHelp).suggests(up_presets);
   add("--supports", options.supports, "Generate supports: auto or off (default: as configured)")
       .one_of({"auto", "off"});
-  add("--unit", options.unit, kUnitHelp).one_of(unit_names());
+  add("--unit", options.unit, kUnitHelp).suggests(unit_names);
   const Option& scale = add("--scale", options.scale, kScaleHelp);
   add("--fit", options.fit, "Scale the model to fill the display").excludes(scale);
   command.option("--printer", options.printer,

@@ -127,6 +127,10 @@ TEST_CASE("A unit in the header or the first line is read, but not applied") {
   CHECK(unit_of("COLOR=abcd,MATERIAL=x UNITS=in") == LengthUnit::Inch);
   CHECK(unit_of("UNITS=mm, made by hand") == LengthUnit::Millimeter);
   CHECK(unit_of("UNITS=Meters\n") == LengthUnit::Meter);
+  CHECK(unit_of("made by hand, units = cm") == LengthUnit::Centimeter);
+  CHECK(unit_of("Units of length: UNITS= Inches") == LengthUnit::Inch);
+  CHECK_FALSE(unit_of("UNITS"));
+  CHECK_FALSE(unit_of("UNITS = "));
   CHECK_FALSE(unit_of("UNITS=furlong"));
   CHECK_FALSE(unit_of("UNITS="));
   CHECK_FALSE(unit_of("inches"));

@@ -66,17 +66,23 @@ TEST_CASE_METHOD(PrintJobFixture, "Shells that are wound against their place are
   const models::Facets ridge = models::inverted(models::box({5, 5, 19}, {8, 7, 22}));
   const PreparedJob job = prepare(models::together(kCube, ridge));
   CHECK(job.summary.models[0].shells.inside_out == 1);
-  CHECK(job.summary.warnings ==
-        std::vector<std::string>{"1 shell of the model is inside out though it lies "
-                                 "in no solid, at -5.00, -5.00 mm from the plate's "
-                                 "centre at a height of 19.00 mm: such a shell is "
-                                 "filled, but where it overlaps a solid, nothing is "
-                                 "printed; turn its facets outwards if that is wrong"});
+  CHECK(
+      job.summary.warnings ==
+      std::vector<std::string>{"1 shell of the model is inside out though it lies in no solid or overlaps a "
+                               "cavity, at -5.00, -5.00 mm from the plate's centre at a height of 19.00 mm: "
+                               "such a shell is filled there, but where it overlaps a solid, nothing is "
+                               "printed; turn its facets outwards if it is a body, or unite it with the "
+                               "cavity that it overlaps"});
   const models::Facets core = models::box({5, 5, 5}, {15, 15, 15});
   const JobSummary filled = prepare(models::together(kCube, core)).summary;
   REQUIRE(filled.warnings.size() == 1);
   CHECK(filled.warnings[0].starts_with("1 shell of the model faces outwards within a solid, at "));
   CHECK(prepare(models::together(kCube, models::inverted(core))).summary.warnings.empty());
+  const models::Facets cavities =
+      models::inverted(models::together(core, models::box({8, 8, 8}, {18, 18, 18})));
+  const JobSummary overlapping = prepare(models::together(kCube, cavities)).summary;
+  REQUIRE(overlapping.warnings.size() == 1);
+  CHECK(overlapping.warnings[0].find("unite it with the cavity") != std::string::npos);
 }
 
 TEST_CASE_METHOD(PrintJobFixture, "A plate that no layer has is named with its place") {
@@ -220,7 +226,8 @@ TEST_CASE("A file that names another unit gives a hint with the size in that uni
   CHECK(unit_hint({10, 8, 4}, {{}, LengthUnit::Inch}, kRoom) ==
         "the model's file names inches as its unit and is read in millimetres: in inches, the model would "
         "measure "
-        "254 x 203.2 x 101.6 mm; if that is right, set \"unit\": \"inch\" in its ticket");
+        "254 x 203.2 x 101.6 mm; if that is right, set \"unit\": \"inch\" in its ticket "
+        "(contourctl submit --unit inch)");
 }
 
 TEST_CASE(
@@ -239,6 +246,7 @@ TEST_CASE(
             "10 x 10 mm"));
   // No unit makes these plausible.
   CHECK(unit_hint({200, 20, 20}, {}, kRoom).empty());
+  CHECK(unit_hint({4000, 3000, 2000}, {}, kRoom).empty());
   CHECK(unit_hint({0, 0, 0}, {}, kRoom).empty());
   CHECK(unit_hint({1e30, 1e30, 1e30}, {}, kRoom).empty());
 }
