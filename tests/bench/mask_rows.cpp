@@ -2,6 +2,7 @@
 
 #include "core/formats/model_reader.hpp"
 #include "tests/bench/bench.hpp"
+#include "tests/bench/shapes.hpp"
 #include "tests/bench/stopwatch.hpp"
 #include "tests/bench/thesis_baseline.hpp"
 
@@ -86,6 +87,24 @@ std::vector<Row> mask_rows_of(const Bench& bench, const MaskSubject& subject) {
   return rows;
 }
 
+// Measures masks of prisms that all overlap their neighbours.
+Row crossing_row(const Bench& bench) {
+  constexpr int kSides = 36;
+  models::Facets facets;
+  for (int i = 0; i < kFieldColumns * kFieldRows; ++i) {
+    const models::Facets one = prism({kSides, 1, 0.6, 1}, i % kFieldColumns + 0.5, i / kFieldColumns + 0.5);
+    facets.insert(facets.end(), one.begin(), one.end());
+  }
+  const DisplayGeometry display{Pixels{1920}, Pixels{1080}, Micrometers{25}};
+  ContourEngine engine(HeightIndex(std::move(facets)), EngineSettings{display, AntiAliasing::On},
+                       {PixelMap::true_scale(display, {kFieldColumns / 2.0, kFieldRows / 2.0})});
+  const std::vector<Millimeters> heights = random_heights(engine.model().bounds(), bench.runs(50));
+  const Times times = best_of_passes(kPasses, heights, [&](Millimeters z) { (void)engine.mask_at_z(z); });
+  Row row = row_of("mask-crossing", "1,296 bodies that overlap, one grey mask 1920x1080, p50", times, 50, 16);
+  row.note = fmt::format("{} segments", engine.intersecting_facets());
+  return row;
+}
+
 }  // namespace
 
 std::vector<Row> mask_rows(const Bench& bench) {
@@ -94,6 +113,7 @@ std::vector<Row> mask_rows(const Bench& bench) {
       plate ? mask_rows_of(bench, {"plate", "plate", *plate}) : skipped_rows(ids_of("plate"), kPlate);
   for (Row& row : mask_rows_of(bench, {"gyroid", "gyroid", bench.models.gyroid()}))
     rows.push_back(std::move(row));
+  rows.push_back(crossing_row(bench));
   return rows;
 }
 

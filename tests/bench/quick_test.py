@@ -12,8 +12,8 @@ import unittest
 BENCH = os.path.join(os.environ["CONTOURD_BIN"], "contourd-bench")
 
 MADE = {  # rows of models that the benchmark generates: never skipped
-    "mask-random-gyroid-p50", "mask-random-gyroid-p99", "mask-rising-gyroid-p99", "mask-4k-gyroid-p99", "first-mask",
-    "ascii", "memory-gyroid", "allocations-gyroid", "growth-facets", "growth-segments-mask",
+    "mask-random-gyroid-p50", "mask-random-gyroid-p99", "mask-rising-gyroid-p99", "mask-4k-gyroid-p99", "mask-crossing",
+    "first-mask", "ascii", "memory-gyroid", "allocations-gyroid", "growth-facets", "growth-segments-mask",
     "growth-segments-contours", "display-1", "display-10", "display-100", "supports-mask",
 }
 SHARED = {  # rows of models that must be available as files
