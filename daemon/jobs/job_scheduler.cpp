@@ -81,7 +81,7 @@ bool JobScheduler::waits_for_profile() const {
 }
 
 void JobScheduler::look_at_next() {
-  if (waiting_for_ != disk_trouble_) waiting_for_.clear();
+  if (waiting_for_ != look_trouble_) waiting_for_.clear();
   // The end of the check, of the rejection, of the claim or of the look leads here again.
   if (!queue_.first_may_begin() || claiming_ || looking_) return;
   looking_ = true;
@@ -97,8 +97,8 @@ void JobScheduler::looked_at(const WaitingJob& before, const JobLook& look) {
   // A file that arrived again meanwhile is another job.
   const bool is_same = is_due && queue_.next().file == before.file && queue_.next().arrived == before.arrived;
   if (!is_same || !queue_.first_may_begin()) return run();
-  disk_trouble_ = look.disk_trouble;
-  if (!disk_trouble_.empty()) return wait_because(disk_trouble_);
+  look_trouble_ = look.disk_trouble;
+  if (!look_trouble_.empty()) return wait_because(look_trouble_);
   waiting_for_.clear();
   claim_next(look);
 }
@@ -159,7 +159,7 @@ void JobScheduler::wait_for_profile(WaitingJob& job, const std::string& why) {
   if (std::exchange(job.trouble, trouble) != trouble)
     context_.log.error("profile", fmt::format("{} waits: {}", printable(job.file), printable(trouble)),
                        file_fields(job.file));
-  waiting_for_ = trouble;
+  waiting_for_ = look_trouble_ = trouble;
   job.waited = true;
   job.check = WaitingJob::Check::Passed;  // as far as it can be checked now
   run_later(kProfileInterval);
@@ -186,7 +186,7 @@ void JobScheduler::not_claimed(const Claim& claim) {
 void JobScheduler::note_trouble(WaitingJob& job, const std::string& trouble) {
   if (std::exchange(job.trouble, trouble) != trouble)
     context_.log.error("claim", trouble, file_fields(job.file));
-  waiting_for_ = trouble;
+  waiting_for_ = look_trouble_ = trouble;
   job.waited = true;
 }
 

@@ -74,7 +74,7 @@ class JobScheduler {
   QueueHold& hold_;
   PrinterUse& use_;
   std::string waiting_for_;   // already logged
-  std::string disk_trouble_;  // found by the last look at the next job
+  std::string look_trouble_;  // found by the last look at the next job
   bool looking_ = false;      // a look at the next job is under way
   std::optional<TakenJob> claiming_;
   bool stopped_ = false, hold_just_changed_ = false;

@@ -39,7 +39,7 @@ class Completion(FolderTest):
         self.assertEqual(self.bash("config", "s"), ["show", "schema"])
         self.assertEqual(self.bash("config", "schema", "pr"), ["printer", "projector"])
         self.assertEqual(self.bash("queue", "move", "a", "--f"), ["--first"])
-        self.assertEqual(self.bash("slice", "--uni"), ["--uniformity-mask"])
+        self.assertEqual(self.bash("slice", "--unif"), ["--uniformity-mask"])
         self.assertEqual(self.bash("slice", "--aa", "o"), ["on", "off"])
         self.assertEqual(self.bash("history", "--outcome", ""), ["done", "failed", "cancelled"])
         self.assertEqual(self.bash("help", "s"), ["submit", "status", "support", "slice", "stop", "show", "switches", "setup"])

@@ -36,11 +36,6 @@ class Policies(FolderTest):
         self.assertIn("10 of 20 layers, from layer 11 to 20: contours did not close; the widest gap bridged is 4.000 mm", line)
         self.assertNotIn("layer 12: ", daemon.log())
 
-    def test_a_model_that_lacks_much_of_its_surface_is_refused_if_it_begins_at_once(self):
-        reason = self.daemon().refused("part.stl", CRACKED, {"layer_height_um": 100})
-        self.assertIn("in 50 % of its layers, gaps of up to 4.00 mm are bridged by a guess", reason)
-        self.assertIn('or print it with "cracks": "repair" in its ticket', reason)
-
     def test_a_ticket_that_refuses_cracks_refuses_the_model_before_its_first_layer(self):
         daemon = self.daemon()
         reason = daemon.refused("part.stl", CRACKED, {"layer_height_um": 100, "cracks": "refuse"})

@@ -259,6 +259,10 @@ TEST_CASE_METHOD(SchedulerFixture, "A job waits for a broken profile, and the ot
   CHECK(has("incoming/part.stl"));
   arrive("other.stl");
   CHECK(checked() == Names{"other.stl"});
+  // The reason stays while the job is looked at again.
+  claims.after_look = [&] { CHECK(scheduler.waiting_for().ends_with("when the profile is fixed")); };
+  scheduler.run();
+  claims.after_look = nullptr;
   config.resin = resin;
   scheduler.run();
   CHECK(begun() == Names{"part"});
