@@ -52,6 +52,9 @@ using Millimeters = Quantity<struct MillimeterUnit, double>;
 using Micrometers = Quantity<struct MicrometerUnit, double>;
 using MillimetersPerSecond = Quantity<struct MillimeterPerSecondUnit, double>;
 using MillimetersPerSecondSquared = Quantity<struct MillimeterPerSecondSquaredUnit, double>;
+// Light that a square centimetre received, and the rate at which it does.
+using MillijoulesPerCm2 = Quantity<struct MillijoulePerCm2Unit, double>;
+using MilliwattsPerCm2 = Quantity<struct MilliwattPerCm2Unit, double>;
 // Whole display pixels.
 using Pixels = Quantity<struct PixelUnit, std::int32_t>;
 

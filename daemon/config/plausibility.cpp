@@ -180,7 +180,7 @@ std::vector<Violation> implausible_values(const ResinProfile& resin, const std::
                                        std::pair("/retract_speed_mm_s", resin.motion.retract_speed)})
     warnings.add_outside(pointer, speed.count(), 0, kMaxSpeedMmS,
                          "mm/s are implausible: 1 to 5 mm/s (60 to 300 mm/min) are usual");
-  if (const auto* curve = std::get_if<WorkingCurve>(&resin.exposure);
+  if (const auto* curve = std::get_if<CurveExposure>(&resin.exposure);
       curve != nullptr && curve->overcure.count() == 0)
     warnings.add(
         "/working_curve/overcure_um", 0,

@@ -27,13 +27,13 @@ ExposureSeconds exposures_s(const ResinProfile& resin, Nanometers layer_height, 
     const auto seconds = [](Duration d) { return std::chrono::duration<double>(d).count(); };
     return {seconds(fixed->exposure), seconds(fixed->bottom_exposure)};
   }
-  const auto& curve = std::get<WorkingCurve>(resin.exposure);
-  const double layer_um = static_cast<double>(layer_height.count()) / 1e3;
+  const auto& by_curve = std::get<CurveExposure>(resin.exposure);
+  const WorkingCurve& curve = resin.cure.value().curve;
+  const Micrometers layer{in_mm(layer_height) * 1000};
   const auto seconds = [&](Micrometers overcure) {
-    return curve.critical_energy_mj_cm2 / irradiance_mw_cm2 *
-           std::exp((layer_um + overcure.count()) / curve.penetration_depth.count());
+    return curve.dose_for(layer + overcure).count() / irradiance_mw_cm2;
   };
-  return {seconds(curve.overcure), seconds(curve.bottom_overcure)};
+  return {seconds(by_curve.overcure), seconds(by_curve.bottom_overcure)};
 }
 
 std::optional<std::string> exposure_problem(const std::string& which, double seconds,
@@ -123,7 +123,7 @@ void check_rules(JsonDocument& document, const ResinMachine& machine) {
 // Checks the ticket limits against the working curve's exposures, which are known only after the profile has
 // been read.
 void check_limits_of_curve(JsonDocument& document, const ResinProfile& resin, double irradiance_mw_cm2) {
-  if (!std::holds_alternative<WorkingCurve>(resin.exposure)) return;
+  if (!std::holds_alternative<CurveExposure>(resin.exposure)) return;
   const auto [normal, bottom] = exposures_s(resin, resin.layer_height, irradiance_mw_cm2);
   const auto check = [&document](const char* key, const std::optional<Limits<Duration>>& limits,
                                  double seconds) {
@@ -139,14 +139,24 @@ void check_limits_of_curve(JsonDocument& document, const ResinProfile& resin, do
   check("bottom_exposure_ms", resin.limits.bottom_exposure, bottom);
 }
 
-std::variant<FixedExposure, WorkingCurve> read_exposure(const JsonSection& profile) {
+std::variant<FixedExposure, CurveExposure> read_exposure(const JsonSection& profile) {
   if (!profile.has("working_curve")) {
     return FixedExposure{profile.duration("exposure_ms"), profile.duration("bottom_exposure_ms")};
   }
   const JsonSection curve = profile.section("working_curve");
-  return WorkingCurve{Micrometers{curve.number("penetration_depth_um")},
-                      curve.number("critical_energy_mj_cm2"), Micrometers{curve.number("overcure_um")},
-                      Micrometers{curve.number("bottom_overcure_um")}};
+  return CurveExposure{Micrometers{curve.number("overcure_um")},
+                       Micrometers{curve.number("bottom_overcure_um")}};
+}
+
+std::optional<CureSettings> read_cure(const JsonSection& profile) {
+  if (!profile.has("working_curve")) return std::nullopt;
+  const JsonSection curve = profile.section("working_curve");
+  CureSettings cure{.curve = {Micrometers{curve.number("penetration_depth_um")},
+                              MillijoulesPerCm2{curve.number("critical_energy_mj_cm2")}},
+                    .oxygen_dose = MillijoulesPerCm2{curve.number("oxygen_dose_mj_cm2")},
+                    .dead_zone = Micrometers{curve.number("dead_zone_um")}};
+  if (curve.has("peel_memory")) cure.peel_memory = curve.number("peel_memory");
+  return cure;
 }
 
 // Returns the factors by which a model is enlarged so that it has its size after shrinking.
@@ -221,6 +231,9 @@ ResinProfile read_profile(const JsonSection& profile, std::string name) {
       .layer_height_min = profile.length("layer_height_min_um"),
       .layer_height_max = profile.length("layer_height_max_um"),
       .exposure = read_exposure(profile),
+      .cure = read_cure(profile),
+      .peel_memory_measured =
+          profile.has("working_curve") && profile.section("working_curve").has("peel_memory"),
       .shrinkage_factors = read_shrinkage(profile),
       .bottom_layers = profile.integer<int>("bottom_layers"),
       .fade_layers = profile.integer<int>("fade_layers"),

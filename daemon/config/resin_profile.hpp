@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/analysis/print_analysis.hpp"
+#include "core/cure/cured_layers.hpp"
 #include "core/engine/compensation.hpp"
 #include "core/geometry/units.hpp"
 #include "core/model/placement.hpp"
@@ -33,13 +34,12 @@ struct FixedExposure {
   bool operator==(const FixedExposure&) const = default;
 };
 
-// Jacobs' working curve Cd = Dp ln(E / Ec), thesis equation 2.1.
-struct WorkingCurve {
-  Micrometers penetration_depth;        // Dp
-  double critical_energy_mj_cm2 = 0.0;  // Ec
-  Micrometers overcure;                 // cure depth beyond the layer height
+// Cure depths beyond the layer height, from which the exposures of any layer follow by the resin's working
+// curve.
+struct CurveExposure {
+  Micrometers overcure;
   Micrometers bottom_overcure;
-  bool operator==(const WorkingCurve&) const = default;
+  bool operator==(const CurveExposure&) const = default;
 };
 
 // The tolerated uncertainty of a layer's exposure time (upper minus lower bound), and the reaction if it is
@@ -70,7 +70,9 @@ struct ResinProfile {
   Nanometers layer_height;
   Nanometers layer_height_min;
   Nanometers layer_height_max;
-  std::variant<FixedExposure, WorkingCurve> exposure;
+  std::variant<FixedExposure, CurveExposure> exposure;  // CurveExposure only with `cure`
+  std::optional<CureSettings> cure;                     // if the resin's working curve was measured
+  bool peel_memory_measured = false;                    // otherwise `cure` assumes that nothing is forgotten
   Scale shrinkage_factors;  // compensate the resin's shrinkage along the plate's axes
   int bottom_layers = 0;    // layers with the bottom exposure
   int fade_layers = 0;      // the layers after them: from the bottom exposure to the normal one

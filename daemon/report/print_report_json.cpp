@@ -80,11 +80,12 @@ Json exposure_json(const JobSummary& summary) {
     json["bottom_exposure_ms"] = in_ms(fixed->bottom_exposure);
     return json;
   }
-  const auto& curve = std::get<WorkingCurve>(summary.resin.exposure);
+  const auto& by_curve = std::get<CurveExposure>(summary.resin.exposure);
+  const WorkingCurve& curve = summary.resin.cure.value().curve;
   json["working_curve"] = {{"penetration_depth_um", curve.penetration_depth.count()},
-                           {"critical_energy_mj_cm2", curve.critical_energy_mj_cm2},
-                           {"overcure_um", curve.overcure.count()},
-                           {"bottom_overcure_um", curve.bottom_overcure.count()}};
+                           {"critical_energy_mj_cm2", curve.critical_dose.count()},
+                           {"overcure_um", by_curve.overcure.count()},
+                           {"bottom_overcure_um", by_curve.bottom_overcure.count()}};
   return json;
 }
 

@@ -36,11 +36,12 @@ TEST_CASE("every key of a resin profile is read with its unit, and the file give
   CHECK(resin.motion.settle == milliseconds{1000});
   CHECK(resin.motion.rest == milliseconds{500});
 
-  const auto curve = std::get<WorkingCurve>(load_resin(curve_profile()).exposure);
-  CHECK(curve.penetration_depth == Micrometers{100.0});
-  CHECK(curve.critical_energy_mj_cm2 == 5.0);
-  CHECK(curve.overcure == Micrometers{50.0});
-  CHECK(curve.bottom_overcure == Micrometers{150.0});
+  const ResinProfile by_curve = load_resin(curve_profile());
+  const auto exposure = std::get<CurveExposure>(by_curve.exposure);
+  CHECK(exposure.overcure == Micrometers{50.0});
+  CHECK(exposure.bottom_overcure == Micrometers{150.0});
+  REQUIRE(by_curve.cure.has_value());
+  CHECK(by_curve.cure->curve == WorkingCurve{Micrometers{100.0}, MillijoulesPerCm2{5.0}});
 }
 
 TEST_CASE("a resin's supports have their defaults except for the keys in its profile") {
@@ -164,7 +165,7 @@ TEST_CASE("without fade layers the exposure changes at once, and without bottom 
 
 TEST_CASE("an exposure too long for a duration throws instead of overflowing") {
   ResinProfile resin = load_resin(curve_profile());
-  std::get<WorkingCurve>(resin.exposure).penetration_depth = Micrometers{0.001};
+  resin.cure.value().curve.penetration_depth = Micrometers{0.001};
   CHECK_THROWS_AS(exposure_time(resin, Nanometers{50'000}, 100, 5.0), std::range_error);
 }
 

@@ -132,7 +132,7 @@ TEST_CASE("a ticket's exposure replaces the working curve's exposure at its laye
   const Printed thick = printed(limited_curve_profile(), {{"exposure_ms", 4000}, {"layer_height_um", 100}});
   CHECK(std::get<FixedExposure>(thick.resin.exposure) == FixedExposure{milliseconds{4000}, bottom_at(100)});
   // Without an exposure in the ticket, the curve still applies.
-  CHECK(std::holds_alternative<WorkingCurve>(
+  CHECK(std::holds_alternative<CurveExposure>(
       printed(limited_curve_profile(), {{"lift_mm", 8}}).resin.exposure));
 }
 

@@ -21,7 +21,8 @@ TEST_CASE_METHOD(PrintJobFixture, "A layer height that the resin does not allow 
 
 TEST_CASE_METHOD(PrintJobFixture,
                  "Adaptive layers are thin on slopes and thick on walls, within what the resin prints") {
-  resin.exposure = WorkingCurve{Micrometers{150}, 9, Micrometers{60}, Micrometers{200}};
+  resin.exposure = CurveExposure{Micrometers{60}, Micrometers{200}};
+  resin.cure = CureSettings{.curve = {Micrometers{150}, MillijoulesPerCm2{9}}};
   const PreparedJob job = prepare(models::cone(8, 8, 96), R"({"adaptive_layers": {"cusp_um": 40}})");
   CHECK(job.summary.layers.adaptive);
   // 40 um on a slope of nearly 45 degrees: its facets are a little less steep than the round cone.

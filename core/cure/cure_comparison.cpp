@@ -1,0 +1,260 @@
+#include "core/cure/cure_comparison.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "core/contract/expects.hpp"
+
+namespace contourd {
+namespace {
+
+constexpr float kFacesUpOrDown = 0.5F;   // sine of 30 degrees
+constexpr float kFacesLine = 0.7071F;    // cosine of 45 degrees
+constexpr double kOnPlateMm = 0.001;     // rounding of a file's coordinates
+constexpr std::int32_t kWallReach = 20;  // pixels in which the part's wall is looked for
+constexpr float kNotMeasured = 1e-3F;    // steepness of supports' surfaces
+
+std::vector<RayCrossing> all_crossings(std::span<const PlateModel> models,
+                                       std::span<const PlateModel> supports, const Rays& rays) {
+  std::vector<RayCrossing> crossings = cross_surface(models, rays);
+  for (RayCrossing crossing : cross_surface(supports, rays)) {
+    crossing.steepness = std::copysign(kNotMeasured, crossing.steepness);
+    crossings.push_back(crossing);
+  }
+  return crossings;
+}
+
+// Returns where the dose falls to `least` between the middles of two pixels, from the brighter one's: 0 to 1.
+double wall_between(double bright, double dark, double least) {
+  if (dark <= 0) return 0.5;  // light that stays within its pixel
+  // Beside the last lit pixel, narrow light is that pixel's Gaussian, and wide light nearly a straight line.
+  constexpr double kNarrow = 0.2;
+  if (dark > kNarrow * bright) return (bright - least) / (bright - dark);
+  return std::sqrt(std::log(bright / least) / std::log(bright / dark));
+}
+
+std::vector<RayStretch> vertical_stretches(std::span<const PlateModel> models,
+                                           std::span<const PlateModel> supports, const PixelWindow& window) {
+  return stretches_within(all_crossings(models, supports, {RayAxis::Z, window, {}}));
+}
+
+// Returns numbers of layers at equal distances, rising.
+std::vector<std::size_t> sample(std::size_t layers, std::size_t most) {
+  const std::size_t step = std::max<std::size_t>(1, (layers + most - 1) / most);
+  std::vector<std::size_t> sampled;
+  for (std::size_t layer = step / 2; layer < layers; layer += step)
+    sampled.push_back(layer);
+  return sampled;
+}
+
+}  // namespace
+
+CureComparison::CureComparison(std::span<const PlateModel> models, std::span<const PlateModel> supports,
+                               const DisplayGeometry& display, const PixelWindow& window,
+                               std::span<const LayerDose> layers)
+    : display_(display),
+      window_(window),
+      pixel_mm_(to_millimeters(display.pixel_pitch).count()),
+      layers_(layers.begin(), layers.end()),
+      model_(vertical_stretches(models, supports, window)),
+      wall_layers_(sample(layers.size(), kWallLayers)),
+      layers_left_(layers.size()),
+      solid_until_(window.pixels()) {
+  expects(std::ranges::is_sorted(layers, {}, &LayerDose::top), "the layers rise");
+  std::vector<double> heights;
+  for (const std::size_t layer : wall_layers_)
+    heights.push_back(in_mm(layers_[layer].top - layers_[layer].thickness / 2));
+  walls_[0].axis = RayAxis::X;
+  walls_[1].axis = RayAxis::Y;
+  for (Walls& walls : walls_) {
+    // The stretches' ends: surfaces within other bodies are no walls.
+    for (const RayStretch& stretch :
+         stretches_within(all_crossings(models, supports, {walls.axis, window, heights}))) {
+      walls.crossings.push_back(stretch.from);
+      walls.crossings.push_back(stretch.to);
+    }
+  }
+}
+
+void CureComparison::add_layer(std::size_t layer, const CuredLayers& cured, std::span<const float> dose) {
+  expects(layer + 1 == layers_left_ && dose.size() == solid_until_.size(),
+          "the layer is the next one below, with a dose for each pixel");
+  --layers_left_;
+  const LayerDose& of_layer = layers_[layer];
+  const auto top = static_cast<float>(cured.solid_top(of_layer).count());
+  const double thickness = in_mm(of_layer.thickness);
+  for (std::uint32_t pixel = 0; pixel < dose.size(); ++pixel) {
+    float& until = solid_until_[pixel];
+    const bool solid = dose[pixel] >= 1;
+    if (!solid && until == 0) continue;
+    if (!solid) {
+      cured_.push_back({pixel, top, std::exchange(until, 0.0F)});
+      continue;
+    }
+    if (until == 0) until = top;
+    const double solid_mm = cured.solid_thickness(of_layer, dose[pixel]).count();
+    if (solid_mm < thickness) {
+      cured_.push_back({pixel, top - static_cast<float>(solid_mm), std::exchange(until, 0.0F)});
+    } else if (layer == 0) {
+      cured_.push_back(
+          {pixel, std::max(top - static_cast<float>(thickness), 0.0F), std::exchange(until, 0.0F)});
+    }
+  }
+  const auto height = std::ranges::lower_bound(wall_layers_, layer);
+  if (height == wall_layers_.end() || *height != layer) return;
+  for (Walls& walls : walls_)
+    measure_walls(walls, static_cast<std::size_t>(height - wall_layers_.begin()), cured, layer, dose);
+}
+
+void CureComparison::measure_walls(Walls& walls, std::size_t height, const CuredLayers& cured,
+                                   std::size_t layer, std::span<const float> dose) {
+  const bool along_rows = walls.axis == RayAxis::X;
+  const std::int32_t first = along_rows ? window_.column : window_.row;
+  const std::int32_t length = along_rows ? window_.columns : window_.rows;
+  const auto lines = static_cast<std::uint32_t>(along_rows ? window_.rows : window_.columns);
+  const double middle_mm = in_mm(layers_[layer].top - layers_[layer].thickness / 2);
+  const double below_top = cured.solid_top(layers_[layer]).count() - middle_mm;
+  const double least = cured.dose_at_top(Millimeters{below_top});
+  const auto begin = std::ranges::lower_bound(walls.crossings, height * lines, {}, &RayCrossing::ray);
+  for (auto crossing = begin; crossing != walls.crossings.end() && crossing->ray < (height + 1) * lines;
+       ++crossing) {
+    if (std::abs(crossing->steepness) < kFacesLine) continue;
+    const auto line = static_cast<std::size_t>(crossing->ray - height * lines);
+    const auto pixel_of = [&](std::int32_t at) {
+      const auto on_line = static_cast<std::size_t>(at);
+      const auto columns = static_cast<std::size_t>(window_.columns);
+      return along_rows ? line * columns + on_line : on_line * columns + line;
+    };
+    const bool enters = crossing->steepness < 0;
+    // Pixels' middles are at at + 0.5; the wall is looked for between the middles of at and at + 1.
+    const double model_at = static_cast<double>(crossing->at) - first - 0.5;
+    std::optional<double> nearest;
+    if (model_at < 0 || model_at > length - 1) continue;  // beside the display
+    const auto nearby = static_cast<std::int32_t>(std::floor(model_at));
+    for (std::int32_t at = std::max(0, nearby - kWallReach); at <= std::min(length - 2, nearby + kWallReach);
+         ++at) {
+      const double here = static_cast<double>(dose[pixel_of(at)]);
+      const double next = static_cast<double>(dose[pixel_of(at + 1)]);
+      if ((enters ? next : here) < least || (enters ? here : next) >= least) continue;
+      const double part = enters ? 1 - wall_between(next, here, least) : wall_between(here, next, least);
+      const double found = at + part;
+      if (!nearest || std::abs(found - model_at) < std::abs(*nearest - model_at)) nearest = found;
+    }
+    if (!nearest) {
+      ++walls.missing;
+      continue;
+    }
+    const double outwards = (enters ? model_at - *nearest : *nearest - model_at) * pixel_mm_ *
+                            static_cast<double>(std::abs(crossing->steepness));
+    const std::int32_t at = std::clamp(nearby, 0, length - 1);
+    walls.distances.push_back({static_cast<float>(outwards * 1000), static_cast<std::uint32_t>(pixel_of(at)),
+                               static_cast<float>(middle_mm)});
+  }
+}
+
+CureFigures CureComparison::figures() {
+  expects(layers_left_ == 0, "all layers were added");
+  std::ranges::sort(cured_, [](const Stretch& a, const Stretch& b) {
+    return std::pair(a.pixel, a.from) < std::pair(b.pixel, b.from);
+  });
+  auto model = model_.begin();
+  auto cured = cured_.begin();
+  while (model != model_.end() || cured != cured_.end()) {
+    const std::uint32_t pixel = std::min(model == model_.end() ? UINT32_MAX : model->ray,
+                                         cured == cured_.end() ? UINT32_MAX : cured->pixel);
+    const auto model_end =
+        std::find_if(model, model_.end(), [&](const RayStretch& each) { return each.ray != pixel; });
+    const auto cured_end =
+        std::find_if(cured, cured_.end(), [&](const Stretch& each) { return each.pixel != pixel; });
+    compare_column({model, model_end}, {cured, cured_end});
+    model = model_end;
+    cured = cured_end;
+  }
+  figures_.undersides = summary(std::move(undersides_), missing_undersides_);
+  figures_.tops = summary(std::move(tops_), missing_tops_);
+  std::vector<Distance> walls = std::move(walls_[0].distances);
+  std::ranges::move(walls_[1].distances, std::back_inserter(walls));
+  figures_.walls = summary(std::move(walls), walls_[0].missing + walls_[1].missing);
+  return figures_;
+}
+
+void CureComparison::compare_column(std::span<const RayStretch> model, std::span<const Stretch> cured) {
+  const double pixel_mm2 = pixel_mm_ * pixel_mm_;
+  double in_model = 0, in_both = 0, in_cured = 0;
+  for (const Stretch& solid : cured)
+    in_cured += static_cast<double>(solid.to) - static_cast<double>(solid.from);
+  std::optional<double> below;  // top of the model's stretch below
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    const RayStretch& stretch = model[i];
+    const double from = static_cast<double>(stretch.from.at), to = static_cast<double>(stretch.to.at);
+    in_model += to - from;
+    const Stretch *lowest = nullptr, *highest = nullptr;
+    for (const Stretch& solid : cured) {
+      const double both =
+          std::min(to, static_cast<double>(solid.to)) - std::max(from, static_cast<double>(solid.from));
+      if (both <= 0) continue;
+      in_both += both;
+      if (lowest == nullptr) lowest = &solid;
+      highest = &solid;
+    }
+    const bool measured = std::abs(stretch.from.steepness) >= kFacesUpOrDown && from > kOnPlateMm;
+    if (lowest == nullptr) {
+      if (measured) ++missing_undersides_;
+      if (std::abs(stretch.to.steepness) >= kFacesUpOrDown) ++missing_tops_;
+    } else {
+      const bool closes = below && static_cast<double>(lowest->from) < *below;
+      const double bottom = closes ? *below : static_cast<double>(lowest->from);
+      if (measured) compare_end(stretch.from, from - bottom, undersides_);
+      // A top below a closed gap is no surface of the part; its gap counts as closed.
+      const bool is_closed = i + 1 < model.size() && highest->to > model[i + 1].from.at;
+      if (!is_closed) compare_end(stretch.to, static_cast<double>(highest->to) - to, tops_);
+      if (closes) {
+        figures_.closed_mm2 += pixel_mm2;
+        if (from - *below > figures_.tallest_closed_mm) {
+          figures_.tallest_closed_mm = from - *below;
+          figures_.closed = place(stretch.ray, *below);
+        }
+      }
+    }
+    below = to;
+  }
+  figures_.model_mm3 += in_model * pixel_mm2;
+  figures_.too_much_mm3 += (in_cured - in_both) * pixel_mm2;
+  figures_.too_little_mm3 += (in_model - in_both) * pixel_mm2;
+}
+
+void CureComparison::compare_end(const RayCrossing& end, double outwards_mm,
+                                 std::vector<Distance>& distances) {
+  const float steepness = std::abs(end.steepness);
+  if (steepness < kFacesUpOrDown) return;
+  distances.push_back({static_cast<float>(outwards_mm * 1000) * steepness, end.ray, end.at});
+}
+
+SurfaceDistances CureComparison::summary(std::vector<Distance> distances, std::uint64_t missing) const {
+  SurfaceDistances figures{.places = distances.size(), .missing = missing};
+  if (distances.empty()) return figures;
+  const auto size = [](const Distance& distance) { return std::abs(distance.um); };
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::ranges::nth_element(distances, middle, {}, &Distance::um);
+  figures.median_um = static_cast<double>(middle->um);
+  const auto most = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() * 95 / 100);
+  std::ranges::nth_element(distances, most, {}, size);
+  figures.p95_um = static_cast<double>(size(*most));
+  const auto worst = std::ranges::max_element(distances, {}, size);
+  figures.worst_um = static_cast<double>(worst->um);
+  figures.worst = place(worst->pixel, static_cast<double>(worst->height_mm));
+  return figures;
+}
+
+CurePlace CureComparison::place(std::uint32_t pixel, double height_mm) const {
+  const auto columns = static_cast<std::uint32_t>(window_.columns);
+  const PixelPoint at{window_.column + static_cast<double>(pixel % columns) + 0.5,
+                      window_.row + static_cast<double>(pixel / columns) + 0.5};
+  return {on_plate(display_, at), height_mm};
+}
+
+}  // namespace contourd

@@ -1,0 +1,108 @@
+// Distances between the part that a print's light makes and the model: undersides, tops and walls, each
+// along the surface's normal. Not thread-safe.
+//
+// Undersides and tops are measured on vertical lines through all pixels' middles, where they face up or down
+// by at least 30 degrees from the vertical; walls on horizontal lines along rows and columns of pixels, in
+// the middle of some layers, where they face a line by at most 45 degrees. Undersides on the plate do not
+// count.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/cure/cured_layers.hpp"
+#include "core/cure/surface_rays.hpp"
+#include "core/engine/contour_engine.hpp"
+
+namespace contourd {
+
+// A place on the plate: millimetres from its centre, seen from above, and above it.
+struct CurePlace {
+  Point plate_mm{};
+  double height_mm = 0;
+};
+
+// Distances of one kind of surface. Positive where the part is too large.
+struct SurfaceDistances {
+  std::uint64_t places = 0;   // where the part's surface was found
+  std::uint64_t missing = 0;  // where the part has no such surface near the model's
+  double median_um = 0;
+  double p95_um = 0;    // 95 % are off by at most this
+  double worst_um = 0;  // the largest, with its sign
+  CurePlace worst{};
+};
+
+struct CureFigures {
+  SurfaceDistances undersides, tops, walls;
+  double model_mm3 = 0;
+  double too_much_mm3 = 0;    // solid outside the model
+  double too_little_mm3 = 0;  // part of the model that stays liquid
+  // Gaps above which a part of the model begins, closed from top to bottom by the light that passes through
+  // it.
+  double closed_mm2 = 0;
+  double tallest_closed_mm = 0;
+  CurePlace closed{};  // the tallest one
+};
+
+class CureComparison {
+ public:
+  // Prepares the comparison with models on a display's window of pixels, for layers from the plate up. Walls
+  // are measured on at most kWallLayers layers. `support` are supports, which belong to the model but are not
+  // measured. REQUIRES: no null pointers; rising layers.
+  CureComparison(std::span<const PlateModel> models, std::span<const PlateModel> supports,
+                 const DisplayGeometry& display, const PixelWindow& window,
+                 std::span<const LayerDose> layers);
+
+  static constexpr std::size_t kWallLayers = 100;
+
+  // Adds a layer, by its number, with the doses that CuredLayers returned. REQUIRES: all layers, each once,
+  // from the top down.
+  void add_layer(std::size_t layer, const CuredLayers& cured, std::span<const float> dose);
+
+  // Returns the figures. REQUIRES: all layers were added.
+  [[nodiscard]] CureFigures figures();
+
+ private:
+  struct Stretch {
+    std::uint32_t pixel;
+    float from, to;
+  };
+  struct Distance {
+    float um;
+    std::uint32_t pixel;
+    float height_mm;
+  };
+  struct Walls {
+    RayAxis axis;
+    std::vector<RayCrossing> crossings;  // by ray
+    std::vector<Distance> distances;
+    std::uint64_t missing = 0;
+  };
+
+  void measure_walls(Walls& walls, std::size_t height, const CuredLayers& cured, std::size_t layer,
+                     std::span<const float> dose);
+  void compare_column(std::span<const RayStretch> model, std::span<const Stretch> cured);
+  void compare_end(const RayCrossing& end, double outwards_mm, std::vector<Distance>& distances);
+  [[nodiscard]] SurfaceDistances summary(std::vector<Distance> distances, std::uint64_t missing) const;
+  [[nodiscard]] CurePlace place(std::uint32_t pixel, double height_mm) const;
+
+  DisplayGeometry display_;
+  PixelWindow window_;
+  double pixel_mm_;
+  std::vector<LayerDose> layers_;
+  std::vector<RayStretch> model_;
+  std::vector<std::size_t> wall_layers_;  // rising
+  std::array<Walls, 2> walls_;
+  std::size_t layers_left_;  // layers that were not added yet
+  std::vector<float>
+      solid_until_;  // by pixel: top of the solid that reaches the last layer's bottom; 0: none
+  std::vector<Stretch> cured_;
+  std::vector<Distance> undersides_, tops_;
+  std::uint64_t missing_undersides_ = 0, missing_tops_ = 0;
+  CureFigures figures_;
+};
+
+}  // namespace contourd

@@ -1,0 +1,123 @@
+#include "core/cure/cured_layers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/contract/expects.hpp"
+
+namespace contourd {
+namespace {
+
+// Light that adds less than this to the dose, in units of Ec, is forgotten: all of it together moves an
+// underside by less than a 1000th of Dp.
+constexpr double kFaintest = 1e-4;
+constexpr double kAllLight = std::numeric_limits<std::uint16_t>::max();
+
+}  // namespace
+
+CuredLayers::CuredLayers(const CureSettings& settings, std::size_t pixels)
+    : settings_(settings),
+      depth_mm_(to_millimeters(settings.curve.penetration_depth).count()),
+      kept_(settings.peel_memory),
+      lost_(settings.oxygen_dose / settings.curve.critical_dose),
+      dose_(pixels),
+      unlit_(pixels, std::numeric_limits<std::uint16_t>::max()) {
+  expects(depth_mm_ > 0 && settings.curve.critical_dose.count() > 0, "the working curve has positive values");
+  expects(kept_ >= 0 && kept_ <= 1 && lost_ >= 0 && settings.dead_zone.count() >= 0,
+          "the memory is a share, and the losses are not negative");
+}
+
+std::span<const float> CuredLayers::add_layer(const LayerDose& layer, std::span<const float> light) {
+  expects(light.size() == dose_.size(), "each pixel has a share of the light");
+  expects(last_top_ == Nanometers{} || layer.top <= last_top_, "layers are added from the top down");
+  const double dead_zone_mm = to_millimeters(settings_.dead_zone).count();
+  const double dose = layer.dose / settings_.curve.critical_dose * std::exp(-dead_zone_mm / depth_mm_);
+  if (kept_ == 1 && lost_ == 0) {
+    sum_doses(layer, dose, light);
+  } else {
+    remember(layer, dose, light);
+    const double all_solid = std::exp(in_mm(layer.thickness) / depth_mm_);
+    for (std::size_t pixel = 0; pixel < dose_.size(); ++pixel) {
+      const double own = dose * static_cast<double>(light[pixel]);
+      if (own >= all_solid || unlit_[pixel] >= layers_.size()) {
+        dose_[pixel] = static_cast<float>(own);
+      } else {
+        dose_[pixel] = static_cast<float>(greatest_solid(pixel, in_mm(layer.thickness)));
+      }
+    }
+  }
+  last_top_ = layer.top;
+  return dose_;
+}
+
+// Adds the layer's light to that of all layers above it.
+void CuredLayers::sum_doses(const LayerDose& layer, double dose, std::span<const float> light) {
+  const bool is_first = last_top_ == Nanometers{};
+  const auto falloff =
+      is_first ? 0.0F : static_cast<float>(std::exp(-in_mm(last_top_ - layer.top) / depth_mm_));
+  const auto full = static_cast<float>(dose);
+  for (std::size_t pixel = 0; pixel < dose_.size(); ++pixel)
+    dose_[pixel] = dose_[pixel] * falloff + full * light[pixel];
+}
+
+void CuredLayers::remember(const LayerDose& layer, double dose, std::span<const float> light) {
+  while (!layers_.empty() &&
+         layers_.back().dose * std::exp(-in_mm(layers_.back().top - layer.top) / depth_mm_) < kFaintest)
+    layers_.pop_back();
+  LitLayer lit{layer.top, dose, std::vector<std::uint16_t>(light.size())};
+  for (std::size_t pixel = 0; pixel < light.size(); ++pixel) {
+    lit.light[pixel] = static_cast<std::uint16_t>(std::lround(static_cast<double>(light[pixel]) * kAllLight));
+    if (lit.light[pixel] > 0) {
+      unlit_[pixel] = 0;
+    } else if (unlit_[pixel] < std::numeric_limits<std::uint16_t>::max()) {
+      ++unlit_[pixel];
+    }
+  }
+  layers_.push_front(std::move(lit));
+  reaching_.clear();
+  for (const LitLayer& above : layers_)
+    reaching_.push_back(above.dose / kAllLight * std::exp(-in_mm(above.top - layer.top) / depth_mm_));
+}
+
+// Returns the greatest dose that a pixel's resin below the last layer's top ever had, in units of Ec.
+double CuredLayers::greatest_dose(std::size_t pixel, double below_top_mm) const {
+  const double falloff = below_top_mm == 0 ? 1 : std::exp(-below_top_mm / depth_mm_);
+  double dose = 0, greatest = 0;
+  for (std::size_t layer = 0; layer < layers_.size(); ++layer) {
+    dose = std::max(dose * kept_ - lost_, 0.0) + reaching_[layer] * layers_[layer].light[pixel] * falloff;
+    greatest = std::max(greatest, dose);
+  }
+  return greatest;
+}
+
+// Returns the dose at the layer's top that stands for the solid's thickness. A loss that is subtracted is the
+// same at all heights, so that the dose is no multiple of one figure, and the solid's end is searched.
+double CuredLayers::greatest_solid(std::size_t pixel, double thickness_mm) const {
+  const double at_top = greatest_dose(pixel, 0);
+  if (lost_ == 0 || at_top < 1) return at_top;
+  double solid = 0, liquid = thickness_mm;
+  constexpr int kHalvings = 16;  // to a 65536th of the layer
+  for (int halving = 0; halving < kHalvings; ++halving) {
+    const double middle = (solid + liquid) / 2;
+    (greatest_dose(pixel, middle) >= 1 ? solid : liquid) = middle;
+  }
+  return std::exp(solid / depth_mm_);
+}
+
+Millimeters CuredLayers::solid_top(const LayerDose& layer) const {
+  return to_millimeters(layer.top) - to_millimeters(settings_.dead_zone);
+}
+
+Millimeters CuredLayers::solid_thickness(const LayerDose& layer, float dose) const {
+  if (dose < 1) return Millimeters{};
+  return std::min(Millimeters{depth_mm_ * std::log(static_cast<double>(dose))},
+                  to_millimeters(layer.thickness));
+}
+
+double CuredLayers::dose_at_top(Millimeters depth) const {
+  return std::exp(depth.count() / depth_mm_);
+}
+
+}  // namespace contourd

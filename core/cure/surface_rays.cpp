@@ -1,0 +1,166 @@
+#include "core/cure/surface_rays.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "core/contract/expects.hpp"
+
+namespace contourd {
+namespace {
+
+using Coordinates = std::array<double, 3>;
+
+// The lattice on which lines along an axis stand: `across` is the finer of the two other axes, numbered
+// first.
+struct Lattice {
+  std::size_t along, across, up;  // axes as indices of Coordinates
+  std::vector<double> across_at, up_at;
+};
+
+std::vector<double> middles(std::int32_t first, std::int32_t count) {
+  std::vector<double> at(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < at.size(); ++i)
+    at[i] = first + static_cast<double>(i) + 0.5;
+  return at;
+}
+
+Lattice lattice_of(const Rays& rays) {
+  const std::vector<double> columns = middles(rays.window.column, rays.window.columns);
+  const std::vector<double> rows = middles(rays.window.row, rays.window.rows);
+  switch (rays.axis) {
+    case RayAxis::X:
+      return {0, 1, 2, rows, rays.heights_mm};
+    case RayAxis::Y:
+      return {1, 0, 2, columns, rays.heights_mm};
+    case RayAxis::Z:
+      break;
+  }
+  return {2, 0, 1, columns, rows};
+}
+
+// Returns where a side crosses a line of the lattice, computed from its lower end whatever its direction, so
+// that both facets of the side find the same place.
+double across_on(Coordinates a, Coordinates b, double up_at, const Lattice& lattice) {
+  if (std::tie(a[lattice.up], a[lattice.across]) > std::tie(b[lattice.up], b[lattice.across]))
+    std::swap(a, b);
+  const double part = (up_at - a[lattice.up]) / (b[lattice.up] - a[lattice.up]);
+  return a[lattice.across] + part * (b[lattice.across] - a[lattice.across]);
+}
+
+std::size_t first_from(const std::vector<double>& at, double least) {
+  return static_cast<std::size_t>(std::ranges::lower_bound(at, least) - at.begin());
+}
+
+class Crossings {
+ public:
+  explicit Crossings(Lattice lattice) : lattice_(std::move(lattice)) {}
+
+  // `normal` points outwards, in millimetres.
+  void add(const std::array<Coordinates, 3>& corners, const Coordinates& normal, const Coordinates& plane) {
+    const double size = std::hypot(normal[0], normal[1], normal[2]);
+    if (!(size > 0) || plane[lattice_.along] == 0) return;
+    const auto steepness = static_cast<float>(normal[lattice_.along] / size);
+    const auto [low, high] =
+        std::minmax({corners[0][lattice_.up], corners[1][lattice_.up], corners[2][lattice_.up]});
+    for (std::size_t up = first_from(lattice_.up_at, low);
+         up < lattice_.up_at.size() && lattice_.up_at[up] < high; ++up)
+      add_row(corners, plane, up, steepness);
+  }
+
+  [[nodiscard]] std::vector<RayCrossing> take() { return std::move(crossings_); }
+
+ private:
+  void add_row(const std::array<Coordinates, 3>& corners, const Coordinates& plane, std::size_t up,
+               float steepness) {
+    const double up_at = lattice_.up_at[up];
+    std::array<double, 3> ends{};
+    std::size_t count = 0;
+    for (std::size_t side = 0; side < 3; ++side) {
+      const Coordinates &a = corners[side], &b = corners[(side + 1) % 3];
+      if ((a[lattice_.up] <= up_at) != (b[lattice_.up] <= up_at))
+        ends[count++] = across_on(a, b, up_at, lattice_);
+    }
+    if (count != 2) return;
+    const auto [from, to] = std::minmax(ends[0], ends[1]);
+    const auto [lowest, highest] =
+        std::minmax({corners[0][lattice_.along], corners[1][lattice_.along], corners[2][lattice_.along]});
+    for (std::size_t across = first_from(lattice_.across_at, from);
+         across < lattice_.across_at.size() && lattice_.across_at[across] < to; ++across) {
+      const double away =
+          plane[lattice_.across] * (lattice_.across_at[across] - corners[0][lattice_.across]) +
+          plane[lattice_.up] * (up_at - corners[0][lattice_.up]);
+      const double at = corners[0][lattice_.along] - away / plane[lattice_.along];
+      crossings_.push_back({static_cast<std::uint32_t>(across + up * lattice_.across_at.size()),
+                            static_cast<float>(std::clamp(at, lowest, highest)), steepness});
+    }
+  }
+
+  Lattice lattice_;
+  std::vector<RayCrossing> crossings_;
+};
+
+Coordinates cross(const Coordinates& a, const Coordinates& b, const Coordinates& c) {
+  const double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
+  const double vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
+  return {uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx};
+}
+
+void add_copy(Crossings& crossings, const PlateModel& model, const PixelMap& map) {
+  const double lift = model.elevation.lift(model.model->bounds()).count();
+  const PixelPoint origin = map.to_pixels({0, 0}), one = map.to_pixels({1, 1});
+  const double right = one.x > origin.x ? 1 : -1, down = one.y > origin.y ? 1 : -1;
+  for (const Facet& facet : model.model->facets()) {
+    std::array<Coordinates, 3> in_mm{}, on_display{};
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const Vertex& vertex = facet.vertices[corner];
+      in_mm[corner] = {vertex.x, vertex.y, vertex.z};
+      const PixelPoint pixel = map.to_pixels({vertex.x, vertex.y});
+      on_display[corner] = {pixel.x, pixel.y, vertex.z + lift};
+    }
+    const Coordinates normal = cross(in_mm[0], in_mm[1], in_mm[2]);
+    crossings.add(on_display, {normal[0] * right, normal[1] * down, normal[2]},
+                  cross(on_display[0], on_display[1], on_display[2]));
+  }
+}
+
+}  // namespace
+
+std::vector<RayCrossing> cross_surface(std::span<const PlateModel> models, const Rays& rays) {
+  Crossings crossings(lattice_of(rays));
+  for (const PlateModel& model : models) {
+    expects(model.model != nullptr, "no null pointers");
+    for (const PixelMap& map : model.copies)
+      add_copy(crossings, model, map);
+  }
+  return crossings.take();
+}
+
+std::vector<RayStretch> stretches_within(std::vector<RayCrossing> crossings) {
+  std::ranges::sort(crossings, [](const RayCrossing& a, const RayCrossing& b) {
+    return std::tie(a.ray, a.at, a.steepness) < std::tie(b.ray, b.at, b.steepness);
+  });
+  std::vector<RayStretch> stretches;
+  int inside = 0;
+  RayCrossing from{};
+  for (std::size_t i = 0; i < crossings.size(); ++i) {
+    const RayCrossing& crossing = crossings[i];
+    if (i == 0 || crossing.ray != crossings[i - 1].ray) inside = 0;
+    const int before = inside;
+    inside += crossing.steepness < 0 ? 1 : -1;
+    if (before <= 0 && inside > 0) from = crossing;
+    if (before > 0 && inside <= 0 && crossing.at > from.at) {
+      // Surfaces that touch end no stretch.
+      if (!stretches.empty() && stretches.back().ray == crossing.ray && stretches.back().to.at >= from.at) {
+        stretches.back().to = crossing;
+      } else {
+        stretches.push_back({crossing.ray, from, crossing});
+      }
+    }
+  }
+  return stretches;
+}
+
+}  // namespace contourd

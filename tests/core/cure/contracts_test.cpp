@@ -1,0 +1,89 @@
+// Tests that the functions of core/cure check their requirements.
+#include <array>
+#include <string>
+
+#include "core/cure/cure_comparison.hpp"
+#include "core/cure/cured_layers.hpp"
+#include "core/cure/pixel_light.hpp"
+#include "core/cure/surface_rays.hpp"
+#include "core/cure/working_curve.hpp"
+#include "tests/broken_contract.hpp"
+#include "tests/catch.hpp"
+
+namespace {
+
+const WorkingCurve kResinCurve{Micrometers{150}, MillijoulesPerCm2{8}};
+constexpr Nanometers kThickness{50'000};
+
+LayerDose layer(int number) {
+  return {kThickness * (number + 1), kThickness, MillijoulesPerCm2{16}};
+}
+
+}  // namespace
+
+TEST_CASE("A working curve requires positive values and doses that are not negative") {
+  CHECK(contract_broken_by([] { (void)kResinCurve.depth_of(MillijoulesPerCm2{0}); }).empty());
+  CHECK(contract_broken_by([] { (void)kResinCurve.depth_of(MillijoulesPerCm2{-1}); }) ==
+        "a dose is not negative");
+  const std::string positive = "a working curve has a positive penetration depth and critical dose";
+  CHECK(contract_broken_by([] { (void)WorkingCurve{}.dose_for(Micrometers{1}); }) == positive);
+  CHECK(contract_broken_by([] { (void)WorkingCurve{}.depth_of(MillijoulesPerCm2{1}); }) == positive);
+}
+
+TEST_CASE("The laws of a working curve require quantities that can be") {
+  CHECK(contract_broken_by([] { (void)curve_of_ingredients(0, 1, MillijoulesPerCm2{1}); }) ==
+        "absorptivity, concentration and dose are positive");
+  CHECK(contract_broken_by([] { (void)at_temperature(kResinCurve, {}, -300); }) ==
+        "temperatures are above absolute zero");
+  CHECK(contract_broken_by([] { (void)dead_zone(0, 1); }) == "the absorbed light is positive");
+  CHECK(contract_broken_by([] {
+          (void)curing_dose(MillijoulesPerCm2{1}, MilliwattsPerCm2{0}, MilliwattsPerCm2{1}, 1);
+        }) == "irradiances are positive");
+}
+
+TEST_CASE("Spread light requires Gaussians with a width and a share, and a picture of its size") {
+  for (const PixelLight::Gaussian bad : {PixelLight::Gaussian{0, 1}, {17, 1}, {1, 0}})
+    CHECK(contract_broken_by([bad] { LightSpread({{bad}}, 2, 2); }) ==
+          "a Gaussian has a width of at most 16 pixels and a share");
+  CHECK(contract_broken_by([] {
+          std::array<float, 3> picture{};
+          LightSpread({}, 2, 2).apply(picture);
+        }) == "the picture has the size that was given");
+}
+
+TEST_CASE("Cured layers require possible settings, and layers from the top down with light for each pixel") {
+  CHECK(contract_broken_by([] { CuredLayers({}, 1); }) == "the working curve has positive values");
+  CHECK(contract_broken_by([] { CuredLayers({.curve = kResinCurve, .peel_memory = 1.5}, 1); }) ==
+        "the memory is a share, and the losses are not negative");
+  CuredLayers cured({.curve = kResinCurve}, 1);
+  const std::array light{1.0F};
+  (void)cured.add_layer(layer(3), light);
+  CHECK(contract_broken_by([&] { (void)cured.add_layer(layer(4), light); }) ==
+        "layers are added from the top down");
+  CHECK(contract_broken_by([&] { (void)cured.add_layer(layer(2), {}); }) ==
+        "each pixel has a share of the light");
+}
+
+TEST_CASE("Lines through a surface require models that are not null") {
+  const DisplayGeometry display{Pixels{4}, Pixels{4}};
+  PlateModel missing;
+  missing.copies.push_back(PixelMap::true_scale(display, {0, 0}));
+  CHECK(contract_broken_by([&] {
+          (void)cross_surface({&missing, 1}, {RayAxis::Z, {0, 0, 4, 4}, {}});
+        }) == "no null pointers");
+}
+
+TEST_CASE("A comparison requires rising layers, all of which are added from the top down") {
+  const DisplayGeometry display{Pixels{4}, Pixels{4}};
+  const std::array layers{layer(0), layer(1)}, falling{layer(1), layer(0)};
+  const PixelWindow pixel{0, 0, 1, 1};
+  CHECK(contract_broken_by([&] { CureComparison({}, {}, display, pixel, falling); }) == "the layers rise");
+  const CuredLayers cured({.curve = kResinCurve}, 1);
+  const std::array dose{0.0F};
+  CureComparison comparison({}, {}, display, pixel, layers);
+  const std::string next = "the layer is the next one below, with a dose for each pixel";
+  CHECK(contract_broken_by([&] { comparison.add_layer(0, cured, dose); }) == next);
+  CHECK(contract_broken_by([&] { comparison.add_layer(1, cured, {}); }) == next);
+  comparison.add_layer(1, cured, dose);
+  CHECK(contract_broken_by([&] { (void)comparison.figures(); }) == "all layers were added");
+}

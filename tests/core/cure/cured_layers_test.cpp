@@ -1,0 +1,206 @@
+// Tests the dose of layers against published and computed print-through, and against the light on a fine
+// grid.
+#include "core/cure/cured_layers.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "tests/catch.hpp"
+
+namespace {
+
+constexpr double kCritical = 8;  // mJ/cm2
+
+struct Print {
+  double depth_um, layer_um, overcure_um;
+};
+
+CureSettings settings(const Print& print, double memory = 1, double oxygen = 0, double dead_zone_um = 0) {
+  return {.curve = {Micrometers{print.depth_um}, MillijoulesPerCm2{kCritical}},
+          .peel_memory = memory,
+          .oxygen_dose = MillijoulesPerCm2{oxygen},
+          .dead_zone = Micrometers{dead_zone_um}};
+}
+
+LayerDose layer_of(const Print& print, int layer, double share = 1) {
+  const Nanometers thickness{std::llround(print.layer_um * 1000)};
+  const MillijoulesPerCm2 dose =
+      settings(print).curve.dose_for(Micrometers{print.layer_um + print.overcure_um});
+  return {thickness * (layer + 1), thickness, dose * share};
+}
+
+// Returns how far below its drawn place the underside of an overhang solidifies, in um. The overhang has
+// `layers` layers over enough dark ones.
+double print_through_um(const Print& print, double memory, int layers) {
+  constexpr int kDark = 40;
+  CuredLayers cured(settings(print, memory), 1);
+  double lowest_mm = 1e9;
+  for (int layer = kDark + layers - 1; layer >= 0; --layer) {
+    const std::array light{layer >= kDark ? 1.0F : 0.0F};
+    const LayerDose of = layer_of(print, layer);
+    const float dose = cured.add_layer(of, light).front();
+    const double solid = cured.solid_thickness(of, dose).count();
+    if (solid > 0) lowest_mm = cured.solid_top(of).count() - solid;
+  }
+  return (kDark * print.layer_um / 1000 - lowest_mm) * 1000;
+}
+
+}  // namespace
+
+TEST_CASE("Thick overhangs print through as far as the formula and the memory tell") {
+  // By the share of its dose that liquid resin keeps at a peel: 1, 0.95, 0.9, 0.75, 0.5, 0.
+  constexpr std::array memories{1.0, 0.95, 0.9, 0.75, 0.5, 0.0};
+  struct Row {
+    Print print;
+    std::array<double, 6> um;
+  };
+  for (const Row& row :
+       {Row{{150, 50, 50}, {239, 192, 168, 122, 79, 50}}, Row{{100, 50, 50}, {143, 120, 107, 83, 60, 50}},
+        Row{{200, 50, 50}, {352, 275, 237, 166, 99, 50}}, Row{{150, 25, 50}, {331, 256, 221, 157, 99, 50}}}) {
+    for (std::size_t i = 0; i < memories.size(); ++i) {
+      CAPTURE(row.print.depth_um, row.print.layer_um, memories[i]);
+      CHECK(print_through_um(row.print, memories[i], 60) ==
+            Approx(row.um[i]).margin(0.6));  // rounded to 1 um
+    }
+  }
+}
+
+TEST_CASE("Overhangs of few layers print through less") {
+  constexpr std::array layers{1, 2, 4, 8, 16};
+  struct Row {
+    Print print;
+    std::array<double, 5> um;
+  };
+  for (const Row& row :
+       {Row{{150, 50, 50}, {50, 131, 193, 228, 238}}, Row{{100, 50, 50}, {50, 97, 129, 141, 143}},
+        Row{{200, 50, 50}, {50, 165, 260, 323, 348}}, Row{{150, 25, 50}, {50, 142, 223, 285, 320}}}) {
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      CAPTURE(row.print.depth_um, row.print.layer_um, layers[i]);
+      CHECK(print_through_um(row.print, 1, layers[i]) == Approx(row.um[i]).margin(0.6));
+    }
+  }
+}
+
+TEST_CASE("A penetration depth 5 % larger moves an underside by 21 um, a critical dose 13 % larger by -18") {
+  const auto thick = [](double depth_um, double factor) {
+    // The exposure stays that of Dp 150 um and Ec 8 mJ/cm2.
+    const Print print{150, 50, 50};
+    CureSettings changed = settings(print);
+    changed.curve = {Micrometers{depth_um}, MillijoulesPerCm2{kCritical * factor}};
+    CuredLayers cured(changed, 1);
+    double lowest_mm = 1e9;
+    for (int layer = 99; layer >= 0; --layer) {
+      const std::array light{layer >= 40 ? 1.0F : 0.0F};
+      const LayerDose of = layer_of(print, layer);
+      const double solid = cured.solid_thickness(of, cured.add_layer(of, light).front()).count();
+      if (solid > 0) lowest_mm = cured.solid_top(of).count() - solid;
+    }
+    return 2000 - lowest_mm * 1000;
+  };
+  CHECK(thick(157.5, 1) - thick(150, 1) == Approx(21).margin(0.6));
+  CHECK(thick(150, 1.13) - thick(150, 1) == Approx(-18).margin(0.6));
+}
+
+namespace {
+
+struct Exposure {
+  LayerDose layer;
+  float light;
+};
+
+// Returns whether resin at a height ever solidifies, by following its dose through the print in the order of
+// time. Shares no code with CuredLayers.
+bool solidifies(const std::vector<Exposure>& print, const CureSettings& of, double z_um) {
+  double dose = 0;
+  for (const Exposure& exposure : print) {
+    const double film_um = static_cast<double>(exposure.layer.top.count()) / 1000;
+    const double above_um = film_um - z_um;
+    if (above_um < of.dead_zone.count()) continue;  // beyond the film, or kept liquid
+    dose = std::max(0.0, dose * of.peel_memory - of.oxygen_dose.count()) +
+           static_cast<double>(exposure.light) * exposure.layer.dose.count() *
+               std::exp(-above_um / of.curve.penetration_depth.count());
+    if (dose >= of.curve.critical_dose.count()) return true;
+  }
+  return false;
+}
+
+std::vector<Exposure> random_print(std::mt19937& random) {
+  std::uniform_int_distribution thickness(20, 100), run(1, 12), choice(0, 3);
+  std::uniform_real_distribution<float> grey(0, 1);
+  std::uniform_real_distribution overcure(5.0, 120.0);
+  std::vector<Exposure> print;
+  Nanometers top{};
+  while (print.size() < 80) {
+    const int kind = choice(random);
+    for (int layers = run(random); layers > 0; --layers) {
+      const Nanometers thick{thickness(random) * 1000};
+      top += thick;
+      const double dose = kCritical * std::exp((in_mm(thick) * 1000 + overcure(random)) / 120);
+      print.push_back({{top, thick, MillijoulesPerCm2{dose}},
+                       kind == 0   ? 0.0F
+                       : kind == 1 ? grey(random)
+                                   : 1.0F});
+    }
+  }
+  return print;
+}
+
+}  // namespace
+
+TEST_CASE("The solid of random prints equals that of resin followed through time on a fine grid") {
+  std::mt19937 random(7);
+  for (const double memory : {1.0, 0.97, 0.9, 0.6, 0.0}) {
+    for (const double oxygen : {0.0, 1.5}) {
+      for (const double dead_zone_um : {0.0, 12.0}) {
+        const std::vector<Exposure> print = random_print(random);
+        const CureSettings of = settings({120, 50, 50}, memory, oxygen, dead_zone_um);
+        CuredLayers cured(of, 1);
+        for (auto exposure = print.rbegin(); exposure != print.rend(); ++exposure) {
+          const std::array light{exposure->light};
+          const float dose = cured.add_layer(exposure->layer, light).front();
+          const double top_um = cured.solid_top(exposure->layer).count() * 1000;
+          const double solid_um = cured.solid_thickness(exposure->layer, dose).count() * 1000;
+          const double thick_um = in_mm(exposure->layer.thickness) * 1000;
+          for (double below_um = 0.05; below_um < thick_um; below_um += 0.5) {
+            // Within 0.1 um of the surface, light that is too faint to be remembered decides.
+            if (std::abs(below_um - solid_um) < 0.1) continue;
+            CAPTURE(memory, oxygen, dead_zone_um, top_um, below_um, solid_um);
+            CHECK(solidifies(print, of, top_um - below_um) == (below_um < solid_um));
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("More light cures nowhere less") {
+  std::mt19937 random(11);
+  for (const double memory : {1.0, 0.8, 0.0}) {
+    std::vector<Exposure> print = random_print(random);
+    const CureSettings of = settings({120, 50, 50}, memory);
+    CuredLayers cured(of, 1), more(of, 1);
+    std::uniform_real_distribution<float> part(0, 1);
+    for (auto exposure = print.rbegin(); exposure != print.rend(); ++exposure) {
+      const std::array light{exposure->light};
+      const std::array brighter{exposure->light + (1 - exposure->light) * part(random)};
+      const double solid =
+          cured.solid_thickness(exposure->layer, cured.add_layer(exposure->layer, light).front()).count();
+      const double as_bright =
+          more.solid_thickness(exposure->layer, more.add_layer(exposure->layer, brighter).front()).count();
+      CHECK(as_bright >= solid - 1e-6);  // a nanometre: rounding of the sum
+    }
+  }
+}
+
+TEST_CASE("The topmost layer of a tall print has its own light") {
+  const Print print{100, 50, 50};
+  CuredLayers cured(settings(print), 2);
+  constexpr int kLayer = 8000;  // 400 mm
+  const std::array light{1.0F, 0.0F};
+  const auto dose = cured.add_layer(layer_of(print, kLayer), light);
+  CHECK(dose[0] == Approx(std::exp(1.0)));
+  CHECK(dose[1] == 0);
+}

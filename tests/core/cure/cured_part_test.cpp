@@ -1,0 +1,167 @@
+// Tests the cured part of models whose print-through is known, by its distances from the model.
+#include "core/cure/cured_part.hpp"
+
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/layers/layers.hpp"
+#include "tests/catch.hpp"
+#include "tests/models/models.hpp"
+
+namespace {
+
+constexpr Nanometers kLayer{50'000};
+constexpr double kOvercureUm = 50;
+constexpr WorkingCurve kCurve{Micrometers{150}, MillijoulesPerCm2{8}};
+
+struct Printing {
+  DisplayGeometry display{Pixels{300}, Pixels{200}, Micrometers{50}};
+  double memory = 1;
+  Compensation compensation{};
+  PixelLight pixel{};
+  double dead_zone_um = 0;
+};
+
+CuredPart cured(models::Facets facets, const Printing& printing = {}) {
+  auto model = std::make_shared<const HeightIndex>(std::move(facets));
+  const double top = model->bounds().size_z();
+  const PixelMap map = PixelMap::true_scale(printing.display, model->bounds().center());
+  std::vector<PlateModel> models;
+  models.push_back({{std::move(model)}, {map}});
+  ContourEngine engine(std::move(models),
+                       {.display = printing.display, .compensation = printing.compensation});
+  std::vector<LayerDose> layers;
+  const LayerStack stack = layers_for(Millimeters{top}, kLayer);
+  for (std::int32_t layer = 0; layer < stack.count; ++layer)
+    layers.push_back({kLayer * (layer + 1), kLayer, kCurve.dose_for(Micrometers{50 + kOvercureUm})});
+  return cure_part(engine, printing.display,
+                   {.layers = layers,
+                    .cure = {.curve = kCurve,
+                             .peel_memory = printing.memory,
+                             .dead_zone = Micrometers{printing.dead_zone_um}},
+                    .pixel = printing.pixel},
+                   nullptr);
+}
+
+// Returns a slab of a height on two pillars, whose sides lie between pixels.
+models::Facets bridge(float slab_mm, float gap_mm = 3) {
+  return models::together({models::box({-3, -2, 0}, {-2, 2, gap_mm}), models::box({2, -2, 0}, {3, 2, gap_mm}),
+                           models::box({-3, -2, gap_mm}, {3, 2, gap_mm + slab_mm})});
+}
+
+constexpr double kRounding = 0.1;  // um: floats of some millimetres
+
+}  // namespace
+
+TEST_CASE("A box cures to its size") {
+  const CureFigures of = cured(models::box({0, 0, 0}, {4, 3, 1})).figures;
+  CHECK(of.model_mm3 == Approx(12));
+  CHECK(of.too_much_mm3 == Approx(0).margin(1e-4));
+  CHECK(of.too_little_mm3 == Approx(0).margin(1e-4));
+  CHECK(of.undersides.places == 0);
+  CHECK(of.tops.places == 80 * 60);
+  CHECK(of.tops.p95_um == Approx(0).margin(kRounding));
+  CHECK(of.walls.places > 0);
+  CHECK(of.walls.missing == 0);
+}
+
+TEST_CASE("The underside of a thick bridge is 239 um too low, that of a thin one less") {
+  const CureFigures thick = cured(bridge(3)).figures;
+  CHECK(thick.undersides.places == 80 * 80);  // the span between the pillars
+  CHECK(thick.undersides.median_um == Approx(239).margin(0.6));
+  CHECK(thick.undersides.p95_um == Approx(239).margin(0.6));
+  CHECK(thick.undersides.worst.height_mm == Approx(3));
+  CHECK(std::abs(thick.undersides.worst.plate_mm.x) < 2);
+  CHECK(thick.tops.p95_um == Approx(0).margin(kRounding));
+  CHECK(thick.too_much_mm3 == Approx(16 * 0.239).epsilon(0.003));
+  CHECK(cured(bridge(0.1F)).figures.undersides.median_um == Approx(131).margin(0.6));
+  CHECK(cured(bridge(3), {.memory = 0.9}).figures.undersides.median_um == Approx(168).margin(0.6));
+}
+
+TEST_CASE("Mirrors change no distance, and places stay where they are on the plate") {
+  const models::Facets lopsided = models::together(bridge(1), models::box({-3, 2.5F, 0}, {3, 3, 4.5F}));
+  const CureFigures plain = cured(lopsided).figures;
+  const CureFigures turned =
+      cured(lopsided, {.display = {Pixels{300}, Pixels{200}, Micrometers{50}, true, true}}).figures;
+  CHECK(turned.undersides.places == plain.undersides.places);
+  CHECK(turned.undersides.median_um == Approx(plain.undersides.median_um));
+  CHECK(turned.walls.places == plain.walls.places);
+  CHECK(turned.walls.p95_um == Approx(plain.walls.p95_um).margin(kRounding));
+  CHECK(turned.too_much_mm3 == Approx(plain.too_much_mm3).epsilon(1e-6));
+}
+
+TEST_CASE("A gap lower than the print-through is closed, with its place") {
+  const CureFigures low = cured(models::together(bridge(3), models::box({-2, -2, 0}, {2, 2, 2.85F}))).figures;
+  CHECK(low.closed_mm2 == Approx(16));
+  CHECK(low.tallest_closed_mm == Approx(0.15).margin(1e-4));
+  CHECK(low.closed.height_mm == Approx(2.85));
+  CHECK(low.tops.places == 120 * 80);  // the slab's; none in the closed gap
+  CHECK(low.tops.p95_um == Approx(0).margin(kRounding));
+  const CureFigures high = cured(models::together(bridge(3), models::box({-2, -2, 0}, {2, 2, 2.7F}))).figures;
+  CHECK(high.closed_mm2 == 0);
+}
+
+TEST_CASE("Walls that are moved outwards by the compensation are found there") {
+  const CureFigures grown =
+      cured(models::box({0, 0, 0}, {4, 3, 1}), {.compensation = {.growth = Micrometers{50}}}).figures;
+  CHECK(grown.walls.median_um == Approx(50).margin(kRounding));
+  CHECK(grown.too_much_mm3 == Approx(4.1 * 3.1 - 12).epsilon(0.01));
+  const CureFigures shrunk =
+      cured(models::box({0, 0, 0}, {4, 3, 1}), {.compensation = {.growth = Micrometers{-100}}}).figures;
+  CHECK(shrunk.walls.median_um == Approx(-100).margin(kRounding));
+  CHECK(shrunk.too_little_mm3 == Approx(12 - 3.8 * 2.8).epsilon(0.01));
+}
+
+TEST_CASE("A part of the model that no mask lights is missing") {
+  // A roof of 20 um between two cutting heights.
+  const CureFigures of =
+      cured(models::together(models::box({0, 0, 0}, {1, 3, 2}), models::box({1, 0, 1.03F}, {3, 3, 1.05F})))
+          .figures;
+  CHECK(of.undersides.missing == 40 * 60);
+  CHECK(of.too_little_mm3 == Approx(2 * 3 * 0.02).epsilon(0.01));
+}
+
+TEST_CASE("A dead zone makes all tops lower by its thickness") {
+  const CureFigures of = cured(bridge(3), {.dead_zone_um = 12}).figures;
+  CHECK(of.tops.median_um == Approx(-12).margin(kRounding));
+  // Light that reaches the solid is less by 1 - exp(-12/150), and the film is 12 um further away.
+  CHECK(of.undersides.median_um == Approx(239 - 12 + 12).margin(0.6));
+}
+
+TEST_CASE("Walls bulge where spread light of all layers adds up, as far as the Gaussian says") {
+  const CureFigures of = cured(bridge(3), {.pixel = {{{0.5, 1}}}}).figures;
+  // The middle of a layer is solid from exp(25/150) Ec on. All layers together give its top up to E0 / (1 -
+  // q).
+  const double share = std::exp(25.0 / 150) * (1 - std::exp(-50.0 / 150)) / std::exp(100.0 / 150);
+  // The light of the outermost lit pixels: their own Gaussian and that of their neighbours, over the comb's
+  // sum.
+  const double comb = 1 + 2 * std::exp(-2) + 2 * std::exp(-8);
+  const auto light = [&](double x) {
+    return (std::exp(-2 * x * x) + std::exp(-2 * (x + 1) * (x + 1)) + std::exp(-2 * (x + 2) * (x + 2))) /
+           comb;
+  };
+  double inside = 0, outside = 1;
+  for (int halving = 0; halving < 30; ++halving)
+    (light((inside + outside) / 2) > share ? inside : outside) = (inside + outside) / 2;
+  CHECK(of.walls.p95_um == Approx((inside - 0.5) * 50).margin(5));  // a tenth of a pixel
+  CHECK(of.tops.median_um == Approx(0).margin(kRounding));
+  CHECK(of.undersides.median_um == Approx(239).margin(0.6));
+}
+
+TEST_CASE("The weakest bond is the dose at the lower side of the layer with the least light") {
+  const CuredPart part = cured(models::box({0, 0, 0}, {4, 3, 1}));
+  CHECK(part.weakest_bond == Approx(std::exp(kOvercureUm / 150)));
+  CHECK(part.weakest_bond_layer == 1);
+  CHECK(part.abandoned_layers == 0);
+}
+
+TEST_CASE("The underside of a ball is too low by the print-through of the layers above it") {
+  const CureFigures of = cured(models::globe(2, 64, 96)).figures;
+  CHECK(of.model_mm3 == Approx(4.0 / 3 * 3.14159 * 8).epsilon(0.01));
+  CHECK(of.undersides.median_um > 150);
+  CHECK(of.undersides.worst_um < 240);
+  CHECK(of.undersides.missing == 0);
+  CHECK(of.tops.median_um < 25);  // half a layer: stairs
+}
