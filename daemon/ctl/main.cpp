@@ -34,7 +34,7 @@ struct CommandGroup {
 void add_commands(Command& program) {
   const std::vector<CommandGroup> groups{
       {"Printing", {add_submit, add_status, add_watch, add_queue, add_print_control, add_mask, add_offer}},
-      {"Models", {add_inspect, add_preview, add_analyze, add_orient, add_support, add_slice}},
+      {"Models", {add_inspect, add_preview, add_analyze, add_cure, add_orient, add_support, add_slice}},
       {"History and wear", {add_history}},
       {"By hand", {add_manual, add_jog, add_switches}},
       {"Setup and diagnosis", {add_setup, add_level, add_config, add_diagnose, add_logs}},

@@ -56,9 +56,8 @@ struct DisplayArgs {
 [[nodiscard]] Nanometers parse_um(const char* option, double um, double least);
 // Parses a unit by any of its names: "inch", "inches", "in".
 [[nodiscard]] std::optional<LengthUnit> parse_unit(const std::optional<std::string>& word);
-// Returns the factor by which the model's coordinates are multiplied; nullopt if no option is given. The
-// range of
-// --scale is that of a ticket.
+// Returns the factor by which the model's coordinates are multiplied; nullopt if no option is given. --scale
+// has the range of a ticket's scale.
 [[nodiscard]] std::optional<double> parse_size(const SizeArgs& args);
 // Checks that the output is not the model itself, so that a slip does not destroy the model.
 void refuse_to_overwrite_model(const std::filesystem::path& model, const char* option,

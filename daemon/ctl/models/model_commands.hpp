@@ -12,6 +12,8 @@ void add_inspect(Command& program);
 void add_slice(Command& program);
 // Forecasts a whole print.
 void add_analyze(Command& program);
+// Computes the part that the light cures.
+void add_cure(Command& program);
 // Generates supports.
 void add_support(Command& program);
 // Finds the best orientation of a model.

@@ -1,0 +1,92 @@
+"""contourctl cure: the distances of the cured part from the model, and messages about bad input."""
+
+import json
+import os
+
+from harness import BAD_DATA, BAD_USAGE, FLOATING, OK, FolderTest, binary_stl, box, contourctl, source_json
+
+BAD_CONFIG = 78
+
+# A slab of 3 mm, 3 mm above the plate, on two pillars.
+BRIDGE = binary_stl(box((-3, -2, 0), (-2, 2, 3)) + box((2, -2, 0), (3, 2, 3)) + box((-3, -2, 3), (3, 2, 6)))
+
+
+class CureTest(FolderTest):
+    def resin(self, name="resin.json", **curve):
+        """Writes a profile with Dp 150 um and 50 um of overcure; returns its path."""
+        profile = source_json("resins/standard.json")
+        del profile["exposure_ms"], profile["bottom_exposure_ms"]
+        profile |= {"bottom_layers": 0, "fade_layers": 0, "growth_um": 0, "elephant_foot_um": 0}
+        profile["working_curve"] = {
+            "penetration_depth_um": 150, "critical_energy_mj_cm2": 8, "overcure_um": 50, "bottom_overcure_um": 50,
+        } | curve  # fmt: skip
+        return self.write(name, json.dumps(profile).encode())
+
+    def cure(self, model, *arguments):
+        result = contourctl("cure", "--json", *arguments, self.write("model.stl", model), expect=OK)
+        self.assertEqual(result.stderr, b"")
+        return json.loads(result.stdout)
+
+
+class Figures(CureTest):
+    def test_the_underside_of_a_bridge_is_too_low_by_the_print_through(self):
+        found = self.cure(BRIDGE, "--resin", self.resin(peel_memory=1))
+        self.assertAlmostEqual(found["undersides"]["median_um"], 239, delta=0.6)  # rounded in the source to 1 um
+        self.assertAlmostEqual(found["undersides"]["worst_mm"][2], 3, delta=1e-6)
+        self.assertEqual((found["tops"]["missing"], found["closed_gaps_mm2"]), (0, 0))
+        # The pillars' inner walls have vanished in the print-through: 80 rows of two walls, in 3 of every second layer there.
+        self.assertEqual(found["walls"]["missing"], 2 * 80 * 3)
+        self.assertLess(found["tops"]["p95_um"], 0.1)  # the layers end at the slab's top
+        self.assertAlmostEqual(found["too_much_mm3"], 4 * 4 * 0.239, delta=0.02)
+        self.assertAlmostEqual(found["missing_mm3"], 0, delta=0.001)
+        self.assertEqual(found["warnings"], [])
+
+    def test_the_memory_of_the_resin_decides_and_its_lack_is_told(self):
+        found = self.cure(BRIDGE, "--resin", self.resin(peel_memory=0.9))
+        self.assertAlmostEqual(found["undersides"]["median_um"], 168, delta=0.6)
+        found = self.cure(BRIDGE, "--resin", self.resin())
+        self.assertAlmostEqual(found["undersides"]["median_um"], 239, delta=0.6)
+        self.assertIn("peel_memory was not measured", found["warnings"][0])
+
+    def test_layers_that_do_not_bond_are_told(self):
+        found = self.cure(BRIDGE, "--resin", self.resin(peel_memory=1, dead_zone_um=60))
+        self.assertLess(found["weakest_bond"], 1)
+        self.assertIn("does not cure down to the layer beneath", found["warnings"][0])
+
+    def test_a_print_of_contourd_has_the_same_figures(self):
+        alone = self.cure(BRIDGE, "--resin", self.resin(peel_memory=1))
+        printer = source_json("contourd.json")
+        os.mkdir(self.path("resins"))
+        printer |= {"resin": "curve", "resins_folder": self.path("resins"), "supports": "off"}
+        self.resin("resins/curve.json", peel_memory=1)
+        config = self.write("printer.json", json.dumps(printer).encode())
+        printed = self.cure(BRIDGE, "--printer", config)
+        self.assertEqual(printed["undersides"]["median_um"], alone["undersides"]["median_um"])
+        self.assertEqual(printed["resin"]["name"], "curve")
+
+    def test_the_text_names_each_kind_of_surface(self):
+        result = contourctl("cure", "--resin", self.resin(peel_memory=1), self.write("bridge.stl", BRIDGE), expect=OK)
+        for line in (b"undersides    median +239 um", b"tops          median +0 um", b"walls         median", b"weakest bond  1.40"):
+            self.assertIn(line, result.stdout)
+
+
+class BadInput(CureTest):
+    def test_a_resin_without_a_curve_is_refused(self):
+        profile = self.write("plain.json", json.dumps(source_json("resins/standard.json")).encode())
+        result = contourctl("cure", "--resin", profile, self.write("bridge.stl", BRIDGE), expect=BAD_DATA)
+        self.assertIn(b"has no working_curve", result.stderr)
+
+    def test_a_curve_that_cannot_be_is_refused_with_its_place(self):
+        for key, value in (("penetration_depth_um", 0), ("critical_energy_mj_cm2", -1), ("peel_memory", 1.5)):
+            profile = self.resin(**{key: value})
+            result = contourctl("cure", "--resin", profile, self.write("bridge.stl", BRIDGE), expect=BAD_CONFIG)
+            self.assertIn(f"/working_curve/{key}".encode(), result.stderr)
+
+    def test_a_layer_height_of_the_command_line_must_be_the_resins(self):
+        result = contourctl("cure", "--resin", self.resin(), "--layer-height-um", "900",
+                            self.write("bridge.stl", BRIDGE), expect=BAD_DATA)  # fmt: skip
+        self.assertIn(b"900", result.stderr)
+
+    def test_neither_a_printer_nor_a_resin_is_a_usage_error(self):
+        result = contourctl("cure", self.write("floating.stl", FLOATING), expect=BAD_USAGE)
+        self.assertIn(b"cure needs --printer, or --resin", result.stderr)
