@@ -68,7 +68,7 @@ void CuredLayers::remember(const LayerDose& layer, double dose, std::span<const 
     layers_.pop_back();
   LitLayer lit{layer.top, dose, std::vector<std::uint16_t>(light.size())};
   for (std::size_t pixel = 0; pixel < light.size(); ++pixel) {
-    lit.light[pixel] = static_cast<std::uint16_t>(std::lround(static_cast<double>(light[pixel]) * kAllLight));
+    lit.light[pixel] = static_cast<std::uint16_t>(light[pixel] * static_cast<float>(kAllLight) + 0.5F);
     if (lit.light[pixel] > 0) {
       unlit_[pixel] = 0;
     } else if (unlit_[pixel] < std::numeric_limits<std::uint16_t>::max()) {
@@ -79,15 +79,20 @@ void CuredLayers::remember(const LayerDose& layer, double dose, std::span<const 
   reaching_.clear();
   for (const LitLayer& above : layers_)
     reaching_.push_back(above.dose / kAllLight * std::exp(-in_mm(above.top - layer.top) / depth_mm_));
+  most_above_.assign(layers_.size(), 0);
+  for (std::size_t above = layers_.size(); above-- > 1;)
+    most_above_[above - 1] = std::max(kAllLight * reaching_[above], most_above_[above]);
 }
 
 // Returns the greatest dose that a pixel's resin below the last layer's top ever had, in units of Ec.
 double CuredLayers::greatest_dose(std::size_t pixel, double below_top_mm) const {
   const double falloff = below_top_mm == 0 ? 1 : std::exp(-below_top_mm / depth_mm_);
   double dose = 0, greatest = 0;
-  for (std::size_t layer = 0; layer < layers_.size(); ++layer) {
+  for (std::size_t layer = unlit_[pixel]; layer < layers_.size(); ++layer) {
     dose = std::max(dose * kept_ - lost_, 0.0) + reaching_[layer] * layers_[layer].light[pixel] * falloff;
     greatest = std::max(greatest, dose);
+    // No layer above can add what is lost of such a dose.
+    if (greatest * kept_ + most_above_[layer] * falloff <= greatest) break;
   }
   return greatest;
 }

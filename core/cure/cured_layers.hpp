@@ -79,8 +79,9 @@ class CuredLayers {
   double kept_, lost_;       // at a peel: factor, and subtraction in units of Ec
   std::vector<float> dose_;  // result of the last layer
   Nanometers last_top_{};
-  std::deque<LitLayer> layers_;   // from the last one up; empty if nothing is lost at a peel
-  std::vector<double> reaching_;  // by layer of layers_: its light at the last one's top, over light's unit
+  std::deque<LitLayer> layers_;     // from the last one up; empty if nothing is lost at a peel
+  std::vector<double> reaching_;    // by layer of layers_: its light at the last one's top, over light's unit
+  std::vector<double> most_above_;  // by layer of layers_: the most that one layer above it can add
   std::vector<std::uint16_t> unlit_;  // by pixel: layers since the last one that lit it
 };
 

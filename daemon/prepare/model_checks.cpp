@@ -56,9 +56,8 @@ std::string size_text(const SizeMm& size) {
 
 std::string in_unit(LengthUnit unit, const SizeMm& size) {
   return fmt::format(
-      "in {}, the model would measure {}; if that is right, set \"unit\": \"{}\" in its ticket (contourctl "
-      "submit "
-      "--unit {})",
+      "in {}, the model would measure {}; if that is right, set \"unit\": \"{}\" in its ticket "
+      "(contourctl submit --unit {})",
       plural_of(unit), size_text(size), name_of(unit), name_of(unit));
 }
 
