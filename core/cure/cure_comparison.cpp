@@ -252,8 +252,9 @@ SurfaceDistances CureComparison::summary(std::vector<Distance> distances, std::u
 
 CurePlace CureComparison::place(std::uint32_t pixel, double height_mm) const {
   const auto columns = static_cast<std::uint32_t>(window_.columns);
-  const PixelPoint at{window_.column + static_cast<double>(pixel % columns) + 0.5,
-                      window_.row + static_cast<double>(pixel / columns) + 0.5};
+  const std::uint32_t column = pixel % columns, row = pixel / columns;
+  const PixelPoint at{window_.column + static_cast<double>(column) + 0.5,
+                      window_.row + static_cast<double>(row) + 0.5};
   return {on_plate(display_, at), height_mm};
 }
 
