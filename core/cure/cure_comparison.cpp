@@ -86,6 +86,7 @@ void CureComparison::add_layer(std::size_t layer, const CuredLayers& cured, std:
   --layers_left_;
   const LayerDose& of_layer = layers_[layer];
   const auto top = static_cast<float>(cured.solid_top(of_layer).count());
+  if (top <= 0) return;  // in the dead zone on the plate
   const double thickness = in_mm(of_layer.thickness);
   for (std::uint32_t pixel = 0; pixel < dose.size(); ++pixel) {
     float& until = solid_until_[pixel];
@@ -98,10 +99,10 @@ void CureComparison::add_layer(std::size_t layer, const CuredLayers& cured, std:
     if (until == 0) until = top;
     const double solid_mm = cured.solid_thickness(of_layer, dose[pixel]).count();
     if (solid_mm < thickness) {
-      cured_.push_back({pixel, top - static_cast<float>(solid_mm), std::exchange(until, 0.0F)});
-    } else if (layer == 0) {
       cured_.push_back(
-          {pixel, std::max(top - static_cast<float>(thickness), 0.0F), std::exchange(until, 0.0F)});
+          {pixel, std::max(top - static_cast<float>(solid_mm), 0.0F), std::exchange(until, 0.0F)});
+    } else if (top <= static_cast<float>(thickness)) {
+      cured_.push_back({pixel, 0.0F, std::exchange(until, 0.0F)});
     }
   }
   const auto height = std::ranges::lower_bound(wall_layers_, layer);

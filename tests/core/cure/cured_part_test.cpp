@@ -130,6 +130,19 @@ TEST_CASE("A dead zone makes all tops lower by its thickness") {
   CHECK(of.undersides.median_um == Approx(239 - 12 + 12).margin(0.6));
 }
 
+TEST_CASE("A dead zone higher than a layer leaves no solid below the plate") {
+  // The lowest layer would have its solid below the plate. The topmost one, which no later light reaches, is
+  // solid over 150 ln(exp(100 / 150) exp(-60 / 150)) = 40 um, and has 10 um of liquid beneath.
+  const CureFigures of = cured(bridge(3), {.dead_zone_um = 60}).figures;
+  CHECK(of.tops.median_um == Approx(-60).margin(kRounding));
+  CHECK(of.too_little_mm3 == Approx(6 * 4 * (0.06 + 0.01)).epsilon(0.001));
+  CHECK(of.too_much_mm3 == Approx(4 * 4 * of.undersides.median_um / 1000).epsilon(0.001));  // below the slab
+  // Nothing of a single layer solidifies above the plate.
+  const CureFigures thin = cured(models::box({0, 0, 0}, {4, 3, 0.05F}), {.dead_zone_um = 60}).figures;
+  CHECK(thin.too_little_mm3 == Approx(4 * 3 * 0.05));
+  CHECK(thin.too_much_mm3 == 0);
+}
+
 TEST_CASE("Walls bulge where spread light of all layers adds up, as far as the Gaussian says") {
   const CureFigures of = cured(bridge(3), {.pixel = {{{0.5, 1}}}}).figures;
   // The middle of a layer is solid from exp(25/150) Ec on. All layers together give its top up to E0 / (1 -
