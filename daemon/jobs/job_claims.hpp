@@ -31,7 +31,7 @@ struct Claim {
   std::optional<JobFiles> files;
   std::error_code code{};
   std::string trouble{};  // a sentence
-  bool is_there = true;   // false if there is no error but that incoming/ does not have the job any more
+  bool is_there = true;   // false if incoming/ does not have the job any more
 };
 
 // Moves incoming/`file` to printing/: see Spool::begin(). Any thread may call it; blocks.

@@ -81,8 +81,7 @@ class Spool {
 
   // Moves a job from incoming/ to printing/, under a name that no job in printing/, done/ or failed/ has. A
   // ticket that belongs to another model too is copied instead. Any thread may call it; blocks. Throws
-  // std::system_error; then the files are where they were. To
-  // be called after moves_away().
+  // std::system_error; then the files are where they were. To be called after moves_away().
   [[nodiscard]] JobFiles begin(const std::string& file);
   // Notes that begin() is about to move incoming/`file` away: an examination in progress does not report it
   // as gone.

@@ -49,7 +49,6 @@ struct AnalyzeOptions {
   // Without a configuration: the direction that points up, the display, and the time of each layer.
   std::optional<std::string> up;
   DisplayArgs display;
-  std::string anti_aliasing = "on";
   double layer_height_um = 50, layer_time_s = 10;
 };
 
@@ -64,8 +63,7 @@ struct PrintAlone {
 PrintAlone parse_alone(const AnalyzeOptions& options) {
   constexpr double kLongestLayerS = 3600;
   PrintAlone print{.up = parse_up(options.up),
-                   .engine = {parse_display(options.display),
-                              options.anti_aliasing == "on" ? AntiAliasing::On : AntiAliasing::Off},
+                   .engine = {parse_display(options.display), parse_anti_aliasing(options.display)},
                    .layer_height = parse_um("--layer-height-um", options.layer_height_um, 1),
                    .layer_time = {}};
   // Negated, so that NaN is refused, too.
@@ -264,11 +262,7 @@ void add_analyze(Command& program) {
   command.option("--layer-height-um", options.layer_height_um, "Layer height, um").excludes(printer);
   command.option("--layer-time-s", options.layer_time_s, "Time that the printer needs per layer, s")
       .excludes(printer);
-  command.option("--display", options.display.display, "Display size in pixels, WIDTHxHEIGHT")
-      .excludes(printer);
-  command.option("--pixel-pitch-um", options.display.pixel_pitch_um, "Side of a pixel on the plate, um")
-      .excludes(printer);
-  command.option("--aa", options.anti_aliasing, kAntiAliasingHelp).one_of({"on", "off"}).excludes(printer);
+  add_display_options(command, options.display, &printer);
   command.run = [&options] { return analyze(options); };
 }
 

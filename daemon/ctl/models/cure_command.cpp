@@ -38,7 +38,6 @@ struct CureOptions {
   std::optional<std::filesystem::path> resin;
   std::optional<std::string> up;
   DisplayArgs display;
-  std::string anti_aliasing = "on";
   std::optional<double> layer_height_um;  // default: the resin's
 };
 
@@ -61,8 +60,8 @@ CureSettings cure_of(const ResinProfile& resin) {
   if (resin.cure) return *resin.cure;
   throw ModelError(fmt::format(
       "the resin {} has no working_curve, so the part that its light cures is not known; measure the "
-      "penetration "
-      "depth and the critical energy, or take them from the resin's data sheet, and add them to its profile",
+      "penetration depth and the critical energy, or take them from the resin's data sheet, and add them to "
+      "its profile",
       printable(resin.name)));
 }
 
@@ -90,8 +89,7 @@ void take_resin(const ResinProfile& resin, CureSubject& subject) {
 CureSubject subject_alone(const CureOptions& options) {
   if (!options.resin) throw UsageError("cure needs --printer, or --resin with the resin's profile");
   const std::optional<UpOption> up = parse_up(options.up);
-  const EngineSettings engine{parse_display(options.display),
-                              options.anti_aliasing == "on" ? AntiAliasing::On : AntiAliasing::Off};
+  const EngineSettings engine{parse_display(options.display), parse_anti_aliasing(options.display)};
   ResinProfile resin = load_resin_profile(*options.resin, {});
   CureSubject subject;
   take_resin(resin, subject);
@@ -147,8 +145,7 @@ std::vector<std::string> warnings_of(const CureSubject& subject, const CuredPart
   if (!subject.memory_is_measured)
     warnings.push_back(
         "the resin's peel_memory was not measured: all light is taken to be remembered, so undersides are "
-        "the "
-        "lowest that they can be");
+        "the lowest that they can be");
   if (part.weakest_bond > 0 && part.weakest_bond < 1)
     warnings.push_back(fmt::format(
         "layer {} does not cure down to the layer beneath, which gets {:.2f} of the dose at which resin gels",
@@ -274,11 +271,7 @@ void add_cure(Command& program) {
   command.option("--up", options.up, kUpHelp).suggests(up_presets).excludes(printer);
   command.option("--layer-height-um", options.layer_height_um, "Layer height, um (default: the resin's)")
       .excludes(printer);
-  command.option("--display", options.display.display, "Display size in pixels, WIDTHxHEIGHT")
-      .excludes(printer);
-  command.option("--pixel-pitch-um", options.display.pixel_pitch_um, "Side of a pixel on the plate, um")
-      .excludes(printer);
-  command.option("--aa", options.anti_aliasing, kAntiAliasingHelp).one_of({"on", "off"}).excludes(printer);
+  add_display_options(command, options.display, &printer);
   command.run = [&options] { return cure(options); };
 }
 

@@ -37,6 +37,21 @@ std::vector<std::string> unit_names() {
   return {"mm", "cm", "m", "um", "inch", "foot"};
 }
 
+void add_display_options(Command& command, DisplayArgs& args, const Option* printer) {
+  Option& display = command.option("--display", args.display, "Display size in pixels, WIDTHxHEIGHT");
+  Option& pitch = command.option("--pixel-pitch-um", args.pixel_pitch_um, "Side of a pixel on the plate, um");
+  Option& anti_aliasing =
+      command.option("--aa", args.anti_aliasing, "Grey edges by area coverage (on), or 1-bit masks (off)")
+          .one_of({"on", "off"});
+  if (printer == nullptr) return;
+  for (Option* option : {&display, &pitch, &anti_aliasing})
+    option->excludes(*printer);
+}
+
+AntiAliasing parse_anti_aliasing(const DisplayArgs& args) {
+  return args.anti_aliasing == "on" ? AntiAliasing::On : AntiAliasing::Off;
+}
+
 DisplayGeometry parse_display(const DisplayArgs& args) {
   DisplayGeometry display;
   int width = 0, height = 0, used = 0;

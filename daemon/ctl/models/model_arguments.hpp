@@ -10,6 +10,7 @@
 
 #include "core/geometry/units.hpp"
 #include "core/mask/pixel_map.hpp"
+#include "core/mask/rasterizer.hpp"
 #include "core/model/length_unit.hpp"
 #include "core/model/placement.hpp"
 #include "core/orientation/orientation_figures.hpp"
@@ -21,7 +22,6 @@ namespace contourd::ctl {
 inline constexpr const char* kUpHelp = "Direction that points up: X,Y,Z, or auto, fast, clean, safe";
 inline constexpr const char* kUnitHelp = "Unit of the model: mm, cm, m, um, inch or foot (default: mm)";
 inline constexpr const char* kScaleHelp = "Scale the model by this factor";
-inline constexpr const char* kAntiAliasingHelp = "Grey edges by area coverage (on), or 1-bit masks (off)";
 inline constexpr const char* kLikePrinterHelp = "Use this printer configuration, as contourd does";
 inline constexpr const char* kPictureHelp = "Write a PNG file instead of drawing; - is standard output";
 
@@ -48,7 +48,12 @@ void add_size_options(Command& command, SizeArgs& args);
 struct DisplayArgs {
   double pixel_pitch_um = 50;
   std::string display = "1920x1080";
+  std::string anti_aliasing = "on";
 };
+// Adds --display, --pixel-pitch-um and --aa. They exclude --printer, if it is given.
+void add_display_options(Command& command, DisplayArgs& args, const Option* printer = nullptr);
+// Returns the value of --aa.
+[[nodiscard]] AntiAliasing parse_anti_aliasing(const DisplayArgs& args);
 
 // The following functions throw UsageError for a value out of its range.
 [[nodiscard]] DisplayGeometry parse_display(const DisplayArgs& args);

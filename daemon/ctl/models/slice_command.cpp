@@ -63,7 +63,7 @@ struct SliceArgs {
   std::optional<double> z_mm, layer_height_um, cusp_um;
   double min_layer_um = 25, max_layer_um = 100;
   DisplayArgs display;
-  std::string anti_aliasing = "on", supports = "off";
+  std::string supports = "off";
   double grow_um = 0, elephant_foot_um = 0, elephant_foot_height_um = 0, gamma = 1;
   int threshold = 0;
   std::optional<std::string> up;
@@ -120,7 +120,7 @@ SliceOptions parse_slice(const SliceArgs& args) {
   if (options.supports && options.fit) throw UsageError("--supports auto excludes --fit");
   options.up = parse_up(args.up);
   options.engine.display = parse_display(args.display);
-  options.engine.anti_aliasing = args.anti_aliasing == "on" ? AntiAliasing::On : AntiAliasing::Off;
+  options.engine.anti_aliasing = parse_anti_aliasing(args.display);
   parse_corrections(options.engine, args);
   refuse_to_overwrite_model(options.model, "--mask", options.mask);
   refuse_to_overwrite_model(options.model, "--csv", options.csv);
@@ -381,9 +381,7 @@ void add_slice(Command& program) {
   command.option("--csv", options.csv, "Write layer measurements to this file, totals to FILE-summary.csv");
   command.option("--contours", options.contours,
                  "Write one CSV file of contour points per layer to this folder");
-  command.option("--display", args.display.display, "Display size in pixels, WIDTHxHEIGHT");
-  command.option("--pixel-pitch-um", args.display.pixel_pitch_um, "Side of a pixel on the plate, um");
-  command.option("--aa", args.anti_aliasing, kAntiAliasingHelp).one_of({"on", "off"});
+  add_display_options(command, args.display);
   command.option("--grow-um", args.grow_um, "Move the contours outwards, um; negative: inwards");
   command.option("--elephant-foot-um", args.elephant_foot_um, "Move the contours inwards at the bottom, um");
   command.option("--elephant-foot-height-um", args.elephant_foot_height_um,
