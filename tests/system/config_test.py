@@ -14,6 +14,14 @@ from harness import (
 )  # fmt: skip
 
 
+def answers(daemon):
+    """Says whether the daemon accepts clients: its socket is there some time before that."""
+    try:
+        return bool(daemon.status())
+    except (FileNotFoundError, ConnectionRefusedError):
+        return False
+
+
 class ConfigTest(FolderTest):
     def setUp(self):
         super().setUp()
@@ -311,7 +319,7 @@ class CommandLine(ConfigTest):
         self.addCleanup(os.close, reader)
         daemon.process = subprocess.Popen([CONTOURD, "--config", daemon.config_path], stdout=writer, stderr=writer)
         os.close(writer)
-        wait_until(lambda: os.path.exists(daemon.socket_path), "the control socket")
+        wait_until(lambda: answers(daemon), "the daemon to answer")
         daemon.drop("part.stl", binary_stl(box((0, 0, 0), (5, 5, 1))))
         daemon.wait_status("state", "exposing")
         # Each incomplete plate is logged with the names of all its files, 11 kB.
