@@ -17,74 +17,73 @@ namespace {
 // The masks of a print, as the share of the light that they are to give.
 class PrintMasks {
  public:
-  PrintMasks(ContourEngine& engine, const DisplayGeometry& display,
+  PrintMasks(ContourEngine& engine, const DisplayGeometry& display, const PrintLight& light,
              std::optional<std::chrono::nanoseconds> budget)
       : engine_(engine),
+        light_(light),
+        dimmed_(light.undersides != nullptr ? light.layers.size() : 0),
         threshold_({.threshold = engine.threshold()}, std::nullopt),
-        above_threshold_(display.width, display.height),
-        budget_(budget) {}
+        changed_(display.width, display.height),
+        budget_(budget) {
+    for (std::size_t layer = 0; layer < dimmed_.size(); ++layer) {
+      const std::span<const DimmedPixel> pixels = light.undersides->dimmed(layer);
+      dimmed_[layer].assign(pixels.begin(), pixels.end());
+    }
+  }
 
   // Returns the mask of a layer; null if it exceeded its budget. Valid until the next call.
-  const Mask* of(const LayerDose& layer) {
+  const Mask* of(std::size_t number) {
+    const LayerDose& layer = light_.layers[number];
     MaskBudget budget;
     if (budget_) budget = MaskBudget(MaskBudget::Clock::now() + *budget_);
     if (engine_.mask_within(layer.top - layer.thickness + layer.thickness / 2, budget) == nullptr)
       return nullptr;
-    if (threshold_.is_none()) return &engine_.coverage();
-    threshold_.apply(engine_.coverage(), above_threshold_);
-    return &above_threshold_;
+    if (threshold_.is_none() && dimmed_.empty()) return &engine_.coverage();
+    threshold_.apply(engine_.coverage(), changed_);
+    if (!dimmed_.empty()) dim(dimmed_[number], changed_);
+    return &changed_;
   }
 
  private:
   ContourEngine& engine_;
+  const PrintLight& light_;
+  std::vector<std::vector<DimmedPixel>> dimmed_;  // by layer; none without dimming
   ExposureCorrection threshold_;
-  Mask above_threshold_;
+  Mask changed_;
   std::optional<std::chrono::nanoseconds> budget_;
 };
 
-// Grows to the pixels of models and masks.
+// Grows to the pixels of masks.
 class GrowingWindow {
  public:
-  GrowingWindow(const DisplayGeometry& display, std::int32_t margin)
-      : margin_(margin), width_(display.width.count()), height_(display.height.count()) {}
+  GrowingWindow(const PixelWindow& least, const DisplayGeometry& display)
+      : width_(display.width.count()),
+        height_(display.height.count()),
+        left_(least.column),
+        top_(least.row),
+        right_(least.column + least.columns),
+        bottom_(least.row + least.rows) {}
 
-  void add(const Mask& mask) {
+  void add(const Mask& mask, std::int32_t margin) {
     for (std::int32_t y = 0; y < height_; ++y) {
       const auto row = mask.row(y);
       const auto is_lit = [](std::uint8_t grey) { return grey > 0; };
       const auto first = std::ranges::find_if(row, is_lit);
       if (first == row.end()) continue;
       const auto last = std::find_if(row.rbegin(), row.rend(), is_lit);
-      left_ = std::min(left_, static_cast<std::int32_t>(first - row.begin()));
-      right_ = std::max(right_, width_ - static_cast<std::int32_t>(last - row.rbegin()));
-      top_ = std::min(top_, y);
-      bottom_ = std::max(bottom_, y + 1);
+      const auto from = static_cast<std::int32_t>(first - row.begin());
+      const auto to = width_ - static_cast<std::int32_t>(last - row.rbegin());
+      left_ = std::min(left_, std::max(0, from - margin));
+      right_ = std::max(right_, std::min(width_, to + margin));
+      top_ = std::min(top_, std::max(0, y - margin));
+      bottom_ = std::max(bottom_, std::min(height_, y + 1 + margin));
     }
   }
 
-  void add(const Bounds& bounds, const PixelMap& map) {
-    const PixelPoint a = map.to_pixels({bounds.min_x, bounds.min_y});
-    const PixelPoint b = map.to_pixels({bounds.max_x, bounds.max_y});
-    left_ = std::min(left_, clamped(std::floor(std::min(a.x, b.x)), width_));
-    right_ = std::max(right_, clamped(std::ceil(std::max(a.x, b.x)), width_));
-    top_ = std::min(top_, clamped(std::floor(std::min(a.y, b.y)), height_));
-    bottom_ = std::max(bottom_, clamped(std::ceil(std::max(a.y, b.y)), height_));
-  }
-
-  // Returns the pixels with a margin; one pixel if there are none.
-  [[nodiscard]] PixelWindow window() const {
-    if (right_ <= left_) return {0, 0, 1, 1};
-    const std::int32_t left = std::max(0, left_ - margin_), top = std::max(0, top_ - margin_);
-    return {left, top, std::min(width_, right_ + margin_) - left, std::min(height_, bottom_ + margin_) - top};
-  }
+  [[nodiscard]] PixelWindow window() const { return {left_, top_, right_ - left_, bottom_ - top_}; }
 
  private:
-  static std::int32_t clamped(double pixel, std::int32_t most) {
-    return static_cast<std::int32_t>(std::clamp(pixel, 0.0, static_cast<double>(most)));
-  }
-
-  std::int32_t margin_, width_, height_;
-  std::int32_t left_ = width_, top_ = height_, right_ = 0, bottom_ = 0;
+  std::int32_t width_, height_, left_, top_, right_, bottom_;
 };
 
 std::vector<PlateModel> as_models(const Supports* supports, const DisplayGeometry& display) {
@@ -126,13 +125,11 @@ void find_weakest_bond(const PrintLight& light, CuredPart& part) {
 
 CuredPart cure_part(ContourEngine& engine, const DisplayGeometry& display, const PrintLight& light,
                     const Supports* supports, std::optional<std::chrono::nanoseconds> mask_budget) {
-  PrintMasks masks(engine, display, mask_budget);
-  GrowingWindow grown(display, light.pixel.reach() + 1);  // one more, so that walls have an outside
-  for (const PlateModel& model : engine.models())
-    for (const PixelMap& map : model.copies)
-      grown.add(model.model->bounds(), map);
-  for (const LayerDose& layer : light.layers)
-    if (const Mask* mask = masks.of(layer)) grown.add(*mask);
+  PrintMasks masks(engine, display, light, mask_budget);
+  const std::int32_t margin = light.pixel.reach() + 1;  // one more, so that walls have an outside
+  GrowingWindow grown(window_of(engine.models(), display, margin), display);
+  for (std::size_t layer = 0; layer < light.layers.size(); ++layer)
+    if (const Mask* mask = masks.of(layer)) grown.add(*mask, margin);
   const PixelWindow window = grown.window();
   const std::vector<PlateModel> support_models = as_models(supports, display);
   CureComparison comparison(engine.models(), support_models, display, window, light.layers);
@@ -142,7 +139,7 @@ CuredPart cure_part(ContourEngine& engine, const DisplayGeometry& display, const
   std::vector<float> share(window.pixels());
   CuredPart part;
   for (std::size_t layer = light.layers.size(); layer-- > 0;) {
-    if (const Mask* mask = masks.of(light.layers[layer])) {
+    if (const Mask* mask = masks.of(layer)) {
       read_light(*mask, window, share);
     } else {
       std::ranges::fill(share, 0.0F);

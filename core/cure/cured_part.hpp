@@ -10,6 +10,7 @@
 #include "core/cure/cure_comparison.hpp"
 #include "core/cure/cured_layers.hpp"
 #include "core/cure/pixel_light.hpp"
+#include "core/cure/underside_dimming.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/support/supports.hpp"
 
@@ -20,6 +21,7 @@ struct PrintLight {
   std::span<const LayerDose> layers;  // from the plate up
   CureSettings cure{};
   PixelLight pixel{};
+  UndersideDimming* undersides = nullptr;  // null: undersides are not dimmed
 };
 
 struct CuredPart {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -56,7 +57,10 @@ std::size_t first_from(const std::vector<double>& at, double least) {
 
 class Crossings {
  public:
-  explicit Crossings(Lattice lattice) : lattice_(std::move(lattice)) {}
+  // Keeps crossings above `above` and up to `up_to` only.
+  explicit Crossings(Lattice lattice, double above = -std::numeric_limits<double>::infinity(),
+                     double up_to = std::numeric_limits<double>::infinity())
+      : lattice_(std::move(lattice)), above_(above), up_to_(up_to) {}
 
   // `normal` points outwards, in millimetres.
   void add(const std::array<Coordinates, 3>& corners, const Coordinates& normal, const Coordinates& plane) {
@@ -87,18 +91,28 @@ class Crossings {
     const auto [from, to] = std::minmax(ends[0], ends[1]);
     const auto [lowest, highest] =
         std::minmax({corners[0][lattice_.along], corners[1][lattice_.along], corners[2][lattice_.along]});
-    for (std::size_t across = first_from(lattice_.across_at, from);
+    const double slope = -plane[lattice_.across] / plane[lattice_.along];
+    const double at_zero = corners[0][lattice_.along] - slope * corners[0][lattice_.across] -
+                           plane[lattice_.up] / plane[lattice_.along] * (up_at - corners[0][lattice_.up]);
+    for (std::size_t across = first_from(lattice_.across_at, std::max(from, first_across(at_zero, slope)));
          across < lattice_.across_at.size() && lattice_.across_at[across] < to; ++across) {
-      const double away =
-          plane[lattice_.across] * (lattice_.across_at[across] - corners[0][lattice_.across]) +
-          plane[lattice_.up] * (up_at - corners[0][lattice_.up]);
-      const double at = corners[0][lattice_.along] - away / plane[lattice_.along];
-      crossings_.push_back({static_cast<std::uint32_t>(across + up * lattice_.across_at.size()),
-                            static_cast<float>(std::clamp(at, lowest, highest)), steepness});
+      const double at = std::clamp(at_zero + slope * lattice_.across_at[across], lowest, highest);
+      if (slope != 0 && (slope > 0 ? at > up_to_ : at <= above_)) return;
+      if (at > above_ && at <= up_to_)
+        crossings_.push_back({static_cast<std::uint32_t>(across + up * lattice_.across_at.size()),
+                              static_cast<float>(at), steepness});
     }
   }
 
+  // Returns a place before which the line through `at_zero` is beyond the range that is kept.
+  [[nodiscard]] double first_across(double at_zero, double slope) const {
+    constexpr double kRounding = 1e-6;  // pixels
+    if (slope == 0) return -std::numeric_limits<double>::infinity();
+    return ((slope > 0 ? above_ : up_to_) - at_zero) / slope - kRounding;
+  }
+
   Lattice lattice_;
+  double above_, up_to_;
   std::vector<RayCrossing> crossings_;
 };
 
@@ -108,23 +122,36 @@ Coordinates cross(const Coordinates& a, const Coordinates& b, const Coordinates&
   return {uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx};
 }
 
-void add_copy(Crossings& crossings, const PlateModel& model, const PixelMap& map) {
-  const double lift = model.elevation.lift(model.model->bounds()).count();
-  const PixelPoint origin = map.to_pixels({0, 0}), one = map.to_pixels({1, 1});
-  const double right = one.x > origin.x ? 1 : -1, down = one.y > origin.y ? 1 : -1;
-  for (const Facet& facet : model.model->facets()) {
+// A model's place on the display.
+class Copy {
+ public:
+  Copy(const PlateModel& model, const PixelMap& map)
+      : map_(map), lift_(model.elevation.lift(model.model->bounds()).count()) {
+    const PixelPoint origin = map.to_pixels({0, 0}), one = map.to_pixels({1, 1});
+    right_ = one.x > origin.x ? 1 : -1;
+    down_ = one.y > origin.y ? 1 : -1;
+  }
+
+  void cross(const Facet& facet, Crossings& crossings) const {
     std::array<Coordinates, 3> in_mm{}, on_display{};
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const Vertex& vertex = facet.vertices[corner];
       in_mm[corner] = {vertex.x, vertex.y, vertex.z};
-      const PixelPoint pixel = map.to_pixels({vertex.x, vertex.y});
-      on_display[corner] = {pixel.x, pixel.y, vertex.z + lift};
+      const PixelPoint pixel = map_.to_pixels({vertex.x, vertex.y});
+      on_display[corner] = {pixel.x, pixel.y, vertex.z + lift_};
     }
-    const Coordinates normal = cross(in_mm[0], in_mm[1], in_mm[2]);
-    crossings.add(on_display, {normal[0] * right, normal[1] * down, normal[2]},
-                  cross(on_display[0], on_display[1], on_display[2]));
+    const Coordinates normal = normal_of(in_mm);
+    crossings.add(on_display, {normal[0] * right_, normal[1] * down_, normal[2]}, normal_of(on_display));
   }
-}
+
+ private:
+  static Coordinates normal_of(const std::array<Coordinates, 3>& corners) {
+    return contourd::cross(corners[0], corners[1], corners[2]);
+  }
+
+  PixelMap map_;
+  double lift_, right_ = 1, down_ = 1;
+};
 
 }  // namespace
 
@@ -132,8 +159,31 @@ std::vector<RayCrossing> cross_surface(std::span<const PlateModel> models, const
   Crossings crossings(lattice_of(rays));
   for (const PlateModel& model : models) {
     expects(model.model != nullptr, "no null pointers");
-    for (const PixelMap& map : model.copies)
-      add_copy(crossings, model, map);
+    for (const PixelMap& map : model.copies) {
+      const Copy copy(model, map);
+      for (const Facet& facet : model.model->facets())
+        copy.cross(facet, crossings);
+    }
+  }
+  return crossings.take();
+}
+
+std::vector<RayCrossing> cross_surface_between(std::span<const PlateModel> models, const PixelWindow& window,
+                                               double above_mm, double up_to_mm) {
+  Crossings crossings(lattice_of({.axis = RayAxis::Z, .window = window}), above_mm, up_to_mm);
+  for (const PlateModel& model : models) {
+    expects(model.model != nullptr, "no null pointers");
+    const double lift = model.elevation.lift(model.model->bounds()).count();
+    model.model->for_each_candidate_run(
+        above_mm - lift, up_to_mm - lift, [&](std::span<const HeightIndex::Candidate> candidates) {
+          for (const HeightIndex::Candidate& candidate : candidates) {
+            if (static_cast<double>(candidate.high) <= above_mm - lift ||
+                static_cast<double>(candidate.low) > up_to_mm - lift)
+              continue;
+            for (const PixelMap& map : model.copies)
+              Copy(model, map).cross(model.model->facets()[candidate.facet], crossings);
+          }
+        });
   }
   return crossings.take();
 }

@@ -52,6 +52,12 @@ struct RayStretch {
 // fewer than 2^32 lines.
 [[nodiscard]] std::vector<RayCrossing> cross_surface(std::span<const PlateModel> models, const Rays& rays);
 
+// Returns the crossings of vertical lines only, from the height `above_mm` (exclusive) to `up_to_mm`
+// (inclusive). Looks at facets with a point there only. REQUIRES: no null pointers; above_mm <= up_to_mm.
+[[nodiscard]] std::vector<RayCrossing> cross_surface_between(std::span<const PlateModel> models,
+                                                             const PixelWindow& window, double above_mm,
+                                                             double up_to_mm);
+
 // Returns the stretches within the models, by ray and from low to high: where more surfaces were entered than
 // left. Stretches of no length are left out.
 [[nodiscard]] std::vector<RayStretch> stretches_within(std::vector<RayCrossing> crossings);

@@ -234,6 +234,7 @@ ResinProfile read_profile(const JsonSection& profile, std::string name) {
       .cure = read_cure(profile),
       .peel_memory_measured =
           profile.has("working_curve") && profile.section("working_curve").has("peel_memory"),
+      .undersides = profile.text("undersides") == "dose" ? Undersides::Dose : Undersides::Plain,
       .shrinkage_factors = read_shrinkage(profile),
       .bottom_layers = profile.integer<int>("bottom_layers"),
       .fade_layers = profile.integer<int>("fade_layers"),
@@ -307,6 +308,25 @@ Duration exposure_time(const ResinProfile& resin, Nanometers layer_height, int l
   constexpr double kHundredYearsS = 3.2e9;  // int64 nanoseconds overflow after 292 years
   if (!(seconds <= kHundredYearsS)) throw std::range_error("the exposure is longer than a hundred years");
   return Duration{std::llround(seconds * 1e9)};
+}
+
+std::string missing_for_dimming(const ResinProfile& resin) {
+  if (!resin.cure) return "the profile of the resin " + resin.name + " has no working_curve";
+  if (resin.peel_memory_measured) return "";
+  return "the working_curve of the resin " + resin.name +
+         " has no peel_memory, and with a wrong one a part of the model would be missing";
+}
+
+std::vector<LayerDose> layer_doses(const ResinProfile& resin, std::span<const Nanometers> thicknesses,
+                                   double irradiance_mw_cm2) {
+  std::vector<LayerDose> layers;
+  Nanometers top{};
+  for (int layer = 0; const Nanometers thickness : thicknesses) {
+    top += thickness;
+    const std::chrono::duration<double> light = exposure_time(resin, thickness, layer++, irradiance_mw_cm2);
+    layers.push_back({top, thickness, MillijoulesPerCm2{light.count() * irradiance_mw_cm2}});
+  }
+  return layers;
 }
 
 std::vector<std::string> layer_height_problems(const ResinProfile& resin, Nanometers layer_height,

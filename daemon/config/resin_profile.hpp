@@ -5,6 +5,7 @@
 #include <chrono>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -65,6 +66,10 @@ struct LayerMotion {
   bool operator==(const LayerMotion&) const = default;
 };
 
+// The light of a solid's lowest layers: that of all others, or as much as cures the underside at its drawn
+// height (see UndersideDimming).
+enum class Undersides { Plain, Dose };
+
 struct ResinProfile {
   std::string name;  // the file's name without .json
   Nanometers layer_height;
@@ -73,6 +78,7 @@ struct ResinProfile {
   std::variant<FixedExposure, CurveExposure> exposure;  // CurveExposure only with `cure`
   std::optional<CureSettings> cure;                     // if the resin's working curve was measured
   bool peel_memory_measured = false;                    // otherwise `cure` assumes that nothing is forgotten
+  Undersides undersides = Undersides::Plain;
   Scale shrinkage_factors;  // compensate the resin's shrinkage along the plate's axes
   int bottom_layers = 0;    // layers with the bottom exposure
   int fade_layers = 0;      // the layers after them: from the bottom exposure to the normal one
@@ -112,6 +118,14 @@ struct ResinMachine {
 // layer_height > 0, irradiance > 0.
 [[nodiscard]] Duration exposure_time(const ResinProfile& resin, Nanometers layer_height, int layer_index,
                                      double irradiance_mw_cm2);
+
+// Returns, as a clause, what the profile lacks to expose undersides by dose; empty if it lacks nothing.
+[[nodiscard]] std::string missing_for_dimming(const ResinProfile& resin);
+
+// Returns the doses of layers, from the plate up. REQUIRES: as exposure_time().
+[[nodiscard]] std::vector<LayerDose> layer_doses(const ResinProfile& resin,
+                                                 std::span<const Nanometers> thicknesses,
+                                                 double irradiance_mw_cm2);
 
 // Returns the reasons, as clauses, why this layer height cannot be printed: it is outside the profile's
 // range, or an exposure is outside kShortestExposure..kLongestExposure. REQUIRES: layer_height > 0,

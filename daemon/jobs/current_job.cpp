@@ -343,7 +343,8 @@ void CurrentJob::print_ended(PrintOutcome outcome, const std::string& reason, Pr
   log_.ended(report);
   const JobEnd end = end_as(outcome, reason);
   archivist_.record(end);
-  job_->over = EndedPrint{job_->claimed.files, std::move(report), std::move(plan.engine), end};
+  job_->over = EndedPrint{job_->claimed.files, std::move(report), std::move(plan.engine),
+                          std::move(plan.undersides), end};
   if (!job_->had_light) hold_.set_plate_occupant(job_->plate_before);
   // A fault of the machine would hit the next job too, which begins with a motion. A print that was stopped
   // with contourd has left its part in the way.

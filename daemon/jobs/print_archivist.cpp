@@ -45,7 +45,8 @@ void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& f
   });
   attempt("no pictures of layers", filed, [&] {
     report.layer_pictures =
-        draw_layer_pictures(report, *print.engine, MaskBudget::Clock::now() + kLongestLayerPictures);
+        draw_layer_pictures(report, {*print.engine, print.undersides.get()},
+                            MaskBudget::Clock::now() + kLongestLayerPictures);
   });
   attempt("no report.html", filed,
           [&] { spool.write_beside(folder, report.job, "report.html", report_as_html(report)); });

@@ -19,6 +19,7 @@ struct EndedPrint {
   JobFiles files;      // in printing/
   PrintReport report;  // complete except for its pictures
   std::unique_ptr<ContourEngine> engine;
+  std::unique_ptr<DimmedMasks> undersides;  // as in the print's plan
   JobEnd end;
   std::shared_future<void> held{};  // ready when the hold of the queue is on the disk; filing waits for it
 };

@@ -168,10 +168,12 @@ class Preparation {
   void make_engines(const Arrangement& arrangement) {
     PrintPlan& plan = job_.plan;
     std::vector<PlateModel> standing = stand_on_plate(models_, arrangement, volume_.display);
-    content_.require_room_for_masks(standing, summary_.resin.compensation != Compensation{});
-    plan.engine =
-        std::make_unique<ContourEngine>(std::move(standing), engine_settings(printer_, summary_.resin),
-                                        summary_.supports ? summary_.supports->structure : nullptr);
+    const EngineSettings settings = engine_settings(printer_, summary_.resin);
+    const std::optional<UndersideCure> cure = dimmed_undersides();
+    content_.require_room_for_masks(standing, summary_.resin.compensation != Compensation{},
+                                    cure ? UndersideDimming::most_memory(settings.display, *cure) : 0);
+    const auto supports = summary_.supports ? summary_.supports->structure : nullptr;
+    plan.engine = std::make_unique<ContourEngine>(std::move(standing), settings, supports);
     // Computes the first mask to measure the time, and to make the engine allocate its memory before the
     // print.
     const std::optional<Nanometers> first = plan.layers.thickness_at(Nanometers{});
@@ -179,6 +181,24 @@ class Preparation {
     if (first) (void)plan.engine->mask_within(*first / 2, budget);
     job_.first_mask_at = SteadyClock::now();
     job_.analysis_engine = std::make_unique<ContourEngine>(*plan.engine);
+    if (!cure) return;
+    auto undersides = std::make_unique<UndersideDimming>(plan.engine->models(), supports, settings, *cure);
+    // Computes the masks ahead now, for the second layer; the first one stands on the plate.
+    if (cure->layers.size() > 1) (void)undersides->dimmed(1);
+    plan.undersides =
+        std::make_unique<DimmedMasks>(std::move(undersides), settings.tone, settings.uniformity);
+  }
+
+  // Returns the light by which undersides are to be dimmed; nullopt if they are exposed as all else.
+  std::optional<UndersideCure> dimmed_undersides() {
+    const ResinProfile& resin = summary_.resin;
+    if (resin.undersides == Undersides::Plain) return std::nullopt;
+    const std::string missing = missing_for_dimming(resin);
+    if (missing.empty())
+      return UndersideCure{layer_doses(resin, job_.plan.expected_layers, printer_.irradiance_mw_cm2),
+                           *resin.cure, printer_.mask_budget};
+    warn(fmt::format("undersides are exposed plainly, not by dose: {}", missing));
+    return std::nullopt;
   }
 
   void check_layers(const std::stop_token& stop) {

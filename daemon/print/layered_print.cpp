@@ -389,10 +389,15 @@ void LayeredPrint::show_mask() {
   shown_.mask = nullptr;
   const auto start = MaskBudget::Clock::now();
   MaskBudget budget(start + plan_->mask_budget);
-  const Mask* const mask = plan_->engine->mask_within(record_.mask_height, budget);
+  const Mask* mask = plan_->engine->mask_within(record_.mask_height, budget);
+  const Mask* light = &plan_->engine->coverage();
+  if (mask != nullptr && plan_->undersides) {
+    mask = &plan_->undersides->mask(static_cast<std::size_t>(layer_), *light);
+    light = &plan_->undersides->light();
+  }
   record_.mask_time = MaskBudget::Clock::now() - start;
   if (mask == nullptr) return abandon_mask(budget);
-  record_.area_mm2 = plan_->engine->coverage().lit_area() * plan_->pixel_area_mm2;
+  record_.area_mm2 = light->lit_area() * plan_->pixel_area_mm2;
   record_.intersecting_facets = plan_->engine->intersecting_facets();
   record_.cracks = plan_->engine->cracks();
   shown_ = {mask, shown_.number + 1, plan_->job, layer_, record_.mask_height};

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/cure/underside_dimming.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/layers/print_layers.hpp"
 #include "daemon/config/resin_profile.hpp"
@@ -21,6 +22,8 @@ namespace contourd {
 struct PrintPlan {
   std::string job;
   std::unique_ptr<ContourEngine> engine;
+  std::unique_ptr<DimmedMasks>
+      undersides;      // makes the masks from the engine's coverage; null: none are dimmed
   PrintLayers layers;  // queried layer by layer during the print
   // Returns the exposure of a layer, counted from 0, of this thickness.
   std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure;

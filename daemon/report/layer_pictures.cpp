@@ -204,8 +204,9 @@ PixelBox box_around(std::span<const PlateModel> models, Pixels width, Pixels hei
   return none ? PixelBox{0, 0, width.count(), height.count()} : box;
 }
 
-std::vector<LayerPicture> draw_layer_pictures(const PrintReport& report, ContourEngine& engine,
+std::vector<LayerPicture> draw_layer_pictures(const PrintReport& report, const PrintedMasks& masks,
                                               MaskBudget::Clock::time_point deadline) {
+  ContourEngine& engine = masks.engine;
   const PixelBox box = box_around(engine.models(), engine.coverage().width(), engine.coverage().height(),
                                   supports_of(report.summary));
   std::vector<LayerPicture> pictures;
@@ -213,8 +214,10 @@ std::vector<LayerPicture> draw_layer_pictures(const PrintReport& report, Contour
     const LayerRecord& layer = report.layers[chosen.record];
     MaskBudget budget(deadline);
     if (!budget.look_at_the_clock()) break;
-    const Mask* const mask = engine.mask_within(layer.mask_height, budget);
+    const Mask* mask = engine.mask_within(layer.mask_height, budget);
     if (mask == nullptr) continue;
+    if (masks.undersides != nullptr)
+      mask = &masks.undersides->mask(static_cast<std::size_t>(layer.layer), engine.coverage());
     const Mask small = make_thumbnail(*mask, box, kLayerPictureSide);
     const double per_pixel = static_cast<double>(small.width().count()) / (box.right - box.left);
     const PictureScale scale{per_pixel, per_pixel * engine.models().front().copies.front().pixels_per_mm()};

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/cure/underside_dimming.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/geometry/mask_budget.hpp"
 #include "core/image/thumbnail.hpp"
@@ -35,10 +36,17 @@ struct ChosenLayer {
                                   std::span<const SupportPrimitive> supports = {});
 // Returns the supports of the job.
 [[nodiscard]] std::span<const SupportPrimitive> supports_of(const JobSummary& job);
+// What makes the masks of a print.
+struct PrintedMasks {
+  ContourEngine& engine;
+  DimmedMasks* undersides = nullptr;  // null: none were dimmed
+};
+
 // Draws the chosen layers, in rising order. Computes their masks again: the same height and engine make the
 // same mask. Omits layers that are not drawn by the deadline. Takes memory for the pictures only, as the
 // engine's mask exists already.
-[[nodiscard]] std::vector<LayerPicture> draw_layer_pictures(const PrintReport& report, ContourEngine& engine,
+[[nodiscard]] std::vector<LayerPicture> draw_layer_pictures(const PrintReport& report,
+                                                            const PrintedMasks& masks,
                                                             MaskBudget::Clock::time_point deadline);
 
 }  // namespace contourd

@@ -70,6 +70,21 @@ class Figures(CureTest):
             self.assertIn(line, result.stdout)
 
 
+class Undersides(CureTest):
+    def test_undersides_by_dose_cure_at_their_drawn_height(self):
+        for memory in (1, 0.9, 0.75):
+            resin = self.resin(peel_memory=memory)
+            plain = self.cure(BRIDGE, "--resin", resin)
+            dose = self.cure(BRIDGE, "--resin", resin, "--undersides", "dose")
+            self.assertGreater(plain["undersides"]["median_um"], 100)
+            self.assertLess(dose["undersides"]["p95_um"], 2.5)  # a grey step
+            self.assertLess(dose["missing_mm3"], 0.01)
+
+    def test_they_need_a_measured_memory(self):
+        result = contourctl("cure", "--resin", self.resin(), "--undersides", "dose", self.write("m.stl", BRIDGE), expect=BAD_DATA)
+        self.assertIn(b"undersides cannot be exposed by dose: the working_curve of the resin resin has no peel_memory", result.stderr)
+
+
 class BadInput(CureTest):
     def test_a_resin_without_a_curve_is_refused(self):
         profile = self.write("plain.json", json.dumps(source_json("resins/standard.json")).encode())

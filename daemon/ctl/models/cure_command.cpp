@@ -26,11 +26,14 @@
 namespace contourd::ctl {
 namespace {
 
+constexpr std::chrono::seconds kNoHurry{60};  // for a mask that is computed ahead
+
 struct CureOptions {
   std::filesystem::path model;
   bool json = false;
   SizeArgs size;
-  std::optional<std::string> supports;  // default: as configured; without a configuration none
+  std::optional<std::string> supports;    // default: as configured; without a configuration none
+  std::optional<std::string> undersides;  // default: as the resin's profile says
 
   // Configuration and ticket of a print by contourd.
   std::optional<std::filesystem::path> printer, ticket;
@@ -46,8 +49,9 @@ using Json = nlohmann::ordered_json;
 // A print to be cured.
 struct CureSubject {
   std::unique_ptr<ContourEngine> engine;
-  DisplayGeometry display;
+  EngineSettings settings;
   std::string resin;  // name of the profile
+  Undersides undersides = Undersides::Plain;
   CureSettings cure;
   bool memory_is_measured = false;
   std::vector<LayerDose> layers;
@@ -65,23 +69,15 @@ CureSettings cure_of(const ResinProfile& resin) {
       printable(resin.name)));
 }
 
-// `irradiance_mw_cm2`: that by which the exposures were computed.
-std::vector<LayerDose> doses_of(const std::vector<Nanometers>& thicknesses, const ResinProfile& resin,
-                                double irradiance_mw_cm2) {
-  std::vector<LayerDose> layers;
-  Nanometers top{};
-  for (int layer = 0; const Nanometers thickness : thicknesses) {
-    top += thickness;
-    const std::chrono::duration<double> light = exposure_time(resin, thickness, layer, irradiance_mw_cm2);
-    layers.push_back({top, thickness, MillijoulesPerCm2{light.count() * irradiance_mw_cm2}});
-    ++layer;
-  }
-  return layers;
-}
-
-void take_resin(const ResinProfile& resin, CureSubject& subject) {
+void take_resin(const ResinProfile& resin, const CureOptions& options, CureSubject& subject) {
   subject.resin = resin.name;
   subject.cure = cure_of(resin);
+  subject.undersides = resin.undersides;
+  if (options.undersides)
+    subject.undersides = *options.undersides == "dose" ? Undersides::Dose : Undersides::Plain;
+  const std::string missing = missing_for_dimming(resin);
+  if (subject.undersides == Undersides::Dose && !missing.empty())
+    throw ModelError(fmt::format("undersides cannot be exposed by dose: {}", printable(missing)));
   subject.memory_is_measured = resin.peel_memory_measured;
 }
 
@@ -92,8 +88,7 @@ CureSubject subject_alone(const CureOptions& options) {
   const EngineSettings engine{parse_display(options.display), parse_anti_aliasing(options.display)};
   ResinProfile resin = load_resin_profile(*options.resin, {});
   CureSubject subject;
-  take_resin(resin, subject);
-  subject.display = engine.display;
+  take_resin(resin, options, subject);
   if (options.layer_height_um)
     resin.layer_height = parse_um("--layer-height-um", *options.layer_height_um, 1);
   // The curve's exposures are in proportion to the irradiance, so that the doses are the same for any.
@@ -113,7 +108,8 @@ CureSubject subject_alone(const CureOptions& options) {
   EngineSettings compensated = engine;
   compensated.compensation = resin.compensation;
   subject.layers =
-      doses_of(print_layers(supported.model, resin.layer_height, {}).all(), resin, kAnyIrradiance);
+      layer_doses(resin, print_layers(supported.model, resin.layer_height, {}).all(), kAnyIrradiance);
+  subject.settings = compensated;
   subject.engine = std::make_unique<ContourEngine>(supported.engine(compensated));
   subject.supports = std::move(supported.supports);
   return subject;
@@ -130,10 +126,11 @@ CureSubject subject_of_printer(const CureOptions& options) {
       prepare_model({options.model.stem().string(), options.model, options.ticket}, printer, asked);
   CureSubject subject;
   const ResinProfile& resin = job.summary.resin;
-  take_resin(resin, subject);
+  take_resin(resin, options, subject);
   subject.engine = std::move(job.analysis_engine);
-  subject.display = job.display;
-  subject.layers = doses_of(job.plan.expected_layers, resin, printer.irradiance_mw_cm2);
+  subject.settings = {job.display, printer.anti_aliasing ? AntiAliasing::On : AntiAliasing::Off,
+                      resin.compensation, printer.tone, printer.uniformity};
+  subject.layers = layer_doses(resin, job.plan.expected_layers, printer.irradiance_mw_cm2);
   subject.supports = std::move(job.summary.supports);
   subject.mask_budget = job.analysis.mask_budget;
   subject.warnings = std::move(job.summary.warnings);
@@ -242,7 +239,13 @@ void print_json(const CureSubject& subject, const CuredPart& part) {
 int cure(const CureOptions& options) {
   (void)parse_size(options.size);
   CureSubject subject = options.printer ? subject_of_printer(options) : subject_alone(options);
-  const CuredPart part = cure_part(*subject.engine, subject.display, {subject.layers, subject.cure},
+  std::optional<UndersideDimming> undersides;
+  if (subject.undersides == Undersides::Dose)
+    undersides.emplace(subject.engine->models(), subject.supports ? subject.supports->structure : nullptr,
+                       subject.settings,
+                       UndersideCure{subject.layers, subject.cure, subject.mask_budget.value_or(kNoHurry)});
+  const CuredPart part = cure_part(*subject.engine, subject.settings.display,
+                                   {subject.layers, subject.cure, {}, undersides ? &*undersides : nullptr},
                                    subject.supports ? &*subject.supports : nullptr, subject.mask_budget);
   if (options.json) {
     print_json(subject, part);
@@ -267,6 +270,11 @@ void add_cure(Command& program) {
       .option("--supports", options.supports,
               "Generate supports: auto or off (default: as configured, or off)")
       .one_of({"auto", "off"});
+  command
+      .option("--undersides", options.undersides,
+              "Light of undersides: plain, or dose, as much as cures them at their drawn height (default: as "
+              "the resin's profile says)")
+      .one_of({"plain", "dose"});
   add_size_options(command, options.size);
   command.option("--up", options.up, kUpHelp).suggests(up_presets).excludes(printer);
   command.option("--layer-height-um", options.layer_height_um, "Layer height, um (default: the resin's)")

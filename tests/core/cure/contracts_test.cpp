@@ -6,6 +6,8 @@
 #include "core/cure/cured_layers.hpp"
 #include "core/cure/pixel_light.hpp"
 #include "core/cure/surface_rays.hpp"
+#include "core/cure/underside_dimming.hpp"
+#include "core/cure/underside_light.hpp"
 #include "core/cure/working_curve.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
@@ -86,4 +88,17 @@ TEST_CASE("A comparison requires rising layers, all of which are added from the 
   CHECK(contract_broken_by([&] { comparison.add_layer(1, cured, {}); }) == next);
   comparison.add_layer(1, cured, dose);
   CHECK(contract_broken_by([&] { (void)comparison.figures(); }) == "all layers were added");
+}
+
+TEST_CASE("An underside's light requires a layer that keeps all of it") {
+  const std::array doses{0.5, 0.5};
+  CHECK(contract_broken_by([&] { (void)underside_light(doses, {}, 2); }) ==
+        "a layer is left that gets all its light");
+}
+
+TEST_CASE("Undersides are dimmed in layers of the print only") {
+  CHECK(contract_broken_by([] {
+          UndersideDimming dimming({}, nullptr, {}, {.layers = {layer(0)}, .resin = {.curve = kResinCurve}});
+          (void)dimming.dimmed(1);
+        }) == "the layer is one of the print's");
 }

@@ -106,7 +106,7 @@ TEST_CASE("A picture is the shown mask within the box, with marks for the layer'
   report.findings->suction_cups = {{0, 2, 2, {20, 30}, {0, 0}, 3, 5, false}};
   report.findings->resin_traps = {{0, 2, 0, {21, 31}, {0, 0}, 3, 5, false}};
   ContourEngine engine = testing::engine_of_a_box();
-  const auto pictures = draw_layer_pictures(report, engine, MaskBudget::Clock::now() + 1h);
+  const auto pictures = draw_layer_pictures(report, {engine}, MaskBudget::Clock::now() + 1h);
   REQUIRE(pictures.size() == 3);
   const testing::TemporaryFolder folder;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -136,5 +136,5 @@ TEST_CASE("A picture is the shown mask within the box, with marks for the layer'
 
 TEST_CASE("Pictures that are not drawn by the deadline are omitted") {
   ContourEngine engine = testing::engine_of_a_box();
-  CHECK(draw_layer_pictures(printed(3), engine, MaskBudget::Clock::now() - 1s).empty());
+  CHECK(draw_layer_pictures(printed(3), {engine}, MaskBudget::Clock::now() - 1s).empty());
 }

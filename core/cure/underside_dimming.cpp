@@ -1,0 +1,296 @@
+#include "core/cure/underside_dimming.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/contract/expects.hpp"
+#include "core/geometry/mask_budget.hpp"
+
+namespace contourd {
+namespace {
+
+constexpr double kHeightStep = 1e-3;  // mm: undersides are told apart by a micrometre
+constexpr std::size_t kUnknown = std::numeric_limits<std::size_t>::max();
+
+double middle_mm(const LayerDose& layer) {
+  return in_mm(layer.top) - in_mm(layer.thickness) / 2;
+}
+
+// Returns the number of layers whose light reaches an underside.
+std::size_t layers_ahead(std::span<const LayerDose> layers, const WorkingCurve& curve) {
+  constexpr double kFalloff = 5;  // penetration depths: to 0.7 %
+  double thinnest = std::numeric_limits<double>::infinity();
+  for (const LayerDose& layer : layers)
+    thinnest = std::min(thinnest, in_mm(layer.thickness));
+  const double count = std::ceil(kFalloff * to_millimeters(curve.penetration_depth).count() / thinnest);
+  return static_cast<std::size_t>(std::clamp(count, 1.0, static_cast<double>(UndersideDimming::kMostAhead)));
+}
+
+// Returns how many of a solid's layers may get less than all their light. Of a part that leans, each layer
+// lies beside the one beneath; with a third of the layers and one more lit, their light still overlaps.
+std::size_t most_dimmed(std::size_t layers) {
+  const std::size_t kept = (layers + 2) / 3 + 1;
+  return layers > kept ? layers - kept : 0;
+}
+
+}  // namespace
+
+void dim(std::span<const DimmedPixel> pixels, Mask& light) {
+  const auto width = static_cast<std::uint32_t>(light.width().count());
+  for (const DimmedPixel& dimmed : pixels) {
+    std::uint8_t& grey = light.row(static_cast<std::int32_t>(dimmed.pixel / width))[dimmed.pixel % width];
+    grey = static_cast<std::uint8_t>((grey * dimmed.share + 127) / 255);
+  }
+}
+
+PixelWindow window_of(std::span<const PlateModel> models, const DisplayGeometry& display,
+                      std::int32_t margin) {
+  const double width = display.width.count(), height = display.height.count();
+  double left = width, top = height, right = 0, bottom = 0;
+  for (const PlateModel& model : models) {
+    const Bounds& bounds = model.model->bounds();
+    for (const PixelMap& map : model.copies) {
+      const PixelPoint a = map.to_pixels({bounds.min_x, bounds.min_y});
+      const PixelPoint b = map.to_pixels({bounds.max_x, bounds.max_y});
+      left = std::min({left, a.x, b.x});
+      right = std::max({right, a.x, b.x});
+      top = std::min({top, a.y, b.y});
+      bottom = std::max({bottom, a.y, b.y});
+    }
+  }
+  const auto pixel = [margin](double at, int outwards, double size) {
+    return static_cast<std::int32_t>(std::clamp(std::floor(at) + outwards * margin, 0.0, size));
+  };
+  const PixelWindow window{pixel(left, -1, width), pixel(top, -1, height), 0, 0};
+  const std::int32_t end_column = pixel(right + 1, 1, width), end_row = pixel(bottom + 1, 1, height);
+  if (end_column <= window.column || end_row <= window.row) return {0, 0, 1, 1};
+  return {window.column, window.row, end_column - window.column, end_row - window.row};
+}
+
+UndersideDimming::UndersideDimming(std::span<const PlateModel> models,
+                                   std::shared_ptr<const SectionSource> supports,
+                                   const EngineSettings& settings, const UndersideCure& cure)
+    : models_({models.begin(), models.end()}, settings),
+      display_width_(settings.display.width),
+      layers_(cure.layers),
+      resin_(cure.resin),
+      loss_{resin_.peel_memory, resin_.oxygen_dose / resin_.curve.critical_dose},
+      mask_budget_(cure.mask_budget),
+      window_(window_of(models_.models(), settings.display, 2)),
+      most_ahead_(layers_ahead(layers_, resin_.curve)),
+      height_mm_(window_.pixels()) {
+  if (supports) supports_.emplace(std::vector<PlateModel>{}, settings, std::move(supports));
+}
+
+std::uint64_t UndersideDimming::most_memory(const DisplayGeometry& display, const UndersideCure& cure) {
+  const auto pixels =
+      static_cast<std::uint64_t>(display.width.count()) * static_cast<std::uint64_t>(display.height.count());
+  // The layer beneath, this layer and those ahead; supports; heights and the list of their entries; masks of
+  // two engines and of DimmedMasks.
+  return pixels *
+         (layers_ahead(cure.layers, cure.resin.curve) + 2 + 2 + sizeof(float) + sizeof(RayCrossing) + 6);
+}
+
+std::span<const DimmedPixel> UndersideDimming::dimmed(std::size_t layer) {
+  expects(layer < layers_.size(), "the layer is one of the print's");
+  if (!is_started_ || layer < layer_ || layer > layer_ + most_ahead_) restart_before(layer);
+  while (layer_ < layer)
+    advance();
+  return dimmed_;
+}
+
+// Goes to a layer from which on all solids are found that are dimmed in `layer`.
+void UndersideDimming::restart_before(std::size_t layer) {
+  is_started_ = true;
+  layer_ = layer > most_ahead_ ? layer - most_ahead_ : 0;
+  undersides_.clear();
+  dimmed_.clear();
+  ahead_.clear();
+  first_ahead_ = layer_;
+  if (supports_) supports_here_ = picture(*supports_, layer_);
+}
+
+void UndersideDimming::advance() {
+  ++layer_;
+  for (; first_ahead_ + 1 < layer_ && !ahead_.empty(); ++first_ahead_)
+    ahead_.pop_front();
+  const std::size_t end = std::min(layer_ + most_ahead_ + 1, layers_.size());
+  while (first_ahead_ + ahead_.size() < end)
+    ahead_.push_back(picture(models_, first_ahead_ + ahead_.size()));
+  if (supports_) {
+    supports_beneath_ = std::move(supports_here_);
+    supports_here_ = picture(*supports_, layer_);
+  }
+  find_heights();
+  find_full_doses();
+  find_undersides();
+  list_dimmed();
+}
+
+UndersideDimming::Picture UndersideDimming::picture(ContourEngine& engine, std::size_t layer) const {
+  Picture picture(window_.pixels());
+  MaskBudget budget(MaskBudget::Clock::now() + mask_budget_);
+  const LayerDose& of = layers_[layer];
+  if (engine.mask_within(of.top - of.thickness + of.thickness / 2, budget) == nullptr) return picture;
+  const std::uint8_t threshold = engine.threshold();
+  auto to = picture.begin();
+  for (std::int32_t y = window_.row; y < window_.row + window_.rows; ++y) {
+    const auto row = engine.coverage().row(y).subspan(static_cast<std::size_t>(window_.column),
+                                                      static_cast<std::size_t>(window_.columns));
+    to = std::ranges::transform(row, to, [threshold](std::uint8_t grey) {
+           return grey < threshold ? std::uint8_t{0} : grey;
+         }).out;
+  }
+  return picture;
+}
+
+// Finds where the lines through the pixels' middles enter the models between the cuts beneath and above.
+void UndersideDimming::find_heights() {
+  for (const RayCrossing& entry : entries_)
+    height_mm_[entry.ray] = 0;
+  const LayerDose& last = layers_[std::min(layer_ + 1, layers_.size() - 1)];
+  entries_ = cross_surface_between(models_.models(), window_, middle_mm(layers_[layer_ - 1]),
+                                   layer_ + 1 < layers_.size() ? middle_mm(last) : in_mm(last.top));
+  std::erase_if(entries_, [](const RayCrossing& crossing) { return crossing.steepness >= 0; });
+  for (const RayCrossing& entry : entries_) {
+    float& height = height_mm_[entry.ray];
+    height = height == 0 ? entry.at : std::min(height, entry.at);
+  }
+}
+
+void UndersideDimming::find_undersides() {
+  const double range_mm = middle_mm(layers_[std::min(layer_ + 1, layers_.size() - 1)]) -
+                          middle_mm(layers_[layer_ - 1]) + in_mm(layers_[layer_].thickness);
+  known_.assign((static_cast<std::size_t>(range_mm / kHeightStep) + 2) * (kMostAhead + 2), {kUnknown, 0});
+  const Picture &beneath = ahead(layer_ - 1), &here = ahead(layer_);
+  constexpr std::size_t kBlock = 64;  // most blocks have no underside
+  for (std::size_t begin = 0; begin < here.size(); begin += kBlock) {
+    const std::size_t end = std::min(begin + kBlock, here.size());
+    bool begins = false;
+    for (std::size_t pixel = begin; pixel < end; ++pixel)
+      begins |= here[pixel] != 0 && beneath[pixel] == 0;
+    for (std::size_t pixel = begin; begins && pixel < end; ++pixel)
+      if (here[pixel] != 0 && beneath[pixel] == 0) find_underside(pixel);
+  }
+}
+
+void UndersideDimming::find_underside(std::size_t pixel) {
+  if (supports_ && (supports_beneath_[pixel] != 0 || supports_here_[pixel] != 0)) return;
+  const std::size_t end_ahead = first_ahead_ + ahead_.size();
+  std::size_t end = layer_;
+  bool is_full = true;
+  for (; end < end_ahead && ahead(end)[pixel] != 0; ++end)
+    is_full = is_full && ahead(end)[pixel] == 255;
+  const bool is_endless = end == end_ahead && end < layers_.size();
+  const double lowest = middle_mm(layers_[layer_ - 1]);
+  const double entry = height_mm_[pixel] > 0 ? static_cast<double>(height_mm_[pixel])
+                                             : in_mm(layers_[layer_].top - layers_[layer_].thickness);
+  const auto step = static_cast<std::size_t>((entry - lowest) / kHeightStep + 0.5);
+  const Solid solid{pixel, lowest + static_cast<double>(step) * kHeightStep, end, is_endless};
+  UndersideLight light;
+  if (is_full) {
+    UndersideLight& known = known_[step * (kMostAhead + 2) + (is_endless ? kMostAhead + 1 : end - layer_)];
+    if (known.dark == kUnknown) known = light_of(solid);
+    light = known;
+  } else {
+    light = light_of(solid);
+  }
+  if (light == UndersideLight{}) return;
+  const bool is_grey = light.next_share < 1;
+  const std::size_t full_from = layer_ + light.dark + (is_grey ? 1 : 0);
+  if (!is_wide(pixel, ahead(full_from))) return;
+  undersides_.push_back(
+      {static_cast<std::uint32_t>(pixel), full_from,
+       is_grey ? static_cast<std::uint8_t>(light.next_share * 255 + 0.5) : std::uint8_t{0}});
+}
+
+// Computes the doses that fully lit layers give to the layer's bottom; beyond the layers ahead, the last one
+// repeats.
+void UndersideDimming::find_full_doses() {
+  const double depth_mm = to_millimeters(resin_.curve.penetration_depth).count();
+  const Nanometers bottom = layers_[layer_].top - layers_[layer_].thickness;
+  const std::size_t end = first_ahead_ + ahead_.size();
+  constexpr double kFaintest = 1e-3;
+  full_doses_.clear();
+  Nanometers top = bottom;
+  do {
+    const LayerDose& layer = layers_[std::min(layer_ + full_doses_.size(), end - 1)];
+    top += layer.thickness;
+    full_doses_.push_back(layer.dose / resin_.curve.critical_dose *
+                          std::exp(-in_mm(top - bottom) / depth_mm));
+  } while (layer_ + full_doses_.size() < end ||
+           (full_doses_.back() > kFaintest && full_doses_.size() < 3 * kMostAhead));
+}
+
+UndersideLight UndersideDimming::light_of(const Solid& solid) {
+  const double depth_mm = to_millimeters(resin_.curve.penetration_depth).count();
+  const double dead_zone_mm = to_millimeters(resin_.dead_zone).count();
+  const double bottom_mm = in_mm(layers_[layer_].top - layers_[layer_].thickness);
+  const double nearer = std::exp((solid.from_mm - bottom_mm) / depth_mm);
+  const std::size_t count = solid.end - layer_;
+  doses_.clear();
+  for (std::size_t i = 0; i < (solid.is_endless ? full_doses_.size() : count); ++i) {
+    const std::size_t layer = layer_ + i;
+    const double share = layer < solid.end ? ahead(layer)[solid.pixel] / 255.0 : 1;
+    const bool is_above = layer >= solid.end || in_mm(layers_[layer].top) - solid.from_mm >= dead_zone_mm;
+    doses_.push_back(is_above ? share * nearer * full_doses_[i] : 0);
+  }
+  return underside_light(doses_, loss_, most_dimmed(count));
+}
+
+// True if the pixel belongs to a square of three by three pixels that are lit at least half.
+bool UndersideDimming::is_wide(std::size_t pixel, const Picture& picture) const {
+  const auto column = static_cast<std::int32_t>(pixel % static_cast<std::size_t>(window_.columns));
+  const auto row = static_cast<std::int32_t>(pixel / static_cast<std::size_t>(window_.columns));
+  const auto is_square = [&](std::int32_t middle_column, std::int32_t middle_row) {
+    if (middle_column < 1 || middle_row < 1 || middle_column + 1 >= window_.columns ||
+        middle_row + 1 >= window_.rows)
+      return false;
+    for (std::int32_t y = middle_row - 1; y <= middle_row + 1; ++y)
+      for (std::int32_t x = middle_column - 1; x <= middle_column + 1; ++x)
+        if (picture[static_cast<std::size_t>(y) * static_cast<std::size_t>(window_.columns) +
+                    static_cast<std::size_t>(x)] < 128)
+          return false;
+    return true;
+  };
+  constexpr std::array kOffsets{0, -1, 1};  // most pixels are in the middle of such a square
+  return std::ranges::any_of(kOffsets, [&](std::int32_t down) {
+    return std::ranges::any_of(kOffsets,
+                               [&](std::int32_t right) { return is_square(column + right, row + down); });
+  });
+}
+
+void UndersideDimming::list_dimmed() {
+  std::erase_if(undersides_, [&](const Underside& each) { return each.full_from <= layer_; });
+  dimmed_.clear();
+  const auto columns = static_cast<std::uint32_t>(window_.columns);
+  for (const Underside& each : undersides_) {
+    if (supports_ && supports_here_[each.pixel] != 0) continue;
+    const std::uint32_t row = static_cast<std::uint32_t>(window_.row) + each.pixel / columns;
+    const std::uint32_t column = static_cast<std::uint32_t>(window_.column) + each.pixel % columns;
+    dimmed_.push_back({row * static_cast<std::uint32_t>(display_width_.count()) + column,
+                       each.full_from == layer_ + 1 ? each.next_share : std::uint8_t{0}});
+  }
+}
+
+DimmedMasks::DimmedMasks(std::unique_ptr<UndersideDimming> undersides, const ToneCurve& tone,
+                         std::optional<Mask> uniformity)
+    : undersides_(std::move(undersides)),
+      threshold_({.threshold = tone.threshold}, std::nullopt),
+      projector_({.gamma = tone.gamma}, std::move(uniformity)) {}
+
+const Mask& DimmedMasks::mask(std::size_t layer, const Mask& coverage) {
+  if (light_.width() != coverage.width() || light_.height() != coverage.height())
+    light_ = mask_ = Mask(coverage.width(), coverage.height());
+  threshold_.apply(coverage, light_);
+  dim(undersides_->dimmed(layer), light_);
+  if (projector_.is_none()) return light_;
+  projector_.apply(light_, mask_);
+  return mask_;
+}
+
+}  // namespace contourd

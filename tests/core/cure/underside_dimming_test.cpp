@@ -1,0 +1,205 @@
+// Tests prints with dimmed undersides: the cured part's distance from the model, and which pixels keep their
+// light.
+#include "core/cure/underside_dimming.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/cure/cured_part.hpp"
+#include "core/layers/layers.hpp"
+#include "tests/catch.hpp"
+#include "tests/models/models.hpp"
+
+namespace {
+
+constexpr Nanometers kHeight{50'000};
+constexpr WorkingCurve kResin{Micrometers{150}, MillijoulesPerCm2{8}};
+constexpr std::chrono::seconds kBudget{60};
+const DisplayGeometry kScreen{Pixels{300}, Pixels{200}, Micrometers{50}};
+
+// A model on the plate whose undersides are dimmed.
+class DimmedPrint {
+ public:
+  explicit DimmedPrint(models::Facets facets, double memory = 1,
+                       EngineSettings settings = {.display = kScreen})
+      : settings_(std::move(settings)) {
+    auto model = std::make_shared<const HeightIndex>(std::move(facets));
+    const LayerStack stack = layers_for(Millimeters{model->bounds().size_z()}, kHeight);
+    for (std::int32_t layer = 0; layer < stack.count; ++layer)
+      cure_.layers.push_back({kHeight * (layer + 1), kHeight, kResin.dose_for(Micrometers{100})});
+    cure_.resin = {.curve = kResin, .peel_memory = memory};
+    cure_.mask_budget = kBudget;
+    const PixelMap map = PixelMap::true_scale(settings_.display, model->bounds().center());
+    std::vector<PlateModel> models;
+    models.push_back({{std::move(model)}, {map}});
+    engine_.emplace(std::move(models), settings_);
+    undersides_.emplace(engine_->models(), nullptr, settings_, cure_);
+  }
+
+  UndersideDimming& undersides() { return *undersides_; }
+  [[nodiscard]] std::size_t layers() const { return cure_.layers.size(); }
+
+  CureFigures figures() {
+    return cure_part(*engine_, settings_.display,
+                     {.layers = cure_.layers, .cure = cure_.resin, .undersides = &*undersides_}, nullptr)
+        .figures;
+  }
+  CureFigures plain_figures() {
+    return cure_part(*engine_, settings_.display, {.layers = cure_.layers, .cure = cure_.resin}, nullptr)
+        .figures;
+  }
+  Mask light(std::size_t layer) {
+    Mask light = engine_->mask_at(cure_.layers[layer].top - kHeight / 2);
+    dim(undersides_->dimmed(layer), light);
+    return light;
+  }
+
+ private:
+  EngineSettings settings_;
+  UndersideCure cure_;
+  std::optional<ContourEngine> engine_;
+  std::optional<UndersideDimming> undersides_;
+};
+
+// Returns a slab on two pillars, 3 mm high, with the slab's underside at a height.
+models::Facets table(float slab_mm, float underside_mm = 3) {
+  return models::together({models::box({-3, -2, 0}, {-2, 2, underside_mm}),
+                           models::box({2, -2, 0}, {3, 2, underside_mm}),
+                           models::box({-3, -2, underside_mm}, {3, 2, underside_mm + slab_mm})});
+}
+
+// Returns a square bar on the plate, 2 mm high, whose upper end is moved by a distance.
+models::Facets leaning_bar(float side_mm, float lean_mm) {
+  models::Facets bar = models::box({0, 0, 0}, {side_mm, side_mm, 2});
+  for (Facet& facet : bar)
+    for (Vertex& vertex : facet.vertices)
+      vertex.x += lean_mm * vertex.z / 2;
+  return bar;
+}
+
+// Returns the number of parts of a layer's light that lie on no light of the layer beneath.
+int unheld_parts(const Mask& light, const Mask& beneath) {
+  const std::int32_t width = light.width().count(), height = light.height().count();
+  std::vector<bool> seen(static_cast<std::size_t>(width * height));
+  int unheld = 0;
+  for (std::int32_t start = 0; start < width * height; ++start) {
+    std::vector<std::int32_t> open{start};
+    bool is_held = false, is_lit = false;
+    while (!open.empty()) {
+      const std::int32_t at = open.back();
+      open.pop_back();
+      const std::int32_t x = at % width, y = at / width;
+      if (seen[static_cast<std::size_t>(at)] || light.row(y)[static_cast<std::size_t>(x)] == 0) continue;
+      seen[static_cast<std::size_t>(at)] = true;
+      is_lit = true;
+      is_held = is_held || beneath.row(y)[static_cast<std::size_t>(x)] > 0;
+      if (x > 0) open.push_back(at - 1);
+      if (x + 1 < width) open.push_back(at + 1);
+      if (y > 0) open.push_back(at - width);
+      if (y + 1 < height) open.push_back(at + width);
+    }
+    unheld += is_lit && !is_held ? 1 : 0;
+  }
+  return unheld;
+}
+
+// Grey values of 255ths move an underside by at most this.
+constexpr double kGreyStep = 2.5;  // um
+
+}  // namespace
+
+TEST_CASE("The underside of a bridge cures at its drawn height, with any memory") {
+  for (const double memory : {1.0, 0.95, 0.9, 0.75, 0.5}) {
+    CAPTURE(memory);
+    DimmedPrint print(table(3), memory);
+    const CureFigures figures = print.figures();
+    CHECK(print.plain_figures().undersides.median_um > 75);
+    CHECK(figures.undersides.missing == 0);
+    CHECK(figures.undersides.median_um == Approx(0).margin(kGreyStep));
+    CHECK(figures.undersides.p95_um < kGreyStep);
+    CHECK(figures.tops.p95_um < 0.1);
+    CHECK(figures.too_little_mm3 < 0.001 * figures.model_mm3);
+  }
+}
+
+TEST_CASE("An underside within a layer cures there, not at the layer's bottom") {
+  for (const float height : {3.004F, 3.01F, 3.02F, 3.031F, 3.046F}) {
+    CAPTURE(height);
+    const CureFigures figures = DimmedPrint(table(3, height)).figures();
+    CHECK(figures.undersides.median_um == Approx(0).margin(kGreyStep));
+    CHECK(figures.undersides.p95_um < kGreyStep);
+  }
+}
+
+TEST_CASE("A roof of eight layers cures at its drawn height, and a thinner one is never thinner than drawn") {
+  CHECK(DimmedPrint(table(0.4F)).figures().undersides.p95_um < kGreyStep);
+  for (const float slab : {0.05F, 0.1F, 0.15F, 0.2F, 0.3F}) {
+    CAPTURE(slab);
+    DimmedPrint print(table(slab));
+    const CureFigures figures = print.figures();
+    CHECK(figures.undersides.missing == 0);
+    CHECK(figures.undersides.median_um > -kGreyStep);
+    CHECK(figures.undersides.median_um <= print.plain_figures().undersides.median_um);
+  }
+}
+
+TEST_CASE("Slopes and round undersides cure where they are drawn") {
+  for (const double memory : {1.0, 0.75}) {
+    CAPTURE(memory);
+    DimmedPrint ball(models::globe(3, 60, 120), memory);
+    const SurfaceDistances undersides = ball.figures().undersides;
+    CHECK(undersides.p95_um < 15);  // what is asked for
+    CHECK(ball.plain_figures().undersides.p95_um > 80);
+  }
+}
+
+TEST_CASE("What stands on the plate, and what is less than three pixels wide, keeps all its light") {
+  DimmedPrint on_plate(models::box({0, 0, 0}, {4, 3, 2}));
+  for (std::size_t layer = 0; layer < on_plate.layers(); ++layer)
+    CHECK(on_plate.undersides().dimmed(layer).empty());
+  // A rail of two pixels' width from one pillar to another.
+  DimmedPrint rail(models::together({models::box({-3, -1, 0}, {-2, 1, 2}), models::box({2, -1, 0}, {3, 1, 2}),
+                                     models::box({-2.5F, -0.05F, 1}, {2.5F, 0.05F, 2})}));
+  for (std::size_t layer = 0; layer < rail.layers(); ++layer)
+    CHECK(rail.undersides().dimmed(layer).empty());
+}
+
+TEST_CASE("Dimming leaves no part of a layer without hold") {
+  for (const float lean_mm : {0.5F, 2.0F, 5.0F}) {
+    for (const float thick_mm : {0.15F, 0.2F, 0.3F, 0.6F}) {
+      CAPTURE(lean_mm, thick_mm);
+      // A bar that leans by `lean_mm` over 2 mm of height.
+      DimmedPrint print(leaning_bar(thick_mm, lean_mm));
+      Mask beneath = print.light(0);
+      for (std::size_t layer = 1; layer < print.layers(); ++layer) {
+        const Mask light = print.light(layer);
+        CAPTURE(layer);
+        CHECK(unheld_parts(light, beneath) == 0);
+        beneath = light;
+      }
+    }
+  }
+}
+
+TEST_CASE("Layers asked for in any order have the same dimmed pixels") {
+  DimmedPrint forwards(models::globe(2, 40, 80)), at_random(models::globe(2, 40, 80));
+  const auto dimmed = [](DimmedPrint& print, std::size_t layer) {
+    std::vector<std::pair<std::uint32_t, std::uint8_t>> pixels;
+    for (const DimmedPixel& each : print.undersides().dimmed(layer))
+      pixels.emplace_back(each.pixel, each.share);
+    std::ranges::sort(pixels);
+    return pixels;
+  };
+  std::vector<std::vector<std::pair<std::uint32_t, std::uint8_t>>> expected;
+  for (std::size_t layer = 0; layer < forwards.layers(); ++layer)
+    expected.push_back(dimmed(forwards, layer));
+  for (const std::size_t layer : {40U, 3U, 3U, 60U, 61U, 20U, 79U, 0U, 1U}) {
+    CAPTURE(layer);
+    CHECK(dimmed(at_random, layer) == expected[layer]);
+  }
+}
