@@ -112,11 +112,15 @@ void LayerParts::number_parts(const MaskRuns& lit) {
     const std::uint32_t root = root_of(run);
     if (root == run) {
       part_of_run_[run] = static_cast<std::uint32_t>(parts_.size());
-      parts_.push_back({kNone, 0, 0});
+      parts_.push_back({.body = kNone});
     }
     part_of_run_[run] = part_of_run_[root];
     const PixelRun& pixels = lit.runs()[run];
-    parts_[part_of_run_[run]].pixels += pixels.end - pixels.first;
+    LayerPart& part = parts_[part_of_run_[run]];
+    const std::int64_t length = pixels.end - pixels.first;
+    part.pixels += length;
+    part.columns += length * (pixels.first + pixels.end - 1) / 2;
+    part.rows += length * pixels.row;
   }
 }
 

@@ -17,7 +17,8 @@ namespace contourd {
 struct LayerPart {
   std::uint32_t body = 0;
   std::int64_t pixels = 0;
-  std::int64_t carried = 0;  // pixels that lie over lit pixels of the layer beneath
+  std::int64_t carried = 0;            // pixels that lie over lit pixels of the layer beneath
+  std::int64_t columns = 0, rows = 0;  // sums over the pixels
   bool operator==(const LayerPart&) const = default;
 };
 

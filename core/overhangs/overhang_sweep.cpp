@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <tuple>
@@ -76,7 +77,8 @@ class Sweep {
                           .compensation = request.printed.compensation}),
         underside_(grid_),
         cover_(holding_radii(settings_, grid_)),
-        peel_(settings_.tip_holds_mm2 / pixel_area_mm2()) {
+        peel_({settings_.tip_holds_mm2 / pixel_area_mm2(), settings_.tip_diameter.count() / grid_.pixel_mm()},
+              settings_.spacing.count() / grid_.pixel_mm()) {
     lit_.extract(Mask(grid_.display.width, grid_.display.height));
   }
 
@@ -96,8 +98,7 @@ class Sweep {
   [[nodiscard]] bool is_speck(const LayerPart& part) const;
   [[nodiscard]] SweepPixel place_for(const OverhangCover::Choice& choice) const;
   [[nodiscard]] std::vector<SurfacePlace> places() const;
-  [[nodiscard]] SupportContact contact_of(const PlacedContact& placed,
-                                          const std::optional<Surface>& surface) const;
+  [[nodiscard]] SupportContact contact_of(std::size_t number, const std::optional<Surface>& surface) const;
   void hold_specks();
   void hold_overhangs(const std::stop_token& stop);
   void balance_peel(const std::stop_token& stop);
@@ -128,10 +129,7 @@ const MaskRuns& Sweep::add_layer(const std::stop_token& stop) {
   peel_.add_layer(parts_);
   const bool rests =
       to_millimeters(layers_.bottom_of(layer_)).count() <= settings_.closed_gap.count() + kRoundingMm;
-  if (rests) {
-    for (const LayerPart& part : parts_.parts())
-      peel_.stand(part.body);
-  }
+  if (rests) peel_.stand(parts_, lit_);
   underside_.add_layer({lit_, beneath_, parts_, layers_.middle_of(layer_), rests},
                        {kSoon * cover_.radii().reach * grid_.pixel_mm(), settings_.bridge.count()});
   for (const Underside::Sample& sample : underside_.samples())
@@ -197,11 +195,11 @@ void Sweep::hold_overhangs(const std::stop_token& stop) {
 }
 
 void Sweep::balance_peel(const std::stop_token& stop) {
-  for (const LayerPart& part : parts_.parts()) {
-    while (!has_enough() && !stop.stop_requested() && peel_.overloaded(part.body)) {
-      const std::optional<PeelBalance::Place> place = peel_.take_place(part.body);
+  for (const PeelBalance::Pull& pull : peel_.pulls()) {
+    while (!has_enough() && !stop.stop_requested() && peel_.overloaded(pull)) {
+      const std::optional<PeelBalance::Place> place = peel_.place_against(pull);
       if (!place) break;
-      add_contact({place->at, place->layer, part.body, ContactCause::Peel, 0});
+      add_contact({place->at, place->layer, pull.body, ContactCause::Peel, 0});
     }
   }
   peel_.settle();
@@ -230,14 +228,15 @@ std::vector<SurfacePlace> Sweep::places() const {
   return places;
 }
 
-SupportContact Sweep::contact_of(const PlacedContact& placed, const std::optional<Surface>& surface) const {
+SupportContact Sweep::contact_of(std::size_t number, const std::optional<Surface>& surface) const {
+  const PlacedContact& placed = contacts_[number];
   const Point place = grid_.place_of(placed.at);
   const double bottom_mm = to_millimeters(layers_.bottom_of(placed.layer)).count();
   SupportContact contact;
   contact.place = {place.x, place.y, surface ? surface->z_mm : bottom_mm};
   contact.outward = surface ? surface->outward : Direction{0, 0, -1};
   contact.cause = placed.cause;
-  contact.load_mm2 = std::max(placed.held_pixels, peel_.load_pixels(placed.body)) * pixel_area_mm2();
+  contact.load_mm2 = std::max(placed.held_pixels, peel_.load_pixels(number)) * pixel_area_mm2();
   return contact;
 }
 
@@ -245,7 +244,7 @@ HeldPlaces Sweep::held() const {
   const std::vector<std::optional<Surface>> surfaces = surfaces_beneath(models_, grid_.display, places());
   HeldPlaces held;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    const SupportContact contact = contact_of(contacts_[i], surfaces[i]);
+    const SupportContact contact = contact_of(i, surfaces[i]);
     // A contact below the end of the first layer lies on the plate.
     if (contact.place.z >= to_millimeters(layers_.top_of(1)).count()) held.contacts.push_back(contact);
   }

@@ -1,4 +1,5 @@
 // Checks that each header of core/overhangs enforces its requirements.
+#include "core/overhangs/bearing_group.hpp"
 #include "core/overhangs/carried_supports.hpp"
 #include "core/overhangs/layer_parts.hpp"
 #include "core/overhangs/overhang_sweep.hpp"
@@ -59,9 +60,15 @@ TEST_CASE("LayerParts and PeelBalance take consecutive layers of the same size")
   parts.add_layer(small, small);
   CHECK(contract_broken_by([&] { (void)parts.part_at(small, 1, 1); }) ==
         "the pixel is lit in the last layer");
-  CHECK(contract_broken_by([] { PeelBalance(0); }) == "a contact holds something");
-  const PeelBalance peel(1);
-  CHECK(contract_broken_by([&] { (void)peel.overloaded(0); }) == "the body belongs to a part of the layer");
+  CHECK(contract_broken_by([] { PeelBalance({0, 1}, 0); }) == "a contact holds something");
+  const PeelBalance peel({1, 1}, 0);
+  CHECK(contract_broken_by([&] {
+          (void)peel.overloaded({0, {1, 0, 0}});
+        }) == "the body belongs to a part of the layer");
+}
+
+TEST_CASE("A lever needs a bearing") {
+  CHECK(contract_broken_by([] { (void)BearingGroup().lever({1, 0, 0}); }) == "a lever needs a bearing");
 }
 
 TEST_CASE("Underside takes only lit pixels as contacts") {

@@ -37,7 +37,7 @@ TEST_CASE("A part continues the body under it, and begins a new one where there 
   const std::uint32_t body = parts.parts()[0].body;
   parts.add_layer(second, first);
   REQUIRE(parts.parts().size() == 2);
-  CHECK(parts.parts()[0] == LayerPart{body, 2, 1});
+  CHECK(parts.parts()[0] == LayerPart{body, 2, 1, 3, 0});
   CHECK(parts.parts()[1].carried == 0);
   CHECK(parts.parts()[1].body != body);
   CHECK(parts.meetings().empty());

@@ -27,7 +27,7 @@ models::Facets on_its_point() {
 TEST_CASE("A chosen orientation is described with its figures and with those of the model as drawn") {
   CHECK(describe(found(on_its_point())) ==
         "0, 0, -1 points up (auto): no overhangs, 20.00 mm high, largest layer 113 mm², stands by itself; as "
-        "drawn: about 6 contacts, 0.11 ml of supports, 20.00 mm high, largest layer 113 mm²");
+        "drawn: about 7 contacts, 0.12 ml of supports, 20.00 mm high, largest layer 113 mm²");
   CHECK(describe(found(models::box({0, 0, 0}, {10, 10, 10}), {OrientationPreset::Clean, {}})) ==
         "stays as drawn (clean): no overhangs, 10.00 mm high, largest layer 100 mm², stands by itself");
 }
