@@ -196,7 +196,8 @@ class Choosing {
       if (may_be_chosen && score_of(at_best, request_.weights, worst_) < best)
         trial = try_orientation(facets_, figures, request_, stop_);
       if (stop_.stop_requested()) break;
-      if (figures.up == kAsDrawn && trial.tried && carries_supports_as_drawn()) {
+      if (request_.keep_own_supports && figures.up == kAsDrawn && trial.tried &&
+          carries_supports_as_drawn()) {
         choice.own_supports = true;
         trial.contacts = trial.support_mm3 = 0;  // the print adds none
       }

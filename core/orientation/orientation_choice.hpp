@@ -39,7 +39,8 @@ inline constexpr std::size_t kSampledFacets = 50'000;
 [[nodiscard]] std::size_t trials_of(std::size_t facets);
 
 // Chooses a direction in which the model fits the build volume, if there is one. The model stays as drawn
-// unless another direction is clearly better, and always if it carries supports in its file; but a base that
+// unless another direction is clearly better, and always if it carries supports in its file and is
+// to keep them; but a base that
 // is drawn nearly level is put flat on the plate. Returns nullopt if `stop` was requested meanwhile.
 // REQUIRES: at least one facet, fewer than 2^30, with finite coordinates.
 [[nodiscard]] std::optional<OrientationChoice> choose_orientation(std::span<const Facet> facets,

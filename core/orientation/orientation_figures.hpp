@@ -58,6 +58,7 @@ struct OrientationRequest {
   Scale scale{};                     // as printed, along the plate's axes
   std::optional<BuildSize> build{};  // nullopt: the model fits whichever way it is turned
   SupportSettings supports{};        // with a lift of 0, no model is lifted
+  bool keep_own_supports = true;     // a model that carries supports in its file stays as drawn
   std::vector<KeepClean> keep_clean{};
   OrientationWeights weights{};
 };

@@ -169,8 +169,8 @@ TicketOverrides read_overrides(const JsonSection& root) {
 }
 
 SupportTicket read_supports(const JsonSection& root) {
-  if (root.is_section("supports")) return {SupportPolicy::Auto, read_asked_figures(root.section("supports"))};
-  return {root.text("supports") == "auto" ? SupportPolicy::Auto : SupportPolicy::Off, {}};
+  if (root.is_section("supports")) return {SupportPolicy::On, read_asked_figures(root.section("supports"))};
+  return {support_policy(root.text("supports")), {}};
 }
 
 // Reads the settings of the whole job.
@@ -203,6 +203,10 @@ JobTicket read_job_ticket(JsonDocument document) {
 }
 
 }  // namespace
+
+SupportPolicy support_policy(std::string_view name) {
+  return name == "on" ? SupportPolicy::On : name == "auto" ? SupportPolicy::Auto : SupportPolicy::Off;
+}
 
 JobTicket load_job_ticket(const std::filesystem::path& path, Links links) {
   return read_job_ticket(JsonDocument::from_file(path, links));

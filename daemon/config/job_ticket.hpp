@@ -55,13 +55,16 @@ enum class CrackPolicy {
   Refuse,  // print nothing
 };
 
-// The choice between printing overhangs as they are and generating supports for them.
-enum class SupportPolicy { Off, Auto };
+// The choice between printing overhangs as they are and generating supports for them. A model that carries
+// supports in its file keeps to them with Auto, and gets others with On.
+enum class SupportPolicy { Off, Auto, On };
+// Returns the policy with the name "auto" or "on"; Off for any other name.
+[[nodiscard]] SupportPolicy support_policy(std::string_view name);
 
 // The supports that a ticket asks for.
 struct SupportTicket {
   SupportPolicy policy = SupportPolicy::Auto;
-  std::vector<AskedSupportFigure> figures{};  // replace the resin's; only with Auto
+  std::vector<AskedSupportFigure> figures{};  // replace the resin's; only with On
   bool operator==(const SupportTicket&) const = default;
 };
 

@@ -250,7 +250,7 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .light_record = {},
       .ask_before = root.texts("ask_before"),
       .tiny_first_layer_percent = root.number("tiny_first_layer_percent"),
-      .supports = root.text("supports") == "auto" ? SupportPolicy::Auto : SupportPolicy::Off,
+      .supports = support_policy(root.text("supports")),
   };
   if (real) {
     config.light_record = light_record(document, companions.table);

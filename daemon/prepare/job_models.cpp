@@ -29,6 +29,7 @@ OrientationLimits orientation_limits(const MakingContext& making) {
       resin.orientation,
       resin.supports};
   if (making.settings.supports == SupportPolicy::Off) limits.supports.lift = Millimeters{};
+  limits.keep_own_supports = making.settings.supports != SupportPolicy::On;
   return limits;
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/overhangs/carried_supports.hpp"
+#include "core/overhangs/overhang_sweep.hpp"
 #include "core/support/support_lift.hpp"
 
 namespace contourd {
@@ -33,18 +34,33 @@ std::optional<Supports> supports_of(const PlateToHold& plate, const Arrangement&
   const std::vector<PlateModel> standing = stand_on_plate(plate.models, arrangement, display);
   plate.content.require_room_for_supports(standing, display);
   for (std::size_t i = 0; i < standing.size(); ++i)
-    (plate.models[i].carries_supports ? request.carriers : request.models).push_back(standing[i]);
+    (plate.models[i].own_supports == OwnSupports::Kept ? request.carriers : request.models)
+        .push_back(standing[i]);
   return make_supports(request, stop);
 }
 
 }  // namespace
 
+OwnSupports find_own_supports(const std::shared_ptr<const HeightIndex>& model,
+                              const SupportSettings& settings, SupportPolicy policy,
+                              const std::stop_token& stop) {
+  const bool low_enough = Millimeters{model->bounds().size_z()} <= kHighestSweep;
+  if (!low_enough || !carries_supports(model, settings, stop)) return OwnSupports::None;
+  return policy == SupportPolicy::On ? OwnSupports::Overruled : OwnSupports::Kept;
+}
+
+std::string own_supports_sentence(std::string_view model, OwnSupports own, std::string_view program) {
+  if (own == OwnSupports::None) return {};
+  return fmt::format("{} carries supports in its file, {}", model,
+                     own == OwnSupports::Kept
+                         ? fmt::format("so {} adds none", program)
+                         : fmt::format("but {} supports it like any other model, as asked", program));
+}
+
 void lift_models(std::vector<ModelToPlace>& models, const SupportSettings& settings, Nanometers layer,
-                 const BuildVolume& volume, const std::stop_token& stop) {
+                 const BuildVolume& volume) {
   for (ModelToPlace& model : models) {
-    const bool low_enough = model.model->bounds().size_z() <= volume.height_mm + 1e-3;
-    model.carries_supports = low_enough && carries_supports(model.model, settings, stop);
-    if (model.carries_supports) continue;
+    if (model.own_supports == OwnSupports::Kept) continue;
     const Nanometers lift = support_lift(*model.model, settings, layer);
     model.elevation = Elevation(lift);
     const double top_mm = model.standing().top().count();

@@ -2,22 +2,34 @@
 // and generates the supports. Thread-safe (no shared state).
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <stop_token>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/routing/support_layout.hpp"
+#include "daemon/config/job_ticket.hpp"
 #include "daemon/config/resin_profile.hpp"
 #include "daemon/prepare/job_content.hpp"
 #include "daemon/prepare/plate_arrangement.hpp"
 
 namespace contourd {
 
-// Finds out which models carry supports in their files, and sets the elevations of the others to multiples of
-// `layer`. Throws JobRefused if a lifted model is too high. If `stop` is requested, the elevations mean
-// nothing.
+// Finds the supports that a model carries in its file. The policy On overrules them. Blocks as
+// carries_supports() does.
+[[nodiscard]] OwnSupports find_own_supports(const std::shared_ptr<const HeightIndex>& model,
+                                            const SupportSettings& settings, SupportPolicy policy,
+                                            const std::stop_token& stop = {});
+// Returns a warning about a model's own supports, in which `program` adds supports; empty if it has none.
+[[nodiscard]] std::string own_supports_sentence(std::string_view model, OwnSupports own,
+                                                std::string_view program);
+
+// Sets the elevations of models that do not keep supports of their own to multiples of `layer`. Throws
+// JobRefused if a lifted model is too high.
 void lift_models(std::vector<ModelToPlace>& models, const SupportSettings& settings, Nanometers layer,
-                 const BuildVolume& volume, const std::stop_token& stop = {});
+                 const BuildVolume& volume);
 
 // An arrangement of models and their supports.
 struct HeldPlate {

@@ -43,6 +43,7 @@ std::optional<ModelOrientation> find_orientation(std::span<const Facet> facets, 
   request.scale = ticket.scale.value_or(Scale{}) * limits.shrinkage;
   if (!ticket.fit) request.build = limits.build;
   request.supports = limits.supports;
+  request.keep_own_supports = limits.keep_own_supports;
   request.keep_clean = ticket.orientation->keep_clean;
   request.weights = weights_of(ticket.orientation->preset, limits.weights);
   std::optional<OrientationChoice> choice = choose_orientation(facets, request, stop);

@@ -24,9 +24,10 @@ struct ModelOrientation {
 // The limits and weights for all models of a job.
 struct OrientationLimits {
   BuildSize build;
-  Scale shrinkage;             // factors that compensate the resin's shrinkage
-  OrientationWeights weights;  // the resin's
-  SupportSettings supports{};  // the resin's; with a lift of 0 if there are no supports
+  Scale shrinkage;                // factors that compensate the resin's shrinkage
+  OrientationWeights weights;     // the resin's
+  SupportSettings supports{};     // the resin's; with a lift of 0 if there are no supports
+  bool keep_own_supports = true;  // see OrientationRequest
 };
 
 // Finds the best orientation for the model; nullopt if `stop` was requested. A model with `fit` is rated at

@@ -15,14 +15,17 @@
 
 namespace contourd {
 
+// The supports that a model carries in its file: it gets no others if they are kept.
+enum class OwnSupports { None, Kept, Overruled };
+
 // A model that is already turned and scaled.
 struct ModelToPlace {
   std::string name;  // as messages name it: "the model", or its file
   std::shared_ptr<const HeightIndex> model;
   std::optional<PlateOffset> position;  // centre of all copies; nullopt: wherever there is room
   int copies = 1;
-  Elevation elevation{};          // height of each copy above the plate
-  bool carries_supports = false;  // in its file
+  Elevation elevation{};  // height of each copy above the plate
+  OwnSupports own_supports = OwnSupports::None;
   // Drain holes in each copy (see PlateModel); null if there are none.
   std::shared_ptr<const SectionSource> holes{};
 

@@ -136,10 +136,13 @@ class Preparation {
   // Lifts the models that stand on supports, by whole layers, and sets the print's height.
   void lift(const std::stop_token& stop) {
     const ResinProfile& resin = summary_.resin;
-    if (settings_.supports == SupportPolicy::Auto)
-      lift_models(models_, resin.supports, layer_beneath(settings_.ticket, resin), volume_, stop);
+    if (settings_.supports != SupportPolicy::Off) {
+      for (ModelToPlace& model : models_)
+        model.own_supports = find_own_supports(model.model, resin.supports, settings_.supports, stop);
+      lift_models(models_, resin.supports, layer_beneath(settings_.ticket, resin), volume_);
+    }
     for (const ModelToPlace& model : models_) {
-      if (model.carries_supports) warn(model.name + " carries supports in its file, so contourd adds none");
+      warn(own_supports_sentence(model.name, model.own_supports, "contourd"));
       summary_.height_mm = std::max(summary_.height_mm, model.standing().top().count());
     }
   }

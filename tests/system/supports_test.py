@@ -174,6 +174,14 @@ class Supports(FolderTest):
         self.assertEqual(result.stdout.decode(), "supports   none added: the file has supports of its own\nlift       0 mm\n")
         self.assertIs(self.json_of("support", held)["carries_supports"], True)
         self.assertIs(self.json_of("support", model)["carries_supports"], False)
+        told = b"the model carries supports in its file, so contourctl adds none"
+        self.assertIn(told, contourctl("slice", held, "--layer-height-um", "50", "--supports", "auto", expect=OK).stderr)
+        overruled = contourctl("support", held, "--supports", "on", expect=OK)
+        self.assertEqual(overruled.stdout.decode(), "supports   none needed\nlift       0 mm\n")
+        told = b"the model carries supports in its file, but contourctl supports it like any other model, as asked"
+        for command in ("support", "slice"):
+            layers = ("--layer-height-um", "50")
+            self.assertIn(told, contourctl(command, held, *layers, "--supports", "on", expect=OK).stderr)
         report = self.printed(self.daemon(), "held", data)
         self.assertEqual((report["supports"]["contacts"], report["layers"]), (0, 420))
         self.assertIn("the model carries supports in its file, so contourd adds none", report["model"]["warnings"])
@@ -212,7 +220,7 @@ class Supports(FolderTest):
         model = self.write("ball.stl", BALL)
         name = os.fsdecode(model)
         for words, code, part in (
-            (["slice", model, "--z", "1", "--supports", "on"], BAD_USAGE, "--supports"),
+            (["slice", model, "--z", "1", "--supports", "yes"], BAD_USAGE, "--supports"),
             (["slice", model, "--layer-height-um", "50", "--supports", "auto", "--fit"], BAD_USAGE, "--supports auto excludes --fit"),
             (["slice", model, "--z", "1", "--scale", "0"], BAD_USAGE, "--scale 0: expected 0.001 to 1000"),
             (["support", model, "--with-model"], BAD_USAGE, "--with-model needs --stl"),

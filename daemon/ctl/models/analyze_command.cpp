@@ -24,6 +24,7 @@
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/prepare/job_supports.hpp"
 #include "daemon/prepare/mesh_repair_text.hpp"
 #include "daemon/prepare/model_checks.hpp"
 #include "daemon/prepare/print_findings.hpp"
@@ -99,10 +100,11 @@ AnalysisSubject subject_alone(const AnalyzeOptions& options, const PrintAlone& p
   std::ranges::move(mesh_warnings(made->turned_outwards(), made->repairs()), std::back_inserter(warnings));
   const Bounds bounds = made->bounds();
   const DisplayGeometry& display = print.engine.display;
-  SupportedModel supported = options.supports == "auto"
+  SupportedModel supported = options.supports && *options.supports != "off"
                                  ? support_model(made, {.display = display,
                                                         .layer = print.layer_height,
-                                                        .anti_aliasing = print.engine.anti_aliasing})
+                                                        .anti_aliasing = print.engine.anti_aliasing,
+                                                        .policy = support_policy(*options.supports)})
                                  : lay_on_plate(made, PixelMap::true_scale(display, bounds.center()));
   subject.model.layers = print_layers(supported.model, print.layer_height, {}).all();
   if (subject.model.layers.empty()) {
@@ -120,8 +122,9 @@ AnalysisSubject subject_alone(const AnalyzeOptions& options, const PrintAlone& p
                                           middles_of(subject.model.layers), kLongestMask);
   if (!unmet.empty()) warnings.push_back(std::move(unmet));
   subject.model.supports = std::move(supported.supports);
-  if (supported.carries_supports)
-    warnings.emplace_back("the model carries supports in its file, so contourctl adds none");
+  if (std::string own = own_supports_sentence("the model", supported.own_supports, "contourctl");
+      !own.empty())
+    warnings.push_back(std::move(own));
   if (subject.model.supports) {
     if (std::string unheld = unheld_sentence(subject.model.supports->unheld); !unheld.empty())
       warnings.push_back(std::move(unheld));
@@ -135,8 +138,7 @@ AnalysisSubject subject_of_printer(const AnalyzeOptions& options) {
   // Reads the model first, so that a bad file gives the same message as with other commands.
   (void)read_model(options.model);
   AskedOfJob asked{.supports = {}, .scale = parse_size(options.size)};
-  if (options.supports)
-    asked.supports = *options.supports == "auto" ? SupportPolicy::Auto : SupportPolicy::Off;
+  if (options.supports) asked.supports = support_policy(*options.supports);
   PreparedJob job =
       prepare_model({options.model.stem().string(), options.model, options.ticket}, printer, asked);
   AnalysisSubject subject;
@@ -255,8 +257,8 @@ void add_analyze(Command& program) {
   command.option("--ticket", options.ticket, "Ticket of the job").needs(printer);
   command
       .option("--supports", options.supports,
-              "Generate supports: auto or off (default: as configured, or off)")
-      .one_of({"auto", "off"});
+              "Generate supports: auto, on or off (default: as configured, or off)")
+      .one_of({"auto", "on", "off"});
   add_size_options(command, options.size);
   command.option("--up", options.up, kUpHelp).suggests(up_presets).excludes(printer);
   command.option("--layer-height-um", options.layer_height_um, "Layer height, um").excludes(printer);

@@ -20,6 +20,7 @@
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/prepare/job_supports.hpp"
 #include "daemon/prepare/print_job.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -99,11 +100,12 @@ CureSubject subject_alone(const CureOptions& options) {
   subject.warnings = std::move(model.warnings);
   const auto made = std::make_shared<const HeightIndex>(std::move(model.facets));
   SupportedModel supported =
-      options.supports == "auto"
+      options.supports && *options.supports != "off"
           ? support_model(made, {.display = engine.display,
                                  .layer = resin.layer_height,
                                  .compensation = resin.compensation,
-                                 .anti_aliasing = engine.anti_aliasing})
+                                 .anti_aliasing = engine.anti_aliasing,
+                                 .policy = support_policy(*options.supports)})
           : lay_on_plate(made, PixelMap::true_scale(engine.display, made->bounds().center()));
   EngineSettings compensated = engine;
   compensated.compensation = resin.compensation;
@@ -111,6 +113,9 @@ CureSubject subject_alone(const CureOptions& options) {
       layer_doses(resin, print_layers(supported.model, resin.layer_height, {}).all(), kAnyIrradiance);
   subject.settings = compensated;
   subject.engine = std::make_unique<ContourEngine>(supported.engine(compensated));
+  if (std::string own = own_supports_sentence("the model", supported.own_supports, "contourctl");
+      !own.empty())
+    subject.warnings.push_back(std::move(own));
   subject.supports = std::move(supported.supports);
   return subject;
 }
@@ -120,8 +125,7 @@ CureSubject subject_of_printer(const CureOptions& options) {
   const PrinterConfig printer = load_printer_config(*options.printer, Places::Elsewhere);
   (void)read_model(options.model);  // a bad file gives the same message as with other commands
   AskedOfJob asked{.supports = {}, .scale = parse_size(options.size)};
-  if (options.supports)
-    asked.supports = *options.supports == "auto" ? SupportPolicy::Auto : SupportPolicy::Off;
+  if (options.supports) asked.supports = support_policy(*options.supports);
   PreparedJob job =
       prepare_model({options.model.stem().string(), options.model, options.ticket}, printer, asked);
   CureSubject subject;
@@ -268,8 +272,8 @@ void add_cure(Command& program) {
   command.option("--resin", options.resin, "Profile of the resin, without --printer").excludes(printer);
   command
       .option("--supports", options.supports,
-              "Generate supports: auto or off (default: as configured, or off)")
-      .one_of({"auto", "off"});
+              "Generate supports: auto, on or off (default: as configured, or off)")
+      .one_of({"auto", "on", "off"});
   command
       .option("--undersides", options.undersides,
               "Light of undersides: plain, or dose, as much as cures them at their drawn height (default: as "

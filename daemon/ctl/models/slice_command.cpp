@@ -24,6 +24,7 @@
 #include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/prepare/job_supports.hpp"
 #include "daemon/prepare/mesh_repair_text.hpp"
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
@@ -46,7 +47,8 @@ struct SliceOptions {
 
   EngineSettings engine;
   bool fit = false;
-  bool supports = false;  // layers then count from the plate; z still refers to the file
+  SupportPolicy supports =
+      SupportPolicy::Off;  // layers then count from the plate; z still refers to the file
   SizeArgs size;
   std::optional<std::filesystem::path> uniformity;  // picture to read into engine.uniformity
 
@@ -114,10 +116,11 @@ AdaptiveLayers parse_adaptive(const SliceArgs& args) {
 
 SliceOptions parse_slice(const SliceArgs& args) {
   SliceOptions options = args.options;
-  options.supports = args.supports == "auto";
+  options.supports = support_policy(args.supports);
   (void)parse_size(options.size);
   // Supports have sizes in millimetres, and a picture that fills the display has no scale.
-  if (options.supports && options.fit) throw UsageError("--supports auto excludes --fit");
+  if (options.supports != SupportPolicy::Off && options.fit)
+    throw UsageError(fmt::format("--supports {} excludes --fit", args.supports));
   options.up = parse_up(args.up);
   options.engine.display = parse_display(args.display);
   options.engine.anti_aliasing = parse_anti_aliasing(args.display);
@@ -150,12 +153,13 @@ PixelMap map_for(const SliceOptions& options, const Bounds& bounds) {
 }
 
 SupportedModel stand(const std::shared_ptr<const HeightIndex>& model, const SliceOptions& options) {
-  if (!options.supports) return lay_on_plate(model, map_for(options, model->bounds()));
+  if (options.supports == SupportPolicy::Off) return lay_on_plate(model, map_for(options, model->bounds()));
   SupportingOptions supporting{.display = options.engine.display,
                                .adaptive = options.adaptive,
                                .compensation = options.engine.compensation,
                                .anti_aliasing = options.engine.anti_aliasing,
-                               .threshold = options.engine.tone.threshold};
+                               .threshold = options.engine.tone.threshold,
+                               .policy = options.supports};
   if (options.layer_height) supporting.layer = *options.layer_height;
   return support_model(model, supporting);
 }
@@ -355,6 +359,9 @@ int slice(SliceOptions options) {
   for (const std::string& warning : mesh_warnings(model->turned_outwards(), model->repairs()))
     fmt::print(stderr, "contourctl: warning: {}\n", warning);
   const SupportedModel supported = stand(model, options);
+  if (supported.own_supports != OwnSupports::None)
+    fmt::print(stderr, "contourctl: warning: {}\n",
+               own_supports_sentence("the model", supported.own_supports, "contourctl"));
   if (supported.supports) {
     if (const std::string sentence = unheld_sentence(supported.supports->unheld); !sentence.empty())
       fmt::print(stderr, "contourctl: warning: {}\n", sentence);
@@ -388,7 +395,8 @@ void add_slice(Command& program) {
                  "Height over which the elephant foot correction fades, um");
   command.option("--uniformity-mask", options.uniformity,
                  "Darken the masks by this 8-bit grey PNG file; 255: unchanged");
-  command.option("--supports", args.supports, "Generate supports: auto or off").one_of({"auto", "off"});
+  command.option("--supports", args.supports, "Generate supports: auto, on or off")
+      .one_of({"auto", "on", "off"});
   add_size_options(command, options.size);
   command.option("--gamma", args.gamma, "Gamma of the projector, which the masks compensate");
   command.option("--threshold", args.threshold, "Make grey below this value black");

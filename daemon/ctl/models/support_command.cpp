@@ -17,6 +17,7 @@
 #include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/prepare/job_supports.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/report/first_items.hpp"
 
@@ -30,6 +31,7 @@ struct SupportOptions {
   std::optional<std::string> up;  // direction that points up; nullopt: as drawn
   DisplayArgs display;            // the model is in its middle
   double layer_height_um = 50;
+  std::string supports = "auto";
   // Binary STL file to write: x and y as in the model's file, z above the plate.
   std::optional<std::filesystem::path> stl;
   bool with_model = false;  // write the model to this file, too
@@ -91,8 +93,9 @@ std::vector<Facet> facets_of(const SupportedModel& supported, bool with_model) {
 void print_text(const SupportedModel& supported) {
   const Supports& supports = *supported.supports;
   const SupportCounts counts = counts_of(supports);
-  fmt::print("supports   {}\n", supported.carries_supports ? "none added: the file has supports of its own"
-                                                           : supports_line(counts));
+  fmt::print("supports   {}\n", supported.own_supports == OwnSupports::Kept
+                                    ? "none added: the file has supports of its own"
+                                    : supports_line(counts));
   fmt::print("lift       {:.6g} mm\n", to_millimeters(supported.model.elevation.above_plate()).count());
   for (const SupportContact& contact : first_items(supports.contacts, kMostLines)) {
     fmt::print("{:<10} at {:.2f}, {:.2f} mm, {:.2f} mm above the plate, holds {:.3g} mm²\n",
@@ -109,17 +112,21 @@ void print_text(const SupportedModel& supported) {
 int support(const SupportOptions& options) {
   const std::optional<UpOption> up = parse_up(options.up);
   const SupportingOptions supporting{.display = parse_display(options.display),
-                                     .layer = parse_um("--layer-height-um", options.layer_height_um, 1)};
+                                     .layer = parse_um("--layer-height-um", options.layer_height_um, 1),
+                                     .policy = support_policy(options.supports)};
   (void)parse_size(options.size);
   refuse_to_overwrite_model(options.model, "--stl", options.stl);
   if (options.with_model && !options.stl) throw UsageError("--with-model needs --stl");
   Model model = read_turned_model(options.model, up, parse_size(options.size));
   const SupportedModel supported =
       support_model(std::make_shared<const HeightIndex>(std::move(model.facets)), supporting);
+  if (supported.own_supports == OwnSupports::Overruled)
+    fmt::print(stderr, "contourctl: warning: {}\n",
+               own_supports_sentence("the model", supported.own_supports, "contourctl"));
   if (options.stl) write_text(*options.stl, binary_stl(facets_of(supported, options.with_model)));
   if (options.json) {
     Json json = supports_json(*supported.supports);
-    json["carries_supports"] = supported.carries_supports;
+    json["carries_supports"] = supported.own_supports != OwnSupports::None;
     json["lift_mm"] = to_millimeters(supported.model.elevation.above_plate()).count();
     fmt::print("{}\n", json.dump(2));
   } else {
@@ -136,6 +143,8 @@ void add_support(Command& program) {
   command.option("MODEL", options.model, "Model file").required().allow_empty();
   command.option("--stl", options.stl, "Write the supports to this STL file");
   command.option("--with-model", options.with_model, "Also write the lifted model to the STL file");
+  command.option("--supports", options.supports, "Generate supports: auto, or on if the file has its own")
+      .one_of({"auto", "on"});
   add_size_options(command, options.size);
   command.option("--up", options.up, kUpHelp).suggests(up_presets);
   command.option("--layer-height-um", options.layer_height_um,

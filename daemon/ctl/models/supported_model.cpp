@@ -11,10 +11,10 @@
 
 #include "core/analysis/print_analysis.hpp"
 #include "core/model/placement.hpp"
-#include "core/overhangs/carried_supports.hpp"
 #include "core/overhangs/overhang_sweep.hpp"
 #include "core/support/support_lift.hpp"
 #include "daemon/ctl/models/read_model.hpp"
+#include "daemon/prepare/job_supports.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -66,9 +66,8 @@ SupportedModel support_model(std::shared_ptr<const HeightIndex> model, const Sup
   settings.closed_gap =
       closed_gap(kBottomLayers, options.adaptive ? options.adaptive->thinnest : options.layer);
   SupportedModel supported = lay_on_plate(std::move(model), map);
-  const bool low_enough = supported.model.top() <= kHighestSweep;
-  supported.carries_supports = low_enough && carries_supports(supported.model.model, settings);
-  if (supported.carries_supports) {
+  supported.own_supports = find_own_supports(supported.model.model, settings, options.policy);
+  if (supported.own_supports == OwnSupports::Kept) {
     supported.supports = Supports{};
     return supported;
   }

@@ -10,8 +10,10 @@
 #include "core/layers/print_layers.hpp"
 #include "core/model/model.hpp"
 #include "core/routing/support_layout.hpp"
+#include "daemon/config/job_ticket.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/prepare/model_orientation.hpp"
+#include "daemon/prepare/plate_arrangement.hpp"
 
 namespace contourd::ctl {
 
@@ -30,7 +32,7 @@ inline constexpr OrientationLimits kAnyPrinter{
 struct SupportedModel {
   PlateModel model;                    // one copy
   std::optional<Supports> supports{};  // nullopt: not wanted
-  bool carries_supports = false;       // in its file: it gets no others
+  OwnSupports own_supports = OwnSupports::None;
 
   [[nodiscard]] ContourEngine engine(const EngineSettings& settings) const;
 };
@@ -42,6 +44,7 @@ struct SupportingOptions {
   Compensation compensation{};
   AntiAliasing anti_aliasing = AntiAliasing::On;
   std::uint8_t threshold = 0;
+  SupportPolicy policy = SupportPolicy::Auto;
 };
 
 // Prepares a model with supports. Does not move it in x or y. Blocks: see make_supports().

@@ -205,7 +205,7 @@ void add_submit(Command& program) {
   add("--rest-ms", options.rest_ms, "Wait after the exposure, ms, within the resin's ticket_limits");
   add("--copies", options.copies, "Number of copies of each model");
   add("--up", options.up, kUpHelp).suggests(up_presets);
-  add("--supports", options.supports, "Generate supports: auto or off (default: as configured)")
+  add("--supports", options.supports, "Generate supports: auto, on or off (default: as configured)")
       .one_of({"auto", "off"});
   add("--unit", options.unit, kUnitHelp).suggests(unit_names);
   const Option& scale = add("--scale", options.scale, kScaleHelp);

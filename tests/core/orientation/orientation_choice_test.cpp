@@ -236,6 +236,9 @@ TEST_CASE("A model that carries supports in its file stays as drawn") {
     CHECK(choice.as_drawn());
   }
   CHECK_FALSE(chosen(large_table()).own_supports);
+  OrientationRequest overruling;
+  overruling.keep_own_supports = false;
+  CHECK_FALSE(choose_orientation(plate_on_its_supports(), overruling).value().own_supports);
 }
 
 TEST_CASE("The contacts of the best directions are those that the layers show") {

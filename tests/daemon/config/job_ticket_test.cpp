@@ -61,15 +61,16 @@ TEST_CASE("a ticket's unit is one of those that a model may be in") {
   CHECK(ticket_complaints(R"({"unit": 25.4})").size() == 1);
 }
 
-TEST_CASE("a ticket sets supports to auto or off, or to auto with its own values") {
+TEST_CASE("a ticket sets supports to auto, on or off, or to on with its own values") {
   CHECK_FALSE(load_ticket("{}").supports);
   CHECK(load_ticket(R"({"supports": "off"})").supports == SupportTicket{SupportPolicy::Off, {}});
   CHECK(load_ticket(R"({"supports": "auto"})").supports == SupportTicket{SupportPolicy::Auto, {}});
+  CHECK(load_ticket(R"({"supports": "on"})").supports == SupportTicket{SupportPolicy::On, {}});
   CHECK(load_ticket(R"({"supports": {"lift_mm": 7.5, "tip_diameter_mm": 0.3}})").supports ==
-        SupportTicket{SupportPolicy::Auto, {{"tip_diameter_mm", 0.3}, {"lift_mm", 7.5}}});
+        SupportTicket{SupportPolicy::On, {{"tip_diameter_mm", 0.3}, {"lift_mm", 7.5}}});
   CHECK(load_plate(R"({"supports": "off", "models": [{"file": "a.stl"}]})").supports ==
         SupportTicket{SupportPolicy::Off, {}});
-  CHECK(ticket_complaints(R"({"supports": "on"})").size() == 1);
+  CHECK(ticket_complaints(R"({"supports": "yes"})").size() == 1);
   CHECK(ticket_complaints(R"({"supports": {"tip_diameter_mm": 0.01}})") ==
         Complaints{"/supports/tip_diameter_mm: 0.01 is less than the least allowed, 0.05 mm"});
 }

@@ -277,6 +277,16 @@ TEST_CASE_METHOD(PlateFixture,
   const JobSummary both = summary_of(R"({"file": "ball.stl"}, {"file": "carrier.stl"})");
   CHECK(contacts > 0);
   CHECK(counts_of(*both.supports).contacts() == contacts);
+  for (const char* asked : {R"("on")", R"({"lift_mm": 6})"}) {
+    const JobSummary overruled =
+        prepare(std::string(R"({"supports": )") + asked + R"(, "models": [{"file": "carrier.stl"}]})")
+            .summary;
+    CHECK(counts_of(*overruled.supports).any());
+    REQUIRE(overruled.warnings.size() == 1);
+    CHECK(
+        overruled.warnings.front() ==
+        "carrier.stl carries supports in its file, but contourd supports it like any other model, as asked");
+  }
 }
 
 TEST_CASE_METHOD(PrintJobFixture, "The printer's file turns supports on, and a ticket can turn them off") {
