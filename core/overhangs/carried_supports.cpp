@@ -26,10 +26,10 @@ constexpr double kContactsForTip = 8;
 // A tip holds the model around it up to this distance.
 constexpr double kTipReachMm = 10;
 constexpr double kWidestTipMm2 = 1;
-// A tip has at most this share of the area that its stem had in the last centimetre, which is forgotten step
-// by step.
+// A tip has at most this share of the area that its stem had in the last two centimetres, which are
+// forgotten step by step: cones under ball tips are long.
 constexpr double kPointed = 1 / 1.5;
-constexpr double kForgottenByStep = 0.99;
+constexpr double kForgottenByStep = 0.995;
 // The least ratio of the area of the held part to that of the tip.
 constexpr double kHeldPart = 10;
 // A foot begins at most this number of steps above the lowest one.

@@ -43,6 +43,27 @@ models::Facets plate_on(const Pillar& pillar, float uneven_mm = 0) {
   return all;
 }
 
+// Returns a plate of 20 by 20 mm on 25 long cones with a ball at the end of each.
+models::Facets plate_on_balls(double cone_mm, double ball_mm) {
+  const double top = 2 + cone_mm, ball = ball_mm / 2, neck = 0.6 * ball;
+  const std::array<Point, 8> profile{{{0, 0},
+                                      {0.6, 0},
+                                      {0.6, 2},
+                                      {neck, top},
+                                      {ball, top + ball},
+                                      {ball, top + 1.2 * ball},
+                                      {neck, top + 2 * ball},
+                                      {0, top + 2 * ball}}};
+  const auto under = static_cast<float>(top + 1.6 * ball);
+  models::Facets all = models::box({-10, -10, under}, {10, 10, under + 3});
+  for (int i = 0; i < 25; ++i) {
+    auto one = models::lathe(profile, 24);
+    models::translate(one, static_cast<float>(4.8 * (i % 5 - 2)), static_cast<float>(4.8 * (i / 5 - 2)), 0);
+    all = together(std::move(all), one);
+  }
+  return all;
+}
+
 // Returns a post with an arm 15 mm above the plate, which `tips` pillars hold.
 models::Facets arm_on(int tips) {
   auto all = together(models::box({-5, -5, 0}, {5, 5, 30}), models::box({4, -5, 15}, {40, 5, 20}));
@@ -63,6 +84,15 @@ TEST_CASE("A plate on pointed pillars carries supports, whatever their feet and 
   CHECK(carries(plate_on({}, 0.05F)));
   CHECK(carries(plate_on({}, 0.2F)));
   CHECK(carries(together(plate_on({}), models::box({-12, -12, 0}, {12, 12, 1}))));  // on a raft
+}
+
+TEST_CASE("Balls at the ends of long cones are tips") {
+  for (const double cone_mm : {2.0, 6.0, 12.0, 20.0}) {
+    for (const double ball_mm : {0.4, 0.6}) {
+      INFO("cones of " << cone_mm << " mm, balls of " << ball_mm << " mm");
+      CHECK(carries(plate_on_balls(cone_mm, ball_mm)));
+    }
+  }
 }
 
 TEST_CASE("Legs, struts and models without supports do not count as supports") {
