@@ -14,9 +14,9 @@ namespace {
 using GridPoint = ArrangedSides::GridPoint;
 using Side = ArrangedSides::Side;
 
-// Limit on sweeps. Each sweep after the first only handles what the previous one has bent by half a unit;
-// more than three are rare.
-constexpr int kMaxSweeps = 16;
+// Limit on sweeps. Each sweep after the first only handles what the previous one has bent by up to a unit:
+// dense tangles take up to six.
+constexpr int kMaxSweeps = 64;
 
 std::uint64_t order_of(GridPoint p) {
   constexpr std::int64_t kOffset = ArrangedSides::kReach;
@@ -45,14 +45,17 @@ std::int64_t length_of(const Side& side) {
   return std::max(std::abs(std::int64_t{side.high.x} - side.low.x), std::int64_t{side.high.y} - side.low.y);
 }
 
-// Returns the crossing, rounded to the grid. REQUIRES: the sides are not parallel.
-GridPoint crossing_of(const Side& a, const Side& b) {
+// Returns the crossing, rounded to the grid: upwards if the nearest point has been swept. REQUIRES: the sides
+// are not parallel.
+GridPoint crossing_of(const Side& a, const Side& b, GridPoint swept_to) {
   expects_costly([&] { return turn_to_left(a, b) != 0; }, "the sides are not parallel");
   const double part = static_cast<double>(off_line(b, a.low)) / -static_cast<double>(turn_to_left(b, a));
   const double x = a.low.x + part * (a.high.x - a.low.x), y = a.low.y + part * (a.high.y - a.low.y);
   const auto [low_x, high_x] = std::minmax(a.low.x, a.high.x);
-  return {std::clamp(static_cast<std::int32_t>(std::floor(x + 0.5)), low_x, high_x),
-          std::clamp(static_cast<std::int32_t>(std::floor(y + 0.5)), a.low.y, a.high.y)};
+  const GridPoint nearest{std::clamp(static_cast<std::int32_t>(std::floor(x + 0.5)), low_x, high_x),
+                          std::clamp(static_cast<std::int32_t>(std::floor(y + 0.5)), a.low.y, a.high.y)};
+  if (order_of(nearest) > order_of(swept_to) || y <= swept_to.y) return nearest;
+  return {nearest.x, swept_to.y + 1};
 }
 
 }  // namespace
@@ -64,8 +67,8 @@ void ArrangedSides::reset(std::size_t loops) {
 
 void ArrangedSides::add(GridPoint from, GridPoint to, std::uint32_t loop) {
   const std::uint64_t from_order = order_of(from), to_order = order_of(to);
-  if (from_order < to_order) sides_.push_back({from, to, 1, 0, loop, false});
-  if (to_order < from_order) sides_.push_back({to, from, -1, 0, loop, false});
+  if (from_order < to_order) sides_.push_back({from, to, 1, 0, loop});
+  if (to_order < from_order) sides_.push_back({to, from, -1, 0, loop});
 }
 
 bool ArrangedSides::arrange(MaskBudget& budget) {
@@ -79,13 +82,11 @@ bool ArrangedSides::arrange(MaskBudget& budget) {
 bool ArrangedSides::sweep(MaskBudget& budget) {
   bent_ = false;
   winds_negatively_ = false;
-  later_cuts_.clear();
   make_events();
   for (GridPoint point; take_events(point);) {
     if (!budget.spend(ending_.size() + beginning_.size()) || !budget.can_hold(sides_.size())) return false;
     pass(point);
   }
-  make_later_cuts();
   return true;
 }
 
@@ -124,8 +125,8 @@ void ArrangedSides::make_events() {
   for (std::uint32_t i = 0; i < sides_.size(); ++i) {
     const Side& side = sides_[i];
     if (side.turn == 0) continue;
-    events_[row_end_[row_of(side.low)]++] = {order_of(side.low), i, true};
-    events_[row_end_[row_of(side.high)]++] = {order_of(side.high), i, false};
+    events_[row_end_[row_of(side.low)]++] = {order_of(side.low), i};
+    events_[row_end_[row_of(side.high)]++] = {order_of(side.high), i};
   }
   begin = 0;
   for (const std::uint32_t end : row_end_) {
@@ -173,8 +174,10 @@ bool ArrangedSides::take_events(GridPoint& point) {
 }
 
 void ArrangedSides::take(const Event& event) {
-  if (sides_[event.side].turn == 0) return;  // merged with another side since the event was made
-  (event.begins ? beginning_ : ending_).push_back(event.side);
+  const Side& side = sides_[event.side];
+  if (side.turn == 0) return;  // merged with another side since the event was made
+  if (event.point == order_of(side.low)) beginning_.push_back(event.side);
+  if (event.point == order_of(side.high)) ending_.push_back(event.side);
 }
 
 void ArrangedSides::pass(GridPoint point) {
@@ -186,8 +189,13 @@ void ArrangedSides::pass(GridPoint point) {
     merge_beginning();
   }
   exchange_in_order();
-  test(left_, left_ != kNone ? order_.after(left_) : order_.first(), point);
-  if (right_ != kNone && !beginning_.empty()) test(order_.before(right_), right_, point);
+  if (right_ != kNone && !beginning_.empty()) untested_.push_back(order_.before(right_));
+  untested_.push_back(left_ != kNone ? left_ : order_.first());
+  while (!untested_.empty()) {
+    const std::uint32_t left = untested_.back();
+    untested_.pop_back();
+    if (left != kNone && order_.after(left) != kNone) test(left, order_.after(left), point);
+  }
 }
 
 // Finds the neighbours left and right of the sides that end here. A side that passes so near that it is led
@@ -231,17 +239,9 @@ std::uint32_t ArrangedSides::split_off_low_part(std::uint32_t side, GridPoint at
   sides_.push_back(sides_[side]);
   order_.reserve_numbers(sides_.size());
   sides_[low_part].high = at;
-  sides_[low_part].cut_later = false;
   sides_[side].low = at;
   loop_is_cut_[sides_[side].loop] = 1;
   order_.replace(side, low_part);
-  if (sides_[side].cut_later) {
-    for (LaterCut& cut : later_cuts_) {
-      if (cut.side != side || order_of(cut.at) > order_of(at)) continue;
-      cut.side = low_part;
-      sides_[low_part].cut_later = true;
-    }
-  }
   return low_part;
 }
 
@@ -288,7 +288,7 @@ void ArrangedSides::merge_beginning() {
       other.turn = 0;
     } else {
       other.low = one.high;
-      queue({order_of(one.high), beginning_[i], true});
+      queue({order_of(one.high), beginning_[i]});
     }
   }
   beginning_.resize(kept + 1);
@@ -316,7 +316,6 @@ void ArrangedSides::exchange_in_order() {
 
 // Cuts two neighbours at their crossing if the left one is right of the other further up.
 void ArrangedSides::test(std::uint32_t left, std::uint32_t right, GridPoint swept_to) {
-  if (left == kNone || right == kNone) return;
   const Side& a = sides_[left];
   const Side& b = sides_[right];
   if (std::max(a.low.x, a.high.x) < std::min(b.low.x, b.high.x) || a.high == b.high) return;
@@ -327,42 +326,35 @@ void ArrangedSides::test(std::uint32_t left, std::uint32_t right, GridPoint swep
     const std::int64_t low = off_line(by, side.low), high = off_line(by, side.high);
     return (low <= 0 && high <= 0) || (low >= 0 && high >= 0);
   };
-  if (apart(a, b) || apart(b, a)) {
-    bent_ = true;  // rounding put the sides into the wrong order
-    return;
-  }
-  const GridPoint crossing = crossing_of(a, b);
-  cut_ahead(left, crossing, swept_to);
-  cut_ahead(right, crossing, swept_to);
+  if (apart(a, b) || apart(b, a)) return exchange(left, right);
+  const GridPoint crossing = crossing_of(a, b, swept_to);
+  if (order_of(crossing) <= order_of(swept_to)) return exchange(left, right);
+  cut_ahead(left, crossing);
+  cut_ahead(right, crossing);
 }
 
-void ArrangedSides::cut_ahead(std::uint32_t side, GridPoint at, GridPoint swept_to) {
-  const std::uint64_t order = order_of(at);
-  if (at == sides_[side].low || at == sides_[side].high) return;
-  if (order > order_of(swept_to) && order > order_of(sides_[side].low) &&
-      order < order_of(sides_[side].high)) {
-    const std::uint32_t low_part = split_off_low_part(side, at);
-    queue({order, low_part, false});
-    queue({order, side, true});
-    return;
-  }
+// Exchanges two neighbours that rounding has put into the wrong order.
+void ArrangedSides::exchange(std::uint32_t left, std::uint32_t right) {
   bent_ = true;
-  later_cuts_.push_back({side, at});
-  sides_[side].cut_later = true;
-  loop_is_cut_[sides_[side].loop] = 1;
+  order_.erase(left);
+  order_.insert_after(right, left);
+  untested_.push_back(order_.before(right));
+  untested_.push_back(left);
 }
 
-void ArrangedSides::make_later_cuts() {
-  for (const LaterCut& cut : later_cuts_) {
-    const Side side = sides_[cut.side];
-    if (side.turn == 0 || cut.at == side.low || cut.at == side.high) continue;
-    const auto part = [&](GridPoint low, GridPoint high) {
-      return order_of(low) < order_of(high) ? Side{low, high, side.turn, 0, side.loop, false}
-                                            : Side{high, low, -side.turn, 0, side.loop, false};
-    };
-    sides_[cut.side] = part(side.low, cut.at);
-    sides_.push_back(part(cut.at, side.high));
+// Cuts a side at a point that has not been swept yet. If the point comes after the side's high end (they are
+// on one level), the part between them runs the other way.
+void ArrangedSides::cut_ahead(std::uint32_t side, GridPoint at) {
+  if (at == sides_[side].low || at == sides_[side].high) return;
+  const std::uint32_t low_part = split_off_low_part(side, at);
+  std::ranges::replace(untested_, side, low_part);
+  Side& rest = sides_[side];
+  if (order_of(rest.low) > order_of(rest.high)) {
+    std::swap(rest.low, rest.high);
+    rest.turn = -rest.turn;
   }
+  queue({order_of(at), low_part});
+  queue({order_of(at), side});
 }
 
 }  // namespace contourd

@@ -6,8 +6,10 @@
 // crosses in order. Two sides are tested when they become neighbours (Shamos and Hoey 1976, Bentley and
 // Ottmann 1979), so the work grows as n log n in the number of sides and of places where they meet. All tests
 // use integers and are exact. A crossing is rounded to the grid, and a side that passes a corner within half
-// a unit is led through the corner (snap rounding). If this bends a side onto another or past it, another
-// sweep over the pieces follows.
+// a unit is led through the corner (snap rounding). A crossing whose nearest grid point has already been
+// swept is rounded up to a point that has not. If this bends a side past its neighbour, the two exchange
+// places in the order, so that searches of the order stay right. Another sweep over the pieces follows if
+// sides were exchanged or led through corners.
 //
 // Working memory is kept between calls: an object allocates only while sections grow. Not thread-safe.
 #pragma once
@@ -36,7 +38,6 @@ class ArrangedSides {
     std::int32_t turn;    // sides that run up here minus sides that run down; 0: the side is gone (merged)
     std::int32_t winding_left;  // winding number on the left, looking up; on the right it is lower by `turn`
     std::uint32_t loop;         // the loop that the side came from, or one of several
-    bool cut_later;             // the side has an entry in later_cuts_
   };
 
   // Removes all sides. Loops have numbers below `loops`.
@@ -63,16 +64,11 @@ class ArrangedSides {
   struct Event {
     std::uint64_t point;  // the point as a number that sorts in sweep order
     std::uint32_t side;
-    bool begins;
   };
   [[nodiscard]] static bool comes_before(const Event& a, const Event& b) {
     return a.point != b.point ? a.point < b.point : a.side < b.side;
   }
   [[nodiscard]] static bool comes_after(const Event& a, const Event& b) { return comes_before(b, a); }
-  struct LaterCut {
-    std::uint32_t side;
-    GridPoint at;
-  };
 
   [[nodiscard]] bool sweep(MaskBudget& budget);
   void make_events();
@@ -88,9 +84,9 @@ class ArrangedSides {
   void merge_beginning();
   void exchange_in_order();
   void test(std::uint32_t left, std::uint32_t right, GridPoint swept_to);
-  void cut_ahead(std::uint32_t side, GridPoint at, GridPoint swept_to);
+  void exchange(std::uint32_t left, std::uint32_t right);
+  void cut_ahead(std::uint32_t side, GridPoint at);
   [[nodiscard]] std::uint32_t split_off_low_part(std::uint32_t side, GridPoint at);
-  void make_later_cuts();
   void queue(Event event);
 
   std::vector<Side> sides_;
@@ -105,8 +101,7 @@ class ArrangedSides {
   // Sides that end and begin at the point that the line passes, and the neighbours left and right of them.
   std::vector<std::uint32_t> ending_, beginning_;
   std::uint32_t left_ = kNone, right_ = kNone;
-  // Cuts that lie below the sweep line, or reverse a part of their side: made after the sweep.
-  std::vector<LaterCut> later_cuts_;
+  std::vector<std::uint32_t> untested_;  // sides that have new neighbours on their right
 };
 
 }  // namespace contourd

@@ -2,6 +2,9 @@
 // the brute-force reference.
 
 #include "core/mask/rasterizer.hpp"
+
+#include <random>
+
 #include "tests/catch.hpp"
 #include "tests/core/reference_coverage.hpp"
 #include "tests/random_shapes.hpp"
@@ -76,6 +79,23 @@ TEST_CASE("A shell that faces inwards and touches another leaves no line between
 TEST_CASE("A pixel in which corners of bodies overlap is as bright as both together") {
   CHECK(worst_difference({disc({15, 20}, 10, 90), disc({32, 20}, 9, 90)}) < 1.5);
   CHECK(worst_difference({solid_box(4, 4, 21.75, 21.75), solid_box(20.25, 20.25, 40, 40)}) < 1.5);
+}
+
+TEST_CASE("Tangles whose sides cross in every nook of a pixel cover their non-zero set") {
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    std::mt19937 random(seed);
+    const auto within = [&](double low, double high) { return low + (high - low) * random() / 4294967296.0; };
+    const double left = within(2, 40), top = within(2, 40), size = seed % 2 == 0 ? 0.3 : 1.0;
+    Polygon tangle(200 + random() % 201);
+    for (PixelPoint& p : tangle)
+      p = {within(left, left + size), within(top, top + size)};
+    for (std::size_t i = 1; seed % 3 == 0 && i < tangle.size(); i += 2)  // every second side is almost level
+      tangle[i].y = tangle[i - 1].y + within(-0.001, 0.001);
+    // Two boxes that overlap: pixels may hide all overlaps of the tangle.
+    const Polygon box = solid_box(44, 44, 46, 46);
+    CAPTURE(seed, tangle.size());
+    CHECK(worst_difference({tangle, box, box}) < kGreyTolerance);
+  }
 }
 
 TEST_CASE("Polygons of any kind cover their non-zero set") {
