@@ -330,9 +330,9 @@ void HistoryDatabase::begin(std::int64_t key, const std::string& name, system_cl
 }
 
 void HistoryDatabase::note(std::int64_t key, const JobFigures& figures) {
-  SqliteStatement statement(*database_,
-                            fmt::format("UPDATE job SET {} WHERE key=? AND outcome IS NULL", kSetFigures));
-  bind_figures(statement, figures, key);
+  SqliteStatement statement(
+      *database_, fmt::format("UPDATE job SET {} WHERE key=? AND outcome IS NULL AND lit_s<=?", kSetFigures));
+  bind_figures(statement, figures, key, figures.lit_s);
   statement.step();
 }
 
@@ -379,6 +379,7 @@ void HistoryDatabase::adopt_end(const JobEnd& end) {
       .bind(end.key, end.job)
       .step();
   begin(end.key, end.job, end.ended);
+  note(end.key, ended_job(end).figures);
   SqliteStatement(*database_, "UPDATE job SET outcome=?,reason=?,ended_ms=? WHERE key=? AND outcome IS NULL")
       .bind(end.outcome, shortened(end.reason), ms(end.ended), end.key)
       .step();

@@ -72,7 +72,7 @@ class HistoryDatabase {
 
   // Adds a job, without an outcome. No two jobs ever have the same `key`.
   void begin(std::int64_t key, const std::string& name, std::chrono::system_clock::time_point when);
-  // Stores the usage so far of a job that has not ended.
+  // Stores the usage so far of a job that has not ended, unless more is stored already.
   void note(std::int64_t key, const JobFigures& figures);
   // Removes a job that was not begun after all.
   void forget(std::int64_t key);

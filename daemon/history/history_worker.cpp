@@ -64,8 +64,15 @@ void HistoryWorker::note_now(const JobFigures& figures) {
   if (!under_way_) return;
   under_way_->noted = std::chrono::steady_clock::now();
   worker_.run(
-      [this, key = under_way_->key, figures] {
-        return change_now_or_never([&](HistoryDatabase& database) { database.note(key, figures); });
+      [this, job = *under_way_, figures] {
+        Health health =
+            change_now_or_never([&](HistoryDatabase& database) { database.note(job.key, figures); });
+        if (!health.trouble.empty()) {
+          EndedJob interrupted = ended_job(interruption(job.key, job.name));
+          interrupted.figures = figures;
+          record(interrupted, JobEnd::Kind::Interrupted);
+        }
+        return health;
       },
       [this](const Health& health) { handle(health); });
 }
@@ -100,9 +107,11 @@ void HistoryWorker::store_end(HistoryDatabase& database, const EndedJob& job) {
 }
 
 // Records the end before the history has it: the next process recognises it by its key.
-void HistoryWorker::record(const EndedJob& job) {
+void HistoryWorker::record(const EndedJob& job, JobEnd::Kind kind) {
   try {
-    ends_.add(job_end(job));
+    JobEnd end = job_end(job);
+    end.kind = kind;
+    ends_.add(end);
   } catch (const std::system_error&) {
     // A full disk has no room for the record. The files show the end until they are moved.
   }

@@ -40,7 +40,8 @@ class HistoryWorker {
   std::int64_t begin(const std::string& name);
   // Stores the current job's usage if the last time is kNoteInterval ago.
   void note(const std::function<JobFigures()>& figures);
-  // Stores the current job's usage, or drops it if that is impossible now.
+  // Stores the current job's usage. If that is impossible now, records it for the case that this process ends
+  // before the print.
   void note_now(const JobFigures& figures);
   // Removes the current job from the history, since it will begin another time.
   void forget();
@@ -101,7 +102,7 @@ class HistoryWorker {
   void make_changes(const Change& change);
   [[nodiscard]] Health change_now_or_never(const Change& change);
   [[nodiscard]] Health health();
-  void record(const EndedJob& job);
+  void record(const EndedJob& job, JobEnd::Kind kind = JobEnd::Kind::Printed);
   void store_end(HistoryDatabase& database, const EndedJob& job);
 
   EventLoop& loop_;

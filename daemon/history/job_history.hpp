@@ -40,7 +40,7 @@ struct EndedJob {
   ReportFiles reports{};
 };
 
-// Return the same end for the record, without figures, and back.
+// Return the same end for the record, without its analysis, and back.
 [[nodiscard]] JobEnd job_end(const EndedJob& job);
 [[nodiscard]] EndedJob ended_job(const JobEnd& end);
 

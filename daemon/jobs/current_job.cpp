@@ -341,7 +341,9 @@ void CurrentJob::print_ended(PrintOutcome outcome, const std::string& reason, Pr
   report.outcome = outcome;
   report.reason = reason;
   log_.ended(report);
-  const JobEnd end = end_as(outcome, reason);
+  job_->ended = ended_job(end_as(outcome, reason));
+  job_->ended.figures = figures_of(report);
+  const JobEnd end = job_end(job_->ended);
   archivist_.record(end);
   job_->over = EndedPrint{job_->claimed.files, std::move(report), std::move(plan.engine),
                           std::move(plan.undersides), end};
@@ -364,7 +366,6 @@ void CurrentJob::file() {
   EndedPrint print = std::move(*job_->over);
   job_->over.reset();
   print.report.findings = std::move(job_->findings);
-  job_->ended = ended_job(print.end);
   job_->ended.analysis = job_->analysis;
   job_->ended.figures = figures_of(print.report);
   history_.end(job_->ended);

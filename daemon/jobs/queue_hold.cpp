@@ -14,8 +14,6 @@
 namespace contourd {
 namespace {
 
-constexpr std::string_view kWhyInterrupted = "the power was cut, or contourd was killed or crashed";
-
 // Fulfils a promise at the end of a scope.
 struct SetValue {
   void operator()(std::promise<void>* promise) const { promise->set_value(); }
@@ -24,6 +22,7 @@ struct SetValue {
 void keep_on_disk(const StateRecords& records, const std::optional<std::string>& occupant,
                   const std::optional<std::string>& reason) {
   records.set_plate_occupant(occupant);
+  if (occupant) records.make_spares();
   records.set_hold(reason);
 }
 
@@ -72,13 +71,11 @@ void QueueHold::adopt(const JobFiles& files, bool ended_in_reading) {
 
 JobEnd QueueHold::end_of_left(const std::string& job, bool ended_in_reading) {
   if (std::optional<JobEnd> end = spool_.ends().end_of(job)) return *std::move(end);
-  const JobEnd end{.key = new_job_key(),
-                   .job = job,
-                   .outcome = std::string(name_of(PrintOutcome::Failed)),
-                   .reason = ended_in_reading ? std::string(kEndedAProcess)
-                                              : fmt::format("The print was interrupted: {}", kWhyInterrupted),
-                   .ended = std::chrono::system_clock::now(),
-                   .kind = ended_in_reading ? JobEnd::Kind::Refused : JobEnd::Kind::Interrupted};
+  JobEnd end = interruption(new_job_key(), job);
+  if (ended_in_reading) {
+    end.reason = kEndedAProcess;
+    end.kind = JobEnd::Kind::Refused;
+  }
   try {
     spool_.ends().add(end);
   } catch (const std::system_error&) {

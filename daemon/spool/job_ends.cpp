@@ -37,6 +37,7 @@ enum Field : std::size_t {
   Mark,
   ChangedNs,
   Consumers,
+  Figures,
   kFields
 };
 
@@ -62,7 +63,7 @@ void append_fields(const JobEndRecord::Pending& pending, std::vector<std::string
   texts.insert(texts.end(),
                {std::to_string(end.key), end.job, end.outcome, recorded_reason(end.reason),
                 std::to_string(ended_ms), std::string(kKinds[static_cast<std::size_t>(end.kind)]), end.file,
-                end.mark, std::to_string(end.changed_ns), consumers});
+                end.mark, std::to_string(end.changed_ns), consumers, end.figures});
 }
 
 std::optional<std::int64_t> integer_in(const std::string& text) {
@@ -94,7 +95,8 @@ std::optional<JobEndRecord::Pending> pending_in(std::span<const std::string> fie
                                  .kind = static_cast<JobEnd::Kind>(kind - kKinds.begin()),
                                  .file = fields[File],
                                  .mark = fields[Mark],
-                                 .changed_ns = *changed_ns},
+                                 .changed_ns = *changed_ns,
+                                 .figures = fields[Figures]},
                                 {}};
   for (const EndConsumer consumer : kConsumers)
     if (fields[Consumers].find(letter_of(consumer)) != std::string::npos)
@@ -114,6 +116,15 @@ std::int64_t new_job_key() {
   return key != 0 ? key : 1;
 }
 
+JobEnd interruption(std::int64_t key, const std::string& job) {
+  return {.key = key,
+          .job = job,
+          .outcome = "failed",
+          .reason = "The print was interrupted: " + std::string(kWhyInterrupted),
+          .ended = system_clock::now(),
+          .kind = JobEnd::Kind::Interrupted};
+}
+
 bool JobEndRecord::Pending::awaits(EndConsumer consumer) const {
   return std::ranges::find(consumers, consumer) != consumers.end();
 }
@@ -129,9 +140,14 @@ JobEndRecord::JobEndRecord(const StateRecords& records) : records_(records) {
 
 void JobEndRecord::add(const JobEnd& end) {
   const std::lock_guard lock(mutex_);
-  if (std::ranges::none_of(ends_, [&](const Pending& each) { return each.end.key == end.key; })) {
+  const auto known =
+      std::ranges::find_if(ends_, [&](const Pending& each) { return each.end.key == end.key; });
+  if (known == ends_.end()) {
     if (ends_.size() == kMost) ends_.erase(ends_.begin());
     ends_.push_back({end, {kConsumers.begin(), kConsumers.end()}});
+    saved_ = false;
+  } else if (known->end.kind == JobEnd::Kind::Interrupted) {
+    known->end = end;
     saved_ = false;
   }
   save();

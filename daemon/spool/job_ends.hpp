@@ -35,10 +35,17 @@ struct JobEnd {
   // job was in printing/.
   std::string file{}, mark{};
   std::int64_t changed_ns = 0;
+  // The figures of a print as the history writes them (job_history.hpp); empty if it has none.
+  std::string figures{};
 };
 
 // Returns a random key that is not 0.
 [[nodiscard]] std::int64_t new_job_key();
+
+// Returns the end of a print that no process has recorded.
+[[nodiscard]] JobEnd interruption(std::int64_t key, const std::string& job);
+// The reason of an interruption.
+inline constexpr std::string_view kWhyInterrupted = "the power was cut, or contourd was killed or crashed";
 
 // The parts of contourd that need to know a job's end.
 enum class EndConsumer : std::uint8_t { Files, History, Notice };
@@ -59,8 +66,9 @@ class JobEndRecord {
   // Reads the record of the last process; ignores what is no valid end. The records must outlive this object.
   explicit JobEndRecord(const StateRecords& records);
 
-  // Adds an end that waits for all consumers, unless its key is there already. Throws std::system_error if
-  // the disk does not accept it; then only this process knows of it, and the next write tries again.
+  // Adds an end that waits for all consumers. If its key is there already, only an interruption is replaced,
+  // which may be recorded while the print goes on. Throws std::system_error if the disk does not accept it;
+  // then only this process knows of it, and the next write tries again.
   void add(const JobEnd& end);
   // Notes that a consumer has the end. Removes an end that all consumers have; if the disk does not accept
   // that, the next process gives the end to the consumers once more.

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <fstream>
@@ -24,11 +25,20 @@ constexpr const char* kOccupied = "plate-occupied";
 constexpr const char* kHeld = "queue-held";
 constexpr const char* kClaim = "claim";
 constexpr const char* kEnded = "ended-jobs";
+constexpr std::array kSpares{"ended-jobs.spare-1", "ended-jobs.spare-2"};
+constexpr std::size_t kSpareBytes = 16'384;
 constexpr const char* kOrder = "queue-order";
 constexpr const char* kAccepted = "accepted";
 
 [[noreturn]] void refuse(const std::filesystem::path& folder, const std::string& why) {
   throw std::runtime_error(fmt::format("cannot use the state folder {}: {}", folder.string(), why));
+}
+
+std::string joined(const std::vector<std::string>& texts, char end) {
+  std::string all;
+  for (const std::string& each : texts)
+    all.append(each).push_back(end);
+  return all;
 }
 
 std::string message(int error) {
@@ -107,10 +117,7 @@ void StateRecords::keep_texts(const char* name, const std::vector<std::string>& 
     if (fs::remove(folder_ / name)) sync_folder(folder_);
     return;
   }
-  std::string all;
-  for (const std::string& each : texts)
-    all.append(each).push_back(end);
-  write_durably(folder_ / name, all);
+  write_durably(folder_ / name, joined(texts, end));
 }
 
 std::vector<std::string> StateRecords::claim() const {
@@ -124,7 +131,42 @@ std::vector<std::string> StateRecords::job_ends() const {
   return texts_of(kEnded, '\0');
 }
 void StateRecords::keep_job_ends(const std::vector<std::string>& fields) const {
-  keep_texts(kEnded, fields, '\0');
+  try {
+    keep_texts(kEnded, fields, '\0');
+  } catch (const std::system_error& error) {
+    const bool is_full = error.code() == std::errc::no_space_on_device || error.code().value() == EDQUOT;
+    if (!is_full || !write_over_spare(joined(fields, '\0'))) throw;
+  }
+}
+
+void StateRecords::make_spares() const {
+  for (const char* const name : kSpares) {
+    std::error_code code;
+    if (fs::file_size(folder_ / name, code) == kSpareBytes) continue;
+    try {
+      write_durably(folder_ / name, std::string(kSpareBytes, ' '));
+    } catch (const std::system_error&) {
+      return;  // without a spare, the files of a job that ends on a full disk still show its end
+    }
+  }
+}
+
+bool StateRecords::write_over_spare(const std::string& text) const {
+  if (text.size() > kSpareBytes) return false;
+  for (const char* const name : kSpares) {
+    const FileDescriptor spare(::open((folder_ / name).c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW));
+    if (!spare.valid()) continue;
+    // The file keeps its blocks until all of the text is in them.
+    const auto size = static_cast<off_t>(text.size());
+    if (::pwrite(spare.get(), text.data(), text.size(), 0) != size || ::ftruncate(spare.get(), size) != 0 ||
+        ::fsync(spare.get()) != 0)
+      continue;
+    std::error_code code;
+    fs::rename(folder_ / name, folder_ / kEnded, code);
+    sync_folder(folder_);
+    return !code;
+  }
+  return false;
 }
 
 std::vector<std::string> StateRecords::queue_order() const {

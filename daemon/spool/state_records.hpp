@@ -4,8 +4,9 @@
 //   plate-occupied   one line: the name of the job whose part is on the plate
 //   queue-held       one line: why no job begins until a user confirms it
 //   ended-jobs       how jobs have ended, until all of contourd knows (job_ends.hpp): fields, each followed
-//   by
-//                    a zero byte
+//                    by a zero byte
+//   ended-jobs.spare-1, ended-jobs.spare-2
+//                    room for ended-jobs on a full disk: blanks, which are overwritten before the rename
 //   claim            the job that was moved to printing/ last under another name: fields as in ended-jobs
 //   queue-order      the waiting jobs in an order that a user has set: file names in incoming/, each followed
 //                    by a zero byte
@@ -47,9 +48,12 @@ class StateRecords {
   [[nodiscard]] std::vector<std::string> claim() const;
   void keep_claim(const std::vector<std::string>& fields) const;
 
-  // The fields of JobEndRecord.
+  // The fields of JobEndRecord. On a full disk they are written over a spare.
   [[nodiscard]] std::vector<std::string> job_ends() const;
   void keep_job_ends(const std::vector<std::string>& fields) const;
+  // Makes the spares that do not exist, as far as the disk has room: one for the end of a print, one for the
+  // notice of it.
+  void make_spares() const;
 
   // Returns the next job first; empty if the order is that of arrival.
   [[nodiscard]] std::vector<std::string> queue_order() const;
@@ -63,6 +67,8 @@ class StateRecords {
   void keep_line(const char* file, const std::optional<std::string>& line) const;
   [[nodiscard]] std::vector<std::string> texts_of(const char* file, char end) const;
   void keep_texts(const char* file, const std::vector<std::string>& texts, char end) const;
+  // Writes the text over a spare, which becomes ended-jobs. Returns false if that fails.
+  [[nodiscard]] bool write_over_spare(const std::string& text) const;
 
   std::filesystem::path folder_;
 };

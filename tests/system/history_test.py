@@ -344,6 +344,40 @@ class InTrouble(HistoryTest):
         self.assertEqual(self.ended(), [("before", "done"), ("one", "done"), ("two", "done")])
         self.assertEqual(self.daemon.log().count("printing continues"), 1)
 
+    def assert_one_print(self, name, outcome, layers):
+        """Asserts that the history has this print alone, with the figures of its layers and their light."""
+        jobs = self.daemon.rpc("history")["result"]["ended"]
+        self.assertEqual([(job["job"], job["outcome"], job["layers_exposed"], job["layers"]) for job in jobs], [(name, outcome, layers, 4)])
+        self.assertGreater(jobs[0]["lit_s"], 0)
+        self.assertGreater(jobs[0]["resin_ml"], 0)
+        self.assertEqual(jobs[0]["resin"], "standard")
+
+    def lock(self):
+        shell = sqlite3.connect(self.file, isolation_level=None)
+        shell.execute("BEGIN IMMEDIATE")
+        return shell
+
+    def test_the_figures_of_a_print_survive_a_lock_over_the_print_and_the_stop(self):
+        self.daemon.start()
+        shell = self.lock()
+        self.print_one("one")
+        self.daemon.stop()
+        shell.close()
+        self.daemon.start()
+        self.assert_one_print("one", "done", 4)
+
+    def test_the_light_of_a_print_survives_a_lock_over_the_print_and_a_kill(self):
+        self.daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, "exposure_ms": 2000, "bottom_exposure_ms": 2000})
+        self.daemon.start()
+        shell = self.lock()
+        self.daemon.begin("one.stl", SMALL)
+        wait_until(lambda: os.path.exists(os.path.join(self.daemon.state_folder, "ended-jobs")), "the record of the light")
+        self.daemon.kill()
+        shell.close()
+        self.daemon.start()
+        self.assert_one_print("one", "failed", 1)
+        self.assertIn("one was interrupted", self.daemon.status()["held"])
+
     @unittest.skipIf(SANITIZED, "AddressSanitizer must be loaded first")
     def test_a_read_only_disk_delays_only_the_history(self):
         slow = self.daemon.put_on_slow_disk()

@@ -12,7 +12,7 @@ import subprocess
 import threading
 import unittest
 
-from harness import ENDLESS, REALTIME, SOURCE, Daemon, FolderTest, binary_stl, contents, cube, source_json, wait_until
+from harness import ENDLESS, REALTIME, SANITIZED, SOURCE, Daemon, FolderTest, binary_stl, contents, cube, source_json, wait_until
 
 WITH_ENDED_JOB = os.path.join(SOURCE, "systemd", "with-ended-job")
 HOSTILE = 'x"; touch $(pwd)/pwned; `touch pwned` \n--version\x1b[2J'
@@ -197,6 +197,29 @@ class JobEndedTest(FolderTest):
         _, killed = manager.notices(2)
         self.assertEqual((killed["JOB"], killed["OUTCOME"]), ("killed", "failed"))
         self.assertIn("The print was interrupted", killed["REASON"])
+
+    @unittest.skipIf(SANITIZED, "AddressSanitizer must be loaded first")
+    def test_a_print_that_ends_on_a_full_disk_before_a_stop_is_in_the_history_and_gives_one_notice(self):
+        manager = self.listen()
+        daemon = Daemon(self, REALTIME, ENDLESS)
+        slow = daemon.put_on_slow_disk()
+        gates = [os.path.join(slow, gate) for gate in ("full", "history-full")]
+        for count, name in enumerate(("one", "two"), 1):  # the second print needs new spares
+            daemon.start()
+            daemon.begin(name + ".stl", binary_stl(cube(1)))
+            for gate in gates:
+                self.write(gate, b"")
+            daemon.cancel(name)
+            manager.notices(count)
+            daemon.stop()
+            self.assertTrue(daemon.has("failed", name + ".stl"))
+            for gate in gates:
+                os.unlink(gate)
+        daemon.start()
+        ended = daemon.rpc("history")["result"]["ended"]
+        self.assertEqual([(job["job"], job["outcome"]) for job in ended], [("one", "cancelled"), ("two", "cancelled")])
+        daemon.stop()
+        self.assertEqual([notice["JOB"] for notice in manager.notices(2)], ["one", "two"])
 
     def test_without_a_listener_nothing_is_logged_or_left(self):
         daemon = self.daemon().start()

@@ -5,9 +5,9 @@
 //   plate               recording that the plate is not clear waits
 //   pictures            opening a preview for writing waits
 //   models              opening a model relative to a folder (openat) waits
-//   full                writing into a file of the spool fails with ENOSPC, but removing the state folder's
-//   file
-//                       reserve makes room for its 64 KiB
+//   full                writing into a file of the spool fails with ENOSPC, except with pwrite(): contourd
+//   uses it
+//                       only over blocks that a file has
 //   read-only           changing the spool fails with EROFS
 //   printing-read-only  changing the spool's folder printing/ fails with EROFS
 //   history             opening or looking up the history's files waits
@@ -15,8 +15,8 @@
 //   history-read-only   changing the history's files fails with EROFS
 // Every call that waits makes the file $SLOW_DISK/waiting.
 //   loop                no call waits, but a call of the event loop's thread (the process's first one) on a
-//   file
-//                       beside the folder $SLOW_DISK becomes a line of the file $SLOW_DISK/calls: CALL PATH
+//                       file beside the folder $SLOW_DISK becomes a line of the file $SLOW_DISK/calls: CALL
+//                       PATH
 #include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>

@@ -11,7 +11,8 @@ _READING = {"state/reading", "state/reading.next"}
 # SQLite's files. The write-ahead log is empty before the first write and after a checkpoint.
 _HISTORY_LOG = "state/history.sqlite-wal"
 _HISTORY = {"state/history.sqlite", _HISTORY_LOG, "state/history.sqlite-shm"}
-_KNOWN = _READING | _HISTORY | {"spool/.lock", "state/plate-occupied", "state/queue-held", "state/copied-originals", "state/claim"}
+_SPARES = {f"state/ended-jobs.spare-{number}" for number in (1, 2)}
+_KNOWN = _READING | _HISTORY | _SPARES | {"spool/.lock", "state/plate-occupied", "state/queue-held", "state/copied-originals", "state/claim"}
 
 
 @dataclass
@@ -137,8 +138,8 @@ def _what_was_told(job, item, cut):
 def _recorded_outcome(name, cut):
     """Returns how a job in printing/ ended, by daemon/spool/job_ends.cpp: a print's outcome, "refused", or None."""
     fields = cut.found.get("state/ended-jobs", b"").decode().split("\0")
-    for at in range(0, len(fields) - 9, 10):
-        _, job, outcome, _, _, kind, file, _, _, consumers = fields[at : at + 10]
+    for at in range(0, len(fields) - 10, 11):
+        _, job, outcome, _, _, kind, file, _, _, consumers, _ = fields[at : at + 11]
         if job == name and kind != "interrupted" and not file and "f" in consumers:
             return "refused" if kind == "refused" else outcome
     return None

@@ -121,13 +121,13 @@ class SpoolChecksTest(unittest.TestCase):
         self.assert_told("not held", [TICKETED], "", found, failed(TICKETED))
 
     def test_a_print_that_ended_is_judged_by_its_record(self):
-        found = lying(TICKETED, "printing") | {"state/ended-jobs": b"1\0ticketed\0done\0\x000\0printed\0\0\x000\0fhn\0"}
+        found = lying(TICKETED, "printing") | {"state/ended-jobs": b"1\0ticketed\0done\0\x000\0printed\0\0\x000\0fhn\0\0"}
         self.assertEqual(broken([TICKETED], "", found, lying(TICKETED, "done")), [])
         self.assert_told("went to", [TICKETED], "", found, failed(TICKETED), status={"held": "check the printer"})
 
     def test_a_refused_job_need_not_hold_the_queue_but_a_failed_print_does(self):
         found = lying(BROKEN, "printing")
-        ended = b"1\0broken\0failed\0line 2\x000\0%s\0\0\x000\0fhn\0"
+        ended = b"1\0broken\0failed\0line 2\x000\0%s\0\0\x000\0fhn\0\0"
         self.assertEqual(broken([BROKEN], "", found | {"state/ended-jobs": ended % b"refused"}, failed(BROKEN, b"line 2")), [])
         self.assert_told("not held", [BROKEN], "", found | {"state/ended-jobs": ended % b"printed"}, failed(BROKEN, b"line 2"))
 
