@@ -63,7 +63,7 @@ void FileRejections::move(const std::string& file, JobEnd& end, Result& result) 
 
 Rejection FileRejections::move_files_of(const JobFiles& from, const JobFiles& to, const JobEnd& end) {
   try {
-    move_files(folders_, from, to);
+    file_away(folders_, from, to);
     return Rejection::Filed;
   } catch (const std::system_error& error) {
     if (!is_immovable(error.code())) throw;

@@ -109,6 +109,26 @@ std::uintmax_t size_of(const FileDescriptor& file, const fs::path& path) {
   return static_cast<std::uintmax_t>(status.st_size);
 }
 
+// Copies the job to the folder `hidden` beside its destination, then moves the copy there in one step.
+void copy_away(const SpoolFolders& folders, const JobFiles& from, const JobFiles& to) {
+  const fs::path hidden = to.model.parent_path() / ".copies";
+  fs::remove_all(hidden);
+  fs::create_directory(hidden);
+  const auto copy = [&hidden](const fs::path& part, const fs::path& place) {
+    fs::path copied = hidden / place.filename();
+    fs::copy(part, copied, fs::copy_options::recursive | fs::copy_options::copy_symlinks);
+    sync_contents(copied);
+    return copied;
+  };
+  JobFiles copied = to;
+  copied.model = copy(from.model, to.model);
+  if (from.ticket) copied.ticket = copy(*from.ticket, *to.ticket);
+  if (to.plate) fs::remove_all(to.model);  // a rename replaces a file, but not a folder
+  move_files(folders, copied, to);
+  std::error_code ignored;
+  fs::remove(hidden, ignored);
+}
+
 fs::path place_of(const fs::path& part, const JobFiles& from, const JobFiles& to) {
   if (from.plate) return to.model / part.filename();
   return part == from.model ? to.model : *to.ticket;
@@ -129,6 +149,19 @@ void move_files(const SpoolFolders& folders, const JobFiles& from, const JobFile
     throw;
   }
   sync_folder(to.model.parent_path());
+  sync_folder(from.model.parent_path());
+}
+
+void file_away(const SpoolFolders& folders, const JobFiles& from, const JobFiles& to) {
+  try {
+    return move_files(folders, from, to);
+  } catch (const std::system_error& error) {
+    if (error.code() != std::errc::cross_device_link) throw;
+  }
+  const bool shared = folders.shares_ticket(from);
+  copy_away(folders, from, to);
+  fs::remove_all(from.model);
+  if (from.ticket && !shared) fs::remove(*from.ticket);
   sync_folder(from.model.parent_path());
 }
 

@@ -19,6 +19,11 @@ namespace contourd {
 // Throws std::system_error; then the files are where they were.
 void move_files(const SpoolFolders& folders, const JobFiles& from, const JobFiles& to);
 
+// Moves an ended job to done/ or failed/ with move_files(), or copies it if the folder is on another file
+// system. Throws std::system_error; then the files are where they were, and a copy may be there, too, which
+// the next call replaces.
+void file_away(const SpoolFolders& folders, const JobFiles& from, const JobFiles& to);
+
 // True if this error of move_files() means that the job can only be copied.
 [[nodiscard]] bool is_immovable(const std::error_code& code);
 

@@ -134,7 +134,7 @@ JobFiles Spool::begin(const std::string& file) {
 bool Spool::end(const JobFiles& files, Folder where) {
   fs::create_directories(folder(where));
   const bool there = fs::exists(fs::symlink_status(files.model));
-  if (there) move_files(folders_, files, folders_.named(where, files.name, files));
+  if (there) file_away(folders_, files, folders_.named(where, files.name, files));
   ends_.files_taken(files.name);
   return there;
 }

@@ -8,7 +8,10 @@ import subprocess
 import sys
 import unittest
 
-from harness import CONTOURCTL, CONTOURD, MAKE_MODEL, SLAB, SOURCE, WAITS, SpoolTest, contents, merge, run, text_of, wait_until
+from harness import (
+    CONTOURCTL, CONTOURD, MAKE_MODEL, NIMBLE_RESIN, SLAB, SMALL, SOURCE, WAITS, SpoolTest, contents, merge, realtime, run, text_of,
+    wait_until,
+)  # fmt: skip
 
 
 @unittest.skipUnless(os.geteuid() == 0, "only root can run a daemon and a member of its group as users of their own")
@@ -267,10 +270,13 @@ class ReplacedFolders(SpoolTest):
         return daemon.wait_done(name)
 
     def mount_over_incoming(self, daemon):
-        os.makedirs(daemon.file("incoming"), exist_ok=True)
-        if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "none", daemon.file("incoming")], check=False).returncode != 0:
+        self.mount_over(daemon, "incoming")
+
+    def mount_over(self, daemon, folder):
+        os.makedirs(daemon.file(folder), exist_ok=True)
+        if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "none", daemon.file(folder)], check=False).returncode != 0:
             self.skipTest("nothing can be mounted here")
-        self.addCleanup(subprocess.run, ["umount", "-q", daemon.file("incoming")], check=False)
+        self.addCleanup(subprocess.run, ["umount", "-q", daemon.file(folder)], check=False)
 
     def stopped_while_it_reads(self, daemon, meanwhile=lambda: None):
         """Stops the daemon while it prepares big.stl, which has a ticket, for its print."""
@@ -388,6 +394,29 @@ class ReplacedFolders(SpoolTest):
         self.stopped_while_it_reads(daemon)
         self.assertEqual(daemon.names_in("incoming"), ["big.json", "big.stl"])
         self.assertEqual(daemon.names_in("printing"), [])
+
+    def test_ended_jobs_are_copied_to_folders_that_are_mounted(self):
+        daemon = self.daemon(realtime(wait_for_plate_cleared=True), NIMBLE_RESIN)
+        for folder in ("done", "failed"):
+            os.makedirs(daemon.file(folder))
+            self.mount_over(daemon, folder)
+        daemon.start()
+        daemon.printed("one.stl", SMALL, {"copies": 1})
+        daemon.drop("two.stl", SMALL, {"copies": 1})
+        daemon.drop_plate("plate", {"models": [{"file": "a.stl"}]}, {"a.stl": SMALL, "note.txt": b"a user's file"})
+        daemon.wait_job("plate", "ready")
+        for job in ("two", "plate"):
+            daemon.rpc("queue_remove", job=job)
+            self.assertEqual(daemon.wait_ended(job)["outcome"], "cancelled")
+        daemon.refused("bad.stl", b"no model")
+        daemon.restart()
+        self.assertEqual((daemon.names_in("incoming"), daemon.names_in("printing")), ([], []))
+        for file in ("done/one.stl", "done/one.json", "failed/two.stl", "failed/two.json", "failed/plate/note.txt", "failed/bad.stl"):
+            self.assertTrue(daemon.has(*file.split("/")), file)
+        self.assertEqual([name for folder in ("done", "failed") for name in daemon.names_in(folder) if name.startswith(".")], [])
+        daemon.rpc("plate_cleared")
+        daemon.printed("next.stl", SMALL)
+        daemon.stop()
 
     def test_a_job_that_returns_to_incoming_does_not_overwrite_another_job(self):
         daemon = self.daemon(WAITS)
