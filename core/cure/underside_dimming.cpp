@@ -14,6 +14,7 @@ namespace contourd {
 namespace {
 
 constexpr double kHeightStep = 1e-3;  // mm: undersides are told apart by a micrometre
+constexpr std::size_t kLayerCounts = UndersideDimming::kMostAhead + 3;  // none, some, and an endless solid's
 constexpr std::size_t kUnknown = std::numeric_limits<std::size_t>::max();
 
 double middle_mm(const LayerDose& layer) {
@@ -71,19 +72,112 @@ PixelWindow window_of(std::span<const PlateModel> models, const DisplayGeometry&
   return {window.column, window.row, end_column - window.column, end_row - window.row};
 }
 
+SolidLight::SolidLight(const CureSettings& resin)
+    : resin_(resin), loss_{resin.peel_memory, resin.oxygen_dose / resin.curve.critical_dose} {}
+
+void SolidLight::begin(std::span<const LayerDose> layers) {
+  expects(!layers.empty() && layers.size() <= UndersideDimming::kMostAhead + 1,
+          "there are layers, but no more");
+  layers_ = layers;
+  const LayerDose& first = layers.front();
+  const Nanometers bottom = first.top - first.thickness;
+  bottom_mm_ = in_mm(bottom);
+  // Undersides lie between the cuts beneath and above, each at most a layer away.
+  lowest_mm_ = bottom_mm_ - in_mm(first.thickness);
+  const LayerDose& second = layers[std::min<std::size_t>(1, layers.size() - 1)];
+  const auto steps = static_cast<std::size_t>((in_mm(second.top) - lowest_mm_) / kHeightStep) + 2;
+  known_.assign(steps * kLayerCounts, {kUnknown, 0});
+  // Above the layers ahead, the last one repeats.
+  constexpr double kFaintest = 1e-3;
+  constexpr std::size_t kMostDoses = 3 * UndersideDimming::kMostAhead;
+  const double depth_mm = to_millimeters(resin_.curve.penetration_depth).count();
+  full_doses_.clear();
+  Nanometers top = bottom;
+  while (full_doses_.size() < layers.size() ||
+         (full_doses_.back() > kFaintest && full_doses_.size() < kMostDoses)) {
+    const LayerDose& layer = layers[std::min(full_doses_.size(), layers.size() - 1)];
+    top += layer.thickness;
+    full_doses_.push_back(layer.dose / resin_.curve.critical_dose *
+                          std::exp(-in_mm(top - bottom) / depth_mm));
+  }
+}
+
+UndersideLight SolidLight::of(const Solid& solid) {
+  expects(!solid.coverage.empty() && solid.coverage.size() <= layers_.size(),
+          "the solid has some of the layers");
+  const double steps = std::max(0.0, std::round((solid.underside_mm - lowest_mm_) / kHeightStep));
+  const Solid rounded{lowest_mm_ + steps * kHeightStep, solid.coverage, solid.is_endless};
+  const std::size_t place = static_cast<std::size_t>(steps) * kLayerCounts +
+                            (solid.is_endless ? kLayerCounts - 1 : solid.coverage.size());
+  const bool is_full = std::ranges::all_of(solid.coverage, [](std::uint8_t grey) { return grey == 255; });
+  if (!is_full || place >= known_.size()) return compute(rounded);
+  if (known_[place].dark == kUnknown) known_[place] = compute(rounded);
+  return known_[place];
+}
+
+UndersideLight SolidLight::compute(const Solid& solid) {
+  const double depth_mm = to_millimeters(resin_.curve.penetration_depth).count();
+  const double dead_zone_mm = to_millimeters(resin_.dead_zone).count();
+  const double nearer = std::exp((solid.underside_mm - bottom_mm_) / depth_mm);
+  const std::size_t count = solid.coverage.size();
+  doses_.clear();
+  for (std::size_t layer = 0; layer < (solid.is_endless ? full_doses_.size() : count); ++layer) {
+    const double share = layer < count ? solid.coverage[layer] / 255.0 : 1;
+    const bool is_above = layer >= count || in_mm(layers_[layer].top) - solid.underside_mm >= dead_zone_mm;
+    doses_.push_back(is_above ? share * nearer * full_doses_[layer] : 0);
+  }
+  return underside_light(doses_, loss_, most_dimmed(count));
+}
+
+LayerPictures::Picture LayerPictures::of(const LayerDose& layer) {
+  Picture picture(window_.pixels());
+  MaskBudget budget(MaskBudget::Clock::now() + budget_);
+  if (engine_.mask_within(layer.top - layer.thickness + layer.thickness / 2, budget) == nullptr)
+    return picture;
+  const std::uint8_t threshold = engine_.threshold();
+  auto to = picture.begin();
+  for (std::int32_t y = window_.row; y < window_.row + window_.rows; ++y) {
+    const auto row = engine_.coverage().row(y).subspan(static_cast<std::size_t>(window_.column),
+                                                       static_cast<std::size_t>(window_.columns));
+    to = std::ranges::transform(row, to, [threshold](std::uint8_t grey) {
+           return grey < threshold ? std::uint8_t{0} : grey;
+         }).out;
+  }
+  return picture;
+}
+
+void ModelEntries::find(std::span<const PlateModel> models, const PixelWindow& window, double above_mm,
+                        double up_to_mm) {
+  for (const RayCrossing& crossing : crossings_)
+    height_mm_[crossing.ray] = kNone;
+  crossings_ = cross_surface_between(models, window, above_mm, up_to_mm);
+  std::erase_if(crossings_, [](const RayCrossing& crossing) { return crossing.steepness >= 0; });
+  for (const RayCrossing& crossing : crossings_)
+    height_mm_[crossing.ray] = std::min(height_mm_[crossing.ray], crossing.at);
+}
+
+std::optional<double> ModelEntries::height_mm(std::size_t pixel) const {
+  if (height_mm_[pixel] == kNone) return std::nullopt;
+  return static_cast<double>(height_mm_[pixel]);
+}
+
 UndersideDimming::UndersideDimming(std::span<const PlateModel> models,
                                    std::shared_ptr<const SectionSource> supports,
                                    const EngineSettings& settings, const UndersideCure& cure)
-    : models_({models.begin(), models.end()}, settings),
+    : window_(window_of(models, settings.display, 2)),
+      models_(ContourEngine(std::vector<PlateModel>(models.begin(), models.end()), settings), window_,
+              cure.mask_budget),
       display_width_(settings.display.width),
       layers_(cure.layers),
-      resin_(cure.resin),
-      loss_{resin_.peel_memory, resin_.oxygen_dose / resin_.curve.critical_dose},
-      mask_budget_(cure.mask_budget),
-      window_(window_of(models_.models(), settings.display, 2)),
-      most_ahead_(layers_ahead(layers_, resin_.curve)),
-      height_mm_(window_.pixels()) {
-  if (supports) supports_.emplace(std::vector<PlateModel>{}, settings, std::move(supports));
+      most_ahead_(layers_ahead(layers_, cure.resin.curve)),
+      entries_(window_.pixels()),
+      light_(cure.resin) {
+  expects(!layers_.empty() && std::ranges::is_sorted(layers_, {}, &LayerDose::top),
+          "layers rise from the plate");
+  if (supports)
+    supports_.emplace(ContourEngine(std::vector<PlateModel>(), settings, std::move(supports)), window_,
+                      cure.mask_budget);
+  restart_before(0);
 }
 
 std::uint64_t UndersideDimming::most_memory(const DisplayGeometry& display, const UndersideCure& cure) {
@@ -97,7 +191,7 @@ std::uint64_t UndersideDimming::most_memory(const DisplayGeometry& display, cons
 
 std::span<const DimmedPixel> UndersideDimming::dimmed(std::size_t layer) {
   expects(layer < layers_.size(), "the layer is one of the print's");
-  if (!is_started_ || layer < layer_ || layer > layer_ + most_ahead_) restart_before(layer);
+  if (layer < layer_ || layer > layer_ + most_ahead_) restart_before(layer);
   while (layer_ < layer)
     advance();
   return dimmed_;
@@ -105,67 +199,32 @@ std::span<const DimmedPixel> UndersideDimming::dimmed(std::size_t layer) {
 
 // Goes to a layer from which on all solids are found that are dimmed in `layer`.
 void UndersideDimming::restart_before(std::size_t layer) {
-  is_started_ = true;
   layer_ = layer > most_ahead_ ? layer - most_ahead_ : 0;
   undersides_.clear();
   dimmed_.clear();
   ahead_.clear();
-  first_ahead_ = layer_;
-  if (supports_) supports_here_ = picture(*supports_, layer_);
+  if (supports_) supports_here_ = supports_->of(layers_[layer_]);
 }
 
 void UndersideDimming::advance() {
   ++layer_;
-  for (; first_ahead_ + 1 < layer_ && !ahead_.empty(); ++first_ahead_)
-    ahead_.pop_front();
+  if (!ahead_.empty()) ahead_.pop_front();
   const std::size_t end = std::min(layer_ + most_ahead_ + 1, layers_.size());
-  while (first_ahead_ + ahead_.size() < end)
-    ahead_.push_back(picture(models_, first_ahead_ + ahead_.size()));
+  while (layer_ - 1 + ahead_.size() < end)
+    ahead_.push_back(models_.of(layers_[layer_ - 1 + ahead_.size()]));
   if (supports_) {
     supports_beneath_ = std::move(supports_here_);
-    supports_here_ = picture(*supports_, layer_);
+    supports_here_ = supports_->of(layers_[layer_]);
   }
-  find_heights();
-  find_full_doses();
+  const bool is_last = layer_ + 1 == layers_.size();
+  entries_.find(models_.models(), window_, middle_mm(layers_[layer_ - 1]),
+                is_last ? in_mm(layers_[layer_].top) : middle_mm(layers_[layer_ + 1]));
+  light_.begin(std::span(layers_).subspan(layer_, end - layer_));
   find_undersides();
   list_dimmed();
 }
 
-UndersideDimming::Picture UndersideDimming::picture(ContourEngine& engine, std::size_t layer) const {
-  Picture picture(window_.pixels());
-  MaskBudget budget(MaskBudget::Clock::now() + mask_budget_);
-  const LayerDose& of = layers_[layer];
-  if (engine.mask_within(of.top - of.thickness + of.thickness / 2, budget) == nullptr) return picture;
-  const std::uint8_t threshold = engine.threshold();
-  auto to = picture.begin();
-  for (std::int32_t y = window_.row; y < window_.row + window_.rows; ++y) {
-    const auto row = engine.coverage().row(y).subspan(static_cast<std::size_t>(window_.column),
-                                                      static_cast<std::size_t>(window_.columns));
-    to = std::ranges::transform(row, to, [threshold](std::uint8_t grey) {
-           return grey < threshold ? std::uint8_t{0} : grey;
-         }).out;
-  }
-  return picture;
-}
-
-// Finds where the lines through the pixels' middles enter the models between the cuts beneath and above.
-void UndersideDimming::find_heights() {
-  for (const RayCrossing& entry : entries_)
-    height_mm_[entry.ray] = 0;
-  const LayerDose& last = layers_[std::min(layer_ + 1, layers_.size() - 1)];
-  entries_ = cross_surface_between(models_.models(), window_, middle_mm(layers_[layer_ - 1]),
-                                   layer_ + 1 < layers_.size() ? middle_mm(last) : in_mm(last.top));
-  std::erase_if(entries_, [](const RayCrossing& crossing) { return crossing.steepness >= 0; });
-  for (const RayCrossing& entry : entries_) {
-    float& height = height_mm_[entry.ray];
-    height = height == 0 ? entry.at : std::min(height, entry.at);
-  }
-}
-
 void UndersideDimming::find_undersides() {
-  const double range_mm = middle_mm(layers_[std::min(layer_ + 1, layers_.size() - 1)]) -
-                          middle_mm(layers_[layer_ - 1]) + in_mm(layers_[layer_].thickness);
-  known_.assign((static_cast<std::size_t>(range_mm / kHeightStep) + 2) * (kMostAhead + 2), {kUnknown, 0});
   const Picture &beneath = ahead(layer_ - 1), &here = ahead(layer_);
   constexpr std::size_t kBlock = 64;  // most blocks have no underside
   for (std::size_t begin = 0; begin < here.size(); begin += kBlock) {
@@ -180,25 +239,14 @@ void UndersideDimming::find_undersides() {
 
 void UndersideDimming::find_underside(std::size_t pixel) {
   if (supports_ && (supports_beneath_[pixel] != 0 || supports_here_[pixel] != 0)) return;
-  const std::size_t end_ahead = first_ahead_ + ahead_.size();
-  std::size_t end = layer_;
-  bool is_full = true;
-  for (; end < end_ahead && ahead(end)[pixel] != 0; ++end)
-    is_full = is_full && ahead(end)[pixel] == 255;
-  const bool is_endless = end == end_ahead && end < layers_.size();
-  const double lowest = middle_mm(layers_[layer_ - 1]);
-  const double entry = height_mm_[pixel] > 0 ? static_cast<double>(height_mm_[pixel])
-                                             : in_mm(layers_[layer_].top - layers_[layer_].thickness);
-  const auto step = static_cast<std::size_t>((entry - lowest) / kHeightStep + 0.5);
-  const Solid solid{pixel, lowest + static_cast<double>(step) * kHeightStep, end, is_endless};
-  UndersideLight light;
-  if (is_full) {
-    UndersideLight& known = known_[step * (kMostAhead + 2) + (is_endless ? kMostAhead + 1 : end - layer_)];
-    if (known.dark == kUnknown) known = light_of(solid);
-    light = known;
-  } else {
-    light = light_of(solid);
-  }
+  const std::size_t end_ahead = layer_ - 1 + ahead_.size();
+  column_.clear();
+  for (std::size_t layer = layer_; layer < end_ahead && ahead(layer)[pixel] != 0; ++layer)
+    column_.push_back(ahead(layer)[pixel]);
+  const std::size_t end = layer_ + column_.size();
+  const double underside_mm =
+      entries_.height_mm(pixel).value_or(in_mm(layers_[layer_].top - layers_[layer_].thickness));
+  const UndersideLight light = light_.of({underside_mm, column_, end == end_ahead && end < layers_.size()});
   if (light == UndersideLight{}) return;
   const bool is_grey = light.next_share < 1;
   const std::size_t full_from = layer_ + light.dark + (is_grey ? 1 : 0);
@@ -206,40 +254,6 @@ void UndersideDimming::find_underside(std::size_t pixel) {
   undersides_.push_back(
       {static_cast<std::uint32_t>(pixel), full_from,
        is_grey ? static_cast<std::uint8_t>(light.next_share * 255 + 0.5) : std::uint8_t{0}});
-}
-
-// Computes the doses that fully lit layers give to the layer's bottom; beyond the layers ahead, the last one
-// repeats.
-void UndersideDimming::find_full_doses() {
-  const double depth_mm = to_millimeters(resin_.curve.penetration_depth).count();
-  const Nanometers bottom = layers_[layer_].top - layers_[layer_].thickness;
-  const std::size_t end = first_ahead_ + ahead_.size();
-  constexpr double kFaintest = 1e-3;
-  full_doses_.clear();
-  Nanometers top = bottom;
-  do {
-    const LayerDose& layer = layers_[std::min(layer_ + full_doses_.size(), end - 1)];
-    top += layer.thickness;
-    full_doses_.push_back(layer.dose / resin_.curve.critical_dose *
-                          std::exp(-in_mm(top - bottom) / depth_mm));
-  } while (layer_ + full_doses_.size() < end ||
-           (full_doses_.back() > kFaintest && full_doses_.size() < 3 * kMostAhead));
-}
-
-UndersideLight UndersideDimming::light_of(const Solid& solid) {
-  const double depth_mm = to_millimeters(resin_.curve.penetration_depth).count();
-  const double dead_zone_mm = to_millimeters(resin_.dead_zone).count();
-  const double bottom_mm = in_mm(layers_[layer_].top - layers_[layer_].thickness);
-  const double nearer = std::exp((solid.from_mm - bottom_mm) / depth_mm);
-  const std::size_t count = solid.end - layer_;
-  doses_.clear();
-  for (std::size_t i = 0; i < (solid.is_endless ? full_doses_.size() : count); ++i) {
-    const std::size_t layer = layer_ + i;
-    const double share = layer < solid.end ? ahead(layer)[solid.pixel] / 255.0 : 1;
-    const bool is_above = layer >= solid.end || in_mm(layers_[layer].top) - solid.from_mm >= dead_zone_mm;
-    doses_.push_back(is_above ? share * nearer * full_doses_[i] : 0);
-  }
-  return underside_light(doses_, loss_, most_dimmed(count));
 }
 
 // True if the pixel belongs to a square of three by three pixels that are lit at least half.

@@ -12,9 +12,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/cure/cured_layers.hpp"
@@ -30,7 +32,7 @@ struct DimmedPixel {
   std::uint8_t share;   // of the pixel's light, in 255ths
 };
 
-// Multiplies the light of pixels by their shares. REQUIRES: pixels of the mask.
+// Multiplies the light of pixels of the mask by their shares.
 void dim(std::span<const DimmedPixel> pixels, Mask& light);
 
 // Returns the pixels of the display on which models stand, with a margin; one pixel if there are none.
@@ -44,11 +46,76 @@ struct UndersideCure {
   std::chrono::nanoseconds mask_budget{};  // for a mask that is computed ahead
 };
 
+// The coverage of layers in a window of the display.
+class LayerPictures {
+ public:
+  using Picture = std::vector<std::uint8_t>;  // by pixel of the window
+
+  // A mask that overruns `budget` is dark.
+  LayerPictures(ContourEngine engine, const PixelWindow& window, std::chrono::nanoseconds budget)
+      : engine_(std::move(engine)), window_(window), budget_(budget) {}
+
+  [[nodiscard]] std::span<const PlateModel> models() const { return engine_.models(); }
+  // Returns the coverage of a layer, without what the threshold leaves dark.
+  [[nodiscard]] Picture of(const LayerDose& layer);
+
+ private:
+  ContourEngine engine_;
+  PixelWindow window_;
+  std::chrono::nanoseconds budget_;
+};
+
+// The lowest places at which the lines through pixels' middles enter models within a range of heights.
+class ModelEntries {
+ public:
+  explicit ModelEntries(std::size_t pixels) : height_mm_(pixels, kNone) {}
+
+  // Finds the entries above a height and up to another. `window` has as many pixels as were given.
+  void find(std::span<const PlateModel> models, const PixelWindow& window, double above_mm, double up_to_mm);
+  // Returns the height of a pixel's entry; nullopt if it has none.
+  [[nodiscard]] std::optional<double> height_mm(std::size_t pixel) const;
+
+ private:
+  static constexpr float kNone = std::numeric_limits<float>::infinity();
+  std::vector<float> height_mm_;  // by pixel
+  std::vector<RayCrossing> crossings_;
+};
+
+// The light of solids that begin in one layer.
+class SolidLight {
+ public:
+  // A pixel's part above its underside.
+  struct Solid {
+    double underside_mm;
+    std::span<const std::uint8_t> coverage;  // by layer, from the one in which the solid begins
+    bool is_endless;                         // the solid goes on above these layers
+  };
+
+  explicit SolidLight(const CureSettings& resin);
+
+  // Prepares the light of solids that begin in the first of these layers, whose other layers are those that
+  // are computed ahead. REQUIRES: a layer, and at most UndersideDimming::kMostAhead + 1.
+  void begin(std::span<const LayerDose> layers);
+  // Returns the light of a solid's lowest layers. Remembers that of solids that are fully lit. REQUIRES: as
+  // many layers as were given at most, and one at least.
+  [[nodiscard]] UndersideLight of(const Solid& solid);
+
+ private:
+  [[nodiscard]] UndersideLight compute(const Solid& solid);
+
+  CureSettings resin_;
+  PeelLoss loss_;
+  std::span<const LayerDose> layers_;
+  double bottom_mm_ = 0, lowest_mm_ = 0;
+  std::vector<double> full_doses_;     // at the first layer's bottom, by layer
+  std::vector<double> doses_;          // of the last solid
+  std::vector<UndersideLight> known_;  // of solids that are fully lit, by height and number of layers
+};
+
 class UndersideDimming {
  public:
   // Prepares the dimming of a print whose engine has these models, settings and sections beside the models
-  // (`supports`, null if there are none). REQUIRES: no null models; the print's layers, rising from the
-  // plate; settings within their ranges.
+  // (`supports`, null if there are none). REQUIRES: a layer; layers rise from the plate.
   UndersideDimming(std::span<const PlateModel> models, std::shared_ptr<const SectionSource> supports,
                    const EngineSettings& settings, const UndersideCure& cure);
 
@@ -69,49 +136,30 @@ class UndersideDimming {
     std::size_t full_from;
     std::uint8_t next_share;  // light of the layer beneath full_from, in 255ths
   };
-  using Picture = std::vector<std::uint8_t>;  // coverage of window_'s pixels
-
-  // A pixel's layers from the one that begins at layer_ to the next dark one.
-  struct Solid {
-    std::size_t pixel;
-    double from_mm;
-    std::size_t end;  // the first dark layer, or the first that was not computed
-    bool is_endless;  // no dark layer was found
-  };
+  using Picture = LayerPictures::Picture;
 
   void restart_before(std::size_t layer);
   void advance();
-  [[nodiscard]] Picture picture(ContourEngine& engine, std::size_t layer) const;
   // Returns the coverage of a layer from the one beneath layer_ up to the last that was computed ahead.
-  [[nodiscard]] const Picture& ahead(std::size_t layer) const { return ahead_[layer - first_ahead_]; }
-  void find_heights();
-  void find_full_doses();
+  [[nodiscard]] const Picture& ahead(std::size_t layer) const { return ahead_[layer + 1 - layer_]; }
   void find_undersides();
   void find_underside(std::size_t pixel);
-  [[nodiscard]] UndersideLight light_of(const Solid& solid);
   [[nodiscard]] bool is_wide(std::size_t pixel, const Picture& picture) const;
   void list_dimmed();
 
-  ContourEngine models_;
-  std::optional<ContourEngine> supports_;
+  PixelWindow window_;
+  LayerPictures models_;
+  std::optional<LayerPictures> supports_;
   Pixels display_width_;
   std::vector<LayerDose> layers_;
-  CureSettings resin_;
-  PeelLoss loss_;
-  std::chrono::nanoseconds mask_budget_;
-  PixelWindow window_;
   std::size_t most_ahead_;
 
-  std::size_t layer_ = 0;  // that of dimmed_
-  bool is_started_ = false;
-  std::size_t first_ahead_ = 0;  // layer of ahead_.front()
-  std::deque<Picture> ahead_;    // models
+  std::size_t layer_ = 0;      // that of dimmed_
+  std::deque<Picture> ahead_;  // of the models, from the layer beneath layer_ up
   Picture supports_beneath_, supports_here_;
-  std::vector<float> height_mm_;       // by pixel: lowest entry into a model about layer_; 0: none
-  std::vector<RayCrossing> entries_;   // the entries of height_mm_
-  std::vector<double> full_doses_;     // at layer_'s bottom, by layer from layer_ up
-  std::vector<double> doses_;          // of the last solid
-  std::vector<UndersideLight> known_;  // of solids that are fully lit, by height and number of layers
+  ModelEntries entries_;
+  std::vector<std::uint8_t> column_;  // coverage of the last solid, by layer
+  SolidLight light_;
   std::vector<Underside> undersides_;
   std::vector<DimmedPixel> dimmed_;
 };
@@ -124,7 +172,7 @@ class DimmedMasks {
               std::optional<Mask> uniformity);
 
   // Returns the mask of a layer by its coverage, that of the models and what is beside them. Valid until the
-  // next call. Costs what UndersideDimming::dimmed() does. REQUIRES: a layer of the print.
+  // next call. Costs and requires what UndersideDimming::dimmed() does.
   [[nodiscard]] const Mask& mask(std::size_t layer, const Mask& coverage);
   // Returns the light of the last mask, before uniformity mask and gamma. Valid until the next mask.
   [[nodiscard]] const Mask& light() const { return light_; }

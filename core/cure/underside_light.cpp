@@ -17,8 +17,8 @@ double greatest_dose(std::span<const double> doses, double first_share, const Pe
   return greatest;
 }
 
-// Returns the share of its light that the first layer may give. REQUIRES: nothing is subtracted at a peel, so
-// that each layer's dose grows in proportion to that share.
+// Returns the share of its light that the first layer may give. Nothing is subtracted at a peel, so that the
+// dose after each layer grows in proportion to that share.
 double greatest_share(std::span<const double> doses, double kept) {
   double share = 1, dose = 0, of_first = doses.front();
   for (std::size_t layer = 0; layer < doses.size() && of_first > 0; ++layer) {

@@ -122,7 +122,7 @@ struct ResinMachine {
 // Returns, as a clause, what the profile lacks to expose undersides by dose; empty if it lacks nothing.
 [[nodiscard]] std::string missing_for_dimming(const ResinProfile& resin);
 
-// Returns the doses of layers, from the plate up. REQUIRES: as exposure_time().
+// Returns the doses of layers, from the plate up, by exposure_time().
 [[nodiscard]] std::vector<LayerDose> layer_doses(const ResinProfile& resin,
                                                  std::span<const Nanometers> thicknesses,
                                                  double irradiance_mw_cm2);

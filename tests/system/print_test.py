@@ -2,6 +2,7 @@
 
 import html
 import json
+import math
 import os
 import random
 import re
@@ -43,6 +44,53 @@ class MaskBudget(PrintTest):
         reason = daemon.refused("soup.stl", binary_stl(soup))
         self.assert_one_line(reason.encode(), "takes longer than mask_budget_ms, 100 ms", "steps", "facets cut")
         daemon.printed("sound.stl", SLAB)
+
+
+class Undersides(PrintTest):
+    """Masks of a slab of 1 mm on two pillars, with "undersides": "dose"."""
+
+    BRIDGE = binary_stl(box((-3, -2, 0), (-2, 2, 0.52)) + box((2, -2, 0), (3, 2, 0.52)) + box((-3, -2, 0.52), (3, 2, 1.5)))
+    DEPTH_UM, CRITICAL, OVERCURE_UM, LAYER_UM = 150, 8, 50, 50
+
+    def resin(self, **curve):
+        return {"undersides": "dose", "exposure_ms": None, "bottom_exposure_ms": None, "bottom_layers": 0, "fade_layers": 0,
+                "growth_um": 0, "elephant_foot_um": 0, "elephant_foot_height_um": 0,
+                "working_curve": {"penetration_depth_um": self.DEPTH_UM, "critical_energy_mj_cm2": self.CRITICAL,
+                                  "overcure_um": self.OVERCURE_UM, "bottom_overcure_um": self.OVERCURE_UM, **curve}}  # fmt: skip
+
+    def columns(self):
+        """Returns the grey values of a pixel of the span and of one on a pillar, by layer."""
+        pictures = [picture.rows[HEIGHT // 2] for picture in self.masks("part").values()]
+        return [row[WIDTH // 2] for row in pictures], [row[WIDTH // 2 + 50] for row in pictures]
+
+    def assert_critical_dose(self, memory):
+        self.printed(self.BRIDGE, resin=self.resin(peel_memory=memory))
+        span, pillar = self.columns()
+        self.assertEqual(pillar, [255] * 30)
+        full = math.exp((self.LAYER_UM + self.OVERCURE_UM) / self.DEPTH_UM)  # over Ec
+        running = greatest = 0
+        for layer, grey in enumerate(span):
+            above_um = (layer + 1) * self.LAYER_UM - 520
+            light = full * grey / 255 * math.exp(-above_um / self.DEPTH_UM) if above_um > 0 else 0
+            running = running * memory + light
+            greatest = max(greatest, running)
+        # Half a grey value of 255 changes the dose by 0.4 %.
+        self.assertAlmostEqual(greatest, 1, delta=0.005)
+        self.assertIn(0, span[10:])
+        self.assertEqual(span[-5:], [255] * 5)
+
+    def test_the_printed_masks_give_the_underside_the_critical_dose(self):
+        self.assert_critical_dose(memory=1)
+
+    def test_so_they_do_if_the_resin_forgets_some_of_it(self):
+        self.assert_critical_dose(memory=0.9)
+
+    def test_without_a_measured_memory_the_job_is_exposed_plainly_and_told(self):
+        report = self.printed(self.BRIDGE, resin=self.resin())
+        span, _ = self.columns()
+        self.assertEqual(set(span[11:]), {255})
+        self.assertEqual(len(report["model"]["warnings"]), 1)
+        self.assert_words(report["model"]["warnings"][0], "undersides are exposed plainly, not by dose", "no peel_memory")
 
 
 class Masks(PrintTest):

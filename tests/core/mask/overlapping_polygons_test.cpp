@@ -84,7 +84,9 @@ TEST_CASE("A pixel in which corners of bodies overlap is as bright as both toget
 TEST_CASE("Tangles whose sides cross in every nook of a pixel cover their non-zero set") {
   for (unsigned seed = 0; seed < 30; ++seed) {
     std::mt19937 random(seed);
-    const auto within = [&](double low, double high) { return low + (high - low) * random() / 4294967296.0; };
+    const auto within = [&](double low, double high) {
+      return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
+    };
     const double left = within(2, 40), top = within(2, 40), size = seed % 2 == 0 ? 0.3 : 1.0;
     Polygon tangle(200 + random() % 201);
     for (PixelPoint& p : tangle)
