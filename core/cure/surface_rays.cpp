@@ -57,16 +57,20 @@ std::size_t first_from(const std::vector<double>& at, double least) {
 
 class Crossings {
  public:
-  // Keeps crossings above `above` and up to `up_to` only.
-  explicit Crossings(Lattice lattice, double above = -std::numeric_limits<double>::infinity(),
-                     double up_to = std::numeric_limits<double>::infinity())
-      : lattice_(std::move(lattice)), above_(above), up_to_(up_to) {}
+  explicit Crossings(Lattice lattice) : lattice_(std::move(lattice)) {}
+  // Keeps entries within the range only.
+  Crossings(Lattice lattice, const RayRange& range)
+      : lattice_(std::move(lattice)),
+        above_(range.above_mm),
+        up_to_(range.up_to_mm),
+        steepest_(-std::numeric_limits<float>::min()) {}
 
   // `normal` points outwards, in millimetres.
   void add(const std::array<Coordinates, 3>& corners, const Coordinates& normal, const Coordinates& plane) {
     const double size = std::hypot(normal[0], normal[1], normal[2]);
     if (!(size > 0) || plane[lattice_.along] == 0) return;
     const auto steepness = static_cast<float>(normal[lattice_.along] / size);
+    if (steepness > steepest_) return;
     const auto [low, high] =
         std::minmax({corners[0][lattice_.up], corners[1][lattice_.up], corners[2][lattice_.up]});
     for (std::size_t up = first_from(lattice_.up_at, low);
@@ -74,6 +78,7 @@ class Crossings {
       add_row(corners, plane, up, steepness);
   }
 
+  [[nodiscard]] std::size_t count() const { return crossings_.size(); }
   [[nodiscard]] std::vector<RayCrossing> take() { return std::move(crossings_); }
 
  private:
@@ -112,7 +117,9 @@ class Crossings {
   }
 
   Lattice lattice_;
-  double above_, up_to_;
+  double above_ = -std::numeric_limits<double>::infinity();
+  double up_to_ = std::numeric_limits<double>::infinity();
+  float steepest_ = 1;  // of the crossings that are kept
   std::vector<RayCrossing> crossings_;
 };
 
@@ -168,22 +175,24 @@ std::vector<RayCrossing> cross_surface(std::span<const PlateModel> models, const
   return crossings.take();
 }
 
-std::vector<RayCrossing> cross_surface_between(std::span<const PlateModel> models, const PixelWindow& window,
-                                               double above_mm, double up_to_mm) {
-  Crossings crossings(lattice_of({.axis = RayAxis::Z, .window = window}), above_mm, up_to_mm);
+std::vector<RayCrossing> entries_between(std::span<const PlateModel> models, const PixelWindow& window,
+                                         const RayRange& range, MaskBudget& budget) {
+  Crossings crossings(lattice_of({.axis = RayAxis::Z, .window = window}), range);
   for (const PlateModel& model : models) {
     expects(model.model != nullptr, "no null pointers");
     const double lift = model.elevation.lift(model.model->bounds()).count();
+    const double above = range.above_mm - lift, up_to = range.up_to_mm - lift;
+    const auto add = [&](const HeightIndex::Candidate& candidate) {
+      if (static_cast<double>(candidate.high) <= above || static_cast<double>(candidate.low) > up_to) return;
+      const std::size_t before = crossings.count();
+      for (const PixelMap& map : model.copies) {
+        if (!budget.spend(1) || !budget.can_hold(crossings.count())) return;
+        Copy(model, map).cross(model.model->facets()[candidate.facet], crossings);
+      }
+      (void)budget.spend(crossings.count() - before);
+    };
     model.model->for_each_candidate_run(
-        above_mm - lift, up_to_mm - lift, [&](std::span<const HeightIndex::Candidate> candidates) {
-          for (const HeightIndex::Candidate& candidate : candidates) {
-            if (static_cast<double>(candidate.high) <= above_mm - lift ||
-                static_cast<double>(candidate.low) > up_to_mm - lift)
-              continue;
-            for (const PixelMap& map : model.copies)
-              Copy(model, map).cross(model.model->facets()[candidate.facet], crossings);
-          }
-        });
+        above, up_to, [&](std::span<const HeightIndex::Candidate> run) { std::ranges::for_each(run, add); });
   }
   return crossings.take();
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/engine/contour_engine.hpp"
+#include "core/geometry/mask_budget.hpp"
 
 namespace contourd {
 
@@ -52,11 +53,17 @@ struct RayStretch {
 // fewer than 2^32 lines.
 [[nodiscard]] std::vector<RayCrossing> cross_surface(std::span<const PlateModel> models, const Rays& rays);
 
-// Returns the crossings of vertical lines only, from the height `above_mm` (exclusive) to `up_to_mm`
-// (inclusive). Looks at facets with a point there only. REQUIRES: no null pointers; above_mm <= up_to_mm.
-[[nodiscard]] std::vector<RayCrossing> cross_surface_between(std::span<const PlateModel> models,
-                                                             const PixelWindow& window, double above_mm,
-                                                             double up_to_mm);
+// A range of heights above the plate on vertical lines.
+struct RayRange {
+  double above_mm = 0, up_to_mm = 0;  // the lower end does not belong to it
+};
+
+// Returns the crossings at which vertical lines enter models within a range of heights. Looks at facets with
+// a point there only. Ends with those found so far if the budget is overrun. REQUIRES: no null pointers; the
+// lower end is not above the upper.
+[[nodiscard]] std::vector<RayCrossing> entries_between(std::span<const PlateModel> models,
+                                                       const PixelWindow& window, const RayRange& range,
+                                                       MaskBudget& budget);
 
 // Returns the stretches within the models, by ray and from low to high: where more surfaces were entered than
 // left. Stretches of no length are left out.

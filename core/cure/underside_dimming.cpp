@@ -131,8 +131,8 @@ UndersideLight SolidLight::compute(const Solid& solid) {
 
 LayerPictures::Picture LayerPictures::of(const LayerDose& layer) {
   Picture picture(window_.pixels());
-  MaskBudget budget(MaskBudget::Clock::now() + budget_);
-  if (engine_.mask_within(layer.top - layer.thickness + layer.thickness / 2, budget) == nullptr)
+  MaskBudget spent = budget();
+  if (engine_.mask_within(layer.top - layer.thickness + layer.thickness / 2, spent) == nullptr)
     return picture;
   const std::uint8_t threshold = engine_.threshold();
   auto to = picture.begin();
@@ -146,12 +146,11 @@ LayerPictures::Picture LayerPictures::of(const LayerDose& layer) {
   return picture;
 }
 
-void ModelEntries::find(std::span<const PlateModel> models, const PixelWindow& window, double above_mm,
-                        double up_to_mm) {
+void ModelEntries::find(std::span<const PlateModel> models, const PixelWindow& window, const RayRange& range,
+                        MaskBudget& budget) {
   for (const RayCrossing& crossing : crossings_)
     height_mm_[crossing.ray] = kNone;
-  crossings_ = cross_surface_between(models, window, above_mm, up_to_mm);
-  std::erase_if(crossings_, [](const RayCrossing& crossing) { return crossing.steepness >= 0; });
+  crossings_ = entries_between(models, window, range, budget);
   for (const RayCrossing& crossing : crossings_)
     height_mm_[crossing.ray] = std::min(height_mm_[crossing.ray], crossing.at);
 }
@@ -217,14 +216,17 @@ void UndersideDimming::advance() {
     supports_here_ = supports_->of(layers_[layer_]);
   }
   const bool is_last = layer_ + 1 == layers_.size();
-  entries_.find(models_.models(), window_, middle_mm(layers_[layer_ - 1]),
-                is_last ? in_mm(layers_[layer_].top) : middle_mm(layers_[layer_ + 1]));
+  MaskBudget budget = models_.budget();
+  entries_.find(
+      models_.models(), window_,
+      {middle_mm(layers_[layer_ - 1]), is_last ? in_mm(layers_[layer_].top) : middle_mm(layers_[layer_ + 1])},
+      budget);
   light_.begin(std::span(layers_).subspan(layer_, end - layer_));
-  find_undersides();
+  find_undersides(budget);
   list_dimmed();
 }
 
-void UndersideDimming::find_undersides() {
+void UndersideDimming::find_undersides(MaskBudget& budget) {
   const Picture &beneath = ahead(layer_ - 1), &here = ahead(layer_);
   constexpr std::size_t kBlock = 64;  // most blocks have no underside
   for (std::size_t begin = 0; begin < here.size(); begin += kBlock) {
@@ -232,6 +234,7 @@ void UndersideDimming::find_undersides() {
     bool begins = false;
     for (std::size_t pixel = begin; pixel < end; ++pixel)
       begins |= here[pixel] != 0 && beneath[pixel] == 0;
+    if (begins && !budget.spend(kBlock)) return;
     for (std::size_t pixel = begin; begins && pixel < end; ++pixel)
       if (here[pixel] != 0 && beneath[pixel] == 0) find_underside(pixel);
   }

@@ -43,7 +43,7 @@ void dim(std::span<const DimmedPixel> pixels, Mask& light);
 struct UndersideCure {
   std::vector<LayerDose> layers;
   CureSettings resin{};
-  std::chrono::nanoseconds mask_budget{};  // for a mask that is computed ahead
+  std::chrono::nanoseconds mask_budget{};  // for a mask that is computed ahead, and for a layer's undersides
 };
 
 // The coverage of layers in a window of the display.
@@ -56,6 +56,8 @@ class LayerPictures {
       : engine_(std::move(engine)), window_(window), budget_(budget) {}
 
   [[nodiscard]] std::span<const PlateModel> models() const { return engine_.models(); }
+  // Returns the budget of a mask that is begun now.
+  [[nodiscard]] MaskBudget budget() const { return MaskBudget(MaskBudget::Clock::now() + budget_); }
   // Returns the coverage of a layer, without what the threshold leaves dark.
   [[nodiscard]] Picture of(const LayerDose& layer);
 
@@ -70,8 +72,10 @@ class ModelEntries {
  public:
   explicit ModelEntries(std::size_t pixels) : height_mm_(pixels, kNone) {}
 
-  // Finds the entries above a height and up to another. `window` has as many pixels as were given.
-  void find(std::span<const PlateModel> models, const PixelWindow& window, double above_mm, double up_to_mm);
+  // Finds the entries within a range of heights; some may lack if the budget is overrun. `window` has as many
+  // pixels as were given.
+  void find(std::span<const PlateModel> models, const PixelWindow& window, const RayRange& range,
+            MaskBudget& budget);
   // Returns the height of a pixel's entry; nullopt if it has none.
   [[nodiscard]] std::optional<double> height_mm(std::size_t pixel) const;
 
@@ -126,7 +130,8 @@ class UndersideDimming {
 
   // Returns the pixels of a layer that get less light than their mask gives them. Valid until the next call.
   // Costs a mask if the layer follows the last one; else up to twice as many as there are layers ahead. A
-  // mask that overruns its budget counts as dark. REQUIRES: a layer of the print.
+  // mask ahead that overruns its budget counts as dark; undersides of a layer that are not found within
+  // another budget keep their light. REQUIRES: a layer of the print.
   [[nodiscard]] std::span<const DimmedPixel> dimmed(std::size_t layer);
 
  private:
@@ -142,7 +147,7 @@ class UndersideDimming {
   void advance();
   // Returns the coverage of a layer from the one beneath layer_ up to the last that was computed ahead.
   [[nodiscard]] const Picture& ahead(std::size_t layer) const { return ahead_[layer + 1 - layer_]; }
-  void find_undersides();
+  void find_undersides(MaskBudget& budget);
   void find_underside(std::size_t pixel);
   [[nodiscard]] bool is_wide(std::size_t pixel, const Picture& picture) const;
   void list_dimmed();

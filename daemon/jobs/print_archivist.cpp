@@ -44,9 +44,8 @@ void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& f
     report.preview = encode_picture(draw_job(*print.engine, supports, printed_height(report)), supports);
   });
   attempt("no pictures of layers", filed, [&] {
-    report.layer_pictures =
-        draw_layer_pictures(report, {*print.engine, print.undersides.get()},
-                            MaskBudget::Clock::now() + kLongestLayerPictures);
+    report.layer_pictures = draw_layer_pictures(report, {*print.engine, print.undersides.get()},
+                                                MaskBudget::Clock::now() + kLongestLayerPictures);
   });
   attempt("no report.html", filed,
           [&] { spool.write_beside(folder, report.job, "report.html", report_as_html(report)); });
