@@ -60,17 +60,14 @@ class Crossings {
   explicit Crossings(Lattice lattice) : lattice_(std::move(lattice)) {}
   // Keeps entries within the range only.
   Crossings(Lattice lattice, const RayRange& range)
-      : lattice_(std::move(lattice)),
-        above_(range.above_mm),
-        up_to_(range.up_to_mm),
-        steepest_(-std::numeric_limits<float>::min()) {}
+      : lattice_(std::move(lattice)), above_(range.above_mm), up_to_(range.up_to_mm), entries_only_(true) {}
 
   // `normal` points outwards, in millimetres.
   void add(const std::array<Coordinates, 3>& corners, const Coordinates& normal, const Coordinates& plane) {
     const double size = std::hypot(normal[0], normal[1], normal[2]);
     if (!(size > 0) || plane[lattice_.along] == 0) return;
     const auto steepness = static_cast<float>(normal[lattice_.along] / size);
-    if (steepness > steepest_) return;
+    if (entries_only_ && steepness >= 0) return;
     const auto [low, high] =
         std::minmax({corners[0][lattice_.up], corners[1][lattice_.up], corners[2][lattice_.up]});
     for (std::size_t up = first_from(lattice_.up_at, low);
@@ -119,7 +116,7 @@ class Crossings {
   Lattice lattice_;
   double above_ = -std::numeric_limits<double>::infinity();
   double up_to_ = std::numeric_limits<double>::infinity();
-  float steepest_ = 1;  // of the crossings that are kept
+  bool entries_only_ = false;
   std::vector<RayCrossing> crossings_;
 };
 
@@ -186,7 +183,7 @@ std::vector<RayCrossing> entries_between(std::span<const PlateModel> models, con
       if (static_cast<double>(candidate.high) <= above || static_cast<double>(candidate.low) > up_to) return;
       const std::size_t before = crossings.count();
       for (const PixelMap& map : model.copies) {
-        if (!budget.spend(1) || !budget.can_hold(crossings.count())) return;
+        if (!budget.spend(1) || crossings.count() >= window.pixels()) return;
         Copy(model, map).cross(model.model->facets()[candidate.facet], crossings);
       }
       (void)budget.spend(crossings.count() - before);

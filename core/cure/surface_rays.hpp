@@ -59,7 +59,8 @@ struct RayRange {
 };
 
 // Returns the crossings at which vertical lines enter models within a range of heights. Looks at facets with
-// a point there only. Ends with those found so far if the budget is overrun. REQUIRES: no null pointers; the
+// a point there only. Ends with those found so far if the budget is overrun, or after an entry for each pixel
+// of the window, and at most as many again. REQUIRES: no null pointers; the
 // lower end is not above the upper.
 [[nodiscard]] std::vector<RayCrossing> entries_between(std::span<const PlateModel> models,
                                                        const PixelWindow& window, const RayRange& range,

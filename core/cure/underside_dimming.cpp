@@ -13,7 +13,7 @@
 namespace contourd {
 namespace {
 
-constexpr double kHeightStep = 1e-3;  // mm: undersides are told apart by a micrometre
+constexpr double kHeightStep = 1e-3;  // mm: the light is computed for each micrometre
 constexpr std::size_t kLayerCounts = UndersideDimming::kMostAhead + 3;  // none, some, and an endless solid's
 constexpr std::size_t kUnknown = std::numeric_limits<std::size_t>::max();
 
@@ -185,7 +185,7 @@ std::uint64_t UndersideDimming::most_memory(const DisplayGeometry& display, cons
   // The layer beneath, this layer and those ahead; supports; heights and the list of their entries; masks of
   // two engines and of DimmedMasks.
   return pixels *
-         (layers_ahead(cure.layers, cure.resin.curve) + 2 + 2 + sizeof(float) + sizeof(RayCrossing) + 6);
+         (layers_ahead(cure.layers, cure.resin.curve) + 2 + 2 + sizeof(float) + 2 * sizeof(RayCrossing) + 6);
 }
 
 std::span<const DimmedPixel> UndersideDimming::dimmed(std::size_t layer) {

@@ -22,10 +22,10 @@ struct UndersideLight {
   bool operator==(const UndersideLight&) const = default;
 };
 
-// What liquid resin keeps of its dose at a peel.
+// The loss of dose of liquid resin at a peel.
 struct PeelLoss {
-  double kept = 1;  // share, 0 to 1
-  double lost = 0;  // subtracted from what is kept, over Ec; not negative
+  double kept = 1;  // share that is kept, 0 to 1
+  double lost = 0;  // subtracted from the kept dose, over Ec; not negative
 };
 
 // Returns the light of a solid's lowest layers. `doses`: of each layer, as far up as they count, the dose

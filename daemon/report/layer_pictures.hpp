@@ -36,7 +36,7 @@ struct ChosenLayer {
                                   std::span<const SupportPrimitive> supports = {});
 // Returns the supports of the job.
 [[nodiscard]] std::span<const SupportPrimitive> supports_of(const JobSummary& job);
-// What makes the masks of a print.
+// The makers of a print's masks.
 struct PrintedMasks {
   ContourEngine& engine;
   DimmedMasks* undersides = nullptr;  // null: none were dimmed

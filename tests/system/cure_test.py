@@ -80,6 +80,13 @@ class Undersides(CureTest):
             self.assertLess(dose["undersides"]["p95_um"], 2.5)  # a grey step
             self.assertLess(dose["missing_mm3"], 0.01)
 
+    def test_a_profile_that_lacks_the_memory_is_cured_as_it_is_printed(self):
+        path = self.resin()
+        with open(path, encoding="utf-8") as file:
+            profile = json.load(file)
+        self.write("resin.json", json.dumps(profile | {"undersides": "dose"}).encode())
+        self.assertAlmostEqual(self.cure(BRIDGE, "--resin", path)["undersides"]["median_um"], 239, delta=0.6)
+
     def test_they_need_a_measured_memory(self):
         result = contourctl("cure", "--resin", self.resin(), "--undersides", "dose", self.write("m.stl", BRIDGE), expect=BAD_DATA)
         self.assertIn(b"undersides cannot be exposed by dose: the working_curve of the resin resin has no peel_memory", result.stderr)

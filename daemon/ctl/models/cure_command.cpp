@@ -73,13 +73,15 @@ CureSettings cure_of(const ResinProfile& resin) {
 void take_resin(const ResinProfile& resin, const CureOptions& options, CureSubject& subject) {
   subject.resin = resin.name;
   subject.cure = cure_of(resin);
+  subject.memory_is_measured = resin.peel_memory_measured;
   subject.undersides = resin.undersides;
   if (options.undersides)
     subject.undersides = *options.undersides == "dose" ? Undersides::Dose : Undersides::Plain;
   const std::string missing = missing_for_dimming(resin);
-  if (subject.undersides == Undersides::Dose && !missing.empty())
+  if (subject.undersides == Undersides::Plain || missing.empty()) return;
+  if (options.undersides)
     throw ModelError(fmt::format("undersides cannot be exposed by dose: {}", printable(missing)));
-  subject.memory_is_measured = resin.peel_memory_measured;
+  subject.undersides = Undersides::Plain;  // as in a print
 }
 
 // Prepares the model in the middle of a display, without a printer's configuration.

@@ -25,14 +25,12 @@ const DisplayGeometry kScreen{Pixels{300}, Pixels{200}, Micrometers{50}};
 // A model on the plate whose undersides are dimmed.
 class DimmedPrint {
  public:
-  explicit DimmedPrint(models::Facets facets, double memory = 1,
-                       EngineSettings settings = {.display = kScreen})
-      : settings_(std::move(settings)) {
+  explicit DimmedPrint(models::Facets facets, double memory = 1, const WorkingCurve& resin = kResin) {
     auto model = std::make_shared<const HeightIndex>(std::move(facets));
     const LayerStack stack = layers_for(Millimeters{model->bounds().size_z()}, kHeight);
     for (std::int32_t layer = 0; layer < stack.count; ++layer)
-      cure_.layers.push_back({kHeight * (layer + 1), kHeight, kResin.dose_for(Micrometers{100})});
-    cure_.resin = {.curve = kResin, .peel_memory = memory};
+      cure_.layers.push_back({kHeight * (layer + 1), kHeight, resin.dose_for(Micrometers{100})});
+    cure_.resin = {.curve = resin, .peel_memory = memory};
     cure_.mask_budget = kBudget;
     const PixelMap map = PixelMap::true_scale(settings_.display, model->bounds().center());
     std::vector<PlateModel> models;
@@ -60,7 +58,7 @@ class DimmedPrint {
   }
 
  private:
-  EngineSettings settings_;
+  EngineSettings settings_{.display = kScreen};
   UndersideCure cure_;
   std::optional<ContourEngine> engine_;
   std::optional<UndersideDimming> undersides_;
@@ -170,11 +168,12 @@ TEST_CASE("What stands on the plate, and what is less than three pixels wide, ke
 }
 
 TEST_CASE("Dimming leaves no part of a layer without hold") {
-  for (const float lean_mm : {0.5F, 2.0F, 5.0F}) {
-    for (const float thick_mm : {0.15F, 0.2F, 0.3F, 0.6F}) {
+  for (const float lean_mm : {0.5F, 1.0F, 2.0F, 5.0F}) {
+    for (const float thick_mm : {0.15F, 0.2F, 0.25F, 0.3F, 0.6F}) {
       CAPTURE(lean_mm, thick_mm);
       // A bar that leans by `lean_mm` over 2 mm of height.
-      DimmedPrint print(leaning_bar(thick_mm, lean_mm));
+      // Light goes deep, so that many layers would be dimmed.
+      DimmedPrint print(leaning_bar(thick_mm, lean_mm), 1, {Micrometers{300}, MillijoulesPerCm2{8}});
       Mask beneath = print.light(0);
       for (std::size_t layer = 1; layer < print.layers(); ++layer) {
         const Mask light = print.light(layer);
