@@ -31,13 +31,6 @@ std::optional<std::smatch> only_match(const std::string& text, const std::regex&
   return match;
 }
 
-std::string read_all(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string text((std::istreambuf_iterator<char>(stream)), {});
-  if (!stream) throw std::system_error(errno, std::generic_category(), "cannot read " + file.string());
-  return text;
-}
-
 [[noreturn]] void fail(const std::string& what, const fs::path& file) {
   throw std::system_error(errno, std::generic_category(), what + " " + file.string());
 }
@@ -123,11 +116,23 @@ std::string with_number(const std::string& text, std::string_view section, std::
 }
 
 void set_config_number(const fs::path& file, std::string_view section, std::string_view key, double number) {
-  const fs::path path = fs::canonical(file);
-  (void)load_printer_config(path);
-  Replacement replacement(path);
-  replacement.write(with_number(read_all(path), section, key, number));
-  (void)load_printer_config(replacement.path());
+  (void)load_printer_config(file);
+  replace_file(file, with_number(read_text(file), section, key, number),
+               [](const fs::path& changed) { (void)load_printer_config(changed); });
+}
+
+std::string read_text(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string text((std::istreambuf_iterator<char>(stream)), {});
+  if (!stream) throw std::system_error(errno, std::generic_category(), "cannot read " + file.string());
+  return text;
+}
+
+void replace_file(const fs::path& file, const std::string& text,
+                  const std::function<void(const fs::path&)>& check) {
+  Replacement replacement(fs::canonical(file));
+  replacement.write(text);
+  check(replacement.path());
   replacement.place();
 }
 

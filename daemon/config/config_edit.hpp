@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,6 +20,16 @@ namespace contourd {
 // the new file is invalid, std::runtime_error as with_number() does, and std::system_error.
 void set_config_number(const std::filesystem::path& file, std::string_view section, std::string_view key,
                        double number);
+
+// Returns the content of a file. Throws std::system_error.
+[[nodiscard]] std::string read_text(const std::filesystem::path& file);
+
+// Replaces an existing file with the text if `check`, called with the path of a file that holds the text,
+// does not throw. Links are followed. The new file has the owner and permissions of the old one and is never
+// partly written. Blocks until the data is on the disk. Throws std::system_error, and what `check` throws;
+// then the file is unchanged.
+void replace_file(const std::filesystem::path& file, const std::string& text,
+                  const std::function<void(const std::filesystem::path&)>& check);
 
 // The treatment of the previous file.
 enum class FileBefore {

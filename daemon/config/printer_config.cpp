@@ -291,9 +291,13 @@ ResinProfile find_resin(const PrinterConfig& printer, std::string_view name) {
     throw ConfigError({{printer.resins_folder.string(), "",
                         no_such_profile("resin profile", printer.resins_folder, name)}});
   }
-  return load_resin_profile(*file, {.travel = printer.travel,
-                                    .irradiance_mw_cm2 = printer.irradiance_mw_cm2,
-                                    .top_speed = printer.top_speed});
+  return load_resin_profile(*file, resin_machine(printer));
+}
+
+ResinMachine resin_machine(const PrinterConfig& printer) {
+  return {.travel = printer.travel,
+          .irradiance_mw_cm2 = printer.irradiance_mw_cm2,
+          .top_speed = printer.top_speed};
 }
 
 std::vector<Violation> implausible_in_other_resins(const PrinterConfig& printer) {

@@ -89,6 +89,9 @@ enum class Places { Here, Elsewhere };
 // names.
 [[nodiscard]] ResinProfile find_resin(const PrinterConfig& printer, std::string_view name);
 
+// Returns the limits that the printer sets to its resin profiles.
+[[nodiscard]] ResinMachine resin_machine(const PrinterConfig& printer);
+
 // Returns the violations of and the warnings about all other resin profiles, which a ticket may name.
 [[nodiscard]] std::vector<Violation> implausible_in_other_resins(const PrinterConfig& printer);
 

@@ -8,8 +8,10 @@
 #include <system_error>
 #include <vector>
 
+#include "core/calibration/line_fit.hpp"
 #include "core/formats/model_reader.hpp"
 #include "core/layers/layers.hpp"
+#include "daemon/ctl/calibration/calibration_commands.hpp"
 #include "daemon/ctl/commands/commands.hpp"
 #include "daemon/ctl/models/model_commands.hpp"
 #include "daemon/ctl/setup/setup_command.hpp"
@@ -35,6 +37,7 @@ void add_commands(Command& program) {
   const std::vector<CommandGroup> groups{
       {"Printing", {add_submit, add_status, add_watch, add_queue, add_print_control, add_mask, add_offer}},
       {"Models", {add_inspect, add_preview, add_analyze, add_cure, add_orient, add_support, add_slice}},
+      {"Calibration", {add_calibrate, add_fit}},
       {"History and wear", {add_history}},
       {"By hand", {add_manual, add_jog, add_switches}},
       {"Setup and diagnosis", {add_setup, add_level, add_config, add_diagnose, add_logs}},
@@ -69,6 +72,8 @@ int main(int argc, char** argv) {
   } catch (const UsageError& error) {
     return complain(contourd::kBadUsage, error.what());
   } catch (const contourd::ModelError& error) {
+    return complain(kBadData, error.what());
+  } catch (const contourd::CalibrationRefused& error) {
     return complain(kBadData, error.what());
   } catch (const contourd::TooManyLayers& error) {
     return complain(kBadData, error.what());

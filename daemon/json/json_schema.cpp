@@ -9,9 +9,9 @@ namespace contourd {
 namespace {
 
 struct Schemas {
-  JsonSchema printer{contourd_schema_text, "contourd.schema.json"};
   JsonSchema projector{projector_schema_text, "projector.schema.json"};
   JsonSchema resin{resin_schema_text, "resin.schema.json"};
+  JsonSchema printer{contourd_schema_text, "contourd.schema.json", resin};
   JsonSchema ticket{ticket_schema_text, "ticket.schema.json"};
   JsonSchema plate{plate_schema_text, "plate.schema.json", ticket};
 };

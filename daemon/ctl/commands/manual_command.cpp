@@ -360,6 +360,15 @@ int control_by_hand(const ClientOptions& options, const Request& request, WaitFo
   return carry_out(connection, options, request, what);
 }
 
+ShownPicture::ShownPicture(const ClientOptions& options, const Mask& picture) : connection_(options.socket) {
+  std::optional<Json> refusal = upload(connection_, encode_png(picture));
+  if (!refusal) {
+    Json reply = connection_.ask({"show", {{"uploaded", true}}});
+    if (reply.contains("error")) refusal = std::move(reply);
+  }
+  if (refusal) throw DaemonError((*refusal)["error"].value("message", ""));
+}
+
 std::string describe_homing_shift(double shift_um) {
   return fmt::format("found {:.1f} um {} than at the previous homing", std::abs(shift_um),
                      shift_um < 0 ? "lower" : "higher");

@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "core/mask/mask.hpp"
+#include "daemon/client/daemon_connection.hpp"
 #include "daemon/ctl/terminal/client.hpp"
 
 namespace contourd::ctl {
@@ -20,6 +22,16 @@ enum class WaitFor {
 };
 // Sends the request, prints each phase, and waits. Returns the exit code.
 int control_by_hand(const ClientOptions& options, const Request& request, WaitFor what);
+
+// A picture on the display, black again at this object's end. Not thread-safe; blocks.
+class ShownPicture {
+ public:
+  // Throws DaemonError if contourd cannot be reached or refuses the picture.
+  ShownPicture(const ClientOptions& options, const Mask& picture);
+
+ private:
+  DaemonConnection connection_;  // contourd ends the picture with it
+};
 
 // Describes the limit switch's shift since the previous homing: "found 1.3 um higher than at the previous
 // homing".

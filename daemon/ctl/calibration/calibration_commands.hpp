@@ -1,0 +1,18 @@
+// The commands that calibrate a resin and a projector. Each function adds commands to the program or to a
+// group. The commands throw exceptions for problems with the data or the daemon (see exit_codes.hpp).
+#pragma once
+
+#include "daemon/ctl/terminal/command.hpp"
+
+namespace contourd::ctl {
+
+// Adds the group `calibrate`, which makes calibration prints.
+void add_calibrate(Command& program);
+// Adds the group `fit`, which computes figures from what was measured on them.
+void add_fit(Command& program);
+
+// Add the commands of both groups for the resin's working curve and for the projector's gamma.
+void add_calibrate_windows(Command& calibrate);
+void add_fit_windows(Command& fit);
+
+}  // namespace contourd::ctl

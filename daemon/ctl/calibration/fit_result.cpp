@@ -1,0 +1,135 @@
+#include "daemon/ctl/calibration/fit_result.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <stdexcept>
+
+#include "daemon/client/control_defaults.hpp"
+#include "daemon/config/config_edit.hpp"
+#include "daemon/ctl/models/model_arguments.hpp"
+#include "daemon/ctl/terminal/client.hpp"
+#include "daemon/ctl/terminal/dialog.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/json/profile_file.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+// Returns the present value of a key, or "absent".
+std::string present_value(const Json& file, const std::string& key) {
+  const Json::json_pointer place(key);
+  return file.contains(place) ? file.at(place).dump() : "absent";
+}
+
+void print_result(const FitResult& result, const Json& before) {
+  for (const auto& [key, value, uncertainty] : result.values)
+    fmt::print("{:<40} {:>10}{}   now {}\n", key.substr(1), value.is_null() ? "removed" : value.dump(),
+               uncertainty ? fmt::format(" +- {:<8.3g}", *uncertainty) : std::string(12, ' '),
+               present_value(before, key));
+  if (!result.points.empty()) {
+    fmt::print("\n{:>14} {:>12} {:>10} {:>13}\n", result.given_heading, "measured um", "fitted um",
+               "difference um");
+    for (const auto& [given, measured, fitted] : result.points)
+      fmt::print("{:>14.5g} {:>12.5g} {:>10.4g} {:>13.2g}\n", given, measured, fitted, measured - fitted);
+    fmt::print("scatter about the fit: {:.3g} um\n", result.scatter_um);
+  }
+  for (const std::string& note : result.notes)
+    fmt::print("note: {}\n", note);
+}
+
+Json json_of(const FitResult& result, bool written) {
+  Json json{{"kind", result.kind}, {"values", Json::array()}, {"points", Json::array()}};
+  for (const auto& [key, value, uncertainty] : result.values) {
+    Json one{{"key", key}, {"value", value}};
+    if (uncertainty) one["uncertainty"] = *uncertainty;
+    json["values"].push_back(std::move(one));
+  }
+  for (const auto& [given, measured, fitted] : result.points)
+    json["points"].push_back({{"given", given}, {"measured_um", measured}, {"fitted_um", fitted}});
+  json["scatter_um"] = result.scatter_um;
+  json["notes"] = result.notes;
+  json["written"] = written;
+  return json;
+}
+
+}  // namespace
+
+void add_fit_options(Command& command, FitArgs& args) {
+  args.printer = kDefaultConfig;
+  command.option("--printer", args.printer, "Configuration of the printer");
+  command.option("--lamp-hours", args.lamp_hours, "Hours of the lamp, to be kept with the result");
+  command.option("--accept", args.accept, "Write the result");
+  command.option("--json", args.json, "Print JSON");
+}
+
+std::vector<std::pair<double, double>> parse_measured(const std::vector<std::string>& words) {
+  std::vector<std::pair<double, double>> pairs;
+  for (const std::string& word : words) {
+    const std::size_t middle = std::min(word.find('='), word.size());
+    const auto given = number_of(word.substr(0, middle));
+    const auto measured = number_of(word.substr(std::min(middle + 1, word.size())));
+    if (!given || !measured)
+      throw UsageError(
+          fmt::format("\"{}\" is not a measurement, two numbers as in 37.5=210", printable(word)));
+    pairs.emplace_back(*given, *measured);
+  }
+  return pairs;
+}
+
+double rounded(double number) {
+  if (number == 0 || !std::isfinite(number)) return number;
+  const double unit = std::pow(10, 3 - std::floor(std::log10(std::abs(number))));
+  return std::round(number * unit) / unit;
+}
+
+FitTarget resin_target(const PrinterConfig& printer, const std::string& resin) {
+  (void)find_resin(printer, resin);  // names the profile's mistakes, or the existing profiles
+  return {
+      profile_file(printer.resins_folder, resin).value(),
+      [machine = resin_machine(printer)](const fs::path& file) { (void)load_resin_profile(file, machine); }};
+}
+
+FitTarget printer_target(const fs::path& printer) {
+  return {printer, [](const fs::path& file) { (void)load_printer_config(file, Places::Elsewhere); }};
+}
+
+int finish_fit(const FitArgs& args, const FitTarget& target, const FitResult& result) {
+  const std::string before = read_text(target.file);
+  const Calibration calibration{.kind = result.kind,
+                                .date = local_time(std::chrono::system_clock::now()).substr(0, 10),
+                                .lamp_hours = args.lamp_hours,
+                                .values = result.values};
+  if (!args.json) print_result(result, Json::parse(before));
+  if (args.accept) replace_file(target.file, with_calibration(before, calibration), target.check);
+  if (args.json)
+    print_json(json_of(result, args.accept));
+  else if (args.accept)
+    fmt::print("Written to {}; contourctl fit undo takes it back.\n", printable(target.file.string()));
+  else
+    fmt::print("Nothing was written: --accept writes these values to {}.\n", printable(target.file.string()));
+  return kOk;
+}
+
+int undo_fit(const FitTarget& target) {
+  const std::string text = read_text(target.file);
+  UndoneCalibration undone;
+  try {
+    undone = without_last_calibration(text);
+  } catch (const std::runtime_error& error) {
+    throw CalibrationRefused(fmt::format("{}: {}", target.file.string(), error.what()));
+  }
+  replace_file(target.file, undone.text, target.check);
+  fmt::print("{}: the calibration {} of {} was taken back.\n", printable(target.file.string()),
+             printable(undone.kind), printable(undone.date));
+  return kOk;
+}
+
+}  // namespace contourd::ctl

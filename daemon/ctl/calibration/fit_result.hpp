@@ -1,0 +1,64 @@
+// Figures that were computed from measurements: how they are printed, and written into a resin profile or the
+// printer's configuration. Blocks. Not thread-safe.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/calibration/line_fit.hpp"
+#include "daemon/config/calibration_record.hpp"
+#include "daemon/config/printer_config.hpp"
+#include "daemon/ctl/terminal/command.hpp"
+
+namespace contourd::ctl {
+
+// Arguments of each command of `fit`.
+struct FitArgs {
+  std::filesystem::path printer;
+  std::optional<double> lamp_hours;
+  bool accept = false, json = false;
+};
+// Adds the options.
+void add_fit_options(Command& command, FitArgs& args);
+
+// Parses "10=85": what was made or drawn, and what was measured. Throws UsageError for any other text.
+[[nodiscard]] std::vector<std::pair<double, double>> parse_measured(const std::vector<std::string>& words);
+
+// Rounds to four significant digits, as a figure is written into a file.
+[[nodiscard]] double rounded(double number);
+
+// A measurement beside the fit.
+struct FittedPoint {
+  double given = 0, measured = 0, fitted = 0;
+};
+
+struct FitResult {
+  std::string kind;                       // as in the group `fit`
+  std::vector<CalibratedValue> values{};  // to be written
+  std::string given_heading{};            // heading of FittedPoint::given: "dose mJ/cm²"
+  std::vector<FittedPoint> points{};      // lengths in um
+  double scatter_um = 0;                  // of the measurements about the fit
+  std::vector<std::string> notes{};       // sentences
+};
+
+// A file that gets the figures, and its check, which throws ConfigError.
+struct FitTarget {
+  std::filesystem::path file;
+  std::function<void(const std::filesystem::path&)> check;
+};
+// Return the resin profile of that name, and the printer's configuration. Throw ConfigError.
+[[nodiscard]] FitTarget resin_target(const PrinterConfig& printer, const std::string& resin);
+[[nodiscard]] FitTarget printer_target(const std::filesystem::path& printer);
+
+// Prints the result and, with --accept, writes its values into the file. Returns the exit code. Throws
+// ConfigError if the file with the values would be invalid; then it is unchanged.
+int finish_fit(const FitArgs& args, const FitTarget& target, const FitResult& result);
+// Takes back the last calibration in the file. Returns the exit code.
+int undo_fit(const FitTarget& target);
+
+}  // namespace contourd::ctl

@@ -1,0 +1,35 @@
+// Tests that the functions of core/calibration check their requirements.
+#include <array>
+#include <cstdint>
+
+#include "core/calibration/calibration_windows.hpp"
+#include "core/calibration/line_fit.hpp"
+#include "tests/broken_contract.hpp"
+#include "tests/catch.hpp"
+
+namespace contourd {
+namespace {
+
+TEST_CASE("A line requires three points with different x") {
+  const std::array two{MeasuredPoint{0, 1}, MeasuredPoint{1, 2}};
+  CHECK(contract_broken_by([&] { (void)fit_line(two); }) == "fit_line: at least three points");
+  const std::array same{MeasuredPoint{1, 1}, MeasuredPoint{1, 2}, MeasuredPoint{1, 3}};
+  CHECK(contract_broken_by([&] { (void)fit_line(same); }) == "fit_line: points with different x");
+}
+
+TEST_CASE("Pictures of windows require up to nine windows and a display that can be") {
+  const auto draw = [](std::size_t count, int side, double pitch_um) {
+    const std::array<std::uint8_t, 10> greys{};
+    return contract_broken_by([&] {
+      (void)draw_calibration_windows({greys.data(), count}, Pixels{side}, Pixels{200}, Micrometers{pitch_um});
+    });
+  };
+  CHECK(draw(9, 200, 50).empty());
+  CHECK(draw(0, 200, 50) == "one to nine windows");
+  CHECK(draw(10, 200, 50) == "one to nine windows");
+  CHECK(draw(9, 99, 50) == "a display of at least 100 pixels on each side");
+  CHECK(draw(9, 200, 0) == "a pitch above 0");
+}
+
+}  // namespace
+}  // namespace contourd

@@ -1,0 +1,120 @@
+#include "core/calibration/curve_fit.hpp"
+
+#include <cmath>
+#include <random>
+#include <tuple>
+#include <vector>
+
+#include "core/cure/working_curve.hpp"
+#include "tests/catch.hpp"
+
+namespace contourd {
+namespace {
+
+constexpr WorkingCurve kHidden{Micrometers{150}, MillijoulesPerCm2{8}};
+
+// Returns windows as an owner measures them: over a factor of 16 of dose, with noise of 10 um.
+std::vector<CuredWindow> measured_windows(unsigned seed, int count = 8, double span = 16,
+                                          double noise_um = 10) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, noise_um);
+  std::vector<CuredWindow> windows;
+  for (int i = 0; i < count; ++i) {
+    const MillijoulesPerCm2 dose{16 * std::pow(span, i / (count - 1.0))};
+    windows.push_back(
+        {dose, Micrometers{kHidden.depth_of(dose).count() + (noise_um > 0 ? noise(random) : 0)}});
+  }
+  return windows;
+}
+
+TEST_CASE("A working curve is found from windows without noise to rounding") {
+  const CurveFit fit = fit_working_curve(measured_windows(0, 8, 16, 0));
+  CHECK(fit.penetration_depth_um.value == Approx(150));
+  CHECK(fit.critical_dose_mj_cm2.value == Approx(8));
+  CHECK(fit.scatter_um < 1e-9);
+  CHECK(fit.thickness_of(MillijoulesPerCm2{8 * std::exp(2)}).count() == Approx(300));
+}
+
+// The scatter of the results of many calibrations, and the uncertainty that they state on average.
+struct Scatter {
+  double depth_um = 0, stated_depth_um = 0, log_dose = 0, stated_log_dose = 0;
+};
+Scatter scatter_of_results(double noise_um) {
+  constexpr int kPrints = 2000;
+  Scatter sums;
+  for (unsigned seed = 0; seed < kPrints; ++seed) {
+    const CurveFit fit = fit_working_curve(measured_windows(seed, 8, 16, noise_um));
+    sums.depth_um += std::pow(fit.penetration_depth_um.value - 150, 2) / kPrints;
+    sums.log_dose += std::pow(fit.critical_dose_mj_cm2.value / 8 - 1, 2) / kPrints;
+    sums.stated_depth_um += fit.penetration_depth_um.uncertainty / kPrints;
+    sums.stated_log_dose += fit.critical_dose_mj_cm2.uncertainty / 8 / kPrints;
+  }
+  sums.depth_um = std::sqrt(sums.depth_um);
+  sums.log_dose = std::sqrt(sums.log_dose);
+  return sums;
+}
+
+TEST_CASE("Eight windows give Dp and Ec within the uncertainty that is stated") {
+  // Windows that were measured once have a noise of 10 um, the mean of three measurements has 5.8 um. Dp then
+  // scatters by noise / sqrt(sum (ln E - mean)^2), which is 3.9 and 2.3 um.
+  for (const auto& [noise_um, depth_um, log_dose] : {std::tuple(10.0, 3.9, 0.06), {5.8, 2.3, 0.035}}) {
+    CAPTURE(noise_um);
+    const Scatter scatter = scatter_of_results(noise_um);
+    CHECK(scatter.depth_um == Approx(depth_um).epsilon(0.05));
+    CHECK(scatter.log_dose < log_dose);
+    // A standard deviation of six degrees of freedom is on average 4 percent low.
+    CHECK(scatter.stated_depth_um == Approx(scatter.depth_um).epsilon(0.07));
+    CHECK(scatter.stated_log_dose == Approx(scatter.log_dose).epsilon(0.07));
+  }
+}
+
+TEST_CASE("Windows that do not determine a curve are refused with their figures") {
+  const std::vector<CuredWindow> sound = measured_windows(1);
+  CHECK_THROWS_WITH(fit_working_curve({sound.data(), 4}),
+                    "4 windows do not determine a curve: measure at least 5, better eight");
+  CHECK_THROWS_WITH(fit_working_curve(measured_windows(1, 8, 3.9)),
+                    Catch::Matchers::StartsWith("the doses span a factor of 3.9: they must span at least 4"));
+  std::vector<CuredWindow> falling = sound;
+  for (std::size_t i = 0; i < sound.size(); ++i)
+    falling[i].thickness = sound[sound.size() - 1 - i].thickness;
+  CHECK_THROWS_WITH(fit_working_curve(falling),
+                    Catch::Matchers::StartsWith("the thickness does not grow with the dose"));
+  std::vector<CuredWindow> uncured = sound;
+  uncured[0].thickness = Micrometers{0};
+  CHECK_THROWS_WITH(fit_working_curve(uncured), Catch::Matchers::StartsWith("a window of 0 um at 16 mJ/cm2"));
+  CHECK_THROWS_WITH(fit_working_curve(measured_windows(3, 8, 16, 100)),
+                    Catch::Matchers::StartsWith("the thicknesses scatter by "));
+}
+
+std::vector<GreyWindow> measured_greys(unsigned seed, double gamma, double noise_um) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, 1);
+  std::vector<GreyWindow> windows;
+  for (const int grey : {255, 230, 207, 186, 168, 151, 136, 122, 110}) {
+    const MillijoulesPerCm2 dose{128 * std::pow(grey / 255.0, gamma)};
+    windows.push_back({static_cast<std::uint8_t>(grey),
+                       Micrometers{kHidden.depth_of(dose).count() + noise_um * noise(random)}});
+  }
+  return windows;
+}
+
+TEST_CASE("Gamma is found from windows of grey values") {
+  CHECK(fit_gamma(measured_greys(0, 2.2, 0), {150, 0}).gamma.value == Approx(2.2));
+  double squares = 0, stated = 0;
+  for (unsigned seed = 0; seed < 1000; ++seed) {
+    const GammaFit fit = fit_gamma(measured_greys(seed, 2.2, 10), {150, 0});
+    squares += std::pow(fit.gamma.value - 2.2, 2) / 1000;
+    stated += fit.gamma.uncertainty / 1000;
+  }
+  CHECK(stated == Approx(std::sqrt(squares)).epsilon(0.07));
+  // An uncertain Dp makes gamma as uncertain.
+  CHECK(fit_gamma(measured_greys(0, 2.2, 0), {150, 15}).gamma.uncertainty == Approx(0.22));
+  std::vector<GreyWindow> narrow;
+  for (int i = 0; i < 5; ++i)
+    narrow.push_back({static_cast<std::uint8_t>(255 - 15 * i), Micrometers{500.0 - 50 * i}});
+  CHECK_THROWS_WITH(fit_gamma(narrow, {150, 0}),
+                    Catch::Matchers::StartsWith("the grey values span a factor of 1.31"));
+}
+
+}  // namespace
+}  // namespace contourd
