@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -16,6 +17,7 @@
 
 #include "core/calibration/calibration_windows.hpp"
 #include "core/calibration/curve_fit.hpp"
+#include "core/mask/exposure_correction.hpp"
 #include "daemon/client/control_defaults.hpp"
 #include "daemon/config/config_edit.hpp"
 #include "daemon/ctl/calibration/calibration_commands.hpp"
@@ -65,7 +67,8 @@ class WindowPrint {
       std::array<std::uint8_t, kMostWindows> greys{};
       greys[i] = 255;
       fmt::print("window {} of {}: {:.3g} s\n", i + 1, kMostWindows, times_s[i]);
-      if (const int code = light(greys, times_s[i]); code != kOk) return code;
+      std::fflush(stdout);
+      if (const int code = light(evened(greys), times_s[i]); code != kOk) return code;
     }
     std::vector<double> doses;
     for (const double each_s : times_s)
@@ -79,7 +82,9 @@ class WindowPrint {
     const double time_s = args_.seconds.value_or(std::min(normal_exposure_s() * kSpan, longest_s()));
     check_longest(time_s);
     if (const int code = prepare(time_s); code != kOk) return code;
-    if (const int code = light(kGreys, time_s); code != kOk) return code;
+    fmt::print("all windows: {:.3g} s\n", time_s);
+    std::fflush(stdout);
+    if (const int code = light(drawn(kGreys), time_s); code != kOk) return code;
     explain("grey", "grey", {kGreys.begin(), kGreys.end()});
     return kOk;
   }
@@ -117,16 +122,26 @@ class WindowPrint {
         return kFailed;
       }
     }
-    return control_by_hand(client_, {"projector", {{"power", "on"}}}, WaitFor::Operation);
+    fmt::print("The projector warms up.\n");
+    return control_by_hand(client_, {"projector", {{"power", "on"}}}, WaitFor::Operation, Progress::Hidden);
   }
 
-  int light(const std::array<std::uint8_t, kMostWindows>& greys, double seconds) {
-    const ShownPicture picture(
-        client_, draw_calibration_windows(greys, printer_.display_width, printer_.display_height,
-                                          printer_.pixel_pitch));
+  [[nodiscard]] Mask drawn(const std::array<std::uint8_t, kMostWindows>& greys) const {
+    return draw_calibration_windows(greys, printer_.display_width, printer_.display_height,
+                                    printer_.pixel_pitch);
+  }
+  // Returns the windows as a print would show them: with the uniformity mask.
+  [[nodiscard]] Mask evened(const std::array<std::uint8_t, kMostWindows>& greys) const {
+    Mask sent(printer_.display_width, printer_.display_height);
+    ExposureCorrection(printer_.tone, printer_.uniformity).apply(drawn(greys), sent);
+    return sent;
+  }
+
+  int light(const Mask& windows, double seconds) {
+    const ShownPicture picture(client_, windows);
     Request request{"light_on", {{"seconds", seconds}}};
     if (args_.in_resin) request.parameters["in_resin"] = true;
-    return control_by_hand(client_, request, WaitFor::Operation);
+    return control_by_hand(client_, request, WaitFor::Operation, Progress::Hidden);
   }
 
   void explain(const char* kind, const char* heading, const std::vector<double>& given) const {

@@ -88,7 +88,8 @@ void print_manual(const Json& status) {
 // The progress of one request, followed message by message.
 class Operation {
  public:
-  Operation(WaitFor what, bool json) : what_(what), json_(json) {}
+  Operation(WaitFor what, bool json, Progress progress)
+      : what_(what), json_(json), silent_(json || progress == Progress::Hidden) {}
 
   // Handles a message. Returns the exit code once the operation has ended.
   std::optional<int> take(const Json& message) {
@@ -122,7 +123,7 @@ class Operation {
   }
   void print_phase() {
     const std::string now = phase();
-    if (json_ || now.empty() || std::exchange(printed_, now) == now) return;
+    if (silent_ || now.empty() || std::exchange(printed_, now) == now) return;
     fmt::print("{}\n", now);
     std::fflush(stdout);
   }
@@ -144,7 +145,7 @@ class Operation {
                                                     : true;
     if (json_ || what_ == WaitFor::Picture) return well ? kOk : kFailed;
     if (well) {
-      print_manual(last_);
+      if (!silent_) print_manual(last_);
       return kOk;
     }
     const std::string problem =
@@ -154,16 +155,16 @@ class Operation {
   }
 
   WaitFor what_;
-  bool json_, begun_ = false;
+  bool json_, silent_, begun_ = false;
   Json last_;
   std::string printed_;
 };
 
 int carry_out(DaemonConnection& connection, const ClientOptions& options, const Request& request,
-              WaitFor what) {
+              WaitFor what, Progress progress) {
   connection.send("watch", kWatch);
   connection.send(request.method, kRequest, request.parameters);
-  Operation operation(what, options.json);
+  Operation operation(what, options.json, progress);
   while (true) {
     if (const std::optional<int> code = operation.take(connection.receive())) return *code;
   }
@@ -260,7 +261,7 @@ int show_by_hand(const ClientOptions& options, const ShowOptions& show) {
     return kFailed;
   }
   request.parameters["uploaded"] = true;
-  return carry_out(connection, options, request, WaitFor::Picture);
+  return carry_out(connection, options, request, WaitFor::Picture, Progress::Printed);
 }
 
 // Turns the light on after the user has confirmed it, and waits until it is off. Throws UsageError if
@@ -355,9 +356,9 @@ void add_projector(Command& program, ManualArgs& args) {
 
 }  // namespace
 
-int control_by_hand(const ClientOptions& options, const Request& request, WaitFor what) {
+int control_by_hand(const ClientOptions& options, const Request& request, WaitFor what, Progress progress) {
   DaemonConnection connection(options.socket);
-  return carry_out(connection, options, request, what);
+  return carry_out(connection, options, request, what, progress);
 }
 
 ShownPicture::ShownPicture(const ClientOptions& options, const Mask& picture) : connection_(options.socket) {

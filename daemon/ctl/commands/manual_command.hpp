@@ -20,8 +20,11 @@ enum class WaitFor {
   Picture,    // the end of the picture
   Rest,       // the end of manual control, with the light off
 };
-// Sends the request, prints each phase, and waits. Returns the exit code.
-int control_by_hand(const ClientOptions& options, const Request& request, WaitFor what);
+// The output of an operation: its phases and its result, or nothing unless it fails.
+enum class Progress { Printed, Hidden };
+// Sends the request, and waits. Returns the exit code.
+int control_by_hand(const ClientOptions& options, const Request& request, WaitFor what,
+                    Progress progress = Progress::Printed);
 
 // A picture on the display, black again at this object's end. Not thread-safe; blocks.
 class ShownPicture {
