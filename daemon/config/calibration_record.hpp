@@ -24,12 +24,12 @@ struct Calibration {
 };
 
 // Returns the text of a JSON object with the calibration's values, and the calibration as the last of its
-// `calibrations`; of more than a hundred the oldest are dropped. Keys keep their order. REQUIRES: the text is
-// a JSON object.
+// `calibrations`; of more than a hundred the oldest are dropped. Keys keep their order. This and the
+// functions below throw nlohmann::json::exception if the text is no valid profile or configuration.
 [[nodiscard]] std::string with_calibration(const std::string& text, const Calibration& calibration);
 
 // Returns the uncertainty of the value at that key: of the last calibration that set it, if the value has not
-// been changed since; else nullopt. REQUIRES: the text is a valid profile or configuration.
+// been changed since; else nullopt.
 [[nodiscard]] std::optional<double> calibrated_uncertainty(const std::string& text, const std::string& key);
 
 struct UndoneCalibration {
@@ -38,8 +38,7 @@ struct UndoneCalibration {
 };
 
 // Returns the text of a JSON object with the values from before its last calibration. Throws
-// std::runtime_error with a sentence if there is none, or if one of its values was changed since. REQUIRES:
-// the text is a valid profile or configuration.
+// std::runtime_error with a sentence if there is none, or if one of its values was changed since.
 [[nodiscard]] UndoneCalibration without_last_calibration(const std::string& text);
 
 }  // namespace contourd
