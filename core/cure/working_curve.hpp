@@ -35,6 +35,8 @@ struct WorkingCurve {
 struct CureTemperature {
   double measured_at_c = 25;
   double activation_energy_kj_mol = 30;  // 15 to 50; estimated for acrylates
+
+  bool operator==(const CureTemperature&) const = default;
 };
 
 // Returns the curve at another temperature: Ec follows Arrhenius' law, Dp stays. REQUIRES: both temperatures

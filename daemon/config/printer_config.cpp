@@ -160,6 +160,13 @@ std::optional<std::uint64_t> read_memory_limit(const JsonSection& root) {
   return kBytesPerMb * root.integer<std::uint64_t>("memory_limit_mb");
 }
 
+std::optional<ResinTemperature> read_resin_temperature(const JsonSection& root) {
+  if (!root.has("resin_temperature")) return std::nullopt;
+  const JsonSection temperature = root.section("resin_temperature");
+  if (temperature.has("celsius")) return temperature.number("celsius");
+  return fs::path(temperature.text("sensor"));
+}
+
 WearLimits read_wear_limits(const JsonSection& reminders, std::string_view part) {
   if (!reminders.has(part)) return {};
   const JsonSection limits = reminders.section(part);
@@ -239,6 +246,7 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .uniformity =
           companions.uniformity ? std::optional(std::move(companions.uniformity->mask)) : std::nullopt,
       .irradiance_mw_cm2 = root.section("projector").number("irradiance_mw_cm2"),
+      .resin_temperature = read_resin_temperature(root),
       .manual = {.light_limit = root.section("manual").duration("light_limit_s"),
                  .vat_depth = root.section("manual").length("vat_depth_mm")},
       .reminders = read_reminders(root.section("reminders")),

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "core/geometry/units.hpp"
@@ -29,6 +30,10 @@ struct ManualConfig {
   Duration light_limit{};  // longest time that the light stays on
   Nanometers vat_depth{};  // below this height, the plate may be in the resin
 };
+
+// The temperature of the resin: a number of degrees Celsius, or the file of a sensor that contains
+// thousandths of a degree (kernel: hwmon/sysfs-interface.rst, w1/slaves/w1_therm.rst).
+using ResinTemperature = std::variant<double, std::filesystem::path>;
 
 // The content of a printer's file. Paths are absolute. Omitted keys have the schema's defaults; these are
 // defined only in config/contourd.schema.json.
@@ -59,6 +64,7 @@ struct PrinterConfig {
   std::optional<Mask> uniformity;  // as large as the display
 
   double irradiance_mw_cm2 = 0.0;  // irradiance of a white pixel on the film
+  std::optional<ResinTemperature> resin_temperature{};
 
   ManualConfig manual;
   ReminderConfig reminders;

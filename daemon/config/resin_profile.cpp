@@ -159,6 +159,13 @@ std::optional<CureSettings> read_cure(const JsonSection& profile) {
   return cure;
 }
 
+std::optional<CureTemperature> read_cure_temperature(const JsonSection& profile) {
+  if (!profile.has("working_curve") || !profile.section("working_curve").has("temperature_c"))
+    return std::nullopt;
+  const JsonSection curve = profile.section("working_curve");
+  return CureTemperature{curve.number("temperature_c"), curve.number("activation_energy_kj_mol")};
+}
+
 // Returns the factors by which a model is enlarged so that it has its size after shrinking.
 Scale read_shrinkage(const JsonSection& profile) {
   const JsonSection percent = profile.section("shrinkage_percent");
@@ -232,6 +239,7 @@ ResinProfile read_profile(const JsonSection& profile, std::string name) {
       .layer_height_max = profile.length("layer_height_max_um"),
       .exposure = read_exposure(profile),
       .cure = read_cure(profile),
+      .cure_temperature = read_cure_temperature(profile),
       .peel_memory_measured =
           profile.has("working_curve") && profile.section("working_curve").has("peel_memory"),
       .undersides = profile.text("undersides") == "dose" ? Undersides::Dose : Undersides::Plain,

@@ -77,6 +77,7 @@ struct ResinProfile {
   Nanometers layer_height_max;
   std::variant<FixedExposure, CurveExposure> exposure;  // CurveExposure only with `cure`
   std::optional<CureSettings> cure;                     // if the resin's working curve was measured
+  std::optional<CureTemperature> cure_temperature;      // of the working curve, if it is known
   bool peel_memory_measured = false;                    // otherwise `cure` assumes that nothing is forgotten
   Undersides undersides = Undersides::Plain;
   Scale shrinkage_factors;  // compensate the resin's shrinkage along the plate's axes

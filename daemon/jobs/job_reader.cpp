@@ -5,6 +5,7 @@
 
 #include "daemon/jobs/acceptances.hpp"
 #include "daemon/prepare/job_memory.hpp"
+#include "daemon/prepare/resin_temperature.hpp"
 #include "daemon/spool/copied_originals.hpp"
 #include "daemon/spool/state_records.hpp"
 #include "daemon/system/durable_file.hpp"
@@ -85,8 +86,10 @@ void JobReader::read(const JobFiles& files, const std::optional<JobSettings>& se
   reading_ = std::stop_source();
   worker_.run(
       [this, files, settings, stop = reading_.get_token()]() -> ReadJob {
-        if (std::optional<PreparedJob> cached = cache_.take(files, settings)) return std::move(*cached);
-        return read_now(files, settings, stop);
+        std::optional<PreparedJob> cached = cache_.take(files, settings);
+        ReadJob job = cached ? std::move(*cached) : read_now(files, settings, stop);
+        if (auto* const prepared = std::get_if<PreparedJob>(&job)) follow_temperature(*prepared, config_);
+        return job;
       },
       std::move(done));
 }

@@ -60,6 +60,9 @@ std::string describe_settings(const JobSummary& summary) {
       "; lift {:g} mm at {:g} mm/s, retract at {:g} mm/s; wait {:g} ms before exposure, {:g} ms after",
       to_millimeters(resin.motion.lift).count(), resin.motion.lift_speed.count(),
       resin.motion.retract_speed.count(), milliseconds(resin.motion.settle), milliseconds(resin.motion.rest));
+  if (const auto& followed = summary.temperature)
+    text += fmt::format("; light for resin of {:.1f} degrees C, {:.3g} of that at {:g} degrees",
+                        followed->resin_c, followed->light, followed->curve_c);
   if (!summary.overridden.empty()) text += "; by its ticket: " + describe_overrides(summary.overridden);
   return text;
 }

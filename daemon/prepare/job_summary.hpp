@@ -45,14 +45,21 @@ struct LayerSummary {
   std::optional<AdaptiveLayers> adaptive;
 };
 
+// The light that follows the resin's temperature.
+struct FollowedTemperature {
+  double resin_c = 0, curve_c = 0;  // now, and when the resin's working curve was measured
+  double light = 1;                 // over that for curve_c
+};
+
 // Figures and settings of a job and its models.
 struct JobSummary {
   std::vector<ModelSummary> models;  // at least one
   bool plate = false;
-  double height_mm = 0;           // top of the highest model above the plate
-  ResinProfile resin;             // as the job is printed
-  OverriddenSettings overridden;  // values of `resin` that the ticket sets
-  double irradiance_mw_cm2 = 0;   // the printer's, as are `tone` and `uniformity_mask`
+  double height_mm = 0;                            // top of the highest model above the plate
+  ResinProfile resin;                              // as the job is printed
+  OverriddenSettings overridden;                   // values of `resin` that the ticket sets
+  std::optional<FollowedTemperature> temperature;  // nullopt if the light is that of the profile
+  double irradiance_mw_cm2 = 0;                    // the printer's, as are `tone` and `uniformity_mask`
   ToneCurve tone;
   bool uniformity_mask = false;  // true if the printer has one
   LayerSummary layers;

@@ -36,9 +36,7 @@ EngineSettings engine_settings(const PrinterConfig& printer, const ResinProfile&
 }
 
 void take_settings(const PrinterConfig& printer, const ResinProfile& resin, PrintPlan& plan) {
-  plan.exposure = [resin, irradiance = printer.irradiance_mw_cm2](std::int32_t layer, Nanometers thickness) {
-    return exposure_time(resin, thickness, layer, irradiance);
-  };
+  plan.exposure = exposure_by(resin, printer.irradiance_mw_cm2);
   const double pitch_mm = to_millimeters(printer.pixel_pitch).count();
   plan.mask_budget = printer.mask_budget;
   plan.pixel_area_mm2 = pitch_mm * pitch_mm;
@@ -263,6 +261,13 @@ class Preparation {
 };
 
 }  // namespace
+
+std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure_by(const ResinProfile& resin,
+                                                                              double irradiance_mw_cm2) {
+  return [resin, irradiance_mw_cm2](std::int32_t layer, Nanometers thickness) {
+    return exposure_time(resin, thickness, layer, irradiance_mw_cm2);
+  };
+}
 
 PreparedJob prepare_job(const JobFiles& files, const JobSettings& settings, const PrinterConfig& printer) {
   return *prepare_job(files, settings, printer, std::stop_token{});

@@ -3,6 +3,8 @@
 // the worker's thread.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -28,6 +30,10 @@ struct PreparedJob {
   JobSettings settings;       // with which the job was prepared
   TimePoint first_mask_at{};  // CLOCK_MONOTONIC, whatever clock the machine runs by
 };
+
+// Returns the exposure of each layer by this profile, for PrintPlan::exposure.
+[[nodiscard]] std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure_by(
+    const ResinProfile& resin, double irradiance_mw_cm2);
 
 // Prepares the job. Throws JobRefused; JobTooLarge if there is not enough memory for it, in most cases before
 // its files are read. Blocks for a few hundred milliseconds per million facets.

@@ -86,6 +86,9 @@ Json exposure_json(const JobSummary& summary) {
                            {"critical_energy_mj_cm2", curve.critical_dose.count()},
                            {"overcure_um", by_curve.overcure.count()},
                            {"bottom_overcure_um", by_curve.bottom_overcure.count()}};
+  if (const auto& followed = summary.temperature)
+    json["temperature"] = {
+        {"resin_c", followed->resin_c}, {"curve_c", followed->curve_c}, {"light", followed->light}};
   return json;
 }
 

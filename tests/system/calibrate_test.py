@@ -7,7 +7,7 @@ import random
 import re
 import unittest
 
-from harness import BAD_CONFIG, BAD_DATA, BAD_USAGE, FAILED, OK, REALTIME, Daemon, FolderTest, contourctl, read_png, text_of
+from harness import BAD_CONFIG, BAD_DATA, BAD_USAGE, FAILED, OK, REALTIME, SMALL, Daemon, FolderTest, contourctl, read_png, text_of
 
 DEPTH_UM, CRITICAL_MJ_CM2, GAMMA = 150, 8, 2.2  # hidden from the program
 NOISE_UM = 10
@@ -148,6 +148,29 @@ class Windows(CalibrationTest):
         result = self.run_ctl(daemon, "calibrate", "grey", "standard", "--confirm", "--in-resin", "--seconds", "1.1")
         self.assertEqual(result.returncode, BAD_USAGE)
         self.assert_words(result.stderr.decode(), "the longest exposure would be 1.1 s, and manual.light_limit_s allows")
+
+
+class Temperature(CalibrationTest):
+    def test_exposures_follow_the_sensor_as_it_is_when_the_turn_of_a_job_comes(self):
+        self.write("temperature", b"23000\n")
+        fast = {key: value for key, value in PRINTER.items() if key not in REALTIME or key == "projector"}
+        config = {**fast, "resin_temperature": {"sensor": self.path("temperature")}, "wait_for_plate_cleared": True}
+        daemon = self.daemon(config, {**RESIN, "bottom_layers": 0, "fade_layers": 0})
+        self.well(self.run_ctl(daemon, "fit", "curve", "standard", *self.measured_curve(daemon), "--temperature-c", "23", "--accept"))
+        daemon.printed("first.stl", SMALL)
+        first = daemon.report("first")
+        self.assertEqual(first["settings"]["temperature"], {"resin_c": 23, "curve_c": 23, "light": 1})
+        daemon.drop("second.stl", SMALL)  # is prepared while it waits for the cleared plate
+        daemon.wait_job("second", "ready")
+        self.write("temperature", b"33000\n")
+        self.well(contourctl("plate-cleared", "--socket", daemon.socket_path))
+        daemon.wait_done("second")
+        second = daemon.report("second")
+        light = math.exp(30000 / 8.314462618 * (1 / 306.15 - 1 / 296.15))
+        self.assertAlmostEqual(second["settings"]["temperature"]["light"], light, places=4)
+        asked = [report["layer_records"][2]["exposure_asked_ms"] for report in (first, second)]
+        self.assertAlmostEqual(asked[1] / asked[0], light, places=4)
+        self.assertIn("light for resin of 33.0 degrees C", daemon.log())
 
 
 if __name__ == "__main__":

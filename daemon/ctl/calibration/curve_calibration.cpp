@@ -172,6 +172,7 @@ struct FitWindowsArgs {
   FitArgs fit;
   std::string resin;
   std::vector<std::string> measured;
+  std::optional<double> temperature_c;  // of the resin; only for the curve
 };
 
 // Returns the cure depth beyond a layer of the profile's height that this exposure gives by the curve.
@@ -235,6 +236,7 @@ int fit_curve(const FitWindowsArgs& args) {
                   rounded(critical.uncertainty)}},
       .given_heading = "dose mJ/cm²",
       .scatter_um = scatter};
+  if (args.temperature_c) result.values.push_back({"/working_curve/temperature_c", *args.temperature_c});
   keep_exposures(find_resin(printer, args.resin), printer, curve, result);
   for (const auto& [dose, thickness] : windows)
     result.points.push_back({dose.count(), thickness.count(), curve.thickness_of(dose).count()});
@@ -284,14 +286,15 @@ void add_window_print(Command& calibrate, const char* name, const char* help, co
   command.run = [&client, &args, print] { return (WindowPrint(client, args).*print)(); };
 }
 
-void add_window_fit(Command& fit, const char* name, const char* help, const char* measured_help,
-                    int (*run)(const FitWindowsArgs&)) {
+FitWindowsArgs& add_window_fit(Command& fit, const char* name, const char* help, const char* measured_help,
+                               int (*run)(const FitWindowsArgs&)) {
   Command& command = fit.add(name, help);
   auto& args = command.arguments<FitWindowsArgs>();
   command.option("RESIN", args.resin, "Resin profile").required();
   command.option("MEASURED", args.measured, measured_help).required();
   add_fit_options(command, args.fit);
   command.run = [&args, run] { return run(args); };
+  return args;
 }
 
 }  // namespace
@@ -309,10 +312,14 @@ void add_calibrate_windows(Command& calibrate) {
 }
 
 void add_fit_windows(Command& fit) {
-  add_window_fit(fit, "curve", "Compute a resin's working curve from the thickness of windows",
-                 "Dose and measured thickness of a window, mJ/cm² and um: 37.5=210", fit_curve);
-  add_window_fit(fit, "grey", "Compute the projector's gamma from the thickness of windows",
-                 "Grey value and measured thickness of a window in um: 240=350", fit_grey);
+  FitWindowsArgs& curve =
+      add_window_fit(fit, "curve", "Compute a resin's working curve from the thickness of windows",
+                     "Dose and measured thickness of a window, mJ/cm² and um: 37.5=210", fit_curve);
+  fit.commands.back().option(
+      "--temperature-c", curve.temperature_c,
+      "Temperature of the resin during the exposure, °C; exposures can follow it then");
+  (void)add_window_fit(fit, "grey", "Compute the projector's gamma from the thickness of windows",
+                       "Grey value and measured thickness of a window in um: 240=350", fit_grey);
 }
 
 }  // namespace contourd::ctl
