@@ -159,6 +159,30 @@ class Copy {
 
 }  // namespace
 
+PixelWindow window_of(std::span<const PlateModel> models, const DisplayGeometry& display,
+                      std::int32_t margin) {
+  const double width = display.width.count(), height = display.height.count();
+  double left = width, top = height, right = 0, bottom = 0;
+  for (const PlateModel& model : models) {
+    const Bounds& bounds = model.model->bounds();
+    for (const PixelMap& map : model.copies) {
+      const PixelPoint a = map.to_pixels({bounds.min_x, bounds.min_y});
+      const PixelPoint b = map.to_pixels({bounds.max_x, bounds.max_y});
+      left = std::min({left, a.x, b.x});
+      right = std::max({right, a.x, b.x});
+      top = std::min({top, a.y, b.y});
+      bottom = std::max({bottom, a.y, b.y});
+    }
+  }
+  const auto pixel = [margin](double at, int outwards, double size) {
+    return static_cast<std::int32_t>(std::clamp(std::floor(at) + outwards * margin, 0.0, size));
+  };
+  const PixelWindow window{pixel(left, -1, width), pixel(top, -1, height), 0, 0};
+  const std::int32_t end_column = pixel(right + 1, 1, width), end_row = pixel(bottom + 1, 1, height);
+  if (end_column <= window.column || end_row <= window.row) return {0, 0, 1, 1};
+  return {window.column, window.row, end_column - window.column, end_row - window.row};
+}
+
 std::vector<RayCrossing> cross_surface(std::span<const PlateModel> models, const Rays& rays) {
   Crossings crossings(lattice_of(rays));
   for (const PlateModel& model : models) {

@@ -25,6 +25,10 @@ struct PixelWindow {
   }
 };
 
+// Returns the pixels of the display on which models stand, with a margin; one pixel if there are none.
+[[nodiscard]] PixelWindow window_of(std::span<const PlateModel> models, const DisplayGeometry& display,
+                                    std::int32_t margin);
+
 enum class RayAxis : std::uint8_t { X, Y, Z };
 
 // The lines that are followed. Vertical ones have the number column + row * window.columns, within the
@@ -60,8 +64,8 @@ struct RayRange {
 
 // Returns the crossings at which vertical lines enter models within a range of heights. Looks at facets with
 // a point there only. Ends with those found so far if the budget is overrun, or after an entry for each pixel
-// of the window, and at most as many again. REQUIRES: no null pointers; the
-// lower end is not above the upper.
+// of the window, and at most as many again. REQUIRES: no null pointers; the lower
+// end is not above the upper.
 [[nodiscard]] std::vector<RayCrossing> entries_between(std::span<const PlateModel> models,
                                                        const PixelWindow& window, const RayRange& range,
                                                        MaskBudget& budget);

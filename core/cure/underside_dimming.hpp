@@ -35,10 +35,6 @@ struct DimmedPixel {
 // Multiplies the light of pixels of the mask by their shares.
 void dim(std::span<const DimmedPixel> pixels, Mask& light);
 
-// Returns the pixels of the display on which models stand, with a margin; one pixel if there are none.
-[[nodiscard]] PixelWindow window_of(std::span<const PlateModel> models, const DisplayGeometry& display,
-                                    std::int32_t margin);
-
 // The light that a print without dimming would give, and its resin.
 struct UndersideCure {
   std::vector<LayerDose> layers;
