@@ -185,6 +185,7 @@ JobTicket read_job(const JsonSection& root) {
     ticket.adaptive->thickest = adaptive.find("max_um", &JsonSection::length);
   }
   ticket.overrides = read_overrides(root);
+  if (root.has("undersides")) ticket.undersides = undersides_of(root.text("undersides"));
   if (root.has("cracks"))
     ticket.cracks = root.text("cracks") == "refuse" ? CrackPolicy::Refuse : CrackPolicy::Repair;
   if (root.has("supports")) ticket.supports = read_supports(root);

@@ -96,6 +96,7 @@ struct JobTicket {
   std::optional<Nanometers> layer_height;          // not yet checked against the resin
   std::optional<AdaptiveTicket> adaptive;          // never together with layer_height, or an exposure
   TicketOverrides overrides{};                     // not yet checked against the resin's limits
+  std::optional<Undersides> undersides{};          // without it, the resin's setting
   std::optional<CrackPolicy> cracks{};             // without it, repair, but wide gaps need confirmation
   std::optional<SupportTicket> supports{};         // without it, the printer's setting
   std::vector<ModelTicket> models{ModelTicket{}};  // exactly one in a model's own ticket

@@ -242,7 +242,7 @@ ResinProfile read_profile(const JsonSection& profile, std::string name) {
       .cure_temperature = read_cure_temperature(profile),
       .peel_memory_measured =
           profile.has("working_curve") && profile.section("working_curve").has("peel_memory"),
-      .undersides = profile.text("undersides") == "dose" ? Undersides::Dose : Undersides::Plain,
+      .undersides = undersides_of(profile.text("undersides")),
       .shrinkage_factors = read_shrinkage(profile),
       .bottom_layers = profile.integer<int>("bottom_layers"),
       .fade_layers = profile.integer<int>("fade_layers"),

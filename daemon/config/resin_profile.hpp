@@ -66,10 +66,6 @@ struct LayerMotion {
   bool operator==(const LayerMotion&) const = default;
 };
 
-// The light of a solid's lowest layers: that of all others, or as much as cures the underside at its drawn
-// height (see UndersideDimming).
-enum class Undersides { Plain, Dose };
-
 struct ResinProfile {
   std::string name;  // the file's name without .json
   Nanometers layer_height;

@@ -16,6 +16,14 @@ namespace contourd {
 inline constexpr std::array<std::string_view, 5> kTicketSettings{"exposure_ms", "bottom_exposure_ms",
                                                                  "lift_mm", "settle_ms", "rest_ms"};
 
+// The light of a solid's lowest layers: that of all others, or as much as cures the underside at its drawn
+// height (see UndersideDimming).
+enum class Undersides { Plain, Dose };
+// Returns Dose for "dose"; Plain for any other name.
+[[nodiscard]] inline Undersides undersides_of(std::string_view name) {
+  return name == "dose" ? Undersides::Dose : Undersides::Plain;
+}
+
 // The values that a ticket asks for; not yet checked against the profile.
 struct TicketOverrides {
   std::optional<Duration> exposure, bottom_exposure;

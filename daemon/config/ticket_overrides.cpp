@@ -92,6 +92,7 @@ OverriddenSettings override_settings(ResinProfile& resin, const JobTicket& ticke
   overriding.set("settle_ms", asked.settle, resin.limits.settle, resin.motion.settle);
   overriding.set("rest_ms", asked.rest, resin.limits.rest, resin.motion.rest);
   override_supports(resin, ticket, overriding);
+  resin.undersides = ticket.undersides.value_or(resin.undersides);
   if (!overriding.refused.empty()) throw ConfigError(overriding.refused);
   return std::move(overriding.overridden);
 }

@@ -198,6 +198,7 @@ class Preparation {
     if (missing.empty())
       return UndersideCure{layer_doses(resin, job_.plan.expected_layers, printer_.irradiance_mw_cm2),
                            *resin.cure, printer_.mask_budget};
+    summary_.resin.undersides = Undersides::Plain;
     warn(fmt::format("undersides are exposed plainly, not by dose: {}", printable(missing)));
     return std::nullopt;
   }

@@ -163,6 +163,7 @@ std::string report_as_json(const PrintReport& report) {
       Json{{"exposure_tolerance_ms", in_ms(summary.resin.tolerance.bounds)},
            {"bottom_layers", summary.resin.bottom_layers},
            {"fade_layers", summary.resin.fade_layers},
+           {"undersides", summary.resin.undersides == Undersides::Dose ? "dose" : "plain"},
            {"growth_um", summary.resin.compensation.growth.count()},
            {"elephant_foot_um", summary.resin.compensation.elephant_foot.count()},
            {"elephant_foot_height_um", in_mm(summary.resin.compensation.elephant_foot_height) * 1000},

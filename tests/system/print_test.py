@@ -52,15 +52,15 @@ class Undersides(PrintTest):
     BRIDGE = binary_stl(box((-3, -2, 0), (-2, 2, 0.52)) + box((2, -2, 0), (3, 2, 0.52)) + box((-3, -2, 0.52), (3, 2, 1.5)))
     DEPTH_UM, CRITICAL, OVERCURE_UM, LAYER_UM = 150, 8, 50, 50
 
-    def resin(self, **curve):
-        return {"undersides": "dose", "exposure_ms": None, "bottom_exposure_ms": None, "bottom_layers": 0, "fade_layers": 0,
+    def resin(self, undersides="dose", **curve):
+        return {"undersides": undersides, "exposure_ms": None, "bottom_exposure_ms": None, "bottom_layers": 0, "fade_layers": 0,
                 "growth_um": 0, "elephant_foot_um": 0, "elephant_foot_height_um": 0,
                 "working_curve": {"penetration_depth_um": self.DEPTH_UM, "critical_energy_mj_cm2": self.CRITICAL,
                                   "overcure_um": self.OVERCURE_UM, "bottom_overcure_um": self.OVERCURE_UM, **curve}}  # fmt: skip
 
-    def columns(self):
+    def columns(self, job="part"):
         """Returns the grey values of a pixel of the span and of one on a pillar, by layer."""
-        pictures = [picture.rows[HEIGHT // 2] for picture in self.masks("part").values()]
+        pictures = [picture.rows[HEIGHT // 2] for picture in self.masks(job).values()]
         return [row[WIDTH // 2] for row in pictures], [row[WIDTH // 2 + 50] for row in pictures]
 
     def assert_critical_dose(self, memory):
@@ -87,10 +87,22 @@ class Undersides(PrintTest):
 
     def test_without_a_measured_memory_the_job_is_exposed_plainly_and_told(self):
         report = self.printed(self.BRIDGE, resin=self.resin())
-        span, _ = self.columns()
-        self.assertEqual(set(span[11:]), {255})
+        self.assertEqual(set(self.columns()[0][11:]), {255})
+        self.assertEqual(report["settings"]["undersides"], "plain")
         self.assertEqual(len(report["model"]["warnings"]), 1)
         self.assert_words(report["model"]["warnings"][0], "undersides are exposed plainly, not by dose", "no peel_memory")
+
+    def test_a_ticket_decides_for_its_job(self):
+        daemon = self.daemon(resin=self.resin("plain", peel_memory=1))
+        for undersides in ("dose", "plain"):
+            report = daemon.printed(undersides + ".stl", self.BRIDGE, {"undersides": undersides})
+            self.assertEqual(report["settings"]["undersides"], undersides)
+            self.assertEqual(0 in self.columns(undersides)[0][11:], undersides == "dose")
+            self.assertEqual("; undersides by dose" in daemon.read("done", undersides + ".report.html"), undersides == "dose")
+
+    def test_a_ticket_cannot_have_dose_from_a_resin_without_a_curve_and_is_told(self):
+        report = self.printed(self.BRIDGE, {"undersides": "dose"})
+        self.assert_words(report["model"]["warnings"][0], "undersides are exposed plainly, not by dose", "has no working_curve")
 
 
 class Masks(PrintTest):

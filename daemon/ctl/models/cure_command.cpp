@@ -75,8 +75,7 @@ void take_resin(const ResinProfile& resin, const CureOptions& options, CureSubje
   subject.cure = cure_of(resin);
   subject.memory_is_measured = resin.peel_memory_measured;
   subject.undersides = resin.undersides;
-  if (options.undersides)
-    subject.undersides = *options.undersides == "dose" ? Undersides::Dose : Undersides::Plain;
+  if (options.undersides) subject.undersides = undersides_of(*options.undersides);
   const std::string missing = missing_for_dimming(resin);
   if (subject.undersides == Undersides::Plain || missing.empty()) return;
   if (options.undersides)
@@ -276,11 +275,7 @@ void add_cure(Command& program) {
       .option("--supports", options.supports,
               "Generate supports: auto, on or off (default: as configured, or off)")
       .one_of({"auto", "on", "off"});
-  command
-      .option("--undersides", options.undersides,
-              "Light of undersides: plain, or dose, as much as cures them at their drawn height (default: as "
-              "the resin's profile says)")
-      .one_of({"plain", "dose"});
+  command.option("--undersides", options.undersides, kUndersidesHelp).one_of({"plain", "dose"});
   add_size_options(command, options.size);
   command.option("--up", options.up, kUpHelp).suggests(up_presets).excludes(printer);
   command.option("--layer-height-um", options.layer_height_um, "Layer height, um (default: the resin's)")

@@ -22,6 +22,7 @@ namespace contourd::ctl {
 inline constexpr const char* kUpHelp = "Direction that points up: X,Y,Z, or auto, fast, clean, safe";
 inline constexpr const char* kUnitHelp = "Unit of the model: mm, cm, m, um, inch or foot (default: mm)";
 inline constexpr const char* kScaleHelp = "Scale the model by this factor";
+inline constexpr const char* kUndersidesHelp = "Light of undersides: plain, or dose to cure them as drawn";
 inline constexpr const char* kLikePrinterHelp = "Use this printer configuration, as contourd does";
 inline constexpr const char* kPictureHelp = "Write a PNG file instead of drawing; - is standard output";
 

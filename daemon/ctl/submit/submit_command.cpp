@@ -35,7 +35,7 @@ namespace {
 struct SubmitOptions {
   std::vector<std::filesystem::path> models;
   // Keys of the tickets (config/ticket.schema.json); a value that is not given is not in the ticket.
-  std::optional<std::string> resin, unit, supports;
+  std::optional<std::string> resin, unit, supports, undersides;
   std::optional<double> layer_height_um, scale;
   std::optional<double> exposure_ms, bottom_exposure_ms, lift_mm, settle_ms, rest_ms;
   std::optional<int> copies;
@@ -77,6 +77,7 @@ std::string ticket_of(const SubmitOptions& options) {
   if (const auto unit = parse_unit(options.unit)) ticket["unit"] = name_of(*unit);
   if (const auto up = parse_up(options.up)) ticket["up"] = up_json(*up);
   if (options.supports) ticket["supports"] = *options.supports;
+  if (options.undersides) ticket["undersides"] = *options.undersides;
   if (options.scale) ticket["scale"] = *options.scale;
   if (options.fit) ticket["fit"] = true;
   if (options.copies) ticket["copies"] = *options.copies;
@@ -203,10 +204,11 @@ void add_submit(Command& program) {
   add("--lift-mm", options.lift_mm, "Lift after an exposure, mm, within the resin's ticket_limits");
   add("--settle-ms", options.settle_ms, "Wait before the exposure, ms, within the resin's ticket_limits");
   add("--rest-ms", options.rest_ms, "Wait after the exposure, ms, within the resin's ticket_limits");
+  add("--undersides", options.undersides, kUndersidesHelp).one_of({"plain", "dose"});
   add("--copies", options.copies, "Number of copies of each model");
   add("--up", options.up, kUpHelp).suggests(up_presets);
   add("--supports", options.supports, "Generate supports: auto, on or off (default: as configured)")
-      .one_of({"auto", "off"});
+      .one_of({"auto", "on", "off"});
   add("--unit", options.unit, kUnitHelp).suggests(unit_names);
   const Option& scale = add("--scale", options.scale, kScaleHelp);
   add("--fit", options.fit, "Scale the model to fill the display").excludes(scale);

@@ -49,6 +49,16 @@ TEST_CASE("a ticket without a policy for cracks has none") {
   CHECK(load_plate(R"({"cracks": "refuse", "models": [{"file": "a.stl"}]})").cracks == CrackPolicy::Refuse);
 }
 
+TEST_CASE("a ticket's undersides are plain or by dose, or not its business") {
+  CHECK_FALSE(load_ticket("{}").undersides);
+  CHECK(load_ticket(R"({"undersides": "dose"})").undersides == Undersides::Dose);
+  CHECK(load_ticket(R"({"undersides": "plain"})").undersides == Undersides::Plain);
+  CHECK(load_plate(R"({"undersides": "dose", "models": [{"file": "a.stl"}]})").undersides ==
+        Undersides::Dose);
+  CHECK(ticket_complaints(R"({"undersides": "dark"})").size() == 1);
+  CHECK(ticket_complaints(R"({"undersides": true})").size() == 1);
+}
+
 TEST_CASE("a ticket's unit is one of those that a model may be in") {
   CHECK_FALSE(load_ticket("{}").models[0].unit);
   for (const LengthUnit unit : {LengthUnit::Millimeter, LengthUnit::Centimeter, LengthUnit::Meter,

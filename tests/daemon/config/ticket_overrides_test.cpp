@@ -83,6 +83,16 @@ TEST_CASE("a ticket's values for supports need no limits and are reported with t
                    "thicker than its pillar"});
 }
 
+TEST_CASE("a ticket's undersides replace the resin's, which need no limits") {
+  json dosed = limited_curve_profile();
+  dosed["undersides"] = "dose";
+  CHECK(printed(dosed, json::object()).resin.undersides == Undersides::Dose);
+  CHECK(printed(dosed, {{"undersides", "plain"}}).resin.undersides == Undersides::Plain);
+  const json plain = shipped("resins/standard.json");
+  CHECK(printed(plain, json::object()).resin.undersides == Undersides::Plain);
+  CHECK(printed(plain, {{"undersides", "dose"}}).resin.undersides == Undersides::Dose);
+}
+
 TEST_CASE("limits are inclusive, and a value just outside is refused, not clamped") {
   for (const double ms : {2000.0, 8000.0})
     CHECK(refusals_of(limited_profile(), {{"exposure_ms", ms}}).empty());
