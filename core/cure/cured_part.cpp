@@ -28,9 +28,12 @@ class PrintMasks {
     for (std::size_t layer = 0; layer < dimmed_.size(); ++layer) {
       const std::span<const DimmedPixel> pixels = light.undersides->dimmed(layer);
       dimmed_[layer].assign(pixels.begin(), pixels.end());
+      unfound_ += light.undersides->are_found(layer) ? 0 : 1;
     }
   }
 
+  // Returns the number of layers in which undersides were not found within their budget.
+  [[nodiscard]] std::int64_t unfound() const { return unfound_; }
   // Returns the mask of a layer; null if it exceeded its budget. Valid until the next call.
   const Mask* of(std::size_t number) {
     const LayerDose& layer = light_.layers[number];
@@ -48,6 +51,7 @@ class PrintMasks {
   ContourEngine& engine_;
   const PrintLight& light_;
   std::vector<std::vector<DimmedPixel>> dimmed_;  // by layer; none without dimming
+  std::int64_t unfound_ = 0;
   ExposureCorrection threshold_;
   Mask changed_;
   std::optional<std::chrono::nanoseconds> budget_;
@@ -138,6 +142,7 @@ CuredPart cure_part(ContourEngine& engine, const DisplayGeometry& display, const
                      static_cast<std::size_t>(window.rows));
   std::vector<float> share(window.pixels());
   CuredPart part;
+  part.unfound_undersides = masks.unfound();
   for (std::size_t layer = light.layers.size(); layer-- > 0;) {
     if (const Mask* mask = masks.of(layer)) {
       read_light(*mask, window, share);

@@ -32,6 +32,8 @@ struct CuredPart {
   std::int32_t weakest_bond_layer = 0;
   // Layers whose masks exceeded their budget; they count as dark.
   std::int64_t abandoned_layers = 0;
+  // Layers in which undersides keep their light because they were not found within their budget.
+  std::int64_t unfound_undersides = 0;
 };
 
 // Cures the part that `engine` prints on `display`; `supports` are those beside its models, or null. Light is

@@ -108,8 +108,7 @@ UndersideLight SolidLight::compute(const Solid& solid) {
 LayerPictures::Picture LayerPictures::of(const LayerDose& layer) {
   Picture picture(window_.pixels());
   MaskBudget spent = budget();
-  if (engine_.mask_within(layer.top - layer.thickness + layer.thickness / 2, spent) == nullptr)
-    return picture;
+  if (engine_.mask_within(layer.top - layer.thickness + layer.thickness / 2, spent) == nullptr) return {};
   const std::uint8_t threshold = engine_.threshold();
   auto to = picture.begin();
   for (std::int32_t y = window_.row; y < window_.row + window_.rows; ++y) {
@@ -166,6 +165,7 @@ std::uint64_t UndersideDimming::most_memory(const DisplayGeometry& display, cons
 
 std::span<const DimmedPixel> UndersideDimming::dimmed(std::size_t layer) {
   expects(layer < layers_.size(), "the layer is one of the print's");
+  if (layer == 0) return {};  // it stands on the plate; the masks ahead of other layers stay known
   if (layer < layer_ || layer > layer_ + most_ahead_) restart_before(layer);
   while (layer_ < layer)
     advance();
@@ -176,9 +176,10 @@ std::span<const DimmedPixel> UndersideDimming::dimmed(std::size_t layer) {
 void UndersideDimming::restart_before(std::size_t layer) {
   layer_ = layer > most_ahead_ ? layer - most_ahead_ : 0;
   undersides_.clear();
+  are_found_ = true;
   dimmed_.clear();
   ahead_.clear();
-  if (supports_) supports_here_ = supports_->of(layers_[layer_]);
+  if (supports_) supports_at_.here = supports_->of(layers_[layer_]);
 }
 
 void UndersideDimming::advance() {
@@ -188,8 +189,8 @@ void UndersideDimming::advance() {
   while (layer_ - 1 + ahead_.size() < end)
     ahead_.push_back(models_.of(layers_[layer_ - 1 + ahead_.size()]));
   if (supports_) {
-    supports_beneath_ = std::move(supports_here_);
-    supports_here_ = supports_->of(layers_[layer_]);
+    supports_at_.beneath = std::move(supports_at_.here);
+    supports_at_.here = supports_->of(layers_[layer_]);
   }
   const bool is_last = layer_ + 1 == layers_.size();
   MaskBudget budget = models_.budget();
@@ -198,11 +199,18 @@ void UndersideDimming::advance() {
       {middle_mm(layers_[layer_ - 1]), is_last ? in_mm(layers_[layer_].top) : middle_mm(layers_[layer_ + 1])},
       budget);
   light_.begin(std::span(layers_).subspan(layer_, end - layer_));
-  find_undersides(budget);
+  are_found_ = has_pictures() && find_undersides(budget);
   list_dimmed();
 }
 
-void UndersideDimming::find_undersides(MaskBudget& budget) {
+// True if the pictures of this layer and the one beneath are known: otherwise sound parts could be taken for
+// undersides.
+bool UndersideDimming::has_pictures() const {
+  return !ahead(layer_ - 1).empty() && !ahead(layer_).empty() &&
+         (!supports_ || (!supports_at_.beneath.empty() && !supports_at_.here.empty()));
+}
+
+bool UndersideDimming::find_undersides(MaskBudget& budget) {
   const Picture &beneath = ahead(layer_ - 1), &here = ahead(layer_);
   constexpr std::size_t kBlock = 64;  // most blocks have no underside
   for (std::size_t begin = 0; begin < here.size(); begin += kBlock) {
@@ -210,17 +218,19 @@ void UndersideDimming::find_undersides(MaskBudget& budget) {
     bool begins = false;
     for (std::size_t pixel = begin; pixel < end; ++pixel)
       begins |= here[pixel] != 0 && beneath[pixel] == 0;
-    if (begins && !budget.spend(kBlock)) return;
+    if (begins && !budget.spend(kBlock)) return false;
     for (std::size_t pixel = begin; begins && pixel < end; ++pixel)
       if (here[pixel] != 0 && beneath[pixel] == 0) find_underside(pixel);
   }
+  return true;
 }
 
 void UndersideDimming::find_underside(std::size_t pixel) {
-  if (supports_ && (supports_beneath_[pixel] != 0 || supports_here_[pixel] != 0)) return;
+  if (supports_ && (supports_at_.beneath[pixel] != 0 || supports_at_.here[pixel] != 0)) return;
   const std::size_t end_ahead = layer_ - 1 + ahead_.size();
   column_.clear();
-  for (std::size_t layer = layer_; layer < end_ahead && ahead(layer)[pixel] != 0; ++layer)
+  for (std::size_t layer = layer_; layer < end_ahead && !ahead(layer).empty() && ahead(layer)[pixel] != 0;
+       ++layer)
     column_.push_back(ahead(layer)[pixel]);
   const std::size_t end = layer_ + column_.size();
   const double underside_mm =
@@ -260,9 +270,10 @@ bool UndersideDimming::is_wide(std::size_t pixel, const Picture& picture) const 
 void UndersideDimming::list_dimmed() {
   std::erase_if(undersides_, [&](const Underside& each) { return each.full_from <= layer_; });
   dimmed_.clear();
+  if (supports_ && supports_at_.here.empty()) return;  // supports, wherever they are, keep their light
   const auto columns = static_cast<std::uint32_t>(window_.columns);
   for (const Underside& each : undersides_) {
-    if (supports_ && supports_here_[each.pixel] != 0) continue;
+    if (supports_ && supports_at_.here[each.pixel] != 0) continue;
     const std::uint32_t row = static_cast<std::uint32_t>(window_.row) + each.pixel / columns;
     const std::uint32_t column = static_cast<std::uint32_t>(window_.column) + each.pixel % columns;
     dimmed_.push_back({row * static_cast<std::uint32_t>(display_width_.count()) + column,

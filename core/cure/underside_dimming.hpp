@@ -47,14 +47,13 @@ class LayerPictures {
  public:
   using Picture = std::vector<std::uint8_t>;  // by pixel of the window
 
-  // A mask that overruns `budget` is dark.
   LayerPictures(ContourEngine engine, const PixelWindow& window, std::chrono::nanoseconds budget)
       : engine_(std::move(engine)), window_(window), budget_(budget) {}
 
   [[nodiscard]] std::span<const PlateModel> models() const { return engine_.models(); }
   // Returns the budget of a mask that is begun now.
   [[nodiscard]] MaskBudget budget() const { return MaskBudget(MaskBudget::Clock::now() + budget_); }
-  // Returns the coverage of a layer, without what the threshold leaves dark.
+  // Returns the coverage of a layer, without what the threshold leaves dark; empty if it overran its budget.
   [[nodiscard]] Picture of(const LayerDose& layer);
 
  private:
@@ -125,10 +124,13 @@ class UndersideDimming {
   [[nodiscard]] static std::uint64_t most_memory(const DisplayGeometry& display, const UndersideCure& cure);
 
   // Returns the pixels of a layer that get less light than their mask gives them. Valid until the next call.
-  // Costs a mask if the layer follows the last one; else up to twice as many as there are layers ahead. A
-  // mask ahead that overruns its budget counts as dark; undersides of a layer that are not found within
-  // another budget keep their light. REQUIRES: a layer of the print.
+  // Costs nothing for the first layer, a mask for one that follows the last one; else up to twice as many as
+  // there are layers ahead. A solid counts as far up as its masks ahead were computed within their budgets.
+  // REQUIRES: a layer of the print.
   [[nodiscard]] std::span<const DimmedPixel> dimmed(std::size_t layer);
+  // False if undersides in this layer, the last one for which dimmed() was called, keep their light because a
+  // budget was overrun: that to find them, or that of a mask of this layer or the one beneath.
+  [[nodiscard]] bool are_found(std::size_t layer) const { return layer != layer_ || are_found_; }
 
  private:
   // A solid's beginning in a pixel.
@@ -138,12 +140,17 @@ class UndersideDimming {
     std::uint8_t next_share;  // light of the layer beneath full_from, in 255ths
   };
   using Picture = LayerPictures::Picture;
+  struct SupportPictures {
+    Picture beneath, here;  // of the layer beneath layer_, and of layer_
+  };
 
   void restart_before(std::size_t layer);
   void advance();
+  [[nodiscard]] bool has_pictures() const;
   // Returns the coverage of a layer from the one beneath layer_ up to the last that was computed ahead.
   [[nodiscard]] const Picture& ahead(std::size_t layer) const { return ahead_[layer + 1 - layer_]; }
-  void find_undersides(MaskBudget& budget);
+  // False if the budget was overrun.
+  [[nodiscard]] bool find_undersides(MaskBudget& budget);
   void find_underside(std::size_t pixel);
   [[nodiscard]] bool is_wide(std::size_t pixel, const Picture& picture) const;
   void list_dimmed();
@@ -157,11 +164,12 @@ class UndersideDimming {
 
   std::size_t layer_ = 0;      // that of dimmed_
   std::deque<Picture> ahead_;  // of the models, from the layer beneath layer_ up
-  Picture supports_beneath_, supports_here_;
+  SupportPictures supports_at_;
   ModelEntries entries_;
   std::vector<std::uint8_t> column_;  // coverage of the last solid, by layer
   SolidLight light_;
   std::vector<Underside> undersides_;
+  bool are_found_ = true;
   std::vector<DimmedPixel> dimmed_;
 };
 
@@ -175,6 +183,8 @@ class DimmedMasks {
   // Returns the mask of a layer by its coverage, that of the models and what is beside them. Valid until the
   // next call. Costs and requires what UndersideDimming::dimmed() does.
   [[nodiscard]] const Mask& mask(std::size_t layer, const Mask& coverage);
+  // Does what UndersideDimming::are_found() does.
+  [[nodiscard]] bool are_found(std::size_t layer) const { return undersides_->are_found(layer); }
   // Returns the light of the last mask, before uniformity mask and gamma. Valid until the next mask.
   [[nodiscard]] const Mask& light() const { return light_; }
 

@@ -198,6 +198,8 @@ void PrintLog::warn_about_sections(const PrintReport& report) const {
   warn("empty", "nothing to expose", [&report](const LayerRecord& layer) {
     return layer.area_mm2 == 0 && layer.layer + 1 < report.summary.layers.count;
   });
+  warn("undersides", "undersides kept all their light, because they were not found within mask_budget_ms",
+       [](const LayerRecord& layer) { return !layer.undersides_found; });
 }
 
 void PrintLog::warn_about_lateness(const PrintReport& report) const {

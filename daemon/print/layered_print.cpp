@@ -392,8 +392,10 @@ void LayeredPrint::show_mask() {
   const Mask* mask = plan_->engine->mask_within(record_.mask_height, budget);
   const Mask* light = &plan_->engine->coverage();
   if (mask != nullptr && plan_->undersides) {
-    mask = &plan_->undersides->mask(static_cast<std::size_t>(layer_), *light);
+    const auto layer = static_cast<std::size_t>(layer_);
+    mask = &plan_->undersides->mask(layer, *light);
     light = &plan_->undersides->light();
+    record_.undersides_found = plan_->undersides->are_found(layer);
   }
   record_.mask_time = MaskBudget::Clock::now() - start;
   if (mask == nullptr) return abandon_mask(budget);

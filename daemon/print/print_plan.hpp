@@ -77,11 +77,12 @@ struct LayerRecord {
   Duration exposure_asked{};
   // Bounds on the total time that the light was on for this layer, as far as its commands show (LightSpan).
   Duration exposure_least{}, exposure_most{};
-  int exposure_parts = 0;      // more than 1 if the exposure was interrupted and continued later
-  bool complete = false;       // the layer had all its light; false if the print ended before
-  bool dark_confirmed = true;  // false if the light may have stayed on: exposure_most ends with the print
-  Duration mask_time{};        // time to compute the mask (real time, also on a simulated printer)
-  double area_mm2 = 0;         // exposed area
+  int exposure_parts = 0;        // more than 1 if the exposure was interrupted and continued later
+  bool complete = false;         // the layer had all its light; false if the print ended before
+  bool dark_confirmed = true;    // false if the light may have stayed on: exposure_most ends with the print
+  Duration mask_time{};          // time to compute the mask (real time, also on a simulated printer)
+  double area_mm2 = 0;           // exposed area
+  bool undersides_found = true;  // false if undersides kept their light for lack of time
   std::uint32_t intersecting_facets = 0;
   std::uint32_t loops = 0;
   LayerCracks cracks;
@@ -91,6 +92,11 @@ struct LayerRecord {
 // Returns the number of layers that had all their light.
 [[nodiscard]] inline std::int64_t layers_exposed(const std::vector<LayerRecord>& layers) {
   return std::ranges::count(layers, true, &LayerRecord::complete);
+}
+
+// Returns the number of layers in which undersides kept their light for lack of time.
+[[nodiscard]] inline std::int64_t layers_with_unfound_undersides(const std::vector<LayerRecord>& layers) {
+  return std::ranges::count(layers, false, &LayerRecord::undersides_found);
 }
 
 }  // namespace contourd

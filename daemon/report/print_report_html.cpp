@@ -123,6 +123,11 @@ std::string trouble_rows(const PrintReport& report) {
   if (report.late_steps > 0)
     rows += table_row("Late steps",
                       fmt::format("{}: the computer was too busy to make them on time", report.late_steps));
+  if (const std::int64_t layers = layers_with_unfound_undersides(report.layers); layers > 0)
+    rows +=
+        table_row("Undersides", fmt::format("kept all their light in {}: they were not found within "
+                                            "mask_budget_ms",
+                                            count_of(static_cast<std::size_t>(layers), "layer", "layers")));
   if (report.busiest_lit.busy > kLongestLitTurn) {
     rows += table_row("Late light", fmt::format("by up to {:.0f} ms: the event loop was busy with {}",
                                                 in_ms(report.busiest_lit.busy), report.busiest_lit.source));

@@ -176,6 +176,7 @@ std::string report_as_json(const PrintReport& report) {
   add_layer_figures(summary.layers, json);
   json["layers_exposed"] = layers_exposed(report.layers);
   add_stops(report, json);
+  json["unfound_undersides"] = layers_with_unfound_undersides(report.layers);
   json["late_steps"] = report.late_steps;
   json["loop_busy_ms_worst_lit"] = in_ms(report.busiest_lit.busy);
   json["reading_ms"] = in_ms(summary.reading);

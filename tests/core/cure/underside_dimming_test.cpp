@@ -22,10 +22,33 @@ constexpr WorkingCurve kResin{Micrometers{150}, MillijoulesPerCm2{8}};
 constexpr std::chrono::seconds kBudget{60};
 const DisplayGeometry kScreen{Pixels{300}, Pixels{200}, Micrometers{50}};
 
+// Counts the cuts, and has more sides than any budget allows in one layer; elsewhere none.
+class CostlySections : public SectionSource {
+ public:
+  explicit CostlySections(std::int32_t layer) : layer_(layer) {}
+
+  void section_at(Nanometers height, Contours& contours) const override {
+    ++cuts_;
+    contours = Contours{};
+    if (height / kHeight == layer_) contours.points.resize(MaskBudget::kMaxSides + 1);
+  }
+  [[nodiscard]] int cuts() const { return cuts_; }
+
+ private:
+  std::int32_t layer_;
+  mutable int cuts_ = 0;
+};
+
+// Sections beside the model's facets; null: none.
+struct OtherSections {
+  std::shared_ptr<const SectionSource> holes{}, supports{};
+};
+
 // A model on the plate whose undersides are dimmed.
 class DimmedPrint {
  public:
-  explicit DimmedPrint(models::Facets facets, double memory = 1, const WorkingCurve& resin = kResin) {
+  explicit DimmedPrint(models::Facets facets, double memory = 1, const WorkingCurve& resin = kResin,
+                       OtherSections sections = {}) {
     auto model = std::make_shared<const HeightIndex>(std::move(facets));
     const LayerStack stack = layers_for(Millimeters{model->bounds().size_z()}, kHeight);
     for (std::int32_t layer = 0; layer < stack.count; ++layer)
@@ -34,9 +57,9 @@ class DimmedPrint {
     cure_.mask_budget = kBudget;
     const PixelMap map = PixelMap::true_scale(settings_.display, model->bounds().center());
     std::vector<PlateModel> models;
-    models.push_back({{std::move(model)}, {map}});
+    models.push_back({{std::move(model)}, {map}, std::move(sections.holes)});
     engine_.emplace(std::move(models), settings_);
-    undersides_.emplace(engine_->models(), nullptr, settings_, cure_);
+    undersides_.emplace(engine_->models(), std::move(sections.supports), settings_, cure_);
   }
 
   UndersideDimming& undersides() { return *undersides_; }
@@ -183,6 +206,48 @@ TEST_CASE("Dimming leaves no part of a layer without hold") {
       }
     }
   }
+}
+
+TEST_CASE("A layer whose mask is not known in time keeps its light, and so does the one above") {
+  constexpr std::int32_t kLate = 30;  // in the pillars
+  DimmedPrint print(table(3), 1, kResin, {.holes = std::make_shared<CostlySections>(kLate), .supports = {}});
+  for (std::size_t layer = 0; layer < print.layers(); ++layer) {
+    CAPTURE(layer);
+    CHECK(print.undersides().dimmed(layer).empty() == (layer < 60 || layer > 64));
+    CHECK(print.undersides().are_found(layer) == (layer != kLate && layer != kLate + 1));
+  }
+}
+
+TEST_CASE("A roof counts as far up as its masks are known in time") {
+  constexpr std::int32_t kLate = 62;  // in the slab
+  DimmedPrint print(table(3), 1, kResin, {.holes = std::make_shared<CostlySections>(kLate), .supports = {}});
+  for (std::size_t layer = 0; layer < print.layers(); ++layer) {
+    CAPTURE(layer);
+    CHECK(print.undersides().dimmed(layer).empty());
+    CHECK(print.undersides().are_found(layer) == (layer != kLate && layer != kLate + 1));
+  }
+}
+
+TEST_CASE("A layer whose supports are not known in time keeps all its light") {
+  constexpr std::int32_t kLate = 62;
+  DimmedPrint print(table(3), 1, kResin, {.holes = {}, .supports = std::make_shared<CostlySections>(kLate)});
+  for (std::size_t layer = 0; layer < print.layers(); ++layer) {
+    CAPTURE(layer);
+    CHECK(print.undersides().dimmed(layer).empty() == (layer < 60 || layer > 64 || layer == kLate));
+    CHECK(print.undersides().are_found(layer) == (layer != kLate && layer != kLate + 1));
+  }
+}
+
+TEST_CASE("The masks ahead of the second layer are computed once, also if the first one is asked for then") {
+  const auto sections = std::make_shared<CostlySections>(-1);
+  DimmedPrint print(table(3), 1, kResin, {.holes = sections, .supports = {}});
+  (void)print.undersides().dimmed(1);
+  const int before = sections->cuts();
+  CHECK(print.undersides().dimmed(0).empty());
+  (void)print.undersides().dimmed(1);
+  CHECK(sections->cuts() == before);
+  (void)print.undersides().dimmed(2);
+  CHECK(sections->cuts() == before + 1);
 }
 
 TEST_CASE("Layers asked for in any order have the same dimmed pixels") {

@@ -76,7 +76,9 @@ TEST_CASE("Light that is known less exactly than the resin tolerates causes a wa
   }
 }
 
-TEST_CASE("Layers that are empty or cracked cause one warning of each kind, at the end of the print") {
+TEST_CASE(
+    "Layers that are empty, cracked or without their undersides cause one warning of each kind, at the end "
+    "of the print") {
   PrintLogFixture fixture;
   PrintReport report;
   report.job = "part";
@@ -88,6 +90,7 @@ TEST_CASE("Layers that are empty or cracked cause one warning of each kind, at t
     fixture.layer.cracks.widest_gap = Millimeters{affected ? fixture.layer.layer / 1000.0 : 0.0};
     fixture.layer.cracks.turned_chains = fixture.layer.layer == 5 ? 3 : 0;
     fixture.layer.area_mm2 = fixture.layer.layer < 298 ? 4 : 0;
+    fixture.layer.undersides_found = fixture.layer.layer % 2 == 0;
     fixture.log_layer();
     report.layers.push_back(fixture.layer);
   }
@@ -99,6 +102,9 @@ TEST_CASE("Layers that are empty or cracked cause one warning of each kind, at t
   CHECK(
       fixture.text.has("warning: part: 1 of 300 layers, from layer 6 to 6: sections of contours run in the "
                        "wrong direction"));
+  CHECK(
+      fixture.text.has("warning: part: 150 of 300 layers, from layer 2 to 300: undersides kept all their "
+                       "light, because they were not found within mask_budget_ms"));
   // The last layer may be empty.
   CHECK(fixture.text.has("warning: part: 1 of 300 layers, from layer 299 to 299: nothing to expose"));
 }

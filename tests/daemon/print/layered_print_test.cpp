@@ -462,6 +462,25 @@ TEST_CASE(
   CHECK_FALSE(fixture.lit_wrongly);
 }
 
+TEST_CASE("A layer is recorded as one in which undersides were not found within their budget") {
+  LayeredPrintFixture fixture;
+  PrintPlan plan = testing::box_plan(3);
+  UndersideCure cure{
+      .layers = {}, .resin = {.curve = {Micrometers{150}, MillijoulesPerCm2{8}}}, .mask_budget = {}};
+  for (int layer = 1; layer <= 3; ++layer)
+    cure.layers.push_back({testing::kBoxLayer * layer, testing::kBoxLayer, MillijoulesPerCm2{16}});
+  const EngineSettings settings{.display = testing::kSmallDisplay};
+  plan.undersides = std::make_unique<DimmedMasks>(
+      std::make_unique<UndersideDimming>(plan.engine->models(), nullptr, settings, cure), ToneCurve{},
+      std::nullopt);
+  fixture.process.start(std::move(plan));
+  fixture.run_out();
+  REQUIRE(fixture.layers.size() == 3);
+  CHECK(fixture.layers[0].undersides_found);
+  CHECK_FALSE(fixture.layers[1].undersides_found);
+  CHECK_FALSE(fixture.layers[2].undersides_found);
+}
+
 TEST_CASE("An interrupted exposure continues with its remaining time, at the same layer") {
   LayeredPrintFixture fixture;
   fixture.start(2);

@@ -2,6 +2,7 @@
 
 #include "core/image/thumbnail.hpp"
 #include "daemon/report/layer_pictures.hpp"
+#include "daemon/report/print_report_json.hpp"
 #include "hw/png_file.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/report/print_state.hpp"
@@ -76,6 +77,16 @@ TEST_CASE("A warning links only to its layers that have a picture") {
   CHECK(testing::occurrences(page, "<a href=") == 1);
   CHECK(testing::occurrences(page, "<figure id=\"layer-10\">") == 1);
   CHECK(testing::occurrences(page, "2 islands begin") == 1);
+}
+
+TEST_CASE("The page and the figures count the layers in which undersides were not found in time") {
+  PrintReport report = report_of(30);
+  CHECK(report_as_html(report).find("Undersides") == std::string::npos);
+  CHECK(report_as_json(report).find("\"unfound_undersides\": 0,") != std::string::npos);
+  report.layers[7].undersides_found = report.layers[9].undersides_found = false;
+  CHECK(report_as_html(report).find("kept all their light in 2 layers: they were not found within "
+                                    "mask_budget_ms") != std::string::npos);
+  CHECK(report_as_json(report).find("\"unfound_undersides\": 2,") != std::string::npos);
 }
 
 TEST_CASE("Hostile names appear on the page only as text") {
