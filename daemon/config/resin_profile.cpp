@@ -11,6 +11,7 @@
 #include "daemon/json/json_document.hpp"
 #include "daemon/json/json_schema.hpp"
 #include "daemon/json/json_section.hpp"
+#include "daemon/system/readable.hpp"
 
 namespace contourd {
 namespace {
@@ -323,6 +324,14 @@ std::string missing_for_dimming(const ResinProfile& resin) {
   if (resin.peel_memory_measured) return "";
   return "the working_curve of the resin " + resin.name +
          " has no peel_memory, and with a wrong one a part of the model would be missing";
+}
+
+std::string settle_undersides(ResinProfile& resin) {
+  if (resin.undersides == Undersides::Plain) return "";
+  const std::string missing = missing_for_dimming(resin);
+  if (missing.empty()) return "";
+  resin.undersides = Undersides::Plain;
+  return "undersides are exposed plainly, not by dose: " + printable(missing);
 }
 
 std::vector<LayerDose> layer_doses(const ResinProfile& resin, std::span<const Nanometers> thicknesses,

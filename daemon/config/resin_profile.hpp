@@ -119,6 +119,10 @@ struct ResinMachine {
 // Returns, as a clause, what the profile lacks to expose undersides by dose; empty if it lacks nothing.
 [[nodiscard]] std::string missing_for_dimming(const ResinProfile& resin);
 
+// Makes the undersides plain if the profile lacks something to expose them by dose, and returns a sentence
+// with the reason; empty if it lacks nothing.
+[[nodiscard]] std::string settle_undersides(ResinProfile& resin);
+
 // Returns the doses of layers, from the plate up, by exposure_time().
 [[nodiscard]] std::vector<LayerDose> layer_doses(const ResinProfile& resin,
                                                  std::span<const Nanometers> thicknesses,

@@ -30,11 +30,6 @@ BuildVolume build_volume(const PrinterConfig& printer, const ResinProfile& resin
           to_millimeters(printer.travel - resin.motion.lift).count()};
 }
 
-EngineSettings engine_settings(const PrinterConfig& printer, const ResinProfile& resin) {
-  return {build_volume(printer, resin).display, printer.anti_aliasing ? AntiAliasing::On : AntiAliasing::Off,
-          resin.compensation, printer.tone, printer.uniformity};
-}
-
 void take_settings(const PrinterConfig& printer, const ResinProfile& resin, PrintPlan& plan) {
   plan.exposure = exposure_by(resin, printer.irradiance_mw_cm2);
   const double pitch_mm = to_millimeters(printer.pixel_pitch).count();
@@ -192,15 +187,11 @@ class Preparation {
 
   // Returns the light by which undersides are to be dimmed; nullopt if they are exposed as all else.
   std::optional<UndersideCure> dimmed_undersides() {
+    warn(settle_undersides(summary_.resin));
     const ResinProfile& resin = summary_.resin;
     if (resin.undersides == Undersides::Plain) return std::nullopt;
-    const std::string missing = missing_for_dimming(resin);
-    if (missing.empty())
-      return UndersideCure{layer_doses(resin, job_.plan.expected_layers, printer_.irradiance_mw_cm2),
-                           *resin.cure, printer_.mask_budget};
-    summary_.resin.undersides = Undersides::Plain;
-    warn(fmt::format("undersides are exposed plainly, not by dose: {}", printable(missing)));
-    return std::nullopt;
+    return UndersideCure{layer_doses(resin, job_.plan.expected_layers, printer_.irradiance_mw_cm2),
+                         *resin.cure, printer_.mask_budget};
   }
 
   void check_layers(const std::stop_token& stop) {
@@ -268,6 +259,11 @@ std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure_by(co
   return [resin, irradiance_mw_cm2](std::int32_t layer, Nanometers thickness) {
     return exposure_time(resin, thickness, layer, irradiance_mw_cm2);
   };
+}
+
+EngineSettings engine_settings(const PrinterConfig& printer, const ResinProfile& resin) {
+  return {build_volume(printer, resin).display, printer.anti_aliasing ? AntiAliasing::On : AntiAliasing::Off,
+          resin.compensation, printer.tone, printer.uniformity};
 }
 
 PreparedJob prepare_job(const JobFiles& files, const JobSettings& settings, const PrinterConfig& printer) {

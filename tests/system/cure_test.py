@@ -3,7 +3,7 @@
 import json
 import os
 
-from harness import BAD_DATA, BAD_USAGE, FLOATING, OK, FolderTest, binary_stl, box, contourctl, source_json
+from harness import BAD_DATA, BAD_USAGE, FLOATING, OK, FolderTest, binary_stl, box, contents, contourctl, source_json
 
 BAD_CONFIG = 78
 
@@ -87,9 +87,40 @@ class Undersides(CureTest):
         self.write("resin.json", json.dumps(profile | {"undersides": "dose"}).encode())
         self.assertAlmostEqual(self.cure(BRIDGE, "--resin", path)["undersides"]["median_um"], 239, delta=0.6)
 
+    def test_a_model_that_is_too_thin_for_a_layer_is_cured_to_nothing(self):
+        found = self.cure(binary_stl(box((0, 0, 0), (2, 2, 0.01))), "--resin", self.resin(peel_memory=1), "--undersides", "dose")
+        self.assertEqual(found["layers"], 0)
+        self.assertIn("too thin for a layer", found["warnings"][0])
+
     def test_they_need_a_measured_memory(self):
         result = contourctl("cure", "--resin", self.resin(), "--undersides", "dose", self.write("m.stl", BRIDGE), expect=BAD_DATA)
         self.assertIn(b"undersides cannot be exposed by dose: the working_curve of the resin resin has no peel_memory", result.stderr)
+
+
+    def test_slice_and_analyze_need_a_print_for_them(self):
+        model, resin = self.write("m.stl", BRIDGE), self.resin()
+        for arguments in (
+            ["slice", "--layer-height-um", "50", "--undersides", "dose"], ["analyze", "--undersides", "plain"],
+            ["slice", "--resin", resin, "--z", "1"], ["slice", "--resin", resin, "--grow-um", "10", "--masks", "x"], ["slice"],
+            ["slice", "--resin", resin, "--cusp-um", "10"], ["slice", "--resin", resin, "--printer", "x.json"],
+        ):  # fmt: skip
+            with self.subTest(arguments):
+                contourctl(*arguments, model, expect=BAD_USAGE)
+        for command in ("slice", "analyze"):
+            result = contourctl(command, "--resin", resin, "--undersides", "dose", model, expect=BAD_DATA)
+            self.assertIn(b"undersides cannot be exposed by dose", result.stderr)
+
+    def test_slice_takes_layers_and_corrections_of_the_resin_and_those_of_the_projector_from_options(self):
+        path = self.resin(peel_memory=1)
+        with open(path, encoding="utf-8") as file:
+            profile = json.load(file)
+        self.write("resin.json", json.dumps(profile | {"layer_height_um": 100, "growth_um": 50}).encode())
+        model = self.write("m.stl", binary_stl(box((0, 0, 0), (2, 2, 1))))
+        contourctl("slice", model, "--resin", path, "--gamma", "2", "--masks", self.path("masks"), expect=OK)
+        self.assertEqual(len(os.listdir(self.path("masks"))), 10)
+        contourctl("slice", model, "--layer-height-um", "100", "--grow-um", "50", "--gamma", "2", "--masks", self.path("same"), expect=OK)
+        for name in os.listdir(self.path("same")):
+            self.assertEqual(contents(self.path("masks", name)), contents(self.path("same", name)))
 
 
 class BadInput(CureTest):

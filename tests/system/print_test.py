@@ -100,6 +100,28 @@ class Undersides(PrintTest):
             self.assertEqual(0 in self.columns(undersides)[0][11:], undersides == "dose")
             self.assertEqual("; undersides by dose" in daemon.read("done", undersides + ".report.html"), undersides == "dose")
 
+    def test_contourctl_slices_the_masks_and_forecasts_the_areas_of_the_print(self):
+        daemon = self.daemon(resin=self.resin("plain", peel_memory=0.9))
+        model, profile = self.write("model.stl", self.BRIDGE), self.path("resins", "standard.json")
+        for undersides in ("dose", "plain"):
+            ticket = self.write("ticket.json", json.dumps({"undersides": undersides}).encode())
+            areas = [layer["area_mm2"] for layer in daemon.printed(undersides + ".stl", self.BRIDGE, {"undersides": undersides})["layer_records"]]
+            printed = self.masks(undersides)
+            for name, arguments in {
+                "ticket": ["--printer", daemon.config_path, "--ticket", ticket],
+                "option": ["--printer", daemon.config_path, "--undersides", undersides],
+                "alone": ["--resin", profile, "--undersides", undersides],
+            }.items():
+                with self.subTest(undersides=undersides, name=name):
+                    folder = self.path("sliced", undersides, name)
+                    contourctl("slice", model, *arguments, "--masks", folder, expect=OK)
+                    sliced = {file: read_png(os.path.join(folder, file)) for file in sorted(os.listdir(folder))}
+                    self.assertEqual(sliced, printed)
+                    analysis = json.loads(contourctl("analyze", model, *arguments, "--json", expect=OK).stdout)
+                    self.assertEqual([round(area, 6) for area in analysis["area_mm2"]], [round(area, 6) for area in areas])
+                    self.assertAlmostEqual(analysis["resin_ml"], (6 * 4 * 1 + 2 * 4 * 0.5) / 1000, delta=1e-6)  # whatever the light
+                    self.assertEqual(analysis["islands"], 0)
+
     def test_a_ticket_cannot_have_dose_from_a_resin_without_a_curve_and_is_told(self):
         report = self.printed(self.BRIDGE, {"undersides": "dose"})
         self.assert_words(report["model"]["warnings"][0], "undersides are exposed plainly, not by dose", "has no working_curve")

@@ -5,32 +5,24 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "core/analysis/print_analysis.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/layers/print_layers.hpp"
-#include "daemon/config/job_ticket.hpp"
-#include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/models/analyze_page.hpp"
 #include "daemon/ctl/models/layer_files.hpp"
 #include "daemon/ctl/models/layer_measurements.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
-#include "daemon/ctl/models/read_model.hpp"
-#include "daemon/ctl/models/supported_model.hpp"
+#include "daemon/ctl/models/print_subject.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
-#include "daemon/prepare/job_supports.hpp"
-#include "daemon/prepare/mesh_repair_text.hpp"
-#include "daemon/prepare/model_checks.hpp"
 #include "daemon/prepare/print_findings.hpp"
-#include "daemon/prepare/print_job.hpp"
 #include "daemon/prepare/supports_text.hpp"
-#include "daemon/print/layer_durations.hpp"
 #include "daemon/report/job_picture.hpp"
 #include "daemon/system/readable.hpp"
 #include "hw/clock.hpp"
@@ -39,121 +31,24 @@ namespace contourd::ctl {
 namespace {
 
 struct AnalyzeOptions {
-  std::filesystem::path model;
+  PrintArgs print;
   bool json = false;
   std::optional<std::filesystem::path> html;  // one self-contained page
-  std::optional<std::string> supports;        // default: as configured; without a configuration none
-  SizeArgs size;
-
-  // Configuration and ticket of a print by contourd.
-  std::optional<std::filesystem::path> printer, ticket;
-  // Without a configuration: the direction that points up, the display, and the time of each layer.
-  std::optional<std::string> up;
-  DisplayArgs display;
-  double layer_height_um = 50, layer_time_s = 10;
+  double layer_time_s = 10;                   // without a configuration: the time of each layer
 };
 
-// The settings of a print without a configuration.
-struct PrintAlone {
-  std::optional<UpOption> up;
-  EngineSettings engine;
-  Nanometers layer_height;
-  Duration layer_time;
-};
-
-PrintAlone parse_alone(const AnalyzeOptions& options) {
+Duration parse_layer_time(double seconds) {
   constexpr double kLongestLayerS = 3600;
-  PrintAlone print{.up = parse_up(options.up),
-                   .engine = {parse_display(options.display), parse_anti_aliasing(options.display)},
-                   .layer_height = parse_um("--layer-height-um", options.layer_height_um, 1),
-                   .layer_time = {}};
   // Negated, so that NaN is refused, too.
-  if (!(options.layer_time_s >= 0 && options.layer_time_s <= kLongestLayerS))
-    throw UsageError(
-        fmt::format("--layer-time-s {}: expected 0 to {}", options.layer_time_s, kLongestLayerS));
-  print.layer_time =
-      std::chrono::duration_cast<Duration>(std::chrono::duration<double>(options.layer_time_s));
-  return print;
+  if (!(seconds >= 0 && seconds <= kLongestLayerS))
+    throw UsageError(fmt::format("--layer-time-s {}: expected 0 to {}", seconds, kLongestLayerS));
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
 }
 
 using Json = nlohmann::ordered_json;
 
 // Each layer is timed this often, and the shortest time counts, to exclude interruptions by other processes.
 constexpr int kRuns = 3;
-
-// The time for each mask in the search for parts that no layer has.
-constexpr Duration kLongestMask = std::chrono::seconds(5);
-
-struct AnalysisSubject {
-  std::unique_ptr<ContourEngine> engine;
-  std::vector<Duration> layer_durations;  // by layer
-  AnalysisOptions analysis;
-  AnalyzedModel model;
-};
-
-// Prepares the model in the middle of a display, without a printer's configuration.
-AnalysisSubject subject_alone(const AnalyzeOptions& options, const PrintAlone& print) {
-  AnalysisSubject subject;
-  Model model = read_turned_model(options.model, print.up, parse_size(options.size));
-  std::vector<std::string>& warnings = subject.model.warnings = std::move(model.warnings);
-  const auto made = std::make_shared<const HeightIndex>(std::move(model.facets));
-  std::ranges::move(mesh_warnings(made->turned_outwards(), made->repairs()), std::back_inserter(warnings));
-  const Bounds bounds = made->bounds();
-  const DisplayGeometry& display = print.engine.display;
-  SupportedModel supported = options.supports && *options.supports != "off"
-                                 ? support_model(made, {.display = display,
-                                                        .layer = print.layer_height,
-                                                        .anti_aliasing = print.engine.anti_aliasing,
-                                                        .policy = support_policy(*options.supports)})
-                                 : lay_on_plate(made, PixelMap::true_scale(display, bounds.center()));
-  subject.model.layers = print_layers(supported.model, print.layer_height, {}).all();
-  if (subject.model.layers.empty()) {
-    warnings.push_back(fmt::format(
-        "the model is {:.6g} mm high, too thin for a layer: nothing would be printed", bounds.size_z()));
-  }
-  subject.layer_durations.assign(subject.model.layers.size(), print.layer_time);
-  subject.model.assumed_layer_time = print.layer_time;
-  subject.model.display = display;
-  subject.model.size_mm = {bounds.size_x(), bounds.size_y(), bounds.size_z()};
-  if (bounds.size_x() > display.width_mm() || bounds.size_y() > display.height_mm())
-    warnings.emplace_back("the model is larger than the display: parts outside are not counted");
-  subject.engine = std::make_unique<ContourEngine>(supported.engine(print.engine));
-  std::string unmet = unmet_parts_warning(subject.engine->models().front(), display,
-                                          middles_of(subject.model.layers), kLongestMask);
-  if (!unmet.empty()) warnings.push_back(std::move(unmet));
-  subject.model.supports = std::move(supported.supports);
-  if (std::string own = own_supports_sentence("the model", supported.own_supports, "contourctl");
-      !own.empty())
-    warnings.push_back(std::move(own));
-  if (subject.model.supports) {
-    if (std::string unheld = unheld_sentence(subject.model.supports->unheld); !unheld.empty())
-      warnings.push_back(std::move(unheld));
-  }
-  return subject;
-}
-
-// Prepares the model as contourd prints it.
-AnalysisSubject subject_of_printer(const AnalyzeOptions& options) {
-  const PrinterConfig printer = load_printer_config(*options.printer, Places::Elsewhere);
-  // Reads the model first, so that a bad file gives the same message as with other commands.
-  (void)read_model(options.model);
-  AskedOfJob asked{.supports = {}, .scale = parse_size(options.size)};
-  if (options.supports) asked.supports = support_policy(*options.supports);
-  PreparedJob job =
-      prepare_model({options.model.stem().string(), options.model, options.ticket}, printer, asked);
-  AnalysisSubject subject;
-  const PrintPlan& plan = job.plan;
-  subject.layer_durations = layer_durations(plan, printer);
-  subject.engine = std::move(job.analysis_engine);
-  subject.model.warnings = std::move(job.summary.warnings);
-  subject.model.layers = plan.expected_layers;
-  subject.model.display = job.display;
-  subject.model.supports = std::move(job.summary.supports);
-  subject.analysis = job.analysis;
-  const ModelSummary& model = job.summary.models.front();
-  subject.model.size_mm = {model.size_x_mm, model.size_y_mm, model.size_z_mm};
-  return subject;
-}
 
 // Times slicing and joining of a layer (thesis, section 3.5).
 LayerMeasurement measure(const ContourEngine& engine, Nanometers height, LayerStopwatch& stopwatch) {
@@ -174,16 +69,42 @@ LayerMeasurement measure(const ContourEngine& engine, Nanometers height, LayerSt
   return best;
 }
 
-AnalyzedModel analyze(AnalysisSubject subject, bool with_picture) {
-  AnalyzedModel model = std::move(subject.model);
+// Replaces the areas, which are those of the layers, by those that are exposed if undersides are dimmed.
+void expose_by_dose(const PrintSubject& subject, AnalyzedModel& model) {
+  const std::unique_ptr<DimmedMasks> masks = subject.dimmed_masks();
+  if (!masks) return;
+  const double pixel_mm = to_millimeters(model.display.pixel_pitch).count();
+  PrintFindings& found = model.findings;
+  for (std::size_t layer = 0; layer < model.layers.size(); ++layer) {
+    MaskBudget budget;
+    if (const auto limit = subject.analysis.mask_budget)
+      budget = MaskBudget(MaskBudget::Clock::now() + *limit);
+    if (subject.engine->mask_within(model.layer_middles[layer], budget) == nullptr) continue;
+    (void)masks->mask(layer, subject.engine->coverage());
+    found.area_mm2[layer] = masks->light().lit_area() * pixel_mm * pixel_mm;
+  }
+  const auto largest = std::ranges::max_element(found.area_mm2);
+  found.largest_area_mm2 = *largest;
+  found.largest_area_layer = static_cast<std::int32_t>(largest - found.area_mm2.begin());
+}
+
+AnalyzedModel analyze(PrintSubject subject, Duration layer_time, bool with_picture) {
+  AnalyzedModel model;
+  model.size_mm = subject.size_mm;
+  model.display = subject.settings.display;
+  model.layers = subject.layers;
+  model.warnings = subject.warnings;
+  if (!subject.layer_durations) model.assumed_layer_time = layer_time;
   for (const PlateModel& each : subject.engine->models())
     model.facets += each.model->facets().size();
   model.layer_middles = middles_of(model.layers);
   const auto duration_of = [&](std::int32_t layer) {
-    return subject.layer_durations[static_cast<std::size_t>(layer)];
+    return subject.layer_durations ? (*subject.layer_durations)[static_cast<std::size_t>(layer)] : layer_time;
   };
   model.findings =
       analyze_print(*subject.engine, model.display, model.layers, duration_of, {}, subject.analysis).value();
+  expose_by_dose(subject, model);
+  model.supports = std::move(subject.supports);
   LayerStopwatch stopwatch;
   for (const Nanometers middle : model.layer_middles)
     model.measurements.push_back(measure(*subject.engine, middle, stopwatch));
@@ -230,12 +151,10 @@ void print_json(const AnalyzedModel& m) {
 }
 
 int analyze(const AnalyzeOptions& options) {
-  const PrintAlone alone = parse_alone(options);
-  (void)parse_size(options.size);
-  refuse_to_overwrite_model(options.model, "--html", options.html);
-  AnalysisSubject subject = options.printer ? subject_of_printer(options) : subject_alone(options, alone);
-  subject.model.name = options.model.filename().string();
-  const AnalyzedModel model = analyze(std::move(subject), options.html.has_value());
+  const Duration layer_time = parse_layer_time(options.layer_time_s);
+  refuse_to_overwrite_model(options.print.model, "--html", options.html);
+  AnalyzedModel model = analyze(print_subject(options.print), layer_time, options.html.has_value());
+  model.name = options.print.model.filename().string();
   if (options.html) write_text(*options.html, analysis_page(model));
   if (options.json) {
     print_json(model);
@@ -250,21 +169,12 @@ int analyze(const AnalyzeOptions& options) {
 void add_analyze(Command& program) {
   Command& command = program.add("analyze", "Forecast a whole print: resin, areas, islands, times");
   auto& options = command.arguments<AnalyzeOptions>();
-  command.option("MODEL", options.model, "Model file").required().allow_empty();
+  const Option& printer =
+      add_print_options(command, options.print, "Layer height, um (default: the resin's, or 50)").printer;
   command.option("--json", options.json, "Print JSON");
   command.option("--html", options.html, "Write a page with plots and a picture");
-  const Option& printer = command.option("--printer", options.printer, kLikePrinterHelp);
-  command.option("--ticket", options.ticket, "Ticket of the job").needs(printer);
-  command
-      .option("--supports", options.supports,
-              "Generate supports: auto, on or off (default: as configured, or off)")
-      .one_of({"auto", "on", "off"});
-  add_size_options(command, options.size);
-  command.option("--up", options.up, kUpHelp).suggests(up_presets).excludes(printer);
-  command.option("--layer-height-um", options.layer_height_um, "Layer height, um").excludes(printer);
   command.option("--layer-time-s", options.layer_time_s, "Time that the printer needs per layer, s")
       .excludes(printer);
-  add_display_options(command, options.display, &printer);
   command.run = [&options] { return analyze(options); };
 }
 

@@ -128,16 +128,18 @@ void open_layer_folder(const fs::path& folder, std::string_view extension, Earli
 }
 
 std::vector<LayerCracks> write_masks(const fs::path& folder, std::span<const Nanometers> layers,
-                                     const std::function<ContourEngine()>& make_engine) {
+                                     const std::function<MaskMaker()>& make_maker) {
   LayerQueue queue(layers.size());
   std::vector<LayerCracks> cracks(layers.size());  // each element is written by the thread that has the layer
   const auto write_some = [&] {
-    std::optional<ContourEngine> engine;
+    std::optional<MaskMaker> maker;
     MaskPngEncoder encoder;
     queue.serve([&](std::size_t layer) {
-      if (!engine) engine.emplace(make_engine());
-      encode_mask(folder / layer_file(layer + 1, ".png"), engine->mask_at(layers[layer]), encoder);
-      cracks[layer] = engine->cracks();
+      if (!maker) maker.emplace(make_maker());
+      const Mask* mask = &maker->engine.mask_at(layers[layer]);
+      if (maker->undersides) mask = &maker->undersides->mask(layer, maker->engine.coverage());
+      encode_mask(folder / layer_file(layer + 1, ".png"), *mask, encoder);
+      cracks[layer] = maker->engine.cracks();
     });
   };
   {

@@ -6,12 +6,14 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/contour/contour_loops.hpp"
+#include "core/cure/underside_dimming.hpp"
 #include "core/engine/contour_engine.hpp"
 
 namespace contourd::ctl {
@@ -31,12 +33,18 @@ enum class Earlier { Refuse, Replace };
 // fails, or if there are such files and `earlier` is Refuse; then nothing is changed.
 void open_layer_folder(const std::filesystem::path& folder, std::string_view extension, Earlier earlier);
 
+// Makes masks of layers, on one thread.
+struct MaskMaker {
+  ContourEngine engine;
+  std::unique_ptr<DimmedMasks> undersides{};  // null: they are exposed plainly
+};
+
 // Writes 0001.png, 0002.png, ... into the folder, for layers cut at these heights above the plate. Uses one
-// thread per processor, each with its own engine for the shared model; the files do not depend on the number
-// of threads. Blocks. If a layer fails, stops and throws the exception of the lowest failed layer.
-// `make_engine` is called on several threads at once. Returns the cracks of each layer.
+// thread per processor, each with a maker of its own for the shared model; the files do not depend on the
+// number of threads. Blocks. If a layer fails, stops and throws the exception of the lowest failed layer.
+// `make_maker` is called on several threads at once. Returns the cracks of each layer.
 std::vector<LayerCracks> write_masks(const std::filesystem::path& folder, std::span<const Nanometers> layers,
-                                     const std::function<ContourEngine()>& make_engine);
+                                     const std::function<MaskMaker()>& make_maker);
 
 // Writes one row per point: its loop, and its positions in the model and on the display.
 void write_contours(const std::filesystem::path& path, const Contours& contours, const PixelMap& map);

@@ -38,6 +38,7 @@ PreparedJob prepare_model(const JobFiles& files, const PrinterConfig& printer, c
   try {
     JobSettings settings = read_settings(files, printer);
     if (asked.supports) settings.supports = *asked.supports;
+    settings.resin.undersides = asked.undersides.value_or(settings.resin.undersides);
     if (asked.scale) {
       settings.ticket.models.front().scale = Scale{*asked.scale};
       settings.ticket.models.front().fit = false;

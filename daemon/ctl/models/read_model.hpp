@@ -18,6 +18,7 @@ void look_at_model(const std::filesystem::path& path);
 // Settings that override the job's ticket.
 struct AskedOfJob {
   std::optional<SupportPolicy> supports{};
+  std::optional<Undersides> undersides{};
   std::optional<double> scale{};
 };
 

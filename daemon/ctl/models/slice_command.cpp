@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -22,6 +23,7 @@
 #include "daemon/ctl/models/layer_files.hpp"
 #include "daemon/ctl/models/layer_measurements.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
+#include "daemon/ctl/models/print_subject.hpp"
 #include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/prepare/job_supports.hpp"
@@ -35,13 +37,13 @@ namespace contourd::ctl {
 namespace {
 
 struct SliceOptions {
-  std::filesystem::path model;
-  bool json = false;
-  // Exactly one of these three is given: one height (in the file's coordinates), uniform layers, or adaptive
-  // layers.
+  // With a printer's configuration or a resin's profile, the layers of a print are sliced. Without, exactly
+  // one of these is given: one height (in the file's coordinates), uniform layers, or adaptive layers.
+  PrintArgs print;
   std::optional<Millimeters> z;
   std::optional<Nanometers> layer_height;
   std::optional<AdaptiveLayers> adaptive;
+  bool json = false;
 
   std::optional<UpOption> up;  // applied first; z then refers to the turned model
 
@@ -49,7 +51,6 @@ struct SliceOptions {
   bool fit = false;
   SupportPolicy supports =
       SupportPolicy::Off;  // layers then count from the plate; z still refers to the file
-  SizeArgs size;
   std::optional<std::filesystem::path> uniformity;  // picture to read into engine.uniformity
 
   std::optional<std::filesystem::path> mask;      // one PNG, with z
@@ -57,18 +58,17 @@ struct SliceOptions {
   std::optional<std::filesystem::path> csv;       // with layers
   std::optional<std::filesystem::path> contours;  // a folder of CSVs, with layers
   bool force = false;                             // replace the files of an earlier slice in these folders
+
+  [[nodiscard]] bool is_print() const { return print.printer || print.resin; }
 };
 
 // Arguments as the user typed them, before they have units.
 struct SliceArgs {
   SliceOptions options;
-  std::optional<double> z_mm, layer_height_um, cusp_um;
+  std::optional<double> z_mm, cusp_um;
   double min_layer_um = 25, max_layer_um = 100;
-  DisplayArgs display;
-  std::string supports = "off";
   double grow_um = 0, elephant_foot_um = 0, elephant_foot_height_um = 0, gamma = 1;
   int threshold = 0;
-  std::optional<std::string> up;
 };
 
 // Parses the corrections of masks that a resin's and a printer's profile can set, too.
@@ -114,21 +114,8 @@ AdaptiveLayers parse_adaptive(const SliceArgs& args) {
   return layers;
 }
 
-SliceOptions parse_slice(const SliceArgs& args) {
-  SliceOptions options = args.options;
-  options.supports = support_policy(args.supports);
-  (void)parse_size(options.size);
-  // Supports have sizes in millimetres, and a picture that fills the display has no scale.
-  if (options.supports != SupportPolicy::Off && options.fit)
-    throw UsageError(fmt::format("--supports {} excludes --fit", args.supports));
-  options.up = parse_up(args.up);
-  options.engine.display = parse_display(args.display);
-  options.engine.anti_aliasing = parse_anti_aliasing(args.display);
-  parse_corrections(options.engine, args);
-  refuse_to_overwrite_model(options.model, "--mask", options.mask);
-  refuse_to_overwrite_model(options.model, "--csv", options.csv);
-  if (int{args.z_mm.has_value()} + int{args.layer_height_um.has_value()} + int{args.cusp_um.has_value()} != 1)
-    throw UsageError("slice needs exactly one of --z, --layer-height-um and --cusp-um");
+void parse_layers(const SliceArgs& args, SliceOptions& options) {
+  const std::optional<double>& height_um = options.print.layer_height_um;
   if (args.z_mm) {
     if (!std::isfinite(*args.z_mm))
       throw UsageError(fmt::format("--z {}: expected a finite number", *args.z_mm));
@@ -136,11 +123,32 @@ SliceOptions parse_slice(const SliceArgs& args) {
     if (options.masks || options.csv || options.contours)
       throw UsageError("--masks, --csv and --contours need --layer-height-um or --cusp-um");
   }
+  if (height_um) options.layer_height = parse_um("--layer-height-um", *height_um, 1);
+  if (args.cusp_um) options.adaptive = parse_adaptive(args);
+  if (options.is_print()) return;
+  if (int{args.z_mm.has_value()} + int{height_um.has_value()} + int{args.cusp_um.has_value()} != 1)
+    throw UsageError(
+        "slice needs exactly one of --z, --layer-height-um and --cusp-um, or a print: --printer or --resin");
+}
+
+SliceOptions parse_slice(const SliceArgs& args) {
+  SliceOptions options = args.options;
+  const PrintArgs& print = options.print;
+  options.supports = support_policy(print.supports.value_or("off"));
+  (void)parse_size(print.size);
+  // Supports have sizes in millimetres, and a picture that fills the display has no scale.
+  if (options.supports != SupportPolicy::Off && options.fit)
+    throw UsageError(fmt::format("--supports {} excludes --fit", *print.supports));
+  options.up = parse_up(print.up);
+  options.engine.display = parse_display(print.display);
+  options.engine.anti_aliasing = parse_anti_aliasing(print.display);
+  parse_corrections(options.engine, args);
+  refuse_to_overwrite_model(print.model, "--mask", options.mask);
+  refuse_to_overwrite_model(print.model, "--csv", options.csv);
+  parse_layers(args, options);
   if (options.force && !options.masks && !options.contours)
     throw UsageError("--force needs --masks or --contours");
   if (options.mask && !args.z_mm) throw UsageError("--mask needs --z");
-  if (args.layer_height_um) options.layer_height = parse_um("--layer-height-um", *args.layer_height_um, 1);
-  if (args.cusp_um) options.adaptive = parse_adaptive(args);
   check_corrections_go_with_masks(options);
   return options;
 }
@@ -198,11 +206,11 @@ void warn_if_beside_model(Millimeters z, const Bounds& bounds) {
 }
 
 // Adds the supports of the whole print, if there are any.
-void add_supports(const SupportedModel& supported, Json& json) {
-  if (supported.supports) json["supports"] = supports_summary_json(counts_of(*supported.supports));
+void add_supports(const std::optional<Supports>& supports, Json& json) {
+  if (supports) json["supports"] = supports_summary_json(counts_of(*supports));
 }
-void print_supports(const SupportedModel& supported) {
-  if (supported.supports) fmt::print("supports     {}\n", supports_line(counts_of(*supported.supports)));
+void print_supports(const std::optional<Supports>& supports) {
+  if (supports) fmt::print("supports     {}\n", supports_line(counts_of(*supports)));
 }
 
 int slice_at_height(const SliceOptions& options, const SupportedModel& supported) {
@@ -227,7 +235,7 @@ int slice_at_height(const SliceOptions& options, const SupportedModel& supported
     json.update(cracks_json(contours.cracks));
     json["area_mm2"] = area;
     json["perimeter_mm"] = perimeter;
-    add_supports(supported, json);
+    add_supports(supported.supports, json);
     fmt::print("{}\n", json.dump(2));
     return kOk;
   }
@@ -237,14 +245,17 @@ int slice_at_height(const SliceOptions& options, const SupportedModel& supported
              contours.cracks.open_chains, contours.cracks.turned_chains, contours.cracks.gaps_closed,
              contours.cracks.widest_gap.count());
   fmt::print("area         {:.6g} mm²\nperimeter    {:.6g} mm\n", area, perimeter);
-  print_supports(supported);
+  print_supports(supported.supports);
   return kOk;
 }
 
-// Returns the heights above the plate at which the layers are cut: their middles.
-std::vector<Nanometers> layer_middles(const SliceOptions& options, const StandingModel& model) {
-  return middles_of(print_layers(model, options.layer_height.value_or(Nanometers{}), options.adaptive).all());
-}
+// The layers of a model, and the masks that they are to have.
+struct LayersToSlice {
+  PlateModel model;
+  std::vector<Nanometers> middles;  // heights above the plate at which the layers are cut
+  const std::optional<Supports>& supports;
+  std::function<MaskMaker()> make_masks;
+};
 
 struct MeasuredLayers {
   std::vector<LayerMeasurement> measurements;
@@ -252,18 +263,18 @@ struct MeasuredLayers {
 };
 
 // Times slicing and joining of each layer (thesis, section 3.5).
-MeasuredLayers measure_layers(const SliceOptions& options, const StandingModel& model,
-                              std::span<const Nanometers> layers) {
-  const PixelMap map = map_for(options, model.model->bounds());
+MeasuredLayers measure_layers(const SliceOptions& options, const LayersToSlice& layers) {
+  const PlateModel& model = layers.model;
   const Millimeters tolerance = to_millimeters(options.engine.display.pixel_pitch);
   LayerStopwatch stopwatch;
   MeasuredLayers measured;
-  for (const Nanometers middle : layers) {
+  for (const Nanometers middle : layers.middles) {
     measured.measurements.push_back(stopwatch.measure(*model.model, model.z_at(middle), tolerance));
     const Contours& contours = stopwatch.contours();
     measured.cracks.push_back(contours.cracks);
     if (options.contours)
-      write_contours(*options.contours / layer_file(measured.cracks.size(), ".csv"), contours, map);
+      write_contours(*options.contours / layer_file(measured.cracks.size(), ".csv"), contours,
+                     model.copies.front());
   }
   return measured;
 }
@@ -298,9 +309,9 @@ Json cracked_layers_json(std::span<const LayerCracks> layers) {
   return list;
 }
 
-void report_measurements(const SliceOptions& options, const SupportedModel& supported,
+void report_measurements(const SliceOptions& options, const LayersToSlice& layers,
                          const MeasuredLayers& measured) {
-  const std::size_t facets = supported.model.model->facets().size();
+  const std::size_t facets = layers.model.model->facets().size();
   const auto& measurements = measured.measurements;
   const LayerStatistics statistics = statistics_of(measurements);
   if (options.csv) {
@@ -311,7 +322,7 @@ void report_measurements(const SliceOptions& options, const SupportedModel& supp
   }
   if (!options.json) {
     fmt::print("facets {}, layers {}\n", facets, measurements.size());
-    print_supports(supported);
+    print_supports(layers.supports);
     fmt::print("\n");
     return print_statistics(statistics);
   }
@@ -319,17 +330,14 @@ void report_measurements(const SliceOptions& options, const SupportedModel& supp
   json.update(statistics_json(statistics));
   json.update(cracks_json(total_of(measured.cracks)));
   json["cracked_layer_list"] = cracked_layers_json(measured.cracks);
-  add_supports(supported, json);
+  add_supports(layers.supports, json);
   fmt::print("{}\n", json.dump(2));
 }
 
-int slice_layers(const SliceOptions& options, const SupportedModel& supported) {
-  const StandingModel& standing = supported.model;
-  const std::shared_ptr<const HeightIndex>& model = standing.model;
-  const std::vector<Nanometers> layers = layer_middles(options, standing);
-  if (layers.empty()) {
+int slice_layers(const SliceOptions& options, const LayersToSlice& layers) {
+  if (layers.middles.empty()) {
     throw ModelError(fmt::format("{}: the model is {:.6g} mm high, too thin for a layer",
-                                 options.model.string(), model->bounds().size_z()));
+                                 options.print.model.string(), layers.model.model->bounds().size_z()));
   }
   const Earlier earlier = options.force ? Earlier::Replace : Earlier::Refuse;
   if (options.masks) open_layer_folder(*options.masks, ".png", earlier);
@@ -337,25 +345,37 @@ int slice_layers(const SliceOptions& options, const SupportedModel& supported) {
   // Layers are measured unless only masks are written.
   std::vector<LayerCracks> cracks;
   if (options.csv || options.contours || options.json || !options.masks) {
-    MeasuredLayers measured = measure_layers(options, standing, layers);
-    report_measurements(options, supported, measured);
+    MeasuredLayers measured = measure_layers(options, layers);
+    report_measurements(options, layers, measured);
     cracks = std::move(measured.cracks);
   }
   if (options.masks) {
-    warn_if_larger_than_display(options, model->bounds());
-    cracks = write_masks(*options.masks, layers, [&] { return supported.engine(options.engine); });
+    cracks = write_masks(*options.masks, layers.middles, layers.make_masks);
     if (!options.json)
-      fmt::print("{} in {}\n", count_of(layers.size(), "mask", "masks"), options.masks->string());
+      fmt::print("{} in {}\n", count_of(layers.middles.size(), "mask", "masks"), options.masks->string());
   }
   warn_if_cracked(cracks);
   return kOk;
 }
 
-int slice(SliceOptions options) {
-  if (options.uniformity)
-    options.engine.uniformity = read_uniformity_mask(*options.uniformity, options.engine.display);
+// Slices the layers of a print, with its masks.
+int slice_print(SliceOptions options) {
+  options.print.tone = options.engine.tone;
+  options.print.uniformity = std::move(options.engine.uniformity);
+  const PrintSubject subject = print_subject(options.print);
+  options.engine = subject.settings;
+  for (const std::string& warning : subject.warnings)
+    fmt::print(stderr, "contourctl: warning: {}\n", printable(warning));
+  return slice_layers(options,
+                      {subject.engine->models().front(), middles_of(subject.layers), subject.supports, [&] {
+                         return MaskMaker{*subject.engine, subject.dimmed_masks()};
+                       }});
+}
+
+// Slices the model as it is in its file, or with supports.
+int slice_model(const SliceOptions& options) {
   const auto model = std::make_shared<const HeightIndex>(
-      read_turned_model(options.model, options.up, parse_size(options.size)).facets);
+      read_turned_model(options.print.model, options.up, parse_size(options.print.size)).facets);
   for (const std::string& warning : mesh_warnings(model->turned_outwards(), model->repairs()))
     fmt::print(stderr, "contourctl: warning: {}\n", warning);
   const SupportedModel supported = stand(model, options);
@@ -366,7 +386,20 @@ int slice(SliceOptions options) {
     if (const std::string sentence = unheld_sentence(supported.supports->unheld); !sentence.empty())
       fmt::print(stderr, "contourctl: warning: {}\n", sentence);
   }
-  return options.z ? slice_at_height(options, supported) : slice_layers(options, supported);
+  if (options.z) return slice_at_height(options, supported);
+  const PrintLayers layers =
+      print_layers(supported.model, options.layer_height.value_or(Nanometers{}), options.adaptive);
+  if (options.masks) warn_if_larger_than_display(options, model->bounds());
+  return slice_layers(options, {supported.model, middles_of(layers.all()), supported.supports,
+                                [&] { return MaskMaker{supported.engine(options.engine)}; }});
+}
+
+int slice(SliceOptions options) {
+  if (options.print.undersides && !options.is_print())
+    throw UsageError("--undersides needs --printer, or --resin with the resin's profile");
+  if (options.uniformity)
+    options.engine.uniformity = read_uniformity_mask(*options.uniformity, options.engine.display);
+  return options.is_print() ? slice_print(std::move(options)) : slice_model(options);
 }
 
 }  // namespace
@@ -375,34 +408,36 @@ void add_slice(Command& program) {
   Command& command = program.add("slice", "Slice a model at one height or into layers");
   auto& args = command.arguments<SliceArgs>();
   SliceOptions& options = args.options;
-  command.option("MODEL", options.model, "Model file").required().allow_empty();
-  command.option("--z", args.z_mm, "Height of the cut, mm, in the file's coordinates");
-  command.option("--up", args.up, kUpHelp).suggests(up_presets);
-  command.option("--layer-height-um", args.layer_height_um, "Layer height, um");
-  const Option& cusp = command.option("--cusp-um", args.cusp_um,
-                                      "Adaptive layers: maximum distance of an edge from the surface, um");
-  command.option("--min-layer-um", args.min_layer_um, "Thinnest adaptive layer, um").needs(cusp);
-  command.option("--max-layer-um", args.max_layer_um, "Thickest adaptive layer, um").needs(cusp);
-  command.option("--mask", options.mask, "Write the mask at --z to this PNG file");
-  command.option("--masks", options.masks, "Write one PNG file per layer to this folder: 0001.png ...");
-  command.option("--csv", options.csv, "Write layer measurements to this file, totals to FILE-summary.csv");
-  command.option("--contours", options.contours,
-                 "Write one CSV file of contour points per layer to this folder");
-  add_display_options(command, args.display);
-  command.option("--grow-um", args.grow_um, "Move the contours outwards, um; negative: inwards");
-  command.option("--elephant-foot-um", args.elephant_foot_um, "Move the contours inwards at the bottom, um");
-  command.option("--elephant-foot-height-um", args.elephant_foot_height_um,
-                 "Height over which the elephant foot correction fades, um");
-  command.option("--uniformity-mask", options.uniformity,
-                 "Darken the masks by this 8-bit grey PNG file; 255: unchanged");
-  command.option("--supports", args.supports, "Generate supports: auto, on or off")
-      .one_of({"auto", "on", "off"});
-  add_size_options(command, options.size);
-  command.option("--gamma", args.gamma, "Gamma of the projector, which the masks compensate");
-  command.option("--threshold", args.threshold, "Make grey below this value black");
-  command.option("--force", options.force, "Replace the files of an earlier slice");
-  command.option("--fit", options.fit, "Scale the model to fill the display");
-  command.option("--json", options.json, "Print JSON");
+  const auto [printer, resin] =
+      add_print_options(command, options.print, "Layer height, um (with --resin, default: the resin's)");
+  const auto add = [&](const char* name, auto& variable, const char* help) -> Option& {
+    return command.option(name, variable, help);
+  };
+  Option& cusp =
+      add("--cusp-um", args.cusp_um, "Adaptive layers: maximum distance of an edge from the surface, um");
+  add("--min-layer-um", args.min_layer_um, "Thinnest adaptive layer, um").needs(cusp);
+  add("--max-layer-um", args.max_layer_um, "Thickest adaptive layer, um").needs(cusp);
+  Option& gamma = add("--gamma", args.gamma, "Gamma of the projector, which the masks compensate");
+  Option& threshold = add("--threshold", args.threshold, "Make grey below this value black");
+  Option& uniformity = add("--uniformity-mask", options.uniformity,
+                           "Darken the masks by this 8-bit grey PNG file; 255: unchanged");
+  for (Option* of_projector : {&gamma, &threshold, &uniformity})
+    of_projector->excludes(printer);
+  Option& z = add("--z", args.z_mm, "Height of the cut, mm, in the file's coordinates");
+  Option& grow = add("--grow-um", args.grow_um, "Move the contours outwards, um; negative: inwards");
+  Option& foot =
+      add("--elephant-foot-um", args.elephant_foot_um, "Move the contours inwards at the bottom, um");
+  Option& foot_height = add("--elephant-foot-height-um", args.elephant_foot_height_um,
+                            "Height over which the elephant foot correction fades, um");
+  Option& fit = add("--fit", options.fit, "Scale the model to fill the display");
+  for (Option* of_model : {&cusp, &z, &grow, &foot, &foot_height, &fit})
+    of_model->excludes(printer).excludes(resin);
+  add("--mask", options.mask, "Write the mask at --z to this PNG file");
+  add("--masks", options.masks, "Write one PNG file per layer to this folder: 0001.png ...");
+  add("--csv", options.csv, "Write layer measurements to this file, totals to FILE-summary.csv");
+  add("--contours", options.contours, "Write one CSV file of contour points per layer to this folder");
+  add("--force", options.force, "Replace the files of an earlier slice");
+  add("--json", options.json, "Print JSON");
   command.run = [&args] { return slice(parse_slice(args)); };
 }
 
