@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "core/contract/expects.hpp"
@@ -13,6 +14,7 @@
 namespace contourd {
 namespace {
 
+constexpr double kSteepest = 2;       // tangent of 63 degrees: steeper undersides are walls
 constexpr double kHeightStep = 1e-3;  // mm: the light is computed for each micrometre
 constexpr std::size_t kLayerCounts = UndersideDimming::kMostAhead + 3;  // none, some, and an endless solid's
 constexpr std::size_t kUnknown = std::numeric_limits<std::size_t>::max();
@@ -58,10 +60,10 @@ void SolidLight::begin(std::span<const LayerDose> layers) {
   const LayerDose& first = layers.front();
   const Nanometers bottom = first.top - first.thickness;
   bottom_mm_ = in_mm(bottom);
-  // Undersides lie between the cuts beneath and above, each at most a layer away.
+  // Most undersides lie between the cuts beneath and two layers above; others are computed one by one.
   lowest_mm_ = bottom_mm_ - in_mm(first.thickness);
-  const LayerDose& second = layers[std::min<std::size_t>(1, layers.size() - 1)];
-  const auto steps = static_cast<std::size_t>((in_mm(second.top) - lowest_mm_) / kHeightStep) + 2;
+  const LayerDose& highest = layers[std::min<std::size_t>(3, layers.size() - 1)];
+  const auto steps = static_cast<std::size_t>((in_mm(highest.top) - lowest_mm_) / kHeightStep) + 2;
   known_.assign(steps * kLayerCounts, {kUnknown, 0});
   // Above the layers ahead, the last one repeats.
   constexpr double kFaintest = 1e-3;
@@ -121,18 +123,37 @@ LayerPictures::Picture LayerPictures::of(const LayerDose& layer) {
   return picture;
 }
 
-void ModelEntries::find(std::span<const PlateModel> models, const PixelWindow& window, const RayRange& range,
-                        MaskBudget& budget) {
-  for (const RayCrossing& crossing : crossings_)
-    height_mm_[crossing.ray] = kNone;
-  crossings_ = entries_between(models, window, range, budget);
-  for (const RayCrossing& crossing : crossings_)
-    height_mm_[crossing.ray] = std::min(height_mm_[crossing.ray], crossing.at);
+void ModelEntries::restart() {
+  for (const Batch& batch : batches_)
+    for (const RayCrossing& entry : batch.entries)
+      lowest_mm_[entry.ray] = kNone;
+  batches_.clear();
+  range_ = RayRange{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
 }
 
-std::optional<double> ModelEntries::height_mm(std::size_t pixel) const {
-  if (height_mm_[pixel] == kNone) return std::nullopt;
-  return static_cast<double>(height_mm_[pixel]);
+void ModelEntries::rise_to(std::span<const PlateModel> models, const RayRange& range, MaskBudget& budget) {
+  expects(range.above_mm >= range_.above_mm && range.up_to_mm >= range_.up_to_mm, "the range rises");
+  std::size_t count = 0;
+  for (const Batch& batch : batches_) {
+    for (const RayCrossing& entry : batch.entries)
+      lowest_mm_[entry.ray] = kNone;
+    count += batch.entries.size();
+  }
+  const RayRange unknown{std::max(range.above_mm, range_.up_to_mm), range.up_to_mm};
+  if (count < window_.pixels() && unknown.above_mm < unknown.up_to_mm)
+    batches_.push_back({unknown.up_to_mm, entries_between(models, window_, unknown, budget)});
+  range_ = range;
+  while (!batches_.empty() && batches_.front().up_to_mm <= range.above_mm)
+    batches_.pop_front();
+  for (const Batch& batch : batches_)
+    for (const RayCrossing& entry : batch.entries)
+      if (static_cast<double>(entry.at) > range.above_mm)
+        lowest_mm_[entry.ray] = std::min(lowest_mm_[entry.ray], entry.at);
+}
+
+std::optional<double> ModelEntries::lowest_mm(std::size_t pixel) const {
+  if (lowest_mm_[pixel] == kNone) return std::nullopt;
+  return static_cast<double>(lowest_mm_[pixel]);
 }
 
 UndersideDimming::UndersideDimming(std::span<const PlateModel> models,
@@ -144,7 +165,8 @@ UndersideDimming::UndersideDimming(std::span<const PlateModel> models,
       display_width_(settings.display.width),
       layers_(cure.layers),
       most_ahead_(layers_ahead(layers_, cure.resin.curve)),
-      entries_(window_.pixels()),
+      steepest_mm_(kSteepest * std::numbers::sqrt2 * to_millimeters(settings.display.pixel_pitch).count()),
+      entries_(window_),
       light_(cure.resin) {
   expects(!layers_.empty() && std::ranges::is_sorted(layers_, {}, &LayerDose::top),
           "layers rise from the plate");
@@ -160,7 +182,7 @@ std::uint64_t UndersideDimming::most_memory(const DisplayGeometry& display, cons
   // The layer beneath, this layer and those ahead; supports; heights and the list of their entries; masks of
   // two engines and of DimmedMasks.
   return pixels *
-         (layers_ahead(cure.layers, cure.resin.curve) + 2 + 2 + sizeof(float) + 2 * sizeof(RayCrossing) + 6);
+         (layers_ahead(cure.layers, cure.resin.curve) + 2 + 2 + sizeof(float) + 3 * sizeof(RayCrossing) + 6);
 }
 
 std::span<const DimmedPixel> UndersideDimming::dimmed(std::size_t layer) {
@@ -179,6 +201,7 @@ void UndersideDimming::restart_before(std::size_t layer) {
   are_found_ = true;
   dimmed_.clear();
   ahead_.clear();
+  entries_.restart();
   if (supports_) supports_at_.here = supports_->of(layers_[layer_]);
 }
 
@@ -192,15 +215,19 @@ void UndersideDimming::advance() {
     supports_at_.beneath = std::move(supports_at_.here);
     supports_at_.here = supports_->of(layers_[layer_]);
   }
-  const bool is_last = layer_ + 1 == layers_.size();
   MaskBudget budget = models_.budget();
-  entries_.find(
-      models_.models(), window_,
-      {middle_mm(layers_[layer_ - 1]), is_last ? in_mm(layers_[layer_].top) : middle_mm(layers_[layer_ + 1])},
-      budget);
+  entries_.rise_to(models_.models(), range_of_entries(), budget);
   light_.begin(std::span(layers_).subspan(layer_, end - layer_));
   are_found_ = has_pictures() && find_undersides(budget);
   list_dimmed();
+}
+
+// Returns the heights between which the line through the middle of a pixel that begins to be lit in this
+// layer enters the model: above the cut beneath. Across a pixel, an underside rises by up to steepest_mm_.
+RayRange UndersideDimming::range_of_entries() const {
+  const double next_cut_mm =
+      layer_ + 1 == layers_.size() ? in_mm(layers_[layer_].top) : middle_mm(layers_[layer_ + 1]);
+  return {middle_mm(layers_[layer_ - 1]), std::max(next_cut_mm, middle_mm(layers_[layer_]) + steepest_mm_)};
 }
 
 // True if the pictures of this layer and the one beneath are known: otherwise sound parts could be taken for
@@ -225,6 +252,11 @@ bool UndersideDimming::find_undersides(MaskBudget& budget) {
   return true;
 }
 
+// Returns a height above which a solid has ended whose pixel is dark from layer `end` on.
+double UndersideDimming::top_of_solid_mm(std::size_t end) const {
+  return end < layers_.size() ? middle_mm(layers_[end]) : in_mm(layers_.back().top);
+}
+
 void UndersideDimming::find_underside(std::size_t pixel) {
   if (supports_ && (supports_at_.beneath[pixel] != 0 || supports_at_.here[pixel] != 0)) return;
   const std::size_t end_ahead = layer_ - 1 + ahead_.size();
@@ -233,9 +265,12 @@ void UndersideDimming::find_underside(std::size_t pixel) {
        ++layer)
     column_.push_back(ahead(layer)[pixel]);
   const std::size_t end = layer_ + column_.size();
-  const double underside_mm =
-      entries_.height_mm(pixel).value_or(in_mm(layers_[layer_].top - layers_[layer_].thickness));
-  const UndersideLight light = light_.of({underside_mm, column_, end == end_ahead && end < layers_.size()});
+  const bool is_endless = end == end_ahead && end < layers_.size();
+  double underside_mm = in_mm(layers_[layer_].top - layers_[layer_].thickness);
+  const std::optional<double> entry_mm = entries_.lowest_mm(pixel);
+  // An entry above the solid's top belongs to another solid.
+  if (entry_mm && (is_endless || *entry_mm <= top_of_solid_mm(end))) underside_mm = *entry_mm;
+  const UndersideLight light = light_.of({underside_mm, column_, is_endless});
   if (light == UndersideLight{}) return;
   const bool is_grey = light.next_share < 1;
   const std::size_t full_from = layer_ + light.dark + (is_grey ? 1 : 0);

@@ -62,22 +62,32 @@ class LayerPictures {
   std::chrono::nanoseconds budget_;
 };
 
-// The lowest places at which the lines through pixels' middles enter models within a range of heights.
+// The lowest places at which the lines through pixels' middles enter models, within a range of heights that
+// rises with the print.
 class ModelEntries {
  public:
-  explicit ModelEntries(std::size_t pixels) : height_mm_(pixels, kNone) {}
+  explicit ModelEntries(const PixelWindow& window) : window_(window), lowest_mm_(window.pixels(), kNone) {}
 
-  // Finds the entries within a range of heights; some may lack if the budget is overrun. `window` has as many
-  // pixels as were given.
-  void find(std::span<const PlateModel> models, const PixelWindow& window, const RayRange& range,
-            MaskBudget& budget);
-  // Returns the height of a pixel's entry; nullopt if it has none.
-  [[nodiscard]] std::optional<double> height_mm(std::size_t pixel) const;
+  // Forgets all entries.
+  void restart();
+  // Sets the range, and finds the entries in what is new of it; some may lack if the budget is overrun, or if
+  // there are many more than pixels. REQUIRES: neither end is below that of the last range since restart().
+  void rise_to(std::span<const PlateModel> models, const RayRange& range, MaskBudget& budget);
+  // Returns the height of a pixel's lowest entry in the range; nullopt if it has none.
+  [[nodiscard]] std::optional<double> lowest_mm(std::size_t pixel) const;
 
  private:
   static constexpr float kNone = std::numeric_limits<float>::infinity();
-  std::vector<float> height_mm_;  // by pixel
-  std::vector<RayCrossing> crossings_;
+  // The entries up to a height, above those of the batch before.
+  struct Batch {
+    double up_to_mm;
+    std::vector<RayCrossing> entries;
+  };
+
+  PixelWindow window_;
+  RayRange range_{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  std::deque<Batch> batches_;
+  std::vector<float> lowest_mm_;  // by pixel
 };
 
 // The light of solids that begin in one layer.
@@ -145,6 +155,7 @@ class UndersideDimming {
   };
 
   void restart_before(std::size_t layer);
+  [[nodiscard]] RayRange range_of_entries() const;
   void advance();
   [[nodiscard]] bool has_pictures() const;
   // Returns the coverage of a layer from the one beneath layer_ up to the last that was computed ahead.
@@ -152,6 +163,7 @@ class UndersideDimming {
   // False if the budget was overrun.
   [[nodiscard]] bool find_undersides(MaskBudget& budget);
   void find_underside(std::size_t pixel);
+  [[nodiscard]] double top_of_solid_mm(std::size_t end) const;
   [[nodiscard]] bool is_wide(std::size_t pixel, const Picture& picture) const;
   void list_dimmed();
 
@@ -161,6 +173,7 @@ class UndersideDimming {
   Pixels display_width_;
   std::vector<LayerDose> layers_;
   std::size_t most_ahead_;
+  double steepest_mm_;  // height by which a steep underside rises across a pixel
 
   std::size_t layer_ = 0;      // that of dimmed_
   std::deque<Picture> ahead_;  // of the models, from the layer beneath layer_ up

@@ -1,5 +1,6 @@
 // Tests that the functions of core/cure check their requirements.
 #include <array>
+#include <chrono>
 #include <string>
 
 #include "core/cure/cure_comparison.hpp"
@@ -94,6 +95,20 @@ TEST_CASE("An underside's light requires a layer that keeps all of it") {
   const std::array doses{0.5, 0.5};
   CHECK(contract_broken_by([&] { (void)underside_light(doses, {}, 2); }) ==
         "a layer is left that gets all its light");
+}
+
+TEST_CASE("The range of a model's entries rises") {
+  ModelEntries entries(PixelWindow{0, 0, 2, 2});
+  MaskBudget budget(MaskBudget::Clock::now() + std::chrono::hours(1));
+  const auto rise_to = [&](double above_mm, double up_to_mm) {
+    return contract_broken_by([&] { entries.rise_to({}, {above_mm, up_to_mm}, budget); });
+  };
+  CHECK(rise_to(1, 2).empty());
+  CHECK(rise_to(1, 2).empty());
+  CHECK(rise_to(0.5, 2) == "the range rises");
+  CHECK(rise_to(1, 1.5) == "the range rises");
+  entries.restart();
+  CHECK(rise_to(0, 1).empty());
 }
 
 TEST_CASE("Undersides are dimmed in layers of the print only") {
