@@ -14,7 +14,9 @@
 namespace contourd {
 namespace {
 
-constexpr double kSteepest = 2;       // tangent of 63 degrees: steeper undersides are walls
+// Undersides steeper than 63 degrees are walls.
+constexpr double kSteepest = 2;  // tangent
+constexpr double kSteepestCosine = 0.447;
 constexpr double kHeightStep = 1e-3;  // mm: the light is computed for each micrometre
 constexpr std::size_t kLayerCounts = UndersideDimming::kMostAhead + 3;  // none, some, and an endless solid's
 constexpr std::size_t kUnknown = std::numeric_limits<std::size_t>::max();
@@ -131,7 +133,8 @@ void ModelEntries::restart() {
   range_ = RayRange{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
 }
 
-void ModelEntries::rise_to(std::span<const PlateModel> models, const RayRange& range, MaskBudget& budget) {
+void ModelEntries::rise_to(std::span<const PlateModel> models, const RayRange& range, double walls_up_to_mm,
+                           MaskBudget& budget) {
   expects(range.above_mm >= range_.above_mm && range.up_to_mm >= range_.up_to_mm, "the range rises");
   std::size_t count = 0;
   for (const Batch& batch : batches_) {
@@ -145,10 +148,14 @@ void ModelEntries::rise_to(std::span<const PlateModel> models, const RayRange& r
   range_ = range;
   while (!batches_.empty() && batches_.front().up_to_mm <= range.above_mm)
     batches_.pop_front();
+  const auto counts = [&](const RayCrossing& entry) {
+    const auto at = static_cast<double>(entry.at);
+    return at > range.above_mm &&
+           (at <= walls_up_to_mm || static_cast<double>(entry.steepness) <= -kSteepestCosine);
+  };
   for (const Batch& batch : batches_)
     for (const RayCrossing& entry : batch.entries)
-      if (static_cast<double>(entry.at) > range.above_mm)
-        lowest_mm_[entry.ray] = std::min(lowest_mm_[entry.ray], entry.at);
+      if (counts(entry)) lowest_mm_[entry.ray] = std::min(lowest_mm_[entry.ray], entry.at);
 }
 
 std::optional<double> ModelEntries::lowest_mm(std::size_t pixel) const {
@@ -162,10 +169,9 @@ UndersideDimming::UndersideDimming(std::span<const PlateModel> models,
     : window_(window_of(models, settings.display, 2)),
       models_(ContourEngine(std::vector<PlateModel>(models.begin(), models.end()), settings), window_,
               cure.mask_budget),
-      display_width_(settings.display.width),
+      display_(settings.display),
       layers_(cure.layers),
       most_ahead_(layers_ahead(layers_, cure.resin.curve)),
-      steepest_mm_(kSteepest * std::numbers::sqrt2 * to_millimeters(settings.display.pixel_pitch).count()),
       entries_(window_),
       light_(cure.resin) {
   expects(!layers_.empty() && std::ranges::is_sorted(layers_, {}, &LayerDose::top),
@@ -216,18 +222,20 @@ void UndersideDimming::advance() {
     supports_at_.here = supports_->of(layers_[layer_]);
   }
   MaskBudget budget = models_.budget();
-  entries_.rise_to(models_.models(), range_of_entries(), budget);
+  find_entries(budget);
   light_.begin(std::span(layers_).subspan(layer_, end - layer_));
   are_found_ = has_pictures() && find_undersides(budget);
   list_dimmed();
 }
 
-// Returns the heights between which the line through the middle of a pixel that begins to be lit in this
-// layer enters the model: above the cut beneath. Across a pixel, an underside rises by up to steepest_mm_.
-RayRange UndersideDimming::range_of_entries() const {
+// Finds where the line through the middle of a pixel enters the model that begins to be lit in this layer:
+// above the cut beneath, and as high as an underside rises across a pixel.
+void UndersideDimming::find_entries(MaskBudget& budget) {
   const double next_cut_mm =
       layer_ + 1 == layers_.size() ? in_mm(layers_[layer_].top) : middle_mm(layers_[layer_ + 1]);
-  return {middle_mm(layers_[layer_ - 1]), std::max(next_cut_mm, middle_mm(layers_[layer_]) + steepest_mm_)};
+  const double across_mm = std::numbers::sqrt2 * to_millimeters(display_.pixel_pitch).count();
+  const double highest_mm = std::max(next_cut_mm, middle_mm(layers_[layer_]) + kSteepest * across_mm);
+  entries_.rise_to(models_.models(), {middle_mm(layers_[layer_ - 1]), highest_mm}, next_cut_mm, budget);
 }
 
 // True if the pictures of this layer and the one beneath are known: otherwise sound parts could be taken for
@@ -311,7 +319,7 @@ void UndersideDimming::list_dimmed() {
     if (supports_ && supports_at_.here[each.pixel] != 0) continue;
     const std::uint32_t row = static_cast<std::uint32_t>(window_.row) + each.pixel / columns;
     const std::uint32_t column = static_cast<std::uint32_t>(window_.column) + each.pixel % columns;
-    dimmed_.push_back({row * static_cast<std::uint32_t>(display_width_.count()) + column,
+    dimmed_.push_back({row * static_cast<std::uint32_t>(display_.width.count()) + column,
                        each.full_from == layer_ + 1 ? each.next_share : std::uint8_t{0}});
   }
 }

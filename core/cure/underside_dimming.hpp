@@ -71,8 +71,10 @@ class ModelEntries {
   // Forgets all entries.
   void restart();
   // Sets the range, and finds the entries in what is new of it; some may lack if the budget is overrun, or if
-  // there are many more than pixels. REQUIRES: neither end is below that of the last range since restart().
-  void rise_to(std::span<const PlateModel> models, const RayRange& range, MaskBudget& budget);
+  // there are many more than pixels. Entries above `walls_up_to_mm` through surfaces steeper than 63 degrees
+  // do not count. REQUIRES: neither end is below that of the last range since restart().
+  void rise_to(std::span<const PlateModel> models, const RayRange& range, double walls_up_to_mm,
+               MaskBudget& budget);
   // Returns the height of a pixel's lowest entry in the range; nullopt if it has none.
   [[nodiscard]] std::optional<double> lowest_mm(std::size_t pixel) const;
 
@@ -155,7 +157,7 @@ class UndersideDimming {
   };
 
   void restart_before(std::size_t layer);
-  [[nodiscard]] RayRange range_of_entries() const;
+  void find_entries(MaskBudget& budget);
   void advance();
   [[nodiscard]] bool has_pictures() const;
   // Returns the coverage of a layer from the one beneath layer_ up to the last that was computed ahead.
@@ -170,10 +172,9 @@ class UndersideDimming {
   PixelWindow window_;
   LayerPictures models_;
   std::optional<LayerPictures> supports_;
-  Pixels display_width_;
+  DisplayGeometry display_;
   std::vector<LayerDose> layers_;
   std::size_t most_ahead_;
-  double steepest_mm_;  // height by which a steep underside rises across a pixel
 
   std::size_t layer_ = 0;      // that of dimmed_
   std::deque<Picture> ahead_;  // of the models, from the layer beneath layer_ up

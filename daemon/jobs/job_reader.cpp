@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "daemon/jobs/acceptances.hpp"
+#include "daemon/jobs/resin_temperature.hpp"
 #include "daemon/prepare/job_memory.hpp"
-#include "daemon/prepare/resin_temperature.hpp"
 #include "daemon/spool/copied_originals.hpp"
 #include "daemon/spool/state_records.hpp"
 #include "daemon/system/durable_file.hpp"

@@ -1,4 +1,4 @@
-#include "daemon/prepare/resin_temperature.hpp"
+#include "daemon/jobs/resin_temperature.hpp"
 
 #include <cmath>
 #include <fstream>
