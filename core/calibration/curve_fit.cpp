@@ -1,12 +1,12 @@
 #include "core/calibration/curve_fit.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <string>
 #include <vector>
+
+#include "core/calibration/refuse.hpp"
 
 namespace contourd {
 namespace {
@@ -15,13 +15,6 @@ constexpr std::size_t kFewestWindows = 5;
 constexpr double kLeastSpan = 4;  // of the doses; less leaves Dp too uncertain
 constexpr double kLeastGreySpan = 255.0 / 180.0;
 constexpr double kMostUncertain = 0.1;  // of a slope, as a share of it
-
-template <typename... Numbers>
-[[noreturn]] void refuse(const char* format, Numbers... numbers) {
-  std::array<char, 400> text{};
-  (void)std::snprintf(text.data(), text.size(), format, numbers...);
-  throw CalibrationRefused(text.data());
-}
 
 void check_count(std::size_t count) {
   if (count < kFewestWindows)

@@ -2,8 +2,11 @@
 #include <array>
 #include <cstdint>
 
+#include "core/calibration/calibration_models.hpp"
 #include "core/calibration/calibration_windows.hpp"
+#include "core/calibration/joined_blocks.hpp"
 #include "core/calibration/line_fit.hpp"
+#include "core/calibration/peel_memory_fit.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 
@@ -29,6 +32,34 @@ TEST_CASE("Pictures of windows require up to nine windows and a display that can
   CHECK(draw(10, 200, 50) == "one to nine windows");
   CHECK(draw(9, 99, 50) == "a display of at least 100 pixels on each side");
   CHECK(draw(9, 200, 0) == "a pitch above 0");
+}
+
+TEST_CASE("Calibration models require heights and steps that can be printed") {
+  CHECK(contract_broken_by([] { (void)bridge_model(Millimeters{0}, Millimeters{4}); }) ==
+        "a layer has a height");
+  CHECK(contract_broken_by([] { (void)bridge_model(Millimeters{0.05}, Millimeters{0.9}); }) ==
+        "bridges have a clearance");
+  CHECK(contract_broken_by([] {
+          (void)tower_model({kMostTowerSteps + 1, Millimeters{1}, Millimeters{1}});
+        }) == "a tower has some steps");
+  CHECK(contract_broken_by([] {
+          (void)tower_model({1, Millimeters{1}, Millimeters{0}});
+        }) == "a tower's steps have a height");
+  CHECK(contract_broken_by([] {
+          const std::array flat{Block{{0, 0, 0}, {1, 1, 0}}};
+          (void)joined(flat);
+        }) == "a block has a volume");
+}
+
+TEST_CASE("A bridge requires layers") {
+  const BridgePrint print{.resin = {.curve = {Micrometers{150}, MillijoulesPerCm2{8}}},
+                          .layer_height = Nanometers{50'000},
+                          .dose = MillijoulesPerCm2{16}};
+  CHECK(contract_broken_by([&] { (void)bridge_thickness(print, 1, 0); }) == "a bridge has some layers");
+  CHECK(contract_broken_by([&] { (void)bridge_thickness({.resin = print.resin}, 1, 1); }) ==
+        "layers have a height");
+  CHECK(contract_broken_by([&] { (void)fit_peel_memory({.resin = print.resin}, {}); }) ==
+        "bridges have layers");
 }
 
 }  // namespace

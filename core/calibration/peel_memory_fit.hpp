@@ -1,0 +1,49 @@
+// The share of its dose that liquid resin keeps at a peel, from the thicknesses of bridges. Values and pure
+// functions; thread-safe.
+//
+// The light of every layer of a bridge also reaches the resin beneath the first one. The more of that dose
+// the resin remembers from peel to peel, the further down the bridge solidifies (see CuredLayers): one layer
+// cures as deep as its own light does, sixteen layers as deep as a thick part.
+#pragma once
+
+#include <span>
+
+#include "core/calibration/line_fit.hpp"
+#include "core/cure/cured_layers.hpp"
+#include "core/geometry/units.hpp"
+
+namespace contourd {
+
+// The light of a bridge.
+struct BridgePrint {
+  CureSettings resin{};  // peel_memory is not used
+  Nanometers layer_height{};
+  MillijoulesPerCm2 dose{};  // of each layer
+};
+
+// A bridge that was measured.
+struct BridgeThickness {
+  int layers = 0;
+  Micrometers thickness{};
+};
+
+inline constexpr int kMostBridgeLayers = 100;
+
+// Returns the thickness of a bridge above enough dark layers, for a peel memory. REQUIRES: positive layer
+// height; 1 to kMostBridgeLayers layers; settings as CuredLayers requires them.
+[[nodiscard]] Micrometers bridge_thickness(const BridgePrint& print, double memory, int layers);
+
+struct PeelMemoryFit {
+  Estimate memory;
+  double scatter_um = 0;    // of the thicknesses about those by the memory
+  double underside_um = 0;  // standard uncertainty of a thick part's underside
+};
+
+// Returns the memory with the least squares of the thicknesses' differences. Throws CalibrationRefused if
+// fewer than four bridges of several layers were measured, a figure is no bridge's, the thicknesses scatter
+// by more than 40 um, leave an underside uncertain by more than 15 um, or lie beyond those of any memory.
+// REQUIRES: positive layer height; settings as CuredLayers requires them.
+[[nodiscard]] PeelMemoryFit fit_peel_memory(const BridgePrint& print,
+                                            std::span<const BridgeThickness> measured);
+
+}  // namespace contourd
