@@ -81,6 +81,24 @@ void check_model_rules(JsonDocument& document, const std::string& place) {
   check_direction(document, place + "/up");
 }
 
+void check_exposure_steps(JsonDocument& document) {
+  const nlohmann::json& root = document.value();
+  if (!root.is_object() || !root.contains("exposure_steps")) return;
+  if (root.contains("adaptive_layers"))
+    document.add_violation("/exposure_steps",
+                           "a ticket has either adaptive_layers or exposure_steps, not both");
+  const std::size_t steps = root.at("exposure_steps").size();
+  for (std::size_t i = 1; i < steps; ++i) {
+    const auto place = [](std::size_t step) {
+      return "/exposure_steps/" + std::to_string(step) + "/from_mm";
+    };
+    const auto below = document.valid_number(place(i - 1)), from = document.valid_number(place(i));
+    if (below && from && *from <= *below)
+      document.add_violation(place(i),
+                             decimal(*from) + " is not above the step before it, " + decimal(*below));
+  }
+}
+
 void check_layer_rules(JsonDocument& document) {
   if (document.valid_number("/layer_height_um") && document.value().contains("adaptive_layers")) {
     document.add_violation("/adaptive_layers",
@@ -94,6 +112,7 @@ void check_layer_rules(JsonDocument& document) {
                                       exposure + ", not both");
     }
   }
+  check_exposure_steps(document);
   const auto thinnest = document.valid_number("/adaptive_layers/min_um");
   const auto thickest = document.valid_number("/adaptive_layers/max_um");
   if (thinnest && thickest && *thinnest > *thickest)
@@ -160,9 +179,18 @@ ModelTicket read_model(const JsonSection& root) {
   return model;
 }
 
+std::vector<ExposureStep> read_exposure_steps(const JsonSection& root) {
+  std::vector<ExposureStep> steps;
+  if (root.has("exposure_steps"))
+    for (const JsonSection& step : root.sections("exposure_steps"))
+      steps.push_back({step.length("from_mm"), step.duration("exposure_ms")});
+  return steps;
+}
+
 TicketOverrides read_overrides(const JsonSection& root) {
   return {.exposure = root.find("exposure_ms", &JsonSection::duration),
           .bottom_exposure = root.find("bottom_exposure_ms", &JsonSection::duration),
+          .exposure_steps = read_exposure_steps(root),
           .lift = root.find("lift_mm", &JsonSection::length),
           .settle = root.find("settle_ms", &JsonSection::duration),
           .rest = root.find("rest_ms", &JsonSection::duration)};

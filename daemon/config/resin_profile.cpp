@@ -37,6 +37,15 @@ ExposureSeconds exposures_s(const ResinProfile& resin, Nanometers layer_height, 
   return {seconds(by_curve.overcure), seconds(by_curve.bottom_overcure)};
 }
 
+// Returns the exposure of a normal layer whose middle is at a height, if the job has one of its own for it.
+std::optional<Duration> step_exposure(const ResinProfile& resin, Nanometers middle) {
+  std::optional<Duration> exposure;
+  if (const auto* fixed = std::get_if<FixedExposure>(&resin.exposure))
+    for (const ExposureStep& step : fixed->steps)
+      if (step.from <= middle) exposure = step.exposure;
+  return exposure;
+}
+
 std::optional<std::string> exposure_problem(const std::string& which, double seconds,
                                             Nanometers layer_height) {
   const double shortest = std::chrono::duration<double>(kShortestExposure).count();
@@ -306,7 +315,9 @@ Duration exposure_time(const ResinProfile& resin, Nanometers layer_height, int l
                        double irradiance_mw_cm2) {
   expects(layer_index >= 0 && layer_height > Nanometers{}, "the layer is one of a print");
   expects(irradiance_mw_cm2 > 0, "there is light");
-  const auto [normal, bottom] = exposures_s(resin, layer_height, irradiance_mw_cm2);
+  auto [normal, bottom] = exposures_s(resin, layer_height, irradiance_mw_cm2);
+  if (const auto step = step_exposure(resin, layer_height * layer_index + layer_height / 2))
+    normal = std::chrono::duration<double>(*step).count();
   double seconds = normal;
   if (layer_index < resin.bottom_layers) {
     seconds = bottom;

@@ -32,6 +32,7 @@ inline constexpr Duration kLongestExposure = std::chrono::seconds{120};
 struct FixedExposure {
   Duration exposure{};
   Duration bottom_exposure{};
+  std::vector<ExposureStep> steps{};  // rising; instead of `exposure`, from the lowest step up
   bool operator==(const FixedExposure&) const = default;
 };
 

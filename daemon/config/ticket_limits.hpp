@@ -15,6 +15,15 @@ namespace contourd {
 // The keys of these settings in a ticket, in a profile and in a profile's ticket_limits.
 inline constexpr std::array<std::string_view, 5> kTicketSettings{"exposure_ms", "bottom_exposure_ms",
                                                                  "lift_mm", "settle_ms", "rest_ms"};
+// A ticket's exposures by height, as a list of overridden settings names each of them.
+inline constexpr std::string_view kExposureSteps = "exposure_steps.exposure_ms";
+
+// The exposure of the normal layers whose middles are at least so high above the plate.
+struct ExposureStep {
+  Nanometers from{};
+  Duration exposure{};
+  bool operator==(const ExposureStep&) const = default;
+};
 
 // The light of a solid's lowest layers: that of all others, or as much as cures the underside at its drawn
 // height (see UndersideDimming).
@@ -27,6 +36,7 @@ enum class Undersides { Plain, Dose };
 // The values that a ticket asks for; not yet checked against the profile.
 struct TicketOverrides {
   std::optional<Duration> exposure, bottom_exposure;
+  std::vector<ExposureStep> exposure_steps{};  // rising
   std::optional<Nanometers> lift;
   std::optional<Duration> settle, rest;
   bool operator==(const TicketOverrides&) const = default;
@@ -50,7 +60,8 @@ struct TicketLimits {
 
 // A setting whose value comes from the job's ticket instead of the resin's profile.
 struct OverriddenSetting {
-  // The key, one of kTicketSettings or of support_figures(); it ends in the unit of the two values.
+  // The key, one of kTicketSettings or of support_figures(), or kExposureSteps; it ends in the unit of the
+  // two values.
   std::string_view setting;
   double asked = 0;
   double profile = 0;  // the value without the ticket

@@ -21,17 +21,23 @@ struct Overriding {
   template <typename Quantity>
   void set(std::string_view key, const std::optional<Quantity>& asked,
            const std::optional<Limits<Quantity>>& limits, Quantity& setting) {
-    if (!asked) return;
-    const std::string wanted = decimal(figure_of(*asked)) + " is asked for, but ";
+    if (!asked || !allows(key, *asked, limits)) return;
+    overridden.push_back({key, figure_of(*asked), figure_of(setting)});
+    setting = *asked;
+  }
+  // Returns whether the profile allows a value. Notes a refusal at the value's place in the ticket.
+  template <typename Quantity>
+  bool allows(std::string_view place, Quantity asked, const std::optional<Limits<Quantity>>& limits) {
+    const std::string wanted = decimal(figure_of(asked)) + " is asked for, but ";
     if (!limits) {
-      refuse(key, wanted + "the resin's profile names no ticket_limits for it: " + files.profile.string());
-    } else if (!limits->contain(*asked)) {
-      refuse(key, wanted + "the resin's profile allows tickets " + decimal(figure_of(limits->least)) +
-                      " to " + decimal(figure_of(limits->most)) + ": " + files.profile.string());
+      refuse(place, wanted + "the resin's profile names no ticket_limits for it: " + files.profile.string());
+    } else if (!limits->contain(asked)) {
+      refuse(place, wanted + "the resin's profile allows tickets " + decimal(figure_of(limits->least)) +
+                        " to " + decimal(figure_of(limits->most)) + ": " + files.profile.string());
     } else {
-      overridden.push_back({key, figure_of(*asked), figure_of(setting)});
-      setting = *asked;
+      return true;
     }
+    return false;
   }
   void refuse(std::string_view key, std::string message) {
     refused.push_back({files.ticket, "/" + std::string(key), std::move(message)});
@@ -51,7 +57,7 @@ FixedExposure exposures_at(const ResinProfile& resin, Nanometers layer_height, d
 void override_exposures(ResinProfile& resin, const JobTicket& ticket, double irradiance_mw_cm2,
                         Overriding& overriding) {
   const TicketOverrides& asked = ticket.overrides;
-  if (!asked.exposure && !asked.bottom_exposure) return;
+  if (!asked.exposure && !asked.bottom_exposure && asked.exposure_steps.empty()) return;
   const Nanometers layer_height = ticket.layer_height.value_or(resin.layer_height);
   const std::vector<std::string> problems = layer_height_problems(resin, layer_height, irradiance_mw_cm2);
   for (const std::string& problem : problems)
@@ -67,6 +73,13 @@ void override_exposures(ResinProfile& resin, const JobTicket& ticket, double irr
                       "an exposure of " + decimal(figure_of(exposures.exposure)) +
                           " ms would be more than the bottom exposure, " +
                           decimal(figure_of(exposures.bottom_exposure)) + " ms");
+  }
+  for (const ExposureStep& step : asked.exposure_steps) {
+    const std::string place = "exposure_steps/" + std::to_string(exposures.steps.size()) + "/exposure_ms";
+    if (overriding.allows(place, step.exposure, resin.limits.exposure))
+      overriding.overridden.push_back(
+          {kExposureSteps, figure_of(step.exposure), figure_of(exposures.exposure)});
+    exposures.steps.push_back(step);
   }
   resin.exposure = exposures;
 }

@@ -21,6 +21,15 @@ std::string describe_overrides(const OverriddenSettings& overridden) {
   return text;
 }
 
+// Returns ", 4000 ms from 2.5 mm, 3500 ms from 5 mm"; empty if all normal layers have one exposure.
+std::string describe_exposure_steps(const ResinProfile& resin) {
+  std::string text;
+  if (const auto* fixed = std::get_if<FixedExposure>(&resin.exposure))
+    for (const auto& [from, exposure] : fixed->steps)
+      text += fmt::format(", {:g} ms from {:g} mm", milliseconds(exposure), in_mm(from));
+  return text;
+}
+
 }  // namespace
 
 std::string describe_correction(const JobSummary& summary) {
@@ -53,6 +62,7 @@ std::string describe_settings(const JobSummary& summary) {
   std::string text = least == most
                          ? fmt::format("{}: exposure {:g} ms", printable(resin.name), least)
                          : fmt::format("{}: exposure {:g} to {:g} ms", printable(resin.name), least, most);
+  text += describe_exposure_steps(resin);
   if (resin.bottom_layers > 0)
     text += fmt::format(", {:g} ms in {} bottom layers, fading over {}", exposure_ms(layers.thinnest, 0),
                         resin.bottom_layers, resin.fade_layers);

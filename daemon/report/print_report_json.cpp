@@ -78,6 +78,8 @@ Json exposure_json(const JobSummary& summary) {
   if (const auto* fixed = std::get_if<FixedExposure>(&summary.resin.exposure)) {
     json["exposure_ms"] = in_ms(fixed->exposure);
     json["bottom_exposure_ms"] = in_ms(fixed->bottom_exposure);
+    for (const auto& [from, exposure] : fixed->steps)
+      json["exposure_steps"].push_back({{"from_mm", in_mm(from)}, {"exposure_ms", in_ms(exposure)}});
     return json;
   }
   const auto& by_curve = std::get<CurveExposure>(summary.resin.exposure);

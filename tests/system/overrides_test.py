@@ -68,6 +68,18 @@ class Printed(OverridesTest):
         slower = [layer["shown_at_s"] for layer in plain["layer_records"]]
         self.assertGreater(slower[1] - slower[0], shown[1] - shown[0] + 20)
 
+    def test_steps_of_exposure_by_height_are_printed_and_reported(self):
+        daemon = Daemon(self, resin=BOTTOM).start()
+        steps = [{"from_mm": 0.1, "exposure_ms": 5000}, {"from_mm": 0.15, "exposure_ms": 2500}]
+        report = daemon.printed("part.stl", SMALL, {"exposure_steps": steps})
+        self.assertEqual([layer["exposure_asked_ms"] for layer in report["layer_records"]], [30000, 30000, 5000, 2500])
+        self.assertEqual(report["settings"]["exposure_steps"], steps)
+        self.assertEqual(report["overrides"], [{"setting": "exposure_steps.exposure_ms", "asked": step["exposure_ms"], "profile": 3000}
+                                               for step in steps])
+        self.assertIn("5000 ms from 0.1 mm, 2500 ms from 0.15 mm", daemon.log())
+        daemon.drop("long.stl", SMALL, {"exposure_steps": [{"from_mm": 1, "exposure_ms": 9000}]})
+        self.refusal(daemon, "long", "/exposure_steps/0/exposure_ms: 9000", "2000 to 8000")
+
     def test_the_overrides_of_a_plate_apply_to_all_its_models_and_copies(self):
         daemon = Daemon(self, resin=BOTTOM).start()
         models = [{"file": "a.stl", "copies": 3}, {"file": "a.stl", "rotation_deg": {"z": 90}}]

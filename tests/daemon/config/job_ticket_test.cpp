@@ -239,6 +239,28 @@ TEST_CASE("a ticket's numbers have limits") {
         Complaints{"/rotation_deg: expected an object, found an array"});
 }
 
+TEST_CASE("a ticket's exposures by height are read, and rise") {
+  using std::chrono::milliseconds;
+  CHECK(load_ticket(R"({"exposure_steps": [{"from_mm": 0.5, "exposure_ms": 4000},
+                                           {"from_mm": 2.5, "exposure_ms": 3000}]})")
+            .overrides.exposure_steps ==
+        std::vector<ExposureStep>{{Nanometers{500'000}, milliseconds{4000}},
+                                  {Nanometers{2'500'000}, milliseconds{3000}}});
+  CHECK(ticket_complaints(R"({"exposure_steps": []})").size() == 1);
+  CHECK(ticket_complaints(R"({"exposure_steps": 3000})") ==
+        Complaints{"/exposure_steps: expected a list, found 3000"});
+  CHECK(ticket_complaints(R"({"exposure_steps": [{"from_mm": 0, "exposure_ms": 0.5}]})") ==
+        Complaints{"/exposure_steps/0/exposure_ms: 0.5 is less than the least allowed, 1 ms"});
+  CHECK(ticket_complaints(R"({"exposure_steps": [{"exposure_ms": 10}]})").size() == 1);
+  CHECK(ticket_complaints(R"({"exposure_steps": [{"from_mm": 2, "exposure_ms": 10},
+                                                 {"from_mm": 2, "exposure_ms": 20}]})") ==
+        Complaints{"/exposure_steps/1/from_mm: 2 is not above the step before it, 2"});
+  CHECK(
+      ticket_complaints(
+          R"({"adaptive_layers": {"cusp_um": 5}, "exposure_steps": [{"from_mm": 2, "exposure_ms": 10}]})") ==
+      Complaints{"/exposure_steps: a ticket has either adaptive_layers or exposure_steps, not both"});
+}
+
 TEST_CASE("a ticket's own exposures, lift and waits are read with their units") {
   using std::chrono::milliseconds;
   CHECK(load_ticket("{}").overrides == TicketOverrides{});

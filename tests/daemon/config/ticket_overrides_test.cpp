@@ -131,6 +131,54 @@ TEST_CASE("a normal layer never gets more light than a bottom layer, also with o
                    "ms"});
 }
 
+TEST_CASE("a ticket's steps set the exposure of normal layers by the height of their middles") {
+  const auto steps =
+      json::array({{{"from_mm", 0.8}, {"exposure_ms", 4000}}, {{"from_mm", 1.025}, {"exposure_ms", 2000}}});
+  json profile = limited_profile();
+  profile["bottom_layers"] = profile["fade_layers"] = 1;
+  const auto [resin, overridden] = printed(profile, {{"exposure_steps", steps}});
+  CHECK(overridden == OverriddenSettings{{kExposureSteps, 4000, 3000}, {kExposureSteps, 2000, 3000}});
+  const auto exposure_ms = [&resin = resin](int layer) {
+    return figure_of(exposure_time(resin, Nanometers{50'000}, layer, kIrradianceMwCm2));
+  };
+  CHECK(exposure_ms(0) == 30000);
+  CHECK(exposure_ms(2) == 3000);
+  CHECK(exposure_ms(15) == 3000);  // from 0.75 to 0.8 mm
+  CHECK(exposure_ms(16) == 4000);
+  CHECK(exposure_ms(19) == 4000);
+  CHECK(exposure_ms(20) == 2000);  // its middle is at 1.025 mm
+  CHECK(exposure_ms(400) == 2000);
+  // In a bottom layer, and in the fade, which leads to the step's exposure.
+  const ResinProfile low =
+      printed(profile, {{"exposure_steps", {{{"from_mm", 0}, {"exposure_ms", 4000}}}}}).resin;
+  CHECK(exposure_time(low, Nanometers{50'000}, 0, kIrradianceMwCm2) == milliseconds{30'000});
+  CHECK(exposure_time(low, Nanometers{50'000}, 1, kIrradianceMwCm2) == milliseconds{17'000});
+}
+
+TEST_CASE("a ticket's steps replace the working curve, beside an exposure of its own") {
+  const json steps{{{"from_mm", 1}, {"exposure_ms", 2500}}};
+  const ResinProfile resin =
+      printed(limited_curve_profile(), {{"exposure_ms", 4000}, {"exposure_steps", steps}}).resin;
+  CHECK(exposure_time(resin, Nanometers{50'000}, 19, kIrradianceMwCm2) == milliseconds{4000});
+  CHECK(exposure_time(resin, Nanometers{50'000}, 20, kIrradianceMwCm2) == milliseconds{2500});
+  CHECK(printed(limited_curve_profile(), {{"exposure_steps", steps}}).overridden.size() == 1);
+}
+
+TEST_CASE("every step is within the profile's limits for the exposure") {
+  const auto steps = json::array({{{"from_mm", 1}, {"exposure_ms", 8001}},
+                                  {{"from_mm", 2}, {"exposure_ms", 3000}},
+                                  {{"from_mm", 3}, {"exposure_ms", 1}}});
+  CHECK(refusals_of(limited_profile(), {{"exposure_steps", steps}}) ==
+        Complaints{
+            "/exposure_steps/0/exposure_ms: 8001 is asked for, but the resin's profile allows tickets 2000 "
+            "to 8000: /resins/grey.json",
+            "/exposure_steps/2/exposure_ms: 1 is asked for, but the resin's profile allows tickets 2000 to "
+            "8000: /resins/grey.json"});
+  CHECK(refusals_of(shipped("resins/standard.json"),
+                    {{"exposure_steps", {{{"from_mm", 1}, {"exposure_ms", 3000}}}}})
+            .size() == 1);
+}
+
 TEST_CASE("a ticket's exposure replaces the working curve's exposure at its layer height") {
   const auto bottom_at = [](double layer_um) {
     return Duration{std::llround(std::exp((layer_um + 150) / 100) * 1e9)};

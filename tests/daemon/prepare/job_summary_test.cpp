@@ -27,6 +27,11 @@ TEST_CASE("The settings line has the resin's values, and the bottom layers' if t
   resin.bottom_layers = resin.fade_layers = 0;
   CHECK(describe_settings(summary).starts_with("standard: exposure 3000 ms; lift "));
   CHECK(describe_settings(summary).ends_with("wait 1000 ms before exposure, 500 ms after"));
+  std::get<FixedExposure>(resin.exposure).steps = {{Nanometers{2'500'000}, 4s},
+                                                   {Nanometers{5'000'000}, 3500ms}};
+  CHECK(describe_settings(summary).starts_with(
+      "standard: exposure 3000 ms, 4000 ms from 2.5 mm, 3500 ms from 5 mm; lift "));
+  std::get<FixedExposure>(resin.exposure).steps.clear();
   resin.bottom_layers = 5;
   resin.fade_layers = 10;
   CHECK(describe_settings(summary).starts_with(
