@@ -15,4 +15,9 @@ void add_fit(Command& program);
 void add_calibrate_windows(Command& calibrate);
 void add_fit_windows(Command& fit);
 
+// Add the commands of both groups for models that are printed as jobs: the tower of exposures, the bridges
+// for the memory at a peel, and the rows of blocks for shrinkage and growth.
+void add_calibrate_models(Command& calibrate);
+void add_fit_models(Command& fit);
+
 }  // namespace contourd::ctl

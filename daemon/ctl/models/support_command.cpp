@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <bit>
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -15,6 +13,7 @@
 #include "core/support/support_mesh.hpp"
 #include "daemon/ctl/models/layer_files.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
+#include "daemon/ctl/models/stl_file.hpp"
 #include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/prepare/job_supports.hpp"
@@ -41,30 +40,6 @@ using Json = nlohmann::ordered_json;
 
 // Limits of the lines about contacts, and of the lines about places that are not supported.
 constexpr std::size_t kMostLines = 40;
-
-void append_word(std::string& bytes, std::uint32_t word) {
-  for (unsigned shift = 0; shift < 32; shift += 8)
-    bytes += static_cast<char>((word >> shift) & 0xFFU);
-}
-
-// Returns a binary STL file. The normals are 0, because programs compute them from the facets.
-std::string binary_stl(std::span<const Facet> facets) {
-  constexpr std::size_t kHeaderBytes = 80, kFacetBytes = 50;
-  std::string bytes = "supports by contourctl";
-  bytes.reserve(kHeaderBytes + 4 + kFacetBytes * facets.size());
-  bytes.resize(kHeaderBytes, ' ');
-  append_word(bytes, static_cast<std::uint32_t>(facets.size()));
-  for (const Facet& facet : facets) {
-    for (int zero = 0; zero < 3; ++zero)
-      append_word(bytes, 0);
-    for (const Vertex& vertex : facet.vertices) {
-      for (const float coordinate : {vertex.x, vertex.y, vertex.z})
-        append_word(bytes, std::bit_cast<std::uint32_t>(coordinate));
-    }
-    bytes.append(2, '\0');
-  }
-  return bytes;
-}
 
 void move(Facet& facet, double x, double y, double z) {
   for (Vertex& vertex : facet.vertices) {
@@ -123,7 +98,7 @@ int support(const SupportOptions& options) {
   if (supported.own_supports == OwnSupports::Overruled)
     fmt::print(stderr, "contourctl: warning: {}\n",
                own_supports_sentence("the model", supported.own_supports, "contourctl"));
-  if (options.stl) write_text(*options.stl, binary_stl(facets_of(supported, options.with_model)));
+  if (options.stl) write_text(*options.stl, binary_stl(facets_of(supported, options.with_model), "supports"));
   if (options.json) {
     Json json = supports_json(*supported.supports);
     json["carries_supports"] = supported.own_supports != OwnSupports::None;

@@ -1,0 +1,126 @@
+// The figures that follow from calibration prints of a model: the memory at a peel, shrinkage and growth.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/calibration/dimension_fit.hpp"
+#include "core/calibration/peel_memory_fit.hpp"
+#include "daemon/config/printer_config.hpp"
+#include "daemon/ctl/calibration/calibration_commands.hpp"
+#include "daemon/ctl/calibration/fit_result.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+struct ModelFitArgs {
+  FitArgs fit;
+  std::string resin;
+  std::vector<std::string> measured;
+};
+
+int peel_memory(const ModelFitArgs& args) {
+  const PrinterConfig printer = load_printer_config(args.fit.printer, Places::Elsewhere);
+  const ResinProfile resin = find_resin(printer, args.resin);
+  if (!resin.cure)
+    throw CalibrationRefused(
+        fmt::format("{0} has no working_curve, which the thickness of bridges depends on: "
+                    "calibrate the curve first (contourctl calibrate curve {0})",
+                    printable(resin.name)));
+  const int normal_layer = resin.bottom_layers + resin.fade_layers;
+  const std::chrono::duration<double> exposure =
+      exposure_time(resin, resin.layer_height, normal_layer, printer.irradiance_mw_cm2);
+  const BridgePrint print{*resin.cure, resin.layer_height,
+                          MillijoulesPerCm2{exposure.count() * printer.irradiance_mw_cm2}};
+  std::vector<BridgeThickness> bridges;
+  for (const auto& [layers, thickness_um] : parse_measured(args.measured)) {
+    if (layers != std::round(layers) || layers < 1 || layers > kMostBridgeLayers)
+      throw UsageError(fmt::format("{:g} is not a number of layers, 1 to {}", layers, kMostBridgeLayers));
+    // The bridge was thicker before the part shrank.
+    bridges.push_back({static_cast<int>(layers), Micrometers{thickness_um * resin.shrinkage_factors.z}});
+  }
+  const PeelMemoryFit fit = fit_peel_memory(print, bridges);
+  FitResult result{
+      .kind = "memory",
+      .values = {{"/working_curve/peel_memory", rounded(fit.memory.value), rounded(fit.memory.uncertainty)}},
+      .given_heading = "layers",
+      .scatter_um = fit.scatter_um};
+  for (const auto& [layers, thickness] : bridges)
+    result.points.push_back({static_cast<double>(layers), thickness.count(),
+                             bridge_thickness(print, fit.memory.value, layers).count()});
+  result.notes.push_back(
+      fmt::format("the underside of a thick part is uncertain by {:.2g} um, as far as these "
+                  "measurements determine it",
+                  fit.underside_um));
+  return finish_fit(args.fit, resin_target(printer, args.resin), result);
+}
+
+// Parses "x30" or "ygap9" and the measured length. Throws UsageError.
+MeasuredLength parse_length(const std::string& word) {
+  MeasuredLength length{.axis = word.starts_with('x') ? PlateAxis::X : PlateAxis::Y};
+  std::string rest = word.starts_with('x') || word.starts_with('y') ? word.substr(1) : "";
+  constexpr std::string_view kGap = "gap";
+  if (rest.starts_with(kGap)) {
+    length.kind = LengthKind::Inner;
+    rest.erase(0, kGap.size());
+  }
+  try {
+    const auto [drawn, measured] = parse_measured({rest}).front();
+    length.drawn = Millimeters{drawn};
+    length.measured = Millimeters{measured};
+  } catch (const UsageError&) {
+    throw UsageError(
+        fmt::format("\"{}\" is not a measured length, as in x30=29.93 or ygap9=8.95", printable(word)));
+  }
+  return length;
+}
+
+int dimensions(const ModelFitArgs& args) {
+  const PrinterConfig printer = load_printer_config(args.fit.printer, Places::Elsewhere);
+  const ResinProfile resin = find_resin(printer, args.resin);
+  const auto percent = [](double factor) { return 100 * (1 - 1 / factor); };
+  std::vector<MeasuredLength> lengths;
+  for (const std::string& word : args.measured)
+    lengths.push_back(parse_length(word));
+  const DimensionFit fit =
+      fit_dimensions({percent(resin.shrinkage_factors.x), percent(resin.shrinkage_factors.y),
+                      resin.compensation.growth.count()},
+                     lengths);
+  FitResult result{.kind = "dimensions", .scatter_um = fit.scatter_um};
+  const auto add = [&result](const char* key, const std::optional<Estimate>& figure) {
+    if (figure) result.values.push_back({key, rounded(figure->value), rounded(figure->uncertainty)});
+  };
+  add("/shrinkage_percent/x", fit.shrinkage_x_percent);
+  add("/shrinkage_percent/y", fit.shrinkage_y_percent);
+  add("/growth_um", fit.growth_um);
+  result.notes.push_back(fmt::format("the lengths scatter by {:.3g} um about the fit", fit.scatter_um));
+  result.notes.emplace_back(
+      "the part was printed with the profile as it is now: these values replace its own");
+  return finish_fit(args.fit, resin_target(printer, args.resin), result);
+}
+
+}  // namespace
+
+void add_fit_models(Command& fit) {
+  const auto add = [&fit](const char* name, const char* help, const char* measured_help,
+                          int (*run)(const ModelFitArgs&)) {
+    Command& command = fit.add(name, help);
+    auto& args = command.arguments<ModelFitArgs>();
+    command.option("RESIN", args.resin, "Resin profile").required();
+    command.option("MEASURED", args.measured, measured_help).required();
+    add_fit_options(command, args.fit);
+    command.run = [&args, run] { return run(args); };
+  };
+  add("memory", "Compute how much of its light the resin remembers at a peel",
+      "Layers and measured thickness of a bridge, um: 8=620", peel_memory);
+  add("dimensions", "Compute the resin's shrinkage and growth from measured lengths",
+      "Axis, drawn and measured length, mm: x30=29.93, or ygap9=8.95 for a gap", dimensions);
+}
+
+}  // namespace contourd::ctl

@@ -1,0 +1,142 @@
+"""Calibration prints of models: contourctl makes them, contourd prints them, and contourctl computes the figures."""
+
+import json
+import math
+import os
+import random
+
+from harness import BAD_CONFIG, BAD_DATA, BAD_USAGE, OK, Daemon, FolderTest, contents, contourctl
+
+CURVE = {"exposure_ms": None, "bottom_exposure_ms": None,
+         "working_curve": {"penetration_depth_um": 150, "critical_energy_mj_cm2": 8, "overcure_um": 50, "bottom_overcure_um": 200}}  # fmt: skip
+LIMITS = {"ticket_limits": {"exposure_ms": [2000, 5000]}}
+LADDER = [("", 30), ("", 21), ("", 10), ("", 3), ("", 2), ("gap", 5), ("gap", 9), ("gap", 8)]
+
+
+def bridge_um(layers, memory, depth=150, layer=50, overcure=50):
+    """Returns the thickness of a bridge whose light is remembered from peel to peel. Shares no code with contourd."""
+    dose = greatest = 0
+    for number in range(1, layers + 1):
+        dose = dose * memory + math.exp((layer + overcure - number * layer) / depth)
+        greatest = max(greatest, dose)
+    return layers * layer + depth * math.log(greatest)
+
+
+class CalibrationTest(FolderTest):
+    def calibrate(self, kind, *arguments, expect=OK):
+        return contourctl("calibrate", kind, "standard", "--printer", self.path("contourd.json"), "-o", self.path("out"), *arguments, expect=expect)
+
+    def fit(self, kind, *arguments, expect=OK):
+        return contourctl("fit", kind, "standard", *arguments, "--printer", self.path("contourd.json"), expect=expect)
+
+    def printed(self, daemon, kind, job=None):
+        """Prints the calibration's model with its ticket, as a job of its name or another; returns the report."""
+        self.calibrate(kind)
+        ticket = contents(self.path("out", kind + ".json")).decode()
+        return daemon.printed((job or kind) + ".stl", contents(self.path("out", kind + ".stl")), ticket)
+
+    def profile(self):
+        return json.loads(contents(self.path("resins", "standard.json")))
+
+    def assert_plain(self, report):
+        """Asserts that the model was printed whole and as it is."""
+        self.assertEqual(report["layers_exposed"], report["layers"])
+        self.assertEqual(report["model"]["warnings"], [])
+        self.assertIsNone(report["supports"])
+
+
+class Printed(CalibrationTest):
+    def test_bridges_are_printed_in_whole_layers_and_give_the_memory(self):
+        daemon = Daemon(self, resin=CURVE).start()
+        report = self.printed(daemon, "memory")
+        self.assert_plain(report)
+        areas = [layer["area_mm2"] for layer in report["layer_records"]]
+        # From the top down, each bridge of 4 by 3 mm ends after its layers.
+        self.assertEqual([round(areas[-below] - areas[-below - 1]) for below in (1, 2, 4, 8, 16)], [12] * 5)
+        noise = random.Random(3)
+        measured = [f"{layers}={bridge_um(layers, 0.85) + noise.gauss(0, 10):.0f}" for _ in range(3) for layers in (1, 2, 4, 8, 16)]
+        text = self.fit("memory", *measured).stdout.decode()
+        self.assertIn("Nothing was written", text)
+        self.assertNotIn("peel_memory", self.profile()["working_curve"])
+        found = json.loads(self.fit("memory", *measured, "--json", "--accept").stdout)
+        self.assertAlmostEqual(found["values"][0]["value"], 0.85, delta=0.03)
+        self.assertEqual(self.profile()["working_curve"]["peel_memory"], found["values"][0]["value"])
+        self.assertAlmostEqual(found["scatter_um"], 10, delta=5)
+
+    def test_the_ladder_is_printed_and_gives_shrinkage_and_growth(self):
+        daemon = Daemon(self, resin={"growth_um": -10, "shrinkage_percent": {"x": 0.5}}).start()
+        self.assert_plain(self.printed(daemon, "dimensions"))
+        text = contents(self.path("out", "dimensions.txt")).decode()
+        # The owner finds both axes 0.4 % short, and 30 um more at each side.
+        measured = []
+        for axis in "xy":
+            for kind, drawn in LADDER:
+                self.assertIn(f"{axis}{kind}{drawn}=?", text)
+                measured.append(f"{axis}{kind}{drawn}={drawn * 0.996 + (-0.06 if kind else 0.06):.4f}")
+        found = json.loads(self.fit("dimensions", *measured, "--json", "--accept").stdout)
+        values = {value["key"]: value["value"] for value in found["values"]}
+        self.assertAlmostEqual(values["/shrinkage_percent/x"], 100 * (1 - 0.996 * 0.995), delta=0.01)
+        self.assertAlmostEqual(values["/shrinkage_percent/y"], 0.4, delta=0.01)
+        self.assertAlmostEqual(values["/growth_um"], -40, delta=0.5)
+        self.assertEqual(self.profile()["growth_um"], values["/growth_um"])
+        self.assertEqual(self.profile()["shrinkage_percent"]["y"], values["/shrinkage_percent/y"])
+
+    def test_each_step_of_the_tower_gets_its_exposure(self):
+        daemon = Daemon(self, resin=LIMITS).start()
+        report = self.printed(daemon, "exposure")
+        self.assert_plain(report)
+        steps = json.loads(contents(self.path("out", "exposure.json")))["exposure_steps"]
+        self.assertEqual((len(steps), steps[0]["exposure_ms"], steps[-1]["exposure_ms"]), (9, 5000, 2000))
+        normal = [layer["exposure_asked_ms"] for layer in report["layer_records"]][20:]
+        self.assertEqual(normal, [step["exposure_ms"] for step in steps for _ in range(40)])
+        self.assertEqual(report["settings"]["exposure_steps"], steps)
+        for number, step in enumerate(steps, 1):
+            self.assertIn(f"{number:>4} {step['exposure_ms']:>13g}\n", contents(self.path("out", "exposure.txt")).decode())
+
+    def test_bridges_get_all_their_light_even_if_the_resin_s_undersides_are_dimmed(self):
+        daemon = Daemon(self, resin=CURVE).start()
+        plain = self.printed(daemon, "memory")
+        daemon.write_resin("standard", {**CURVE, "undersides": "dose", "working_curve": {**CURVE["working_curve"], "peel_memory": 1}})
+        again = self.printed(daemon, "memory", "again")
+        self.assertEqual([layer["area_mm2"] for layer in again["layer_records"]], [layer["area_mm2"] for layer in plain["layer_records"]])
+
+    def test_every_step_of_a_resin_with_a_curve_bonds(self):
+        Daemon(self, resin={**CURVE, "ticket_limits": {"exposure_ms": [100, 10000]}})
+        text = self.calibrate("exposure").stdout.decode()
+        overcures = [float(line.split()[-1]) for line in text.splitlines() if "   overcure_um " in line]
+        self.assertEqual(len(overcures), 9)
+        self.assertAlmostEqual(overcures[0], 50 + 150 * math.log(2), delta=0.1)  # twice the light
+        self.assertAlmostEqual(overcures[-1], 0, delta=0.1)
+
+    def test_a_resin_that_shrinks_in_height_has_bridges_in_whole_layers_too(self):
+        daemon = Daemon(self, resin={**CURVE, "shrinkage_percent": {"z": 3}}).start()
+        areas = [layer["area_mm2"] for layer in self.printed(daemon, "memory")["layer_records"]]
+        self.assertEqual([round(areas[-below] - areas[-below - 1]) for below in (1, 2, 4, 8, 16)], [12] * 5)
+        measured = [f"{layers}={bridge_um(layers, 0.9) * 0.97:.1f}" for layers in (1, 2, 4, 8, 16)]
+        found = json.loads(self.fit("memory", *measured, "--json").stdout)
+        self.assertAlmostEqual(found["values"][0]["value"], 0.9, delta=0.002)
+
+
+class Refused(CalibrationTest):
+    def test_prints_that_the_profile_does_not_allow(self):
+        daemon = Daemon(self)
+        self.assert_refusal(self.calibrate("memory", expect=None), BAD_DATA, "no working_curve", "contourctl calibrate curve standard")
+        self.assert_refusal(self.calibrate("exposure", expect=None), BAD_DATA, '"ticket_limits": {"exposure_ms": [1800, 6000]}')
+        daemon.write_resin("standard", {"ticket_limits": {"exposure_ms": [2900, 3100]}})
+        self.assert_refusal(self.calibrate("exposure", expect=None), BAD_DATA, "2900 to 3100 ms")
+        self.assertFalse(os.path.exists(self.path("out")))
+        missing = contourctl("calibrate", "memory", "none", "--printer", self.path("contourd.json"), "-o", self.path("out"))
+        self.assert_refusal(missing, BAD_CONFIG, "none")
+
+    def test_measurements_that_are_none(self):
+        Daemon(self, resin=CURVE)
+        for word in ("8", "8=", "=8", "1.5=100", "0=100", "101=100", "nan=100", "8=high"):
+            with self.subTest(word):
+                self.assertEqual(self.fit("memory", word, expect=None).returncode, BAD_USAGE)
+        for word in ("30=29", "x=29", "z30=29", "xgap=3", "x30", "x30=", "x30=long"):
+            with self.subTest(word):
+                self.assertEqual(self.fit("dimensions", word, expect=None).returncode, BAD_USAGE)
+        self.assert_refusal(self.fit("memory", "2=200", "4=300", "8=500", expect=None), BAD_DATA, "3 thicknesses")
+        self.assert_refusal(self.fit("memory", *["16=2000"] * 4, expect=None), BAD_DATA, "thicker")
+        self.assert_refusal(self.fit("dimensions", "x30=29.9", expect=None), BAD_DATA, "1 lengths do not determine")
+        self.assertNotIn("calibrations", self.profile())
