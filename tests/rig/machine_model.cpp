@@ -223,6 +223,19 @@ bool MachineModel::light_off_unconfirmed() const {
   return present != nullptr && !present->light_off_unconfirmed().empty();
 }
 
+bool MachineModel::light_off_due() const {
+  const bool reached = serial_ && !serial_->lost() && port_->plugged() && !loop.held_up();
+  return reached && table_.switches_light() && !serial_->light_off_unconfirmed().empty();
+}
+
+// A light off that is refused is followed by the question whether the projector is on, and that by a pause of
+// one timeout.
+Duration MachineModel::longest_light_off_pause() const {
+  const int timeouts = 1 + (1 + table_.retries) + 1;
+  // A command and its reply are on the wire for 20 ms.
+  return timeouts * (table_.power_off.timeout + table_.gap + 20ms);
+}
+
 bool MachineModel::lit() const {
   if (has_line(kind_) && !line_level_) return false;
   return !has_projector(kind_) || model_->lit();

@@ -58,12 +58,19 @@ class MachineModel final : public Machine {
   // was just found has not answered.
   [[nodiscard]] bool light_off_unconfirmed() const;
 
+  // True if the projector may be lit, switches its light by commands and can be reached: as long as no light
+  // is wanted, light off is to be sent again and again.
+  [[nodiscard]] bool light_off_due() const;
+  // Returns the longest time between two of these light offs; a power off counts too.
+  [[nodiscard]] Duration longest_light_off_pause() const;
+
   // The true state.
   [[nodiscard]] bool lit() const;
   [[nodiscard]] bool stray() const { return kind_ == LightKind::Serial && model_->came_up_lit(); }
   [[nodiscard]] bool lamp_is_on() const { return serial_ && model_->powered(); }
   [[nodiscard]] Nanometers plate() const;
   [[nodiscard]] std::uint64_t line_faults() const { return model_->faults_made(); }
+  [[nodiscard]] TimePoint off_sent() const { return model_->off_sent(); }
 
   // Runs the next event of the world.
   void turn();

@@ -25,6 +25,8 @@ void tell(const Figures& figures, double took_s) {
       "a record's bounds are at most {:.1f} ms apart; light is at most {:.1f} ms longer than requested, "
       "within its record; the end of the light is unconfirmed for {} layers\n",
       in_ms(figures.widest), in_ms(figures.most_over), figures.unconfirmed);
+  fmt::print("while the light might be on, light off or power off was sent at least every {:.1f} s\n",
+             in_seconds(figures.longest_pause));
 }
 
 }  // namespace

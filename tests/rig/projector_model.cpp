@@ -71,6 +71,8 @@ void ProjectorModel::receive(const std::string& bytes) {
   std::string arrived = bytes;
   tell("sent " + readable_bytes(bytes));
   if (table_.light_on && table_.light_on->bytes == bytes) light_on_sent_ = true;
+  if ((table_.light_off && table_.light_off->bytes == bytes) || table_.power_off.bytes == bytes)
+    off_sent_ = world_.now();
   if (happens(faults_.command_lost)) return tell("and lost");
   if (happens(faults_.command_garbled)) garble(arrived, dice_);
   const TimePoint first_byte = world_.now();

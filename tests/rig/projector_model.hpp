@@ -72,6 +72,8 @@ class ProjectorModel {
   // Ends all faults.
   void heal() { faults_ = {}; }
   [[nodiscard]] std::uint64_t faults_made() const { return made_; }
+  // Returns when the computer last sent light off or power off, even if that was lost.
+  [[nodiscard]] TimePoint off_sent() const { return off_sent_; }
 
  private:
   enum class Power { Off, Warming, On, Cooling };
@@ -102,6 +104,7 @@ class ProjectorModel {
   std::string line_;
   TimePoint line_began_{}, obeyed_{}, replied_{};
   TimePoint answered_{};  // end of the last complete reply; an echo does not count
+  TimePoint off_sent_{};
   std::unique_ptr<Timer> power_timer_;
   std::uint64_t next_timer_ = 0;
   std::map<std::uint64_t, std::unique_ptr<Timer>> timers_;

@@ -35,6 +35,7 @@ void Figures::add(const Figures& other) {
   unconfirmed += other.unconfirmed;
   widest = std::max(widest, other.widest);
   most_over = std::max(most_over, other.most_over);
+  longest_pause = std::max(longest_pause, other.longest_pause);
 }
 
 void Verdict::break_rule(const std::string& rule, const std::string& what, TimePoint now) {
@@ -62,6 +63,7 @@ void Verdict::look(const Scene& scene) {
   }
   if (scene.lit && !lit_) light_begins(scene);
   if (lit_) check_light(scene);
+  check_light_off(scene);
   if (scene.lit && !scene.light_off_unconfirmed && !may_be_lit(scene.state))
     break_rule("h: light is off unless light off is unconfirmed",
                fmt::format("the light is on in the state \"{}\"", name_of(scene.state)), scene.now);
@@ -96,6 +98,16 @@ void Verdict::check_light(const Scene& scene) {
     break_rule("a: light at the layer's height",
                fmt::format("the plate is at {:.2f} um, the layer at {:.2f} um", um(scene.plate), um(height_)),
                scene.now);
+}
+
+void Verdict::check_light_off(const Scene& scene) {
+  if (!scene.light_off_due || wanted_) return light_off_due_since_.reset();
+  if (!light_off_due_since_) light_off_due_since_ = scene.now;
+  const Duration pause = scene.now - std::max(*light_off_due_since_, scene.off_sent);
+  figures.longest_pause = std::max(figures.longest_pause, pause);
+  if (pause > scene.longest_pause)
+    break_rule("j: light off is sent again while the light may be on",
+               fmt::format("{:.1f} s without a light off or power off", in_seconds(pause)), scene.now);
 }
 
 void Verdict::recorded(int layer, const LayerRecord& record, TimePoint now) {

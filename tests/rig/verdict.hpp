@@ -19,6 +19,7 @@ struct Figures {
   std::uint64_t unconfirmed = 0;  // records without confirmed darkness
   Duration widest{};              // widest bounds of a record
   Duration most_over{};           // true light beyond the requested time, all of it recorded
+  Duration longest_pause{};       // without a light off or power off while light off was due
   void add(const Figures& other);
 };
 
@@ -42,6 +43,9 @@ class Verdict {
     Nanometers plate{};  // true height above the film
     LayeredState state = LayeredState::Idle;
     bool light_off_unconfirmed = false;  // the machine reports that the light may be on
+    bool light_off_due = false;          // the projector may be lit, and commands reach it
+    TimePoint off_sent{};                // the last light off or power off
+    Duration longest_pause{};            // between two of these while light off is due
   };
   // Checks the rules; call it after every event.
   void look(const Scene& scene);
@@ -70,6 +74,7 @@ class Verdict {
   [[nodiscard]] Duration light_of(int layer, TimePoint now) const;
   void light_begins(const Scene& scene);
   void check_light(const Scene& scene);
+  void check_light_off(const Scene& scene);
 
   Nanometers step_;
   std::map<int, Layer> layers_;
@@ -78,6 +83,7 @@ class Verdict {
   bool wanted_ = false;       // the request has not been withdrawn
   bool lit_ = false, stray_ = false;
   TimePoint lit_since_{};
+  std::optional<TimePoint> light_off_due_since_;
   Nanometers lit_at_{},
       highest_{};  // plate heights under this light: at its beginning, and the highest since
   std::vector<Violation> violations_;

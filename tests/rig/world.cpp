@@ -155,6 +155,9 @@ void World::look() {
   scene.plate = machine_.plate();
   scene.state = process_.layered_state();
   scene.light_off_unconfirmed = scene.lit && machine_.light_off_unconfirmed();
+  scene.light_off_due = machine_.light_off_due();
+  scene.off_sent = machine_.off_sent();
+  scene.longest_pause = machine_.longest_light_off_pause();
   verdict_.look(scene);
   look_at_motion();
 }
