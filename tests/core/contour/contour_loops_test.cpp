@@ -312,6 +312,23 @@ TEST_CASE("A doubled facet is dropped") {
   }
 }
 
+TEST_CASE("A doubled facet is dropped where a missing one keeps the repair from seeing it") {
+  models::Facets facets =
+      together(models::box({0, 0, 0}, {10, 10, 10}), models::box({10, 0, 0}, {20, 10, 10}));
+  // The first box lacks half of its floor; the second has a facet of the wall between them twice.
+  const std::array missing{Vertex{0, 0, 0}, Vertex{10, 10, 0}, Vertex{10, 0, 0}};
+  std::erase_if(facets, [&missing](const Facet& f) { return f.vertices == missing; });
+  REQUIRE(facets.size() == 23);
+  facets.push_back({{Vertex{10, 0, 0}, Vertex{10, 10, 10}, Vertex{10, 10, 0}}});
+  for (const double z : {0.1, 3.3, 7.7}) {
+    CAPTURE(z);
+    const Contours contours = contours_of(facets, z);
+    check_clean(contours);
+    CHECK(contours.loops.size() == 2);
+    CHECK(near(signed_area(contours), 200));
+  }
+}
+
 TEST_CASE("A closed mesh's loops consist of exactly its segments") {
   CHECK(rc::check([] {
     const HeightIndex model(testing::draw_blobs(8));
