@@ -1,5 +1,7 @@
 #include "core/overhangs/overhang_cover.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <utility>
 
@@ -14,15 +16,60 @@ constexpr std::size_t kLooks = 300;
 void OverhangCover::set_spots(std::vector<Spot>& spots) {
   std::swap(spots_, spots);
   next_ = 0;
+  sets_slivers_aside_ = true;
 }
 
 std::optional<OverhangCover::Choice> OverhangCover::choose() {
-  const auto is_pending = [](const Spot& spot) { return spot.need >= Need::Reach; };
-  while (next_ < spots_.size() && !is_pending(spots_[next_]))
+  for (;;) {
+    if (!find_pending()) {
+      if (!sets_slivers_aside_) return std::nullopt;
+      take_up_slivers();
+      continue;
+    }
+    const Spot& spot = spots_[next_];
+    const Choice choice{best_for(spot), spot.at, spot.part};
+    if (!sets_slivers_aside_ || slivers_left_ == 0 || !set_sliver_aside(choice)) return choice;
+  }
+}
+
+// Moves on to the next spot that needs a contact; returns false if there is none.
+bool OverhangCover::find_pending() {
+  while (next_ < spots_.size() && spots_[next_].need != Need::Reach && spots_[next_].need != Need::Bridge)
     ++next_;
-  if (next_ == spots_.size()) return std::nullopt;
-  const Spot& spot = spots_[next_];
-  return Choice{best_for(spot), spot.at, spot.part};
+  return next_ < spots_.size();
+}
+
+// Sets the spots aside that the choice would hold; returns false if these are more than a sliver, others than
+// bridging ones, or in an island without a contact.
+bool OverhangCover::set_sliver_aside(const Choice& choice) {
+  std::vector<Spot*> sliver;
+  for (Spot& spot : spots_) {
+    if (!is_held_by(choice, choice.at, spot) || spot.need == Need::Sliver) continue;
+    sliver.push_back(&spot);
+    if (spot.need != Need::Bridge || std::isinf(spot.beyond) ||
+        static_cast<double>(sliver.size()) > radii_.slack * radii_.slack)
+      return false;
+  }
+  --slivers_left_;
+  for (Spot* const spot : sliver)
+    spot->need = Need::Sliver;
+  return true;
+}
+
+// Lets go of the slivers' spots that are nearly held by now, and has the others held.
+void OverhangCover::take_up_slivers() {
+  for (Spot& spot : spots_) {
+    if (spot.need == Need::Sliver) spot.need = spot.beyond <= radii_.slack ? Need::None : Need::Bridge;
+  }
+  next_ = 0;
+  sets_slivers_aside_ = false;
+}
+
+// True if a contact at that place for the choice holds the spot.
+bool OverhangCover::is_held_by(const Choice& choice, SweepPixel at, const Spot& spot) const {
+  if (spot.part != choice.part || spot.need == Need::None) return false;
+  const double radius = radius_for(spot.need);
+  return squared_distance(spot.at, at) <= radius * radius || spot.at == choice.needed_by;
 }
 
 SweepPixel OverhangCover::best_for(const Spot& spot) {
@@ -64,11 +111,12 @@ SweepPixel OverhangCover::best_for(const Spot& spot) {
 std::int64_t OverhangCover::hold(SweepPixel at, const Choice& choice) {
   std::int64_t held = 0;
   for (Spot& spot : spots_) {
-    if (spot.part != choice.part || spot.need == Need::None) continue;
-    const double radius = radius_for(spot.need);
-    if (squared_distance(spot.at, at) > radius * radius && spot.at != choice.needed_by) continue;
-    spot.need = Need::None;
-    ++held;
+    if (is_held_by(choice, at, spot)) {
+      spot.need = Need::None;
+      ++held;
+    } else if (spot.part == choice.part) {
+      spot.beyond = std::min(spot.beyond, std::sqrt(squared_distance(spot.at, at)) - radii_.bridge);
+    }
   }
   return held;
 }

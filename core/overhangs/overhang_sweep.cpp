@@ -53,8 +53,10 @@ HoldingRadii holding_radii(const SupportSettings& settings, const SweepGrid& gri
   const double disc_mm = std::sqrt(settings.tip_holds_mm2 / kPi);
   const double strip_mm = settings.tip_holds_mm2 / (2 * settings.bridge.count());
   const double beneath_mm = settings.bridge.count() + settings.tip_diameter.count() / 2 - grid.pixel_mm();
+  constexpr double kSlack = 0.1;
   return {std::min(beneath_mm, disc_mm) / grid.pixel_mm(),
-          std::min(settings.spacing.count(), strip_mm) / grid.pixel_mm()};
+          std::min(settings.spacing.count(), strip_mm) / grid.pixel_mm(),
+          kSlack * settings.bridge.count() / grid.pixel_mm()};
 }
 
 Millimeters top_of(std::span<const PlateModel> models) {
@@ -180,7 +182,8 @@ void Sweep::hold_overhangs(const std::stop_token& stop) {
     if (is_speck(parts_.parts()[pixel.part])) {
       specks_.push_back(pixel.at);
     } else if (const Need need = need_of(pixel); need != Need::None) {
-      spots.push_back({pixel.at, pixel.part, need});
+      spots.push_back(
+          {pixel.at, pixel.part, need, (pixel.bridge_mm - settings_.bridge.count()) / grid_.pixel_mm()});
     }
   }
   cover_.set_spots(spots);

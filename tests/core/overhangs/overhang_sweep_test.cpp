@@ -288,6 +288,30 @@ TEST_CASE("Contacts come from the plate up, the same every time, and on a mirror
   CHECK(contacts_of(mirrored) == contacts);
 }
 
+TEST_CASE("No contact below a level surface holds only a sliver that the others leave") {
+  constexpr double kSlackMm = 0.15;
+  for (const double radius : {2.0, 3.3, 4.1, 5.0, 6.6, 7.4, 9.0}) {
+    // A cup, mouth down, and a disc on supports.
+    const std::array<Point, 6> cup{
+        {{0, 6}, {radius, 6}, {radius, 0}, {radius + 2, 0}, {radius + 2, 8}, {0, 8}}};
+    const std::array<Point, 4> disc{{{0, 6}, {radius, 6}, {radius, 8}, {0, 8}}};
+    for (const bool has_wall : {true, false}) {
+      INFO("radius " << radius << " mm, " << (has_wall ? "with a wall" : "without a wall"));
+      const auto contacts =
+          has_wall ? contacts_of(models::lathe(cup, 96), 0) : contacts_of(models::lathe(disc, 96), 6);
+      for (const SupportContact& contact : contacts)
+        CHECK(contact.load_mm2 > kSlackMm * kSlackMm);
+      for (double x = -radius + 0.1; x < radius; x += 0.1) {
+        for (double y = -radius + 0.1; y < radius; y += 0.1) {
+          const double from_middle = std::hypot(x, y);
+          if (from_middle > radius || (has_wall && radius - from_middle < 1.5 + kSlackMm)) continue;
+          REQUIRE(nearest_mm(contacts, x, y) < 1.7 + kSlackMm);
+        }
+      }
+    }
+  }
+}
+
 TEST_CASE("An observer sees every layer from the plate to the models' top") {
   testing::CountingObserver observer;
   REQUIRE(find_overhangs(held_request(models::box({-2, -2, 0}, {2, 2, 3}), 1), observer));
