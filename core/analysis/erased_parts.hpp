@@ -1,5 +1,5 @@
-// Parts of layers that a compensation erases whole: walls that are thinner than the distance by which their
-// outline moves inwards from both sides. Thread-safe (no shared state).
+// Parts of layers that a compensation erases whole: walls and pins that are thinner than the distance by
+// which their outline moves inwards from both sides. Thread-safe (no shared state).
 #pragma once
 
 #include <chrono>
@@ -35,9 +35,10 @@ struct ErasedPartSearch {
 };
 
 // Compares layers whose outlines move inwards with the same layers without compensation: at most 200 of them,
-// evenly spread. Every point loses its end: parts no larger than a square of twice the distance and a pixel
-// do not count, and neither do masks that overrun their budget. Blocks for two masks per layer. Returns early
-// if `stop` is requested.
+// evenly spread. Every point loses its end: a part no larger than a square of twice the distance and a pixel
+// counts only if it is erased 0.2 mm beneath and above as well, as a pin is. Masks that overrun their budget
+// do not count. Blocks for two masks per layer, and for six where there are small parts. Returns early if
+// `stop` is requested.
 [[nodiscard]] ErasedParts find_erased_parts(const std::vector<PlateModel>& models,
                                             const ErasedPartSearch& search, const std::stop_token& stop = {});
 

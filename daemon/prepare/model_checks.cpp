@@ -195,8 +195,9 @@ std::string erased_sentence(const std::vector<PlateModel>& models, const LightSe
   if (!erased.largest) return "";
   const ErasedPart& part = *erased.largest;
   return fmt::format(
-      "the compensation moves outlines by {:.0f} um in layer {} and erases walls thinner than twice that: "
-      "nothing is left at {:.2f}, {:.2f} mm from the plate's centre ({:.3g} mm²){}; thicken the wall, or "
+      "the compensation moves outlines by {:.0f} um in layer {} and erases walls and pins thinner than twice "
+      "that: "
+      "nothing is left at {:.2f}, {:.2f} mm from the plate's centre ({:.3g} mm²){}; thicken them, or "
       "reduce growth_um or elephant_foot_um",
       search.settings.compensation.offset_at(search.heights[static_cast<std::size_t>(part.layer)]).count(),
       part.layer + 1, part.plate_mm.x, part.plate_mm.y, part.area_mm2,

@@ -122,16 +122,39 @@ TEST_CASE_METHOD(PrintJobFixture, "A compensation that erases walls whole is rep
   const auto warnings = [&] { return prepare(walled).summary.warnings; };
   CHECK(warnings().empty());
   resin.compensation = {Micrometers{}, Micrometers{60.0}, Nanometers{400'000}};
-  CHECK(warnings() == std::vector<std::string>{
-                          "the compensation moves outlines by -56 um in layer 1 and erases walls thinner "
-                          "than twice that: nothing is left at 12.50, -5.00 mm from the plate's centre "
-                          "(1 mm²), and 2 more; thicken the wall, or reduce growth_um or "
-                          "elephant_foot_um"});
+  CHECK(warnings() ==
+        std::vector<std::string>{
+            "the compensation moves outlines by -56 um in layer 1 and erases walls and pins thinner "
+            "than twice that: nothing is left at 12.50, -5.00 mm from the plate's centre "
+            "(1 mm²), and 2 more; thicken them, or reduce growth_um or "
+            "elephant_foot_um"});
   resin.compensation = {Micrometers{-60.0}, {}, {}};
   REQUIRE(warnings().size() == 1);
   CHECK(warnings().front().find("-60 um in layer 1 ") != std::string::npos);
   resin.compensation = {Micrometers{60.0}, {}, {}};
   CHECK(warnings().empty());
+}
+
+TEST_CASE_METHOD(PrintJobFixture, "A compensation that erases pins is reported, whatever their thickness") {
+  const std::string small = " mm from the plate's centre (";
+  for (const double radius_mm : {0.01, 0.02, 0.035}) {
+    for (const double slant : {0.0, 0.7}) {
+      INFO("pin of " << 2000 * radius_mm << " um, slant " << slant);
+      const std::array<Point, 4> profile{{{0, 0}, {radius_mm, 0}, {radius_mm, 8}, {0, 8}}};
+      models::Facets pin = models::lathe(profile, 12);
+      for (Facet& facet : pin) {
+        for (Vertex& v : facet.vertices)
+          v = {static_cast<float>(v.x + 5 + slant * v.z), v.y + 5, v.z + 18};
+      }
+      const models::Facets pinned = models::together(kCube, pin);
+      resin.compensation = {Micrometers{-40.0}, {}, {}};
+      const std::vector<std::string> warnings = prepare(pinned).summary.warnings;
+      REQUIRE(warnings.size() == 1);
+      CHECK(warnings[0].find(small) != std::string::npos);
+      resin.compensation = {Micrometers{-5.0}, {}, {}};
+      CHECK(prepare(pinned).summary.warnings.size() == (radius_mm < 0.03 ? 1 : 0));
+    }
+  }
 }
 
 TEST_CASE_METHOD(PrintJobFixture, "A compensation that only shortens points erases nothing") {
