@@ -109,6 +109,15 @@ bool LitLayers::is_lit(const PlatePoint& point) const {
   return is_pixel_lit(std::floor(point.z / step_mm_), row_of(point.y), column_of(point.x));
 }
 
+std::optional<std::uint32_t> LitLayers::gap_at(const PlatePoint& point) const {
+  const double layer = std::floor(point.z / step_mm_), row = row_of(point.y), column = column_of(point.x);
+  if (!(layer >= 0 && layer < layers() && row >= 0 && row < rows_)) return std::nullopt;
+  const std::span<const Run> runs = runs_in(static_cast<std::int32_t>(layer), static_cast<std::int32_t>(row));
+  const auto next = std::ranges::find_if(runs, [column](const Run& run) { return run.end > column; });
+  if (next == runs.begin() || next == runs.end() || next->first <= column) return std::nullopt;
+  return number_of(*std::prev(next));
+}
+
 std::optional<double> LitLayers::underside_above(const PlatePoint& point, double up_mm) const {
   const double column = column_of(point.x), row = row_of(point.y);
   const auto last =

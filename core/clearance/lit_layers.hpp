@@ -34,6 +34,16 @@ class LitLayers final : public LayerObserver {
   // Returns the row's runs from left to right; empty if the row or the layer is beyond all lit pixels.
   [[nodiscard]] std::span<const Run> runs_in(std::int32_t layer, std::int32_t row) const;
 
+  // Returns the number of runs in all layers.
+  [[nodiscard]] std::uint32_t runs() const { return static_cast<std::uint32_t>(runs_.size()); }
+  // Returns the number of one of runs_in(), which counts all runs from the lowest layer's first row on.
+  [[nodiscard]] std::uint32_t number_of(const Run& run) const {
+    return static_cast<std::uint32_t>(&run - runs_.data());
+  }
+  // Returns the number of the run to the left of the dark pixel that contains the point; nullopt if the pixel
+  // is lit, or the row has no run on one of its sides.
+  [[nodiscard]] std::optional<std::uint32_t> gap_at(const PlatePoint& point) const;
+
   // True if the pixel that contains the point is lit in the layer that contains it.
   [[nodiscard]] bool is_lit(const PlatePoint& point) const;
   // True if no part of the models can be nearer to the point than the distance.

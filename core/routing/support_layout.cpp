@@ -10,6 +10,7 @@
 #include "core/clearance/support_path_field.hpp"
 #include "core/overhangs/overhang_sweep.hpp"
 #include "core/routing/missed_islands.hpp"
+#include "core/routing/sealed_hollows.hpp"
 #include "core/routing/support_loads.hpp"
 #include "core/routing/support_routing.hpp"
 #include "core/routing/support_solids.hpp"
@@ -131,6 +132,12 @@ class SupportLayout {
     const auto is_held = [&](const SupportContact& contact) {
       std::optional<SupportTip> tip = tips.tip_at(contact);
       if (!tip) return false;
+      if (fills_gap(*tip)) {
+        // It would join two parts that may have to move, such as those of a hinge. What has nothing else to
+        // bear it would be lost without it.
+        if (contact.cause == ContactCause::Overhang) return false;
+        in_gaps_.push_back(contact);
+      }
       routing.add(std::move(*tip), static_cast<std::uint32_t>(held_.size()), contact.load_mm2);
       held_.push_back(contact);
       return true;
@@ -159,11 +166,19 @@ class SupportLayout {
     }
     from_the_plate_up(held_);
     supports.contacts = std::move(held_);
+    from_the_plate_up(in_gaps_);
+    supports.in_gaps = std::move(in_gaps_);
     if (!solids.empty()) supports.structure = std::make_shared<const SupportStructure>(std::move(solids));
     return supports;
   }
 
  private:
+  // True if the tip crosses a gap between models that is narrower than a pillar.
+  [[nodiscard]] bool fills_gap(const SupportTip& tip) const {
+    return tip.path.stretches.empty() && tip.joint.z > 0 &&
+           tip.at.z - tip.joint.z < settings_.pillar_diameter.count();
+  }
+
   // Creates the path field on first use, for the contacts of that call: later contacts are a subset of them.
   const SupportPathField& paths_to(SupportPathField::End end, const std::vector<SupportContact>& contacts) {
     std::optional<SupportPathField>& paths = end == SupportPathField::End::Plate ? to_plate_ : to_models_;
@@ -180,14 +195,39 @@ class SupportLayout {
   std::stop_token stop_;
   std::optional<SupportPathField> to_plate_, to_models_;
   SupportTree tree_;
-  std::vector<SupportContact> held_;
+  std::vector<SupportContact> held_, in_gaps_;
 };
+
+// Returns the sealed hollows if a contact may lie in one, with material straight below it.
+std::optional<SealedHollows> hollows_around(const std::vector<SupportContact>& contacts,
+                                            const LitLayers& layers) {
+  const bool may_be = std::ranges::any_of(contacts, [&](const SupportContact& contact) {
+    const PlatePoint& at = contact.place;
+    return layers.top_below({at.x, at.y, at.z - 2 * layers.step_mm()}, at.z).has_value();
+  });
+  if (!may_be) return std::nullopt;
+  return SealedHollows(layers);
+}
+
+// True if the contact holds an overhang over a gap that is narrower than a pillar.
+bool is_over_narrow_gap(const SupportContact& contact, const LitLayers& layers,
+                        const SupportSettings& settings) {
+  const PlatePoint beneath{contact.place.x, contact.place.y, contact.place.z - 1.5 * layers.step_mm()};
+  return contact.cause == ContactCause::Overhang && !layers.is_lit(beneath) &&
+         layers.top_below(beneath, settings.pillar_diameter.count()).has_value();
+}
 
 }  // namespace
 
 std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts, const LitLayers& layers,
                                          const DisplayGeometry& build_area, const SupportSettings& settings,
                                          const std::stop_token& stop) {
+  if (contacts.empty()) return Supports{};
+  const std::optional<SealedHollows> hollows = hollows_around(contacts, layers);
+  if (hollows)
+    std::erase_if(contacts, [&](const SupportContact& contact) {
+      return hollows->is_bridged(contact, settings.bridge);
+    });
   if (contacts.empty()) return Supports{};
   from_the_plate_up(contacts);
   const std::vector<UnheldPlace> beyond = set_aside(contacts);
@@ -202,8 +242,16 @@ std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts, c
   Supports supports = layout.supports();
   if (supports.structure) supports.volume_mm3 = volume_beside_models_mm3(supports.structure, layers, stop);
   if (stop.stop_requested()) return std::nullopt;
-  for (const SupportContact& contact : unheld)
-    supports.unheld.push_back({contact, "no path leads to the plate or to a place on the model"});
+  if (hollows)
+    std::ranges::copy_if(supports.contacts, std::back_inserter(supports.in_hollows),
+                         [&](const SupportContact& contact) { return hollows->holds(contact.place); });
+  for (const SupportContact& contact : unheld) {
+    if (is_over_narrow_gap(contact, layers, settings)) {
+      supports.over_gaps.push_back(contact);
+    } else {
+      supports.unheld.push_back({contact, "no path leads to the plate or to a place on the model"});
+    }
+  }
   supports.unheld.insert(supports.unheld.end(), beyond.begin(), beyond.end());
   return supports;
 }

@@ -156,7 +156,8 @@ class Preparation {
         hold_plate({models_, volume_, summary_.resin.supports, content_, printed, layer}, stop);
     if (!held) return std::nullopt;
     summary_.supporting = SteadyClock::now() - start;
-    warn(unheld_sentence(held->supports.unheld));
+    for (const std::string& warning : supports_warnings(held->supports))
+      warn(warning);
     summary_.supports = std::move(held->supports);
     return std::move(held->arrangement);
   }

@@ -22,6 +22,28 @@ Json contact_json(const SupportContact& contact) {
           {"load_mm2", contact.load_mm2}};
 }
 
+Json contacts_json(const std::vector<SupportContact>& contacts) {
+  Json list = Json::array();
+  for (const SupportContact& contact : contacts)
+    list.push_back(contact_json(contact));
+  return list;
+}
+
+std::string place_text(const PlatePoint& place) {
+  return fmt::format("{:.2f}, {:.2f} mm from the plate's centre, {:.2f} mm above the plate", place.x, place.y,
+                     place.z);
+}
+
+// Returns the clause, the first place and what to do; empty if there are no contacts.
+std::string staying_sentence(const std::vector<SupportContact>& contacts, std::string_view one,
+                             std::string_view several, std::string_view advice) {
+  if (contacts.empty()) return "";
+  std::string text =
+      fmt::format("{}: {}at {}", count_of(contacts.size(), one, several),
+                  contacts.size() > 1 ? "the lowest " : "", place_text(contacts.front().place));
+  return fmt::format("{}; {}", text, advice);
+}
+
 }  // namespace
 
 std::string supports_line(const SupportCounts& supports) {
@@ -39,9 +61,8 @@ std::string supports_line(const SupportCounts& supports) {
 
 std::string unheld_text(const UnheldPlace& place) {
   const SupportContact& contact = place.contact;
-  return fmt::format(
-      "at {:.2f}, {:.2f} mm from the plate's centre, {:.2f} mm above the plate ({}, {:.3g} mm²): {}",
-      contact.place.x, contact.place.y, contact.place.z, name_of(contact.cause), contact.load_mm2, place.why);
+  return fmt::format("at {} ({}, {:.3g} mm²): {}", place_text(contact.place), name_of(contact.cause),
+                     contact.load_mm2, place.why);
 }
 
 std::string unheld_sentence(const std::vector<UnheldPlace>& places) {
@@ -51,6 +72,29 @@ std::string unheld_sentence(const std::vector<UnheldPlace>& places) {
     text += (i == 0 ? " " : "; ") + unheld_text(places[i]);
   if (places.size() > kMaxNamedPlaces) text += fmt::format("; and {} more", places.size() - kMaxNamedPlaces);
   return text;
+}
+
+std::vector<std::string> staying_sentences(const Supports& supports) {
+  std::vector<std::string> sentences{
+      staying_sentence(supports.in_hollows, "support stands in a sealed hollow and cannot be taken out",
+                       "supports stand in sealed hollows and cannot be taken out",
+                       "open the hollow, or turn the model"),
+      staying_sentence(supports.in_gaps, "support fills a gap narrower than itself and joins both sides",
+                       "supports fill gaps narrower than themselves and join both sides",
+                       "widen the gap, or turn the model"),
+      staying_sentence(
+          supports.over_gaps,
+          "overhang is not held over a gap narrower than a support, which would join both sides",
+          "overhangs are not held over gaps narrower than a support, which would join both sides",
+          "widen the gap, or turn the model")};
+  std::erase(sentences, "");
+  return sentences;
+}
+
+std::vector<std::string> supports_warnings(const Supports& supports) {
+  std::vector<std::string> warnings = staying_sentences(supports);
+  if (!supports.unheld.empty()) warnings.insert(warnings.begin(), unheld_sentence(supports.unheld));
+  return warnings;
 }
 
 Json support_settings_json(const SupportSettings& settings) {
@@ -85,9 +129,10 @@ SupportCounts supports_in_summary(const Json& summary) {
 
 Json supports_json(const Supports& supports) {
   Json json = supports_summary_json(counts_of(supports));
-  json["contact_list"] = Json::array();
-  for (const SupportContact& contact : supports.contacts)
-    json["contact_list"].push_back(contact_json(contact));
+  json["contact_list"] = contacts_json(supports.contacts);
+  json["in_hollow_list"] = contacts_json(supports.in_hollows);
+  json["in_gap_list"] = contacts_json(supports.in_gaps);
+  json["over_gap_list"] = contacts_json(supports.over_gaps);
   json["unheld_list"] = Json::array();
   for (const UnheldPlace& place : supports.unheld) {
     json["unheld_list"].push_back(contact_json(place.contact));

@@ -21,6 +21,11 @@ namespace contourd {
 [[nodiscard]] std::string unheld_text(const UnheldPlace& place);
 // Returns a sentence with the number of places and the first few of them; empty if there are none.
 [[nodiscard]] std::string unheld_sentence(const std::vector<UnheldPlace>& places);
+// Returns a sentence about supports that cannot be taken out of sealed hollows, one about supports that fill
+// gaps, and one about overhangs over narrow gaps, where there are any.
+[[nodiscard]] std::vector<std::string> staying_sentences(const Supports& supports);
+// Returns unheld_sentence() and staying_sentences().
+[[nodiscard]] std::vector<std::string> supports_warnings(const Supports& supports);
 
 // Returns the settings with the keys that they have in a resin's profile.
 [[nodiscard]] nlohmann::ordered_json support_settings_json(const SupportSettings& settings);

@@ -28,8 +28,10 @@ def ball(radius, steps=24):
 
 BALL = binary_stl(ball(4))
 BOX = binary_stl(box((0, 0, 0), (10, 5, 1)))
-# A block with a closed cavity, 0.1 mm high and 10 mm wide: there is no room for a support below its ceiling.
-CAGED = binary_stl([*box((0, 0, 0), (12, 12, 8)), *inside_out(box((1, 1, 2), (11, 11, 2.1)))])
+# A bar in the air between two walls that are 1 mm apart: there is no room for a support below it.
+CAGED = binary_stl([*box((0, 0, 0), (5.5, 12, 14)), *box((6.5, 0, 0), (12, 12, 14)), *box((5.9, 5, 8), (6.1, 7, 9))])
+# A block with a cavity, whose ceiling hangs over its floor without a wall in reach.
+HOLLOW = binary_stl([*box((0, 0, 0), (12, 12, 12)), *inside_out(box((2, 2, 3), (10, 10, 9)))])
 
 
 class Supports(FolderTest):
@@ -121,6 +123,17 @@ class Supports(FolderTest):
         report = daemon.wait_done("caged")
         self.assertGreaterEqual(report["supports"]["unheld"], 1)
         self.assertTrue(any("cannot be held" in warning for warning in report["model"]["warnings"]))
+
+    def test_supports_in_a_sealed_hollow_are_named_before_the_print_and_in_its_report(self):
+        said = r"\d+ supports? stands? in (a )?sealed hollows? and cannot be taken out: (the lowest )?at -?\d+\.\d\d, -?\d+\.\d\d mm from the plate's centre, 9\.00 mm above the plate"
+        daemon = self.daemon()
+        report = self.printed(daemon, "hollow", HOLLOW)
+        self.assertRegex(" ".join(report["model"]["warnings"]), said)
+        self.assertRegex(daemon.log(), said)
+        path = self.write("hollow.stl", HOLLOW)
+        for command in (["support"], ["slice", "--layer-height-um", "50", "--supports", "auto"], ["analyze", "--supports", "auto"]):
+            ran = contourctl(*command, path)
+            self.assertRegex((ran.stdout + ran.stderr).decode(), said, command)
 
     def test_a_job_that_waits_to_be_accepted_is_checked_again_when_its_ticket_changes(self):
         daemon = self.daemon()

@@ -114,7 +114,10 @@ PrintSubject subject_alone(const PrintArgs& args) {
       subject);
   add(own_supports_sentence("the model", supported.own_supports, "contourctl"), subject);
   subject.supports = std::move(supported.supports);
-  if (subject.supports) add(unheld_sentence(subject.supports->unheld), subject);
+  if (subject.supports) {
+    for (std::string& warning : supports_warnings(*subject.supports))
+      add(std::move(warning), subject);
+  }
   return subject;
 }
 

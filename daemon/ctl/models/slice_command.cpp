@@ -383,8 +383,8 @@ int slice_model(const SliceOptions& options) {
     fmt::print(stderr, "contourctl: warning: {}\n",
                own_supports_sentence("the model", supported.own_supports, "contourctl"));
   if (supported.supports) {
-    if (const std::string sentence = unheld_sentence(supported.supports->unheld); !sentence.empty())
-      fmt::print(stderr, "contourctl: warning: {}\n", sentence);
+    for (const std::string& warning : supports_warnings(*supported.supports))
+      fmt::print(stderr, "contourctl: warning: {}\n", warning);
   }
   if (options.z) return slice_at_height(options, supported);
   const PrintLayers layers =

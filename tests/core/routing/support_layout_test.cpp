@@ -140,6 +140,52 @@ TEST_CASE("An arch over a block has a foot on the block if no path leads to the 
   CHECK(testing::least_clearance(supports, room, {}) >= 0.5 - kLooks_mm);
 }
 
+TEST_CASE("Supports in a sealed hollow are listed, and a dome in one gets none") {
+  const auto block_around = [](models::Facets hollow) {
+    return together(models::box({-12, -12, 0}, {12, 12, 24}), models::inverted(std::move(hollow)));
+  };
+  const Supports under_ceiling = supports_for(block_around(models::box({-5, -5, 6}, {5, 5, 14})),
+                                              {contact(0, 0, 14), contact(0, 0, 24)});
+  REQUIRE(under_ceiling.in_hollows.size() == 1);
+  CHECK(under_ceiling.in_hollows[0].place.z == 14);
+  models::Facets dome = models::globe(8, 80, 160);
+  models::translate(dome, 0, 0, 12);
+  const Supports under_dome = supports_for(block_around(dome), {contact(0.5, 0, 19.97)});
+  CHECK(under_dome.contacts.empty());
+  CHECK(under_dome.unheld.empty());
+  // An open box over the plate.
+  const Supports open =
+      supports_for(together(models::box({-8, -8, 0}, {8, -6, 20}), models::box({-8, -8, 14}, {8, 8, 20})),
+                   {contact(0, 0, 14)});
+  CHECK(open.contacts.size() == 1);
+  CHECK(open.in_hollows.empty());
+}
+
+TEST_CASE(
+    "A support fills a gap narrower than itself only where nothing else bears the part, and is listed") {
+  for (const float gap_mm : {0.35F, 0.5F, 0.9F}) {
+    INFO("gap of " << gap_mm << " mm");
+    const models::Facets hinge =
+        together(models::box({-8, -8, 0}, {8, 8, 5}), models::box({-6, -6, 5 + gap_mm}, {6, 6, 9}));
+    SupportContact place = contact(0, 0, 5 + double{gap_mm});
+    const Supports overhang = supports_for(hinge, {place});
+    CHECK(overhang.contacts.empty());
+    CHECK(overhang.unheld.empty());
+    CHECK(overhang.over_gaps == std::vector<SupportContact>{place});
+    for (const ContactCause cause : {ContactCause::Island, ContactCause::Peel}) {
+      place.cause = cause;
+      const Supports supports = supports_for(hinge, {place});
+      CHECK(supports.contacts.size() == 1);
+      CHECK(supports.in_gaps == supports.contacts);
+    }
+  }
+  const models::Facets wide =
+      together(models::box({-8, -8, 0}, {8, 8, 5}), models::box({-6, -6, 6.4F}, {6, 6, 9}));
+  const Supports supports = supports_for(wide, {contact(0, 0, 6.4)});
+  CHECK(supports.contacts.size() == 1);
+  CHECK(supports.in_gaps.empty());
+}
+
 TEST_CASE("No foot stands on the model if a path leads to the plate") {
   // A bridge over a narrow block: the path goes around the block.
   const models::Facets bridge =
@@ -194,13 +240,14 @@ TEST_CASE("Supports at the build area's edge stay inside it") {
 }
 
 TEST_CASE("A place that no support reaches is reported with its reason") {
-  // A gap of 0.15 mm in a box has no room for a support.
-  const models::Facets closed = together(models::box({-8, -8, 0}, {8, 8, 20}),
-                                         models::inverted(models::box({-5, -5, 6}, {5, 5, 6.15F})));
-  const Supports supports = supports_for(closed, {contact(0, 0, 6.15)});
+  // A slot of 0.5 mm between two walls has no room for a support.
+  const models::Facets walls =
+      together(models::box({-6, -8, 0}, {-0.25F, 8, 20}), models::box({0.25F, -8, 0}, {6, 8, 20}));
+  const Supports supports =
+      supports_for(together(walls, models::box({-0.25F, -5, 12}, {0.25F, 5, 14})), {contact(0, 0, 12)});
   CHECK_FALSE(supports.structure);
   REQUIRE(supports.unheld.size() == 1);
-  CHECK(supports.unheld[0].contact == contact(0, 0, 6.15));
+  CHECK(supports.unheld[0].contact == contact(0, 0, 12));
   CHECK(supports.unheld[0].why == "no path leads to the plate or to a place on the model");
 }
 
@@ -229,7 +276,7 @@ TEST_CASE("An island close beside a wall, with room for no tip, is joined to the
                                        models::inverted(models::box({-0.25F, -5, 6}, {0.25F, 5, 18})));
   const models::Facets all = together(room, models::box({-0.1F, -0.1F, 12}, {0.1F, 0.1F, 13}));
   SupportContact flake = contact(0, 0, 12);
-  CHECK(supports_for(all, {flake}).unheld.size() == 1);
+  CHECK(supports_for(all, {flake}).contacts.empty());
   flake.cause = ContactCause::Island;
   const Supports supports = supports_for(all, {flake});
   CHECK(supports.unheld.empty());
@@ -325,7 +372,8 @@ TEST_CASE("Supports under random boxes are clear, inside the build area, steep a
         contacts.push_back(contact(draw_real(x, x + w), draw_real(y, y + d), z));
     }
     const Supports supports = supports_for(all, contacts);
-    RC_ASSERT(supports.contacts.size() + supports.unheld.size() == contacts.size());
+    RC_ASSERT(supports.contacts.size() + supports.unheld.size() + supports.over_gaps.size() ==
+              contacts.size());
     if (!supports.structure) return;
     RC_ASSERT(testing::least_clearance(supports, all, {}) >= 0.5 - kLooks_mm);
     RC_ASSERT(testing::is_within(supports, kBuildArea));

@@ -50,6 +50,30 @@ TEST_CASE("The sentence about unheld places describes the first three") {
   CHECK(sentence.find("(peel, 0.25 mm²): there is no room; and 2 more") != std::string::npos);
 }
 
+TEST_CASE("Supports that stay in the part are reported with the lowest place") {
+  Supports supports;
+  CHECK(supports_warnings(supports).empty());
+  supports.in_hollows = {contact(ContactCause::Overhang, 2)};
+  supports.in_gaps = {contact(ContactCause::Island, 3), contact(ContactCause::Island, 4)};
+  const std::vector<std::string> expected{
+      "1 support stands in a sealed hollow and cannot be taken out: at 1.00, -2.00 mm from the plate's "
+      "centre, "
+      "2.00 mm above the plate; open the hollow, or turn the model",
+      "2 supports fill gaps narrower than themselves and join both sides: the lowest at 1.00, -2.00 mm from "
+      "the plate's centre, 3.00 mm above the plate; widen the gap, or turn the model"};
+  CHECK(supports_warnings(supports) == expected);
+  supports.over_gaps = {contact(ContactCause::Overhang, 5)};
+  CHECK(supports_warnings(supports)[2] ==
+        "1 overhang is not held over a gap narrower than a support, which would join both sides: at 1.00, "
+        "-2.00 "
+        "mm from the plate's centre, 5.00 mm above the plate; widen the gap, or turn the model");
+  supports.unheld = {{contact(ContactCause::Island, 1), "there is no room"}};
+  CHECK(supports_warnings(supports).size() == 4);
+  CHECK(supports_warnings(supports)[0] == unheld_sentence(supports.unheld));
+  CHECK(supports_json(supports)["in_hollow_list"].size() == 1);
+  CHECK(supports_json(supports)["in_gap_list"][1]["plate_mm"][2] == 4.0);
+}
+
 TEST_CASE("The JSON of supports lists every contact and every unheld place") {
   Supports supports = some();
   supports.unheld = {{contact(ContactCause::Island, 9), "no way"}};
