@@ -1,6 +1,7 @@
 #include "core/overhangs/carried_supports.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -26,10 +27,13 @@ constexpr double kContactsForTip = 8;
 // A tip holds the model around it up to this distance.
 constexpr double kTipReachMm = 10;
 constexpr double kWidestTipMm2 = 1;
-// A tip has at most this share of the area that its stem had in the last two centimetres, which are
-// forgotten step by step: cones under ball tips are long.
-constexpr double kPointed = 1 / 1.5;
-constexpr double kForgottenByStep = 0.995;
+// A tip ends a stem that is wider a few steps beneath, or has a ball above a neck.
+constexpr std::size_t kStemSteps = 30, kBallSteps = 15;
+constexpr double kPointed = 1.5;
+// A cone beneath a ball widens by this factor within kStemSteps, however long it is.
+constexpr double kConeBeneathBall = 1.15;
+// A parasol or a chessman has a single stem; what hangs on supports has several tips.
+constexpr int kFewestTipsOfPart = 2;
 // The least ratio of the area of the held part to that of the tip.
 constexpr double kHeldPart = 10;
 // A foot begins at most this number of steps above the lowest one.
@@ -38,9 +42,40 @@ constexpr int kUnevenSteps = 3;
 // A part of a layer, as a stem that comes from below.
 struct Stem {
   double pixels = 0;
-  double widest = 0;    // in the part of the stem just beneath, in pixels
-  int branches = 0;     // parts of the next layer that rest on it
-  bool stands = false;  // comes from the plate
+  std::array<double, kStemSteps> beneath{};  // pixels of the stem's last sections, the nearest first
+  std::size_t sections = 0;                  // number of those since the stem branched off
+  int branches = 0;                          // parts of the next layer that rest on it
+  bool stands = false;                       // comes from the plate
+  std::optional<std::uint32_t> held;         // the number of the held part to which it belongs
+
+  void continue_from(const Stem& lower) {
+    beneath[0] = lower.pixels;
+    std::copy_n(lower.beneath.begin(), kStemSteps - 1, beneath.begin() + 1);
+    sections = std::min(lower.sections + 1, kStemSteps);
+  }
+  // True if the stem's last sections are alike, as in a column's capital.
+  [[nodiscard]] bool ends_in_cylinder() const {
+    constexpr std::ptrdiff_t kAlikeSteps = 3;
+    constexpr double kAlike = 0.05;
+    return std::all_of(beneath.begin(), beneath.begin() + kAlikeSteps,
+                       [this](double section) { return std::fabs(section - pixels) <= kAlike * pixels; });
+  }
+  // True if the stem ends in a point or a ball here.
+  [[nodiscard]] bool is_tip() const {
+    double neck = pixels, ball = pixels, widest = pixels, ball_at_neck = pixels, beneath_neck = pixels;
+    for (std::size_t i = 0; i < sections; ++i) {
+      const double section = beneath[i];
+      widest = std::max(widest, section);
+      if (section < neck && i < kBallSteps) {
+        neck = beneath_neck = section;
+        ball_at_neck = ball;
+      }
+      ball = std::max(ball, section);
+      beneath_neck = std::max(beneath_neck, section);
+    }
+    return widest >= kPointed * pixels || (!ends_in_cylinder() && ball_at_neck >= kPointed * neck &&
+                                           beneath_neck >= kConeBeneathBall * neck);
+  }
 };
 
 class TipCounter {
@@ -62,15 +97,28 @@ class TipCounter {
     for (const LayerPart& part : parts_.parts()) {
       const auto pixels = static_cast<double>(part.pixels);
       const bool begins_on_plate = layer_ <= kUnevenSteps && part.carried == 0;
-      stems_.push_back({pixels, pixels, 0, begins_on_plate});
+      stems_.push_back({.pixels = pixels, .stands = begins_on_plate});
     }
     find_joints();
     rise();
     ++layer_;
   }
-  [[nodiscard]] const std::vector<PlatePoint>& tips() const { return tips_; }
+  // Returns the tips of parts that several tips hold.
+  [[nodiscard]] std::vector<PlatePoint> tips() {
+    std::vector<int> tips_of(held_parents_.size());
+    for (const Tip& tip : tips_)
+      ++tips_of[held_root(tip.held)];
+    std::vector<PlatePoint> places;
+    for (const Tip& tip : tips_)
+      if (tips_of[held_root(tip.held)] >= kFewestTipsOfPart) places.push_back(tip.place);
+    return places;
+  }
 
  private:
+  struct Tip {
+    PlatePoint place;
+    std::uint32_t held;  // the part that it holds
+  };
   // A part and a part that rests on it.
   struct Joint {
     std::uint32_t lower, upper;
@@ -102,15 +150,32 @@ class TipCounter {
       Stem& upper = stems_[joint.upper];
       upper.stands = upper.stands || lower.stands;
       // Branches start with their own width: a raft is no thick part of the pillars on it.
-      if (lower.branches == 1) upper.widest = std::max(upper.widest, lower.widest * kForgottenByStep);
+      if (lower.branches == 1 && lower.pixels > upper.beneath[0]) upper.continue_from(lower);
+      if (lower.held) hold(upper, *lower.held);
     }
     for (const Joint& joint : joints_) {
       const Stem& lower = stems_beneath_[joint.lower];
-      const Stem& upper = stems_[joint.upper];
-      if (lower.stands && lower.pixels <= widest_tip_ && lower.pixels <= kPointed * lower.widest &&
-          upper.pixels >= kHeldPart * lower.pixels)
-        tips_.push_back(place_of(joint.at));
+      Stem& upper = stems_[joint.upper];
+      if (!lower.stands || lower.pixels > widest_tip_ || upper.pixels < kHeldPart * lower.pixels ||
+          !lower.is_tip())
+        continue;
+      if (!upper.held) {
+        upper.held = static_cast<std::uint32_t>(held_parents_.size());
+        held_parents_.push_back(*upper.held);
+      }
+      tips_.push_back({place_of(joint.at), *upper.held});
     }
+  }
+
+  // Makes the part belong to the held part, with that to which it belongs already.
+  void hold(Stem& part, std::uint32_t held) {
+    if (part.held) held_parents_[held_root(*part.held)] = held_root(held);
+    part.held = held_root(held);
+  }
+  [[nodiscard]] std::uint32_t held_root(std::uint32_t held) const {
+    while (held_parents_[held] != held)
+      held = held_parents_[held];
+    return held;
   }
 
   [[nodiscard]] PlatePoint place_of(SweepPixel pixel) const {
@@ -127,7 +192,8 @@ class TipCounter {
   std::vector<Stem> stems_, stems_beneath_;
   std::vector<Joint> joints_;
   int layer_ = 0;
-  std::vector<PlatePoint> tips_;
+  std::vector<Tip> tips_;
+  std::vector<std::uint32_t> held_parents_;  // by number of a held part; a root is its own parent
 };
 
 // True if sections near the plate have several slender parts.

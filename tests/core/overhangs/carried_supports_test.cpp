@@ -1,7 +1,10 @@
 #include "core/overhangs/carried_supports.hpp"
 
+#include <cmath>
 #include <stop_token>
 
+#include "core/routing/support_layout.hpp"
+#include "core/support/support_mesh.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
@@ -25,6 +28,11 @@ models::Facets pillar_at(float x, float y, const Pillar& pillar) {
       std::array<Point, 7>{
           {{0, 0}, {foot, 0}, {shaft, 1}, {shaft, top - 1}, {tip, top}, {tip, top + 0.2}, {0, top + 0.2}}},
       24);
+  models::translate(facets, x, y, 0);
+  return facets;
+}
+
+models::Facets at(models::Facets facets, float x, float y) {
   models::translate(facets, x, y, 0);
   return facets;
 }
@@ -88,7 +96,7 @@ TEST_CASE("A plate on pointed pillars carries supports, whatever their feet and 
 
 TEST_CASE("Balls at the ends of long cones are tips") {
   for (const double cone_mm : {2.0, 6.0, 12.0, 20.0}) {
-    for (const double ball_mm : {0.4, 0.6}) {
+    for (const double ball_mm : {0.4, 0.6, 0.8}) {
       INFO("cones of " << cone_mm << " mm, balls of " << ball_mm << " mm");
       CHECK(carries(plate_on_balls(cone_mm, ball_mm)));
     }
@@ -119,6 +127,89 @@ TEST_CASE("Legs, struts and models without supports do not count as supports") {
     }
   }
   CHECK_FALSE(carries(lattice));
+}
+
+TEST_CASE("Columns that end flat beneath a roof are part of the model, whatever their feet") {
+  // Columns with a plinth, tapered ones and ones with a capital.
+  const std::vector<std::vector<Point>> columns{
+      {{0, 0}, {0.5, 0}, {0.5, 15.2}, {0, 15.2}},
+      {{0, 0}, {1, 0}, {1, 1}, {0.5, 1}, {0.5, 15.2}, {0, 15.2}},
+      {{0, 0}, {0.9, 0}, {0.5, 3}, {0.5, 15.2}, {0, 15.2}},
+      {{0, 0}, {0.6, 0}, {0.45, 15.2}, {0, 15.2}},
+      {{0, 0}, {0.4, 0}, {0.4, 14.2}, {0.55, 14.5}, {0.55, 15.2}, {0, 15.2}},
+      {{0, 0}, {1, 0}, {1, 0.5}, {0.45, 0.5}, {0.4, 14.2}, {0.55, 14.4}, {0.55, 15.2}, {0, 15.2}},
+      {{0, 0}, {0.5, 0}, {0.5, 2}, {0.25, 14}, {0.4, 14.5}, {0.4, 15.2}, {0, 15.2}}};
+  for (const std::vector<Point>& profile : columns) {
+    INFO("foot of " << 2 * profile[1].x << " mm, " << profile.size() << " points");
+    for (const int aside : {2, 3, 4}) {
+      models::Facets carport = models::box({-7, -7, 15}, {7, 7, 17});
+      for (int i = 0; i < aside * aside; ++i)
+        carport = together(std::move(carport),
+                           at(models::lathe(profile, 24),
+                              12.0F / static_cast<float>(aside - 1) * static_cast<float>(i % aside) - 6,
+                              12.0F / static_cast<float>(aside - 1) * static_cast<float>(i / aside) - 6));
+      CHECK_FALSE(carries(carport));
+    }
+  }
+}
+
+TEST_CASE("Parasols on pointed poles are part of the model, alone or on one base") {
+  const std::array<Point, 8> profile{
+      {{0, 0}, {1.5, 0}, {1.5, 0.5}, {0.5, 1}, {0.5, 18}, {0.25, 20}, {6, 20}, {0, 23}}};
+  models::Facets parasols;
+  for (int i = 0; i < 9; ++i)
+    parasols = together(std::move(parasols), at(models::lathe(profile, 24), static_cast<float>(14 * (i % 3)),
+                                                static_cast<float>(14 * (i / 3))));
+  CHECK_FALSE(carries(parasols));
+  CHECK_FALSE(carries(together(parasols, models::box({-8, -8, -1}, {36, 36, 0.1F}))));
+}
+
+TEST_CASE("A tree whose branches end in its crown does not carry supports") {
+  models::Facets tree = models::globe(9, 40, 80);
+  models::translate(tree, 0, 0, 26);
+  tree =
+      together(std::move(tree), models::lathe(std::array<Point, 4>{{{0, 0}, {2, 0}, {1, 22}, {0, 22}}}, 24));
+  for (int i = 0; i < 6; ++i) {
+    models::Facets branch = models::lathe(std::array<Point, 4>{{{0, 0}, {0.7, 0}, {0.4, 16}, {0, 16}}}, 16);
+    for (Facet& facet : branch) {
+      for (Vertex& v : facet.vertices) {
+        v.x += 0.4F * v.z * std::cos(static_cast<float>(i));
+        v.y += 0.4F * v.z * std::sin(static_cast<float>(i));
+        v.z += 8;
+      }
+    }
+    tree = together(std::move(tree), branch);
+  }
+  CHECK_FALSE(carries(tree));
+}
+
+TEST_CASE("Supports that contourd made itself are recognised in a file") {
+  models::Facets ball = models::globe(8, 40, 80);
+  models::Facets ring = models::isosurface(
+      [](double x, double y, double z) { return std::hypot(std::hypot(x, y) - 8, z) - 3; }, 12, 48);
+  models::translate(ring, 0, 0, 3);
+  for (models::Facets facets : {at(ball, 0, 0), ring, models::box({-9, -7, 0}, {9, 7, 4})}) {
+    float low = 1e9F;
+    for (const Facet& facet : facets)
+      for (const Vertex& v : facet.vertices)
+        low = std::min(low, v.z);
+    models::translate(facets, 0, 0, 5 - low);
+    const DisplayGeometry display{Pixels{800}, Pixels{800}, Micrometers{50.0}};
+    for (const double tip_mm : {0.3, 0.4, 0.8}) {
+      INFO(facets.size() << " facets, tips of " << tip_mm << " mm");
+      SupportSettings settings;
+      settings.tip_diameter = Millimeters{tip_mm};
+      const StandingModel standing{std::make_shared<const HeightIndex>(facets),
+                                   Elevation{Nanometers{5'000'000}}};
+      const Supports supports =
+          make_supports(
+              {{PlateModel{standing, {PixelMap::true_scale(display, {0, 0})}}}, display, settings, {}, {}})
+              .value();
+      REQUIRE(supports.structure);
+      CHECK(carries(together(facets, support_mesh(supports.structure->primitives()))));
+      CHECK_FALSE(carries(facets));
+    }
+  }
 }
 
 TEST_CASE("A model carries supports only if they hold most of what has to be held") {
