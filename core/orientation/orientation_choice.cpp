@@ -11,6 +11,7 @@
 #include "core/model/height_index.hpp"
 #include "core/orientation/candidate_directions.hpp"
 #include "core/orientation/exposed_parts.hpp"
+#include "core/orientation/nearly_level_base.hpp"
 #include "core/orientation/orientation_rating.hpp"
 #include "core/orientation/orientation_trial.hpp"
 #include "core/orientation/rated_mesh.hpp"
@@ -24,8 +25,6 @@ namespace {
 constexpr double kWorthTurning = 0.05;
 // The rating rarely estimates more than this many times the contacts that a trial finds.
 constexpr double kMostOverestimated = 1.6;
-// The cosine of 5 degrees, by which a base may be off the level that is meant to be flat on the plate.
-constexpr double kCosNearlyLevel = 0.9961;
 
 // The worst figures of all directions tried, which make figures comparable. The initial values are minimums:
 // without them a single contact would decide.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/orientation/nearly_level_base.hpp"
 #include "core/overhangs/carried_supports.hpp"
 #include "core/overhangs/overhang_sweep.hpp"
 #include "core/support/support_lift.hpp"
@@ -55,6 +56,16 @@ std::string own_supports_sentence(std::string_view model, OwnSupports own, std::
                      own == OwnSupports::Kept
                          ? fmt::format("so {} adds none", program)
                          : fmt::format("but {} supports it like any other model, as asked", program));
+}
+
+std::string tilted_base_sentence(std::string_view name, const HeightIndex& model,
+                                 const SupportSettings& settings, Nanometers layer, std::string_view advice) {
+  const std::optional<LevelBase> base = nearly_level_base(model.facets(), settings, layer);
+  if (!base) return "";
+  return fmt::format(
+      "{} is tilted: it would stand on the plate without supports under its base if it were turned by {:.2g} "
+      "degrees; {}",
+      name, base->tilt_deg, advice);
 }
 
 void lift_models(std::vector<ModelToPlace>& models, const SupportSettings& settings, Nanometers layer,

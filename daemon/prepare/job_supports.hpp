@@ -26,6 +26,12 @@ namespace contourd {
 [[nodiscard]] std::string own_supports_sentence(std::string_view model, OwnSupports own,
                                                 std::string_view program);
 
+// Returns a warning if a model that does not stand by itself would do so if it were turned by at most five
+// degrees, with `advice` on how to turn it; empty if not. Blocks as nearly_level_base() does.
+[[nodiscard]] std::string tilted_base_sentence(std::string_view name, const HeightIndex& model,
+                                               const SupportSettings& settings, Nanometers layer,
+                                               std::string_view advice);
+
 // Sets the elevations of models that do not keep supports of their own to multiples of `layer`. Throws
 // JobRefused if a lifted model is too high.
 void lift_models(std::vector<ModelToPlace>& models, const SupportSettings& settings, Nanometers layer,

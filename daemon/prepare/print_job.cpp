@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/support/support_lift.hpp"
 #include "daemon/prepare/drain_holes.hpp"
 #include "daemon/prepare/job_content.hpp"
 #include "daemon/prepare/job_models.hpp"
@@ -134,10 +135,26 @@ class Preparation {
         model.own_supports = find_own_supports(model.model, resin.supports, settings_.supports, stop);
       lift_models(models_, resin.supports, layer_beneath(settings_.ticket, resin), volume_);
     }
+    for (std::size_t i = 0; i < models_.size(); ++i)
+      find_tilt(i);
     for (const ModelToPlace& model : models_) {
       warn(own_supports_sentence(model.name, model.own_supports, "contourd"));
       summary_.height_mm = std::max(summary_.height_mm, model.standing().top().count());
     }
+  }
+
+  // Adds a warning if the model stands on supports or on an edge, although it has a nearly level base.
+  void find_tilt(std::size_t number) {
+    const auto& [ticket, name, file, made_as] = content_.models()[number];
+    const ModelToPlace& model = models_[number];
+    const Nanometers layer = layer_beneath(settings_.ticket, summary_.resin);
+    if (ticket.orientation || made_as != number || model.own_supports == OwnSupports::Kept ||
+        !content_.has_room_to_repair(model.model->facets().size()) ||
+        support_lift(*model.model, summary_.resin.supports, layer) == Nanometers{})
+      return;
+    warn(
+        tilted_base_sentence(model.name, *model.model, summary_.resin.supports, layer,
+                             "\"up\": \"auto\" in its ticket turns it, and \"contourctl orient\" shows how"));
   }
 
   // Arranges the models and generates their supports; nullopt if a stop was requested.

@@ -112,12 +112,8 @@ PrintSubject subject_alone(const PrintArgs& args) {
   add(unmet_parts_warning(subject.engine->models().front(), subject.settings.display,
                           middles_of(subject.layers), kLongestMask),
       subject);
-  add(own_supports_sentence("the model", supported.own_supports, "contourctl"), subject);
+  std::ranges::move(supported.warnings(), std::back_inserter(subject.warnings));
   subject.supports = std::move(supported.supports);
-  if (subject.supports) {
-    for (std::string& warning : supports_warnings(*subject.supports))
-      add(std::move(warning), subject);
-  }
   return subject;
 }
 

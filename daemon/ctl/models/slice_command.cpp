@@ -26,7 +26,6 @@
 #include "daemon/ctl/models/print_subject.hpp"
 #include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
-#include "daemon/prepare/job_supports.hpp"
 #include "daemon/prepare/mesh_repair_text.hpp"
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
@@ -379,13 +378,8 @@ int slice_model(const SliceOptions& options) {
   for (const std::string& warning : mesh_warnings(model->turned_outwards(), model->repairs()))
     fmt::print(stderr, "contourctl: warning: {}\n", warning);
   const SupportedModel supported = stand(model, options);
-  if (supported.own_supports != OwnSupports::None)
-    fmt::print(stderr, "contourctl: warning: {}\n",
-               own_supports_sentence("the model", supported.own_supports, "contourctl"));
-  if (supported.supports) {
-    for (const std::string& warning : supports_warnings(*supported.supports))
-      fmt::print(stderr, "contourctl: warning: {}\n", warning);
-  }
+  for (const std::string& warning : supported.warnings())
+    fmt::print(stderr, "contourctl: warning: {}\n", warning);
   if (options.z) return slice_at_height(options, supported);
   const PrintLayers layers =
       print_layers(supported.model, options.layer_height.value_or(Nanometers{}), options.adaptive);

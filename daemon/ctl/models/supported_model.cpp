@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "core/support/support_lift.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/prepare/job_supports.hpp"
+#include "daemon/prepare/supports_text.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -46,6 +48,13 @@ Model read_turned_model(const std::filesystem::path& path, const std::optional<U
   return model;
 }
 
+std::vector<std::string> SupportedModel::warnings() const {
+  std::vector<std::string> warnings{own_supports_sentence("the model", own_supports, "contourctl"), tilt};
+  if (supports) std::ranges::move(supports_warnings(*supports), std::back_inserter(warnings));
+  std::erase(warnings, "");
+  return warnings;
+}
+
 ContourEngine SupportedModel::engine(const EngineSettings& settings) const {
   return {{model}, settings, supports ? supports->structure : nullptr};
 }
@@ -72,6 +81,9 @@ SupportedModel support_model(std::shared_ptr<const HeightIndex> model, const Sup
     return supported;
   }
   supported.model.elevation = Elevation(support_lift(*supported.model.model, settings, thickest));
+  if (supported.model.elevation.above_plate() > Nanometers{})
+    supported.tilt = tilted_base_sentence("the model", *supported.model.model, settings, thickest,
+                                          "--up auto turns it, and \"contourctl orient\" shows how");
   if (supported.model.top() > kHighestSweep) {
     throw ModelError(fmt::format("the model is {:.0f} mm high: supports are possible up to {:.0f} mm",
                                  supported.model.top().count(), kHighestSweep.count()));

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "core/engine/contour_engine.hpp"
 #include "core/layers/print_layers.hpp"
@@ -33,7 +35,10 @@ struct SupportedModel {
   PlateModel model;                    // one copy
   std::optional<Supports> supports{};  // nullopt: not wanted
   OwnSupports own_supports = OwnSupports::None;
+  std::string tilt{};  // a warning that the model's base is nearly level; empty if not
 
+  // Returns the warnings about supports and the base, a sentence each.
+  [[nodiscard]] std::vector<std::string> warnings() const;
   [[nodiscard]] ContourEngine engine(const EngineSettings& settings) const;
 };
 

@@ -1,4 +1,5 @@
 // Checks that each header of core/orientation checks what it requires.
+#include "core/orientation/nearly_level_base.hpp"
 #include "core/orientation/orientation_choice.hpp"
 #include "core/orientation/orientation_rating.hpp"
 #include "core/orientation/rated_mesh.hpp"
@@ -9,6 +10,12 @@
 TEST_CASE("Choosing an orientation requires facets") {
   CHECK(contract_broken_by([] { (void)choose_orientation({}, {}); }) ==
         "there are facets, and fewer than 2^30");
+}
+
+TEST_CASE("The search for a nearly level base requires layers with a thickness") {
+  CHECK(contract_broken_by([] { (void)nearly_level_base({}, {}, Nanometers{}); }) ==
+        "a layer has a thickness");
+  CHECK(contract_broken_by([] { (void)nearly_level_base({}, {}, Nanometers{1}); }).empty());
 }
 
 TEST_CASE("Rating requires a direction that is finite and not zero") {

@@ -240,6 +240,26 @@ TEST_CASE_METHOD(PrintJobFixture,
   CHECK(contacts(R"({"supports": "auto"})") > 0);
 }
 
+TEST_CASE_METHOD(PrintJobFixture,
+                 "A model that is drawn nearly level gets a warning, with supports or without") {
+  const auto warnings = [this](double tilt_deg, const std::string& ticket) {
+    models::Facets box = models::box({0, 0, 0}, {20, 15, 8});
+    orient(box, {.y_deg = tilt_deg});
+    return prepare(box, ticket).summary.warnings;
+  };
+  const std::string tilted =
+      "the model is tilted: it would stand on the plate without supports under its base if it were turned by "
+      "2 "
+      "degrees; \"up\": \"auto\" in its ticket turns it, and \"contourctl orient\" shows how";
+  for (const std::string supports : {"auto", "off"}) {
+    const std::string ticket = R"({"supports": ")" + supports + "\"}";
+    CHECK(warnings(2, ticket) == std::vector{tilted});
+    CHECK(warnings(0, ticket).empty());
+    CHECK(warnings(6, ticket).empty());
+    CHECK(warnings(2, R"({"up": "auto", "supports": ")" + supports + "\"}").empty());
+  }
+}
+
 TEST_CASE_METHOD(PrintJobFixture, "Supports hold the islands of the job's own layers and compensation") {
   const auto islands = [this](const models::Facets& facets, const char* ticket) {
     return counts_of(*prepare(facets, ticket).summary.supports).islands;
