@@ -155,13 +155,13 @@ TEST_CASE("Columns that end flat beneath a roof are part of the model, whatever 
 
 TEST_CASE("Parasols on pointed poles are part of the model, alone or on one base") {
   const std::array<Point, 8> profile{
-      {{0, 0}, {1.5, 0}, {1.5, 0.5}, {0.5, 1}, {0.5, 18}, {0.25, 20}, {6, 20}, {0, 23}}};
+      {{0, 0}, {1.5, 0}, {1.5, 0.5}, {0.5, 1}, {0.5, 18}, {0.25, 20}, {2.5, 20}, {0, 22}}};
   models::Facets parasols;
   for (int i = 0; i < 9; ++i)
-    parasols = together(std::move(parasols), at(models::lathe(profile, 24), static_cast<float>(14 * (i % 3)),
-                                                static_cast<float>(14 * (i / 3))));
+    parasols = together(std::move(parasols), at(models::lathe(profile, 24), static_cast<float>(8 * (i % 3)),
+                                                static_cast<float>(8 * (i / 3))));
   CHECK_FALSE(carries(parasols));
-  CHECK_FALSE(carries(together(parasols, models::box({-8, -8, -1}, {36, 36, 0.1F}))));
+  CHECK_FALSE(carries(together(parasols, models::box({-4, -4, -1}, {20, 20, 0.1F}))));
 }
 
 TEST_CASE("A tree whose branches end in its crown does not carry supports") {
