@@ -257,7 +257,8 @@ std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts, c
 }
 
 std::optional<Supports> make_supports(const SupportRequest& request, const std::stop_token& stop) {
-  if (request.models.empty()) return Supports{};
+  if (request.models.empty())
+    return Supports{.carriers = static_cast<std::uint32_t>(request.carriers.size())};
   LitLayers layers, all_layers;
   std::optional<HeldPlaces> places = find_overhangs(request, layers, stop);
   if (!places) return std::nullopt;
@@ -281,6 +282,7 @@ std::optional<Supports> make_supports(const SupportRequest& request, const std::
       supports->unheld.push_back({contact, "no support reaches its first layer"});
   }
   if (stop.stop_requested()) return std::nullopt;
+  supports->carriers = static_cast<std::uint32_t>(request.carriers.size());
   return supports;
 }
 

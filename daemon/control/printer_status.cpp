@@ -154,6 +154,10 @@ std::string_view PrinterStatus::state() const {
 Json PrinterStatus::job() const {
   Json job{{"name", parts_.job.name()}};
   job["analysis"] = parts_.job.job()->analysis;
+  const auto& prepared = parts_.job.job()->prepared;
+  job["supports"] = prepared && prepared->summary.supports
+                        ? supports_summary_json(counts_of(*prepared->summary.supports))
+                        : Json();
   if (parts_.job.print().under_way()) add_print(job);
   return job;
 }

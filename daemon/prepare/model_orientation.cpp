@@ -80,8 +80,10 @@ std::string describe(const ModelOrientation& orientation) {
                        describe(choice.chosen()));
   }
   const auto drawn = std::ranges::find(choice.ranked, Direction{0, 0, 1}, &OrientationFigures::up);
-  return fmt::format("{} points up ({}): {}; as drawn: {}", text_of(choice.chosen().up), preset,
-                     describe(choice.chosen()), describe(*drawn));
+  return fmt::format(
+      "{} points up ({}): {}{}; as drawn: {}", text_of(choice.chosen().up), preset,
+      choice.own_supports ? "the supports that the model carries in its file are turned as well, " : "",
+      describe(choice.chosen()), describe(*drawn));
 }
 
 std::span<const OrientationFigures> reported(const OrientationChoice& choice) {

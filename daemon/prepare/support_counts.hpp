@@ -14,6 +14,7 @@ struct SupportCounts {
   std::size_t islands = 0, overhangs = 0, peel = 0;  // contacts by their cause
   std::size_t unheld = 0;                            // places that no support holds
   std::uint32_t branches = 0, feet = 0, feet_on_models = 0;
+  std::uint32_t carriers = 0;  // models that carry supports in their files
   double volume_mm3 = 0;
 
   [[nodiscard]] std::size_t contacts() const { return islands + overhangs + peel; }
@@ -34,6 +35,7 @@ struct SupportCounts {
           .branches = supports.branches,
           .feet = supports.feet,
           .feet_on_models = supports.feet_on_models,
+          .carriers = supports.carriers,
           .volume_mm3 = supports.volume_mm3};
 }
 

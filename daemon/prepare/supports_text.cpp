@@ -47,7 +47,9 @@ std::string staying_sentence(const std::vector<SupportContact>& contacts, std::s
 }  // namespace
 
 std::string supports_line(const SupportCounts& supports) {
-  if (!supports.any()) return "none needed";
+  const std::string own = count_of(supports.carriers, "model carries its own in its file",
+                                   "models carry their own in their files");
+  if (!supports.any()) return supports.carriers > 0 ? "none added: " + own : "none needed";
   std::string text =
       fmt::format("{} ({} at islands, {} at overhangs, {} against peel), {}, {}",
                   count_of(supports.contacts(), "contact", "contacts"), supports.islands, supports.overhangs,
@@ -55,6 +57,7 @@ std::string supports_line(const SupportCounts& supports) {
                   count_of(supports.feet, "foot", "feet"));
   if (supports.feet_on_models > 0) text += fmt::format(", {} on the model", supports.feet_on_models);
   text += fmt::format(", {:.2f} ml", supports.volume_mm3 / 1000);
+  if (supports.carriers > 0) text += "; " + own;
   if (supports.unheld > 0) text += fmt::format("; {} not held", count_of(supports.unheld, "place", "places"));
   return text;
 }
@@ -113,7 +116,8 @@ Json supports_summary_json(const SupportCounts& supports) {
           {"feet", supports.feet},
           {"feet_on_models", supports.feet_on_models},
           {"volume_mm3", supports.volume_mm3},
-          {"unheld", supports.unheld}};
+          {"unheld", supports.unheld},
+          {"carriers", supports.carriers}};
 }
 
 SupportCounts supports_in_summary(const Json& summary) {
@@ -124,6 +128,7 @@ SupportCounts supports_in_summary(const Json& summary) {
           .branches = summary.at("branches"),
           .feet = summary.at("feet"),
           .feet_on_models = summary.at("feet_on_models"),
+          .carriers = summary.at("carriers"),
           .volume_mm3 = summary.at("volume_mm3")};
 }
 

@@ -13,7 +13,7 @@
 namespace contourd {
 
 // Returns one line: "25 contacts (3 at islands, 20 at overhangs, 2 against peel), 14 branches, 9 feet, 0.33
-// ml", or "none needed".
+// ml", "none needed", or "none added: 1 model carries its own in its file".
 [[nodiscard]] std::string supports_line(const SupportCounts& supports);
 
 // Returns "at 1.00, 2.00 mm from the plate's centre, 5.30 mm above the plate (island, 0.2 mm²): no path leads

@@ -184,7 +184,7 @@ class Supports(FolderTest):
         data = contents(held)
         self.assertEqual(self.sliced(data, "--supports", "auto"), self.sliced(data))
         result = contourctl("support", held, expect=OK)
-        self.assertEqual(result.stdout.decode(), "supports   none added: the file has supports of its own\nlift       0 mm\n")
+        self.assertEqual(result.stdout.decode(), "supports   none added: 1 model carries its own in its file\nlift       0 mm\n")
         self.assertIs(self.json_of("support", held)["carries_supports"], True)
         self.assertIs(self.json_of("support", model)["carries_supports"], False)
         told = b"the model carries supports in its file, so contourctl adds none"
@@ -195,8 +195,19 @@ class Supports(FolderTest):
         for command in ("support", "slice"):
             layers = ("--layer-height-um", "50")
             self.assertIn(told, contourctl(command, held, *layers, "--supports", "on", expect=OK).stderr)
-        report = self.printed(self.daemon(), "held", data)
-        self.assertEqual((report["supports"]["contacts"], report["layers"]), (0, 420))
+        daemon = self.daemon(wait_for_plate_cleared=True)
+        own = "1 model carries its own in its file"
+        self.printed(daemon, "box", BOX)
+        daemon.drop("held.stl", data)
+        waiting = wait_until(lambda: next((job for job in daemon.rpc("queue")["result"]["jobs"] if job["supports"]), None), "held to be checked")
+        self.assertEqual((waiting["supports"]["carriers"], waiting["supports"]["contacts"]), (1, 0))
+        self.assertIn(f"supports  none added: {own}\n", daemon.ctl("queue", "show", "held").stdout.decode())
+        daemon.rpc("plate_cleared")
+        wait_until(lambda: (daemon.rpc("status")["result"]["job"] or {}).get("supports"), "held to be printed")
+        self.assertIn(f"supports  {own}\n", daemon.ctl("status").stdout.decode())
+        self.assertIn("  as drawn, on its own supports", contourctl("orient", held, expect=OK).stdout.decode())
+        report = daemon.wait_done("held")
+        self.assertEqual((report["supports"]["contacts"], report["supports"]["carriers"], report["layers"]), (0, 1, 420))
         self.assertIn("the model carries supports in its file, so contourd adds none", report["model"]["warnings"])
 
     def test_analyze_counts_supports_and_shows_them(self):

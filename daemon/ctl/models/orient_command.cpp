@@ -69,7 +69,8 @@ void print_table(const ModelOrientation& orientation) {
              "largest mm²");
   for (const OrientationFigures& each : reported(orientation.choice)) {
     std::string notes;
-    if (each.up == Direction{0, 0, 1}) notes += "  as drawn";
+    if (each.up == Direction{0, 0, 1})
+      notes += orientation.choice.own_supports ? "  as drawn, on its own supports" : "  as drawn";
     if (each.stands) notes += "  stands";
     if (!each.fits) notes += "  does not fit";
     fmt::print("{:<24}{:>7.2f}{:>10.0f}{:>13.3f}{:>12.2f}{:>14.1f}{}\n", text_of(each.up), each.score,

@@ -68,9 +68,7 @@ std::vector<Facet> facets_of(const SupportedModel& supported, bool with_model) {
 void print_text(const SupportedModel& supported) {
   const Supports& supports = *supported.supports;
   const SupportCounts counts = counts_of(supports);
-  fmt::print("supports   {}\n", supported.own_supports == OwnSupports::Kept
-                                    ? "none added: the file has supports of its own"
-                                    : supports_line(counts));
+  fmt::print("supports   {}\n", supports_line(counts));
   fmt::print("lift       {:.6g} mm\n", to_millimeters(supported.model.elevation.above_plate()).count());
   for (const SupportContact& contact : first_items(supports.contacts, kMostLines)) {
     fmt::print("{:<10} at {:.2f}, {:.2f} mm, {:.2f} mm above the plate, holds {:.3g} mm²\n",

@@ -77,7 +77,7 @@ SupportedModel support_model(std::shared_ptr<const HeightIndex> model, const Sup
   SupportedModel supported = lay_on_plate(std::move(model), map);
   supported.own_supports = find_own_supports(supported.model.model, settings, options.policy);
   if (supported.own_supports == OwnSupports::Kept) {
-    supported.supports = Supports{};
+    supported.supports.emplace().carriers = 1;
     return supported;
   }
   supported.model.elevation = Elevation(support_lift(*supported.model.model, settings, thickest));

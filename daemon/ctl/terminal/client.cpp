@@ -73,6 +73,10 @@ void print_status(const Json& status) {
                        pause.empty() ? "" : ", pause " + pause));
       line("stopped   ", text_of(job, "interruption"));
     }
+    const Json supports = job.value("supports", Json());
+    if (const auto carriers = supports.is_object() ? supports.value("carriers", 0U) : 0; carriers > 0)
+      line("supports  ",
+           count_of(carriers, "model carries its own in its file", "models carry their own in their files"));
     if (job.contains("analysis") && job["analysis"].is_object()) print_analysis(job["analysis"]);
   }
   const std::string occupant = text_of(status, "plate_job");

@@ -46,7 +46,7 @@ TEST_CASE_METHOD(PrinterStatusFixture, "A reply does not grow with the number of
 TEST_CASE_METHOD(PrinterStatusFixture, "A job is preparing, then its print's state, then finishing") {
   begin();
   CHECK(status.status()["state"] == "preparing");
-  CHECK(status.status()["job"].size() == 2);  // name and analysis
+  CHECK(status.status()["job"].size() == 3);  // name, analysis and supports
   std::vector<std::string> states;
   REQUIRE(run_to_end([&] {
     if (job.job() == nullptr) return;

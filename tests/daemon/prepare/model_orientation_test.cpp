@@ -51,6 +51,10 @@ TEST_CASE("The description and the report say that a model carries supports in i
         "layer "
         "0 mm²");
   CHECK(orientation_json(orientation)["own_supports"] == true);
+  orientation.choice.ranked.insert(orientation.choice.ranked.begin(), OrientationFigures{})->up = {1, 0, 0};
+  CHECK(describe(orientation)
+            .starts_with("1, 0, 0 points up (auto): the supports that the model carries in its file are "
+                         "turned as well, no overhangs"));
 }
 
 TEST_CASE("A direction is printed in thousandths, without a minus in front of 0") {

@@ -34,8 +34,12 @@ TEST_CASE("The supports line counts contacts by cause, branches and feet") {
         "4 contacts (1 at islands, 2 at overhangs, 1 against peel), 3 branches, 1 foot, 2 on the model, 0.33 "
         "ml; 1 place "
         "not held");
-  CHECK(supports_in_summary(supports_summary_json(counts)) == counts);
   CHECK(supports_line({}) == "none needed");
+  CHECK(supports_line({.carriers = 1}) == "none added: 1 model carries its own in its file");
+  counts.carriers = 2;
+  CHECK(supports_line(counts).ends_with(
+      ", 0.33 ml; 2 models carry their own in their files; 1 place not held"));
+  CHECK(supports_in_summary(supports_summary_json(counts)) == counts);
 }
 
 TEST_CASE("The sentence about unheld places describes the first three") {
