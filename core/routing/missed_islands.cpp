@@ -59,40 +59,53 @@ class MissedIslands {
     bright_.extract_bright(mask, lit_, request_.printed.least_grey);
     if (beneath_.rows() <= 0) return;
     const bool rests = to_millimeters(bottom) <= request_.settings.closed_gap + Millimeters{1e-6};
-    for (const MaskIsland& island : finder_.find(bright_, beneath_, limits_).here)
-      if (!rests) add(island, bottom, thickness);
+    for (const MaskIsland& island : finder_.find(bright_, beneath_, limits_).here) {
+      const SupportContact contact = contact_of(island, bottom);
+      if (!rests) {
+        add(contact, island, thickness);
+      } else if (islands_.resting.size() < kMostContacts) {
+        islands_.resting.push_back(contact);
+      }
+    }
   }
 
-  [[nodiscard]] std::vector<SupportContact> contacts() {
+  [[nodiscard]] PrintedIslands islands() {
     const std::vector<std::optional<Surface>> surfaces =
         surfaces_beneath(request_.models, request_.display, places_);
-    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    for (std::size_t i = 0; i < islands_.missed.size(); ++i) {
       if (!surfaces[i]) continue;
-      contacts_[i].place.z = surfaces[i]->z_mm;
-      contacts_[i].outward = surfaces[i]->outward;
+      islands_.missed[i].place.z = surfaces[i]->z_mm;
+      islands_.missed[i].outward = surfaces[i]->outward;
     }
-    return std::move(contacts_);
+    return std::move(islands_);
   }
 
  private:
   [[nodiscard]] double pixel_mm2() const { return pitch_mm_ * pitch_mm_; }
 
-  void add(const MaskIsland& island, Nanometers bottom, Nanometers thickness) {
-    const double bottom_mm = to_millimeters(bottom).count(), thick_mm = to_millimeters(thickness).count();
+  [[nodiscard]] SupportContact contact_of(const MaskIsland& island, Nanometers bottom) const {
     const Point at = on_plate(request_.display, pixel_of(island, bright_));
+    return {{at.x, at.y, to_millimeters(bottom).count()},
+            {0, 0, -1},
+            ContactCause::Island,
+            static_cast<double>(island.pixels) * pixel_mm2()};
+  }
+
+  void add(const SupportContact& contact, const MaskIsland& island, Nanometers thickness) {
+    const double thick_mm = to_millimeters(thickness).count();
+    const PlatePoint& at = contact.place;
     const auto is_here = [&](const UnheldPlace& unheld) {
       const PlatePoint& place = unheld.contact.place;
-      return std::fabs(place.z - bottom_mm) <= kSamePlaceMm &&
+      return std::fabs(place.z - at.z) <= kSamePlaceMm &&
              std::fabs(place.x - at.x) <= (island.right - island.left) * pitch_mm_ + kSamePlaceMm &&
              std::fabs(place.y - at.y) <= (island.bottom - island.top) * pitch_mm_ + kSamePlaceMm;
     };
-    if (contacts_.size() == kMostContacts || std::ranges::any_of(supports_.unheld, is_here)) return;
-    places_.push_back({at, bottom_mm - 2.5 * thick_mm, bottom_mm + thick_mm / 2,
+    if (islands_.missed.size() == kMostContacts || std::ranges::any_of(supports_.unheld, is_here)) return;
+    places_.push_back({{at.x, at.y},
+                       at.z - 2.5 * thick_mm,
+                       at.z + thick_mm / 2,
                        request_.settings.tip_diameter.count() / 2});
-    contacts_.push_back({{at.x, at.y, bottom_mm},
-                         {0, 0, -1},
-                         ContactCause::Island,
-                         static_cast<double>(island.pixels) * pixel_mm2()});
+    islands_.missed.push_back(contact);
   }
 
   const SupportRequest& request_;
@@ -103,13 +116,13 @@ class MissedIslands {
   IslandFinder::Limits limits_{};
   MaskRuns lit_, bright_, beneath_;
   std::vector<SurfacePlace> places_;
-  std::vector<SupportContact> contacts_;
+  PrintedIslands islands_;
 };
 
 }  // namespace
 
-std::vector<SupportContact> missed_islands(const SupportRequest& request, const Supports& supports,
-                                           const std::stop_token& stop) {
+PrintedIslands missed_islands(const SupportRequest& request, const Supports& supports,
+                              const std::stop_token& stop) {
   MissedIslands islands(request, supports);
   Nanometers bottom{};
   for (const Nanometers thickness : request.printed.thicknesses) {
@@ -117,7 +130,7 @@ std::vector<SupportContact> missed_islands(const SupportRequest& request, const 
     islands.add_layer(bottom, thickness);
     bottom += thickness;
   }
-  return islands.contacts();
+  return islands.islands();
 }
 
 }  // namespace contourd

@@ -10,11 +10,15 @@
 
 namespace contourd {
 
-// Returns a contact for each island of the masks of the request's models with these supports, from the plate
-// up: none for those that rest on the plate or whose place is known as unheld, at most kMostContacts. Returns
-// nothing if the print's layers are not known, or if `stop` is requested. Blocks for one mask per layer.
-[[nodiscard]] std::vector<SupportContact> missed_islands(const SupportRequest& request,
-                                                         const Supports& supports,
-                                                         const std::stop_token& stop = {});
+// A contact for each island, from the plate up, at most kMostContacts in each list.
+struct PrintedIslands {
+  std::vector<SupportContact> missed;   // held by nothing; without those whose place is known as unheld
+  std::vector<SupportContact> resting;  // above the plate, but no higher than the bottom exposures close
+};
+
+// Returns the islands of the masks of the request's models with these supports; none if the print's layers
+// are not known, or if `stop` is requested. Blocks for one mask per layer.
+[[nodiscard]] PrintedIslands missed_islands(const SupportRequest& request, const Supports& supports,
+                                            const std::stop_token& stop = {});
 
 }  // namespace contourd

@@ -273,15 +273,16 @@ std::optional<Supports> make_supports(const SupportRequest& request, const std::
   };
   std::optional<Supports> supports = lay_out();
   if (!supports) return std::nullopt;
-  const std::vector<SupportContact> missed = missed_islands(request, *supports, stop);
-  if (!missed.empty()) {
-    places->contacts.insert(places->contacts.end(), missed.begin(), missed.end());
+  PrintedIslands islands = missed_islands(request, *supports, stop);
+  if (!islands.missed.empty()) {
+    places->contacts.insert(places->contacts.end(), islands.missed.begin(), islands.missed.end());
     supports = lay_out();
     if (!supports) return std::nullopt;
-    for (const SupportContact& contact : missed_islands(request, *supports, stop))
+    for (const SupportContact& contact : missed_islands(request, *supports, stop).missed)
       supports->unheld.push_back({contact, "no support reaches its first layer"});
   }
   if (stop.stop_requested()) return std::nullopt;
+  supports->resting = std::move(islands.resting);
   supports->carriers = static_cast<std::uint32_t>(request.carriers.size());
   return supports;
 }

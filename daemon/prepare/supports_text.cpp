@@ -89,7 +89,13 @@ std::vector<std::string> staying_sentences(const Supports& supports) {
           supports.over_gaps,
           "overhang is not held over a gap narrower than a support, which would join both sides",
           "overhangs are not held over gaps narrower than a support, which would join both sides",
-          "widen the gap, or turn the model")};
+          "widen the gap, or turn the model"),
+      staying_sentence(supports.resting,
+                       "part begins above the plate with nothing beneath it, so low that the bottom "
+                       "exposures join it to the plate",
+                       "parts begin above the plate with nothing beneath them, so low that the bottom "
+                       "exposures join them to the plate",
+                       "if that is not meant, change the gap or turn the model")};
   std::erase(sentences, "");
   return sentences;
 }
@@ -138,6 +144,7 @@ Json supports_json(const Supports& supports) {
   json["in_hollow_list"] = contacts_json(supports.in_hollows);
   json["in_gap_list"] = contacts_json(supports.in_gaps);
   json["over_gap_list"] = contacts_json(supports.over_gaps);
+  json["resting_list"] = contacts_json(supports.resting);
   json["unheld_list"] = Json::array();
   for (const UnheldPlace& place : supports.unheld) {
     json["unheld_list"].push_back(contact_json(place.contact));

@@ -22,7 +22,8 @@ namespace contourd {
 // Returns a sentence with the number of places and the first few of them; empty if there are none.
 [[nodiscard]] std::string unheld_sentence(const std::vector<UnheldPlace>& places);
 // Returns a sentence about supports that cannot be taken out of sealed hollows, one about supports that fill
-// gaps, and one about overhangs over narrow gaps, where there are any.
+// gaps, one about overhangs over narrow gaps, and one about parts that the bottom exposures join to the
+// plate, where there are any.
 [[nodiscard]] std::vector<std::string> staying_sentences(const Supports& supports);
 // Returns unheld_sentence() and staying_sentences().
 [[nodiscard]] std::vector<std::string> supports_warnings(const Supports& supports);

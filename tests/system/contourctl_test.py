@@ -324,6 +324,16 @@ class Masks(FolderTest):
         slanted = self.masks(wedge(20, 20, 20), 70, "--aa", "off", "--display", "500x500")
         self.assertEqual(set().union(*(picture.values() for picture in slanted.values())), {0, 255})
 
+    def test_a_correction_that_erases_a_wall_or_a_pin_gives_a_warning(self):
+        for thin in (box((30, 0, 0), (30.1, 20, 20)), box((30, 9, 0), (30.1, 9.1, 20))):
+            path = self.write("thin.stl", binary_stl(cube(20) + thin))
+            layers, cut = ("--layer-height-um", "1000", "--masks", self.path("masks"), "--force"), ("--z", "5", "--mask", self.path("one.png"))
+            for words in (layers, cut):
+                self.assertEqual(contourctl("slice", path, *words, expect=OK).stderr, b"")
+                warned = contourctl("slice", path, *words, "--grow-um", "-60", expect=OK).stderr.decode()
+                self.assertRegex(warned, r"^contourctl: warning: the compensation moves outlines by -60 um in layer 1 and erases walls and pins .* nothing is left at 15\.0\d, -?[01]\.\d\d mm from the plate's centre")
+            self.assertEqual(contourctl("slice", path, *cut, "--grow-um", "60", expect=OK).stderr, b"")
+
     def test_contours_grow_and_the_elephant_foot_is_removed(self):
         # 20 mm plus 2 x 100 um; at a height of 0.5 mm half of the 200 um for the elephant foot are still taken off.
         masks = self.masks(cube(20), 1000, "--grow-um", "100", "--elephant-foot-um", "200",

@@ -23,8 +23,6 @@
 namespace contourd::ctl {
 namespace {
 
-// The time for each mask in the search for parts that no layer has.
-constexpr Duration kLongestMask = std::chrono::seconds(5);
 constexpr Duration kNoHurry = std::chrono::seconds(60);  // for a mask that is computed ahead
 
 constexpr double kLayerHeightUm = 50;  // without a resin

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/analysis/print_analysis.hpp"
 #include "core/contour/filled_area.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/layers/adaptive_layers.hpp"
@@ -27,6 +28,7 @@
 #include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/prepare/mesh_repair_text.hpp"
+#include "daemon/prepare/model_checks.hpp"
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/system/readable.hpp"
@@ -371,6 +373,15 @@ int slice_print(SliceOptions options) {
                        }});
 }
 
+// Warns if the corrections of the masks erase walls or pins.
+void warn_if_erased(const SliceOptions& options, const SupportedModel& supported,
+                    std::vector<Nanometers> heights) {
+  if (!options.mask && !options.masks) return;
+  const LightSearch search{options.engine, std::move(heights), CarryingSupport{}.least_grey, kLongestMask};
+  if (const std::string erased = erased_sentence({supported.model}, search); !erased.empty())
+    fmt::print(stderr, "contourctl: warning: {}\n", erased);
+}
+
 // Slices the model as it is in its file, or with supports.
 int slice_model(const SliceOptions& options) {
   const auto model = std::make_shared<const HeightIndex>(
@@ -380,9 +391,14 @@ int slice_model(const SliceOptions& options) {
   const SupportedModel supported = stand(model, options);
   for (const std::string& warning : supported.warnings())
     fmt::print(stderr, "contourctl: warning: {}\n", warning);
-  if (options.z) return slice_at_height(options, supported);
+  if (options.z) {
+    if (const auto height = to_nanometers(*options.z - supported.model.z_at(Nanometers{})))
+      warn_if_erased(options, supported, {*height});
+    return slice_at_height(options, supported);
+  }
   const PrintLayers layers =
       print_layers(supported.model, options.layer_height.value_or(Nanometers{}), options.adaptive);
+  warn_if_erased(options, supported, middles_of(layers.all()));
   if (options.masks) warn_if_larger_than_display(options, model->bounds());
   return slice_layers(options, {supported.model, middles_of(layers.all()), supported.supports,
                                 [&] { return MaskMaker{supported.engine(options.engine)}; }});

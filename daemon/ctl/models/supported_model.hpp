@@ -16,6 +16,7 @@
 #include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/prepare/model_orientation.hpp"
 #include "daemon/prepare/plate_arrangement.hpp"
+#include "hw/clock.hpp"
 
 namespace contourd::ctl {
 
@@ -30,6 +31,9 @@ inline constexpr OrientationLimits kAnyPrinter{
 // read_model(), and ModelError if coordinates leave the range of numbers.
 [[nodiscard]] Model read_turned_model(const std::filesystem::path& path, const std::optional<UpOption>& up,
                                       const std::optional<double>& scale);
+
+// Longest time for a mask that a check of the model looks at.
+inline constexpr Duration kLongestMask = std::chrono::seconds(5);
 
 struct SupportedModel {
   PlateModel model;                    // one copy

@@ -260,6 +260,14 @@ TEST_CASE_METHOD(PrintJobFixture,
   }
 }
 
+TEST_CASE_METHOD(PrintJobFixture, "Parts so low that the bottom exposures join them to the plate are named") {
+  const auto low = models::together(kCube, models::box({25, 0, 0.12F}, {28, 3, 4}));
+  const std::vector<std::string> warnings = prepare(low, R"({"supports": "auto"})").summary.warnings;
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].starts_with(
+      "1 part begins above the plate with nothing beneath it, so low that the bottom"));
+}
+
 TEST_CASE_METHOD(PrintJobFixture, "Supports hold the islands of the job's own layers and compensation") {
   const auto islands = [this](const models::Facets& facets, const char* ticket) {
     return counts_of(*prepare(facets, ticket).summary.supports).islands;
