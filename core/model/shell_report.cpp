@@ -23,7 +23,8 @@ constexpr std::size_t kMaxRayLooks = 10'000'000;
 // floats, far less than a wall.
 constexpr double kOffset = 1e-5;
 
-// A shell faces inwards outside of solids if this part of its samples says so: surfaces may touch.
+// A shell faces inwards outside of solids, or is a cavity that a solid fills, if this part of its samples
+// says so: surfaces may touch, and a pillar may stand in a cavity.
 constexpr double kFewSamples = 0.2;
 
 // Counts of a shell's samples by the winding number in front of the face, on the side it faces.
@@ -47,6 +48,8 @@ class ShellInspector {
       if (counts.all == 0) continue;
       if (is_inside_out(p)) {
         note(p, report_.inside_out, report_.inside_out_at);
+      } else if (volume_sign(p) < 0 && counts.positive > kFewSamples * counts.all) {
+        note(p, report_.filled, report_.filled_at);
       } else if (volume_sign(p) > 0 && counts.positive == counts.all) {
         note(p, report_.within, report_.within_at);
       } else {

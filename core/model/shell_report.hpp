@@ -20,7 +20,12 @@ struct ShellReport {
   std::uint64_t within = 0;
   Vertex within_at{};
 
-  [[nodiscard]] bool any() const { return inside_out > 0 || within > 0; }
+  // Shells that face inwards, as a cavity does, but where solids overlap: one of the solids fills the cavity,
+  // or a large part of it.
+  std::uint64_t filled = 0;
+  Vertex filled_at{};
+
+  [[nodiscard]] bool any() const { return inside_out > 0 || within > 0 || filled > 0; }
   bool operator==(const ShellReport&) const = default;
 };
 

@@ -49,6 +49,9 @@ std::vector<std::string> shell_warnings(const ShellReport& shells,
   warn(shells.within, "shell of the model faces outwards within a solid",
        "shells of the model face outwards within a solid", shells.within_at,
        "such a shell is filled; turn its facets inwards if it is a cavity");
+  warn(shells.filled, "cavity of the model lies where solids overlap",
+       "cavities of the model lie where solids overlap", shells.filled_at,
+       "such a cavity is filled there; unite the solids before the cavity is cut out of them");
   return warnings;
 }
 

@@ -68,6 +68,24 @@ TEST_CASE("A shell that faces outwards within a solid is found, unless shells re
   CHECK(report_of(together(kBlock, models::cone(4, 10.5, 12))) == ShellReport{});
 }
 
+TEST_CASE("A cavity that another solid fills is found, wherever the solids overlap") {
+  const models::Facets cavity = inverted(kCore);
+  // The other solid contains the cavity, cuts it in half, contains the block or equals it nearly.
+  for (const models::Facets& other :
+       {models::box({2, 2, 2}, {12, 12, 12}), models::box({5, 2, 2}, {12, 12, 12}),
+        models::box({-1, -1, -1}, {11, 11, 11}), models::box({0.1F, 0.1F, 0.1F}, {10.1F, 10.1F, 10.1F})}) {
+    const ShellReport report = report_of(together({kBlock, other, cavity}));
+    CHECK(report.filled == 1);
+    CHECK(report.inside_out == 0);
+    CHECK(bounds_of(kCore).min_x <= report.filled_at.x);
+    CHECK(report_of(together({cavity, other, kBlock})).filled == 1);
+  }
+  // A pillar in the cavity, and a cavity of each of two solids.
+  CHECK(report_of(together({kBlock, cavity, models::box({4.5F, 4.5F, 2}, {5.5F, 5.5F, 8})})) ==
+        ShellReport{});
+  CHECK(report_of(together({kBlock, models::box({2, 2, 2}, {12, 12, 12}), cavity, cavity})).filled == 0);
+}
+
 TEST_CASE("A shell is named by a vertex of it") {
   const ShellReport report =
       inspect_shells(together(kBlock, inverted(models::box({20, 30, 40}, {21, 31, 41}))));

@@ -111,6 +111,8 @@ TEST_CASE("Each finding has a name and a warning") {
   SECTION("shells that are wound against their place") {
     job.summary.models[0].shells.inside_out = 1;
     CHECK(job.analysis().findings == Names{"inverted_shells"});
+    job.summary.models[0].shells = {.filled = 1};
+    CHECK(job.analysis().findings == Names{"inverted_shells"});
     job.summary.models[0].shells = {.within = 1};
     CHECK(job.analysis().findings == Names{"inverted_shells"});
   }
