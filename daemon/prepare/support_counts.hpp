@@ -13,13 +13,14 @@ namespace contourd {
 struct SupportCounts {
   std::size_t islands = 0, overhangs = 0, peel = 0;  // contacts by their cause
   std::size_t unheld = 0;                            // places that no support holds
+  std::size_t over_gaps = 0;                         // overhangs that are left over narrow gaps
   std::uint32_t branches = 0, feet = 0, feet_on_models = 0;
   std::uint32_t carriers = 0;  // models that carry supports in their files
   double volume_mm3 = 0;
 
   [[nodiscard]] std::size_t contacts() const { return islands + overhangs + peel; }
   // True if any place has to be held.
-  [[nodiscard]] bool any() const { return contacts() + unheld > 0; }
+  [[nodiscard]] bool any() const { return contacts() + unheld + over_gaps > 0; }
   bool operator==(const SupportCounts&) const = default;
 };
 
@@ -32,6 +33,7 @@ struct SupportCounts {
           .overhangs = contacts(ContactCause::Overhang),
           .peel = contacts(ContactCause::Peel),
           .unheld = supports.unheld.size(),
+          .over_gaps = supports.over_gaps.size(),
           .branches = supports.branches,
           .feet = supports.feet,
           .feet_on_models = supports.feet_on_models,

@@ -58,6 +58,9 @@ std::string supports_line(const SupportCounts& supports) {
   if (supports.feet_on_models > 0) text += fmt::format(", {} on the model", supports.feet_on_models);
   text += fmt::format(", {:.2f} ml", supports.volume_mm3 / 1000);
   if (supports.carriers > 0) text += "; " + own;
+  if (supports.over_gaps > 0)
+    text += fmt::format("; {} left", count_of(supports.over_gaps, "overhang over a narrow gap",
+                                              "overhangs over narrow gaps"));
   if (supports.unheld > 0) text += fmt::format("; {} not held", count_of(supports.unheld, "place", "places"));
   return text;
 }
@@ -123,6 +126,7 @@ Json supports_summary_json(const SupportCounts& supports) {
           {"feet_on_models", supports.feet_on_models},
           {"volume_mm3", supports.volume_mm3},
           {"unheld", supports.unheld},
+          {"over_gaps", supports.over_gaps},
           {"carriers", supports.carriers}};
 }
 
@@ -131,6 +135,7 @@ SupportCounts supports_in_summary(const Json& summary) {
           .overhangs = summary.at("overhangs"),
           .peel = summary.at("peel"),
           .unheld = summary.at("unheld"),
+          .over_gaps = summary.at("over_gaps"),
           .branches = summary.at("branches"),
           .feet = summary.at("feet"),
           .feet_on_models = summary.at("feet_on_models"),

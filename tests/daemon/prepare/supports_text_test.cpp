@@ -39,7 +39,11 @@ TEST_CASE("The supports line counts contacts by cause, branches and feet") {
   counts.carriers = 2;
   CHECK(supports_line(counts).ends_with(
       ", 0.33 ml; 2 models carry their own in their files; 1 place not held"));
+  counts.over_gaps = 3;
   CHECK(supports_in_summary(supports_summary_json(counts)) == counts);
+  CHECK(supports_line({.over_gaps = 1}) ==
+        "0 contacts (0 at islands, 0 at overhangs, 0 against peel), 0 branches, 0 feet, 0.00 ml; 1 overhang "
+        "over a narrow gap left");
 }
 
 TEST_CASE("The sentence about unheld places describes the first three") {
