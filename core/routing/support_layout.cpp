@@ -9,6 +9,7 @@
 #include "core/clearance/clearance_field.hpp"
 #include "core/clearance/support_path_field.hpp"
 #include "core/overhangs/overhang_sweep.hpp"
+#include "core/routing/frail_contacts.hpp"
 #include "core/routing/missed_islands.hpp"
 #include "core/routing/sealed_hollows.hpp"
 #include "core/routing/support_loads.hpp"
@@ -242,6 +243,7 @@ std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts, c
   Supports supports = layout.supports();
   if (supports.structure) supports.volume_mm3 = volume_beside_models_mm3(supports.structure, layers, stop);
   if (stop.stop_requested()) return std::nullopt;
+  supports.on_hairs = frail_contacts(supports.contacts, layers, settings);
   if (hollows)
     std::ranges::copy_if(supports.contacts, std::back_inserter(supports.in_hollows),
                          [&](const SupportContact& contact) { return hollows->holds(contact.place); });

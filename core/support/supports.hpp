@@ -25,6 +25,7 @@ struct Supports {
   std::shared_ptr<const SupportStructure> structure;  // null if nothing has to be held
   std::vector<SupportContact> contacts;               // the contacts that are held, from the plate up
   std::vector<UnheldPlace> unheld;                    // from the plate up
+  std::vector<SupportContact> on_hairs;               // held contacts on parts that are one pixel thick there
   std::vector<SupportContact> in_hollows;  // held contacts in sealed hollows: their supports stay there
   std::vector<SupportContact> in_gaps;     // held contacts over gaps that their supports fill
   std::vector<SupportContact> over_gaps;   // not held: a support would join both sides of a narrow gap

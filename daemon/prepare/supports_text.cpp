@@ -82,6 +82,9 @@ std::string unheld_sentence(const std::vector<UnheldPlace>& places) {
 
 std::vector<std::string> staying_sentences(const Supports& supports) {
   std::vector<std::string> sentences{
+      staying_sentence(supports.on_hairs, "support holds a part that is one pixel thick and may break off",
+                       "supports hold parts that are one pixel thick and may break off",
+                       "make the part thicker, or turn the model"),
       staying_sentence(supports.in_hollows, "support stands in a sealed hollow and cannot be taken out",
                        "supports stand in sealed hollows and cannot be taken out",
                        "open the hollow, or turn the model"),
@@ -146,6 +149,7 @@ SupportCounts supports_in_summary(const Json& summary) {
 Json supports_json(const Supports& supports) {
   Json json = supports_summary_json(counts_of(supports));
   json["contact_list"] = contacts_json(supports.contacts);
+  json["on_hair_list"] = contacts_json(supports.on_hairs);
   json["in_hollow_list"] = contacts_json(supports.in_hollows);
   json["in_gap_list"] = contacts_json(supports.in_gaps);
   json["over_gap_list"] = contacts_json(supports.over_gaps);

@@ -21,9 +21,9 @@ namespace contourd {
 [[nodiscard]] std::string unheld_text(const UnheldPlace& place);
 // Returns a sentence with the number of places and the first few of them; empty if there are none.
 [[nodiscard]] std::string unheld_sentence(const std::vector<UnheldPlace>& places);
-// Returns a sentence about supports that cannot be taken out of sealed hollows, one about supports that fill
-// gaps, one about overhangs over narrow gaps, and one about parts that the bottom exposures join to the
-// plate, where there are any.
+// Returns a sentence about supports that hold hairs, one about supports that cannot be taken out of sealed
+// hollows, one about supports that fill gaps, one about overhangs over narrow gaps, and one about parts that
+// the bottom exposures join to the plate, where there are any.
 [[nodiscard]] std::vector<std::string> staying_sentences(const Supports& supports);
 // Returns unheld_sentence() and staying_sentences().
 [[nodiscard]] std::vector<std::string> supports_warnings(const Supports& supports);

@@ -140,6 +140,25 @@ TEST_CASE("An arch over a block has a foot on the block if no path leads to the 
   CHECK(testing::least_clearance(supports, room, {}) >= 0.5 - kLooks_mm);
 }
 
+TEST_CASE("A support that holds a hair of one pixel is listed") {
+  // Pixels of 0.1 mm.
+  for (const float width : {0.1F, 0.2F, 0.4F}) {
+    INFO("hair of " << width << " mm");
+    const models::Facets hair =
+        together(models::box({-5, -5, 14}, {5, 5, 16}), models::box({0, 0, 10}, {width, width, 14}));
+    SupportContact place = contact(width / 2, width / 2, 10);
+    place.cause = ContactCause::Island;
+    const Supports supports = supports_for(hair, {place, contact(-4, -4, 14)});
+    REQUIRE(supports.contacts.size() == 2);
+    CHECK(supports.on_hairs.size() == (width < 0.15F ? 1 : 0));
+  }
+  // A cone that points down is thick enough at the end of the tip.
+  models::Facets cone = models::cone(4, 6, 48);
+  orient(cone, {.x_deg = 180});
+  models::translate(cone, 0, 0, 14);
+  CHECK(supports_for(cone, {contact(0, 0, 8)}).on_hairs.empty());
+}
+
 TEST_CASE("Supports in a sealed hollow are listed, and a dome in one gets none") {
   const auto block_around = [](models::Facets hollow) {
     return together(models::box({-12, -12, 0}, {12, 12, 24}), models::inverted(std::move(hollow)));

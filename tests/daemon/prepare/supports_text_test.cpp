@@ -61,6 +61,13 @@ TEST_CASE("The sentence about unheld places describes the first three") {
 TEST_CASE("Supports that stay in the part are reported with the lowest place") {
   Supports supports;
   CHECK(supports_warnings(supports).empty());
+  supports.on_hairs = {contact(ContactCause::Island, 1)};
+  CHECK(
+      supports_warnings(supports)[0] ==
+      "1 support holds a part that is one pixel thick and may break off: at 1.00, -2.00 mm from the plate's "
+      "centre, 1.00 mm above the plate; make the part thicker, or turn the model");
+  CHECK(supports_json(supports)["on_hair_list"].size() == 1);
+  supports.on_hairs.clear();
   supports.in_hollows = {contact(ContactCause::Overhang, 2)};
   supports.in_gaps = {contact(ContactCause::Island, 3), contact(ContactCause::Island, 4)};
   const std::vector<std::string> expected{
