@@ -375,9 +375,9 @@ int slice_print(SliceOptions options) {
 
 // Warns if the corrections of the masks erase walls or pins.
 void warn_if_erased(const SliceOptions& options, const SupportedModel& supported,
-                    std::vector<Nanometers> heights) {
+                    const std::vector<Nanometers>& heights) {
   if (!options.mask && !options.masks) return;
-  const LightSearch search{options.engine, std::move(heights), CarryingSupport{}.least_grey, kLongestMask};
+  const LightSearch search{options.engine, heights, CarryingSupport{}.least_grey, kLongestMask};
   if (const std::string erased = erased_sentence({supported.model}, search); !erased.empty())
     fmt::print(stderr, "contourctl: warning: {}\n", erased);
 }
