@@ -42,6 +42,12 @@ std::size_t most_dimmed(std::size_t layers) {
   return layers > kept ? layers - kept : 0;
 }
 
+// Returns by how many pixels the masks reach beyond the models, and two more.
+std::int32_t margin_of(const EngineSettings& settings) {
+  const double grown = settings.compensation.growth.count() / settings.display.pixel_pitch.count();
+  return 2 + static_cast<std::int32_t>(std::ceil(std::max(grown, 0.0)));
+}
+
 }  // namespace
 
 void dim(std::span<const DimmedPixel> pixels, Mask& light) {
@@ -166,7 +172,7 @@ std::optional<double> ModelEntries::lowest_mm(std::size_t pixel) const {
 UndersideDimming::UndersideDimming(std::span<const PlateModel> models,
                                    std::shared_ptr<const SectionSource> supports,
                                    const EngineSettings& settings, const UndersideCure& cure)
-    : window_(window_of(models, settings.display, 2)),
+    : window_(window_of(models, settings.display, margin_of(settings))),
       models_(ContourEngine(std::vector<PlateModel>(models.begin(), models.end()), settings), window_,
               cure.mask_budget),
       display_(settings.display),
@@ -247,16 +253,25 @@ bool UndersideDimming::has_pictures() const {
 
 bool UndersideDimming::find_undersides(MaskBudget& budget) {
   const Picture &beneath = ahead(layer_ - 1), &here = ahead(layer_);
+  const std::size_t first = undersides_.size();
+  std::vector<std::size_t> rims;
   constexpr std::size_t kBlock = 64;  // most blocks have no underside
   for (std::size_t begin = 0; begin < here.size(); begin += kBlock) {
     const std::size_t end = std::min(begin + kBlock, here.size());
-    bool begins = false;
+    unsigned begins = 0;
     for (std::size_t pixel = begin; pixel < end; ++pixel)
-      begins |= here[pixel] != 0 && beneath[pixel] == 0;
-    if (begins && !budget.spend(kBlock)) return false;
-    for (std::size_t pixel = begin; begins && pixel < end; ++pixel)
-      if (here[pixel] != 0 && beneath[pixel] == 0) find_underside(pixel);
+      begins |= static_cast<unsigned>(here[pixel] != 0) & static_cast<unsigned>(beneath[pixel] == 0);
+    if (begins != 0 && !budget.spend(kBlock)) return false;
+    for (std::size_t pixel = begin; begins != 0 && pixel < end; ++pixel) {
+      if (here[pixel] == 0 || beneath[pixel] != 0) continue;
+      if (here[pixel] < 255 || !entries_.lowest_mm(pixel)) {
+        rims.push_back(pixel);
+      } else if (const std::optional<Underside> found = underside_of(pixel)) {
+        undersides_.push_back(*found);
+      }
+    }
   }
+  find_rims(rims, first);
   return true;
 }
 
@@ -265,10 +280,10 @@ double UndersideDimming::top_of_solid_mm(std::size_t end) const {
   return end < layers_.size() ? middle_mm(layers_[end]) : in_mm(layers_.back().top);
 }
 
-void UndersideDimming::find_underside(std::size_t pixel) {
-  if (supports_ && (supports_at_.beneath[pixel] != 0 || supports_at_.here[pixel] != 0)) return;
-  const std::size_t end_ahead = layer_ - 1 + ahead_.size();
+std::optional<UndersideDimming::Underside> UndersideDimming::underside_of(std::size_t pixel) {
   column_.clear();
+  if (supports_ && (supports_at_.beneath[pixel] != 0 || supports_at_.here[pixel] != 0)) return std::nullopt;
+  const std::size_t end_ahead = layer_ - 1 + ahead_.size();
   for (std::size_t layer = layer_; layer < end_ahead && !ahead(layer).empty() && ahead(layer)[pixel] != 0;
        ++layer)
     column_.push_back(ahead(layer)[pixel]);
@@ -279,13 +294,33 @@ void UndersideDimming::find_underside(std::size_t pixel) {
   // An entry above the solid's top belongs to another solid.
   if (entry_mm && (is_endless || *entry_mm <= top_of_solid_mm(end))) underside_mm = *entry_mm;
   const UndersideLight light = light_.of({underside_mm, column_, is_endless});
-  if (light == UndersideLight{}) return;
+  if (light == UndersideLight{}) return std::nullopt;
   const bool is_grey = light.next_share < 1;
   const std::size_t full_from = layer_ + light.dark + (is_grey ? 1 : 0);
-  if (!is_wide(pixel, ahead(full_from))) return;
-  undersides_.push_back(
-      {static_cast<std::uint32_t>(pixel), full_from,
-       is_grey ? static_cast<std::uint8_t>(light.next_share * 255 + 0.5) : std::uint8_t{0}});
+  if (!is_wide(pixel, ahead(full_from))) return std::nullopt;
+  return Underside{static_cast<std::uint32_t>(pixel), full_from,
+                   is_grey ? static_cast<std::uint8_t>(light.next_share * 255 + 0.5) : std::uint8_t{0}};
+}
+
+void UndersideDimming::find_rims(std::span<const std::size_t> rims, std::size_t first) {
+  const std::size_t end = undersides_.size(), columns = static_cast<std::size_t>(window_.columns);
+  std::array<std::size_t, 3> next{first, first, first};  // in the row above, the rim's and the one below
+  for (const std::size_t pixel : rims) {
+    std::optional<Underside> beside;  // the one that is lit first
+    for (std::size_t row = 0; row < next.size(); ++row) {
+      const std::size_t middle = pixel + row * columns;  // of three pixels, one row too low
+      while (next[row] < end && undersides_[next[row]].pixel + columns + 1 < middle)
+        ++next[row];
+      for (std::size_t i = next[row]; i < end && undersides_[i].pixel + columns <= middle + 1; ++i)
+        if (!beside || undersides_[i].full_from < beside->full_from) beside = undersides_[i];
+    }
+    std::optional<Underside> rim = underside_of(pixel);
+    if (beside && (!rim || rim->full_from < beside->full_from)) {
+      const std::size_t full_from = std::min(beside->full_from, layer_ + most_dimmed(column_.size()));
+      rim = {static_cast<std::uint32_t>(pixel), full_from, beside->next_share};
+    }
+    if (rim) undersides_.push_back(*rim);
+  }
 }
 
 // True if the pixel belongs to a square of three by three pixels that are lit at least half.

@@ -164,8 +164,12 @@ class UndersideDimming {
   [[nodiscard]] const Picture& ahead(std::size_t layer) const { return ahead_[layer + 1 - layer_]; }
   // False if the budget was overrun.
   [[nodiscard]] bool find_undersides(MaskBudget& budget);
-  void find_underside(std::size_t pixel);
   [[nodiscard]] double top_of_solid_mm(std::size_t end) const;
+  // Returns the pixel's underside; nullopt if it keeps its light. Reads column_.
+  [[nodiscard]] std::optional<Underside> underside_of(std::size_t pixel);
+  // Finds the undersides of rims, rising pixels of solids that are lit in part. A rim is not lit before all
+  // pixels beside it whose undersides were found from number `first` on: it would have no hold.
+  void find_rims(std::span<const std::size_t> rims, std::size_t first);
   [[nodiscard]] bool is_wide(std::size_t pixel, const Picture& picture) const;
   void list_dimmed();
 
@@ -194,8 +198,11 @@ class DimmedMasks {
   DimmedMasks(std::unique_ptr<UndersideDimming> undersides, const ToneCurve& tone,
               std::optional<Mask> uniformity);
 
+  // Does beforehand the work for a layer's mask that does not need its coverage. Costs and requires what
+  // UndersideDimming::dimmed() does.
+  void look_ahead(std::size_t layer) { (void)undersides_->dimmed(layer); }
   // Returns the mask of a layer by its coverage, that of the models and what is beside them. Valid until the
-  // next call. Costs and requires what UndersideDimming::dimmed() does.
+  // next call. Looks ahead, unless that has been done.
   [[nodiscard]] const Mask& mask(std::size_t layer, const Mask& coverage);
   // Does what UndersideDimming::are_found() does.
   [[nodiscard]] bool are_found(std::size_t layer) const { return undersides_->are_found(layer); }

@@ -39,16 +39,18 @@ class CostlySections : public SectionSource {
   mutable int cuts_ = 0;
 };
 
-// Sections beside the model's facets; null: none.
-struct OtherSections {
+// Changes of the model's masks; null: none.
+struct Changes {
   std::shared_ptr<const SectionSource> holes{}, supports{};
+  Compensation compensation{};
 };
 
 // A model on the plate whose undersides are dimmed.
 class DimmedPrint {
  public:
   explicit DimmedPrint(models::Facets facets, double memory = 1, const WorkingCurve& resin = kResin,
-                       OtherSections sections = {}) {
+                       Changes changes = {}) {
+    settings_.compensation = changes.compensation;
     auto model = std::make_shared<const HeightIndex>(std::move(facets));
     const LayerStack stack = layers_for(Millimeters{model->bounds().size_z()}, kHeight);
     for (std::int32_t layer = 0; layer < stack.count; ++layer)
@@ -57,9 +59,9 @@ class DimmedPrint {
     cure_.mask_budget = kBudget;
     const PixelMap map = PixelMap::true_scale(settings_.display, model->bounds().center());
     std::vector<PlateModel> models;
-    models.push_back({{std::move(model)}, {map}, std::move(sections.holes)});
+    models.push_back({{std::move(model)}, {map}, std::move(changes.holes)});
     engine_.emplace(std::move(models), settings_);
-    undersides_.emplace(engine_->models(), std::move(sections.supports), settings_, cure_);
+    undersides_.emplace(engine_->models(), std::move(changes.supports), settings_, cure_);
   }
 
   UndersideDimming& undersides() { return *undersides_; }
@@ -208,9 +210,37 @@ TEST_CASE("Dimming leaves no part of a layer without hold") {
   }
 }
 
+TEST_CASE("The rim of an underside is not lit before the underside beside it") {
+  for (const float beyond_mm : {0.006F, 0.012F, 0.02F, 0.03F, 0.045F}) {
+    for (const float underside_mm : {3.0F, 3.02F, 3.04F}) {
+      CAPTURE(beyond_mm, underside_mm);
+      const float side = 2 + beyond_mm;
+      DimmedPrint print(
+          models::together({models::box({-1, -1, 0}, {1, 1, underside_mm}),
+                            models::box({-side, -side, underside_mm}, {side, side, underside_mm + 2})}));
+      Mask beneath = print.light(58);
+      for (std::size_t layer = 59; layer < 70; ++layer) {
+        const Mask light = print.light(layer);
+        CAPTURE(layer);
+        CHECK(unheld_parts(light, beneath) == 0);
+        beneath = light;
+      }
+    }
+  }
+}
+
+TEST_CASE("An underside is dimmed as far as its mask is moved outwards") {
+  DimmedPrint print(table(3), 1, kResin,
+                    {.holes = {}, .supports = {}, .compensation = {.growth = Micrometers{500}}});
+  const Mask light = print.light(60);
+  CHECK(light.row(100)[150] == 0);       // in the middle of the span
+  CHECK(light.row(100 - 48)[150] == 0);  // 2.4 mm beside it, of 2.5
+}
+
 TEST_CASE("A layer whose mask is not known in time keeps its light, and so does the one above") {
   constexpr std::int32_t kLate = 30;  // in the pillars
-  DimmedPrint print(table(3), 1, kResin, {.holes = std::make_shared<CostlySections>(kLate), .supports = {}});
+  DimmedPrint print(table(3), 1, kResin,
+                    {.holes = std::make_shared<CostlySections>(kLate), .supports = {}, .compensation = {}});
   for (std::size_t layer = 0; layer < print.layers(); ++layer) {
     CAPTURE(layer);
     CHECK(print.undersides().dimmed(layer).empty() == (layer < 60 || layer > 64));
@@ -220,7 +250,8 @@ TEST_CASE("A layer whose mask is not known in time keeps its light, and so does 
 
 TEST_CASE("A roof counts as far up as its masks are known in time") {
   constexpr std::int32_t kLate = 62;  // in the slab
-  DimmedPrint print(table(3), 1, kResin, {.holes = std::make_shared<CostlySections>(kLate), .supports = {}});
+  DimmedPrint print(table(3), 1, kResin,
+                    {.holes = std::make_shared<CostlySections>(kLate), .supports = {}, .compensation = {}});
   for (std::size_t layer = 0; layer < print.layers(); ++layer) {
     CAPTURE(layer);
     CHECK(print.undersides().dimmed(layer).empty());
@@ -230,7 +261,8 @@ TEST_CASE("A roof counts as far up as its masks are known in time") {
 
 TEST_CASE("A layer whose supports are not known in time keeps all its light") {
   constexpr std::int32_t kLate = 62;
-  DimmedPrint print(table(3), 1, kResin, {.holes = {}, .supports = std::make_shared<CostlySections>(kLate)});
+  DimmedPrint print(table(3), 1, kResin,
+                    {.holes = {}, .supports = std::make_shared<CostlySections>(kLate), .compensation = {}});
   for (std::size_t layer = 0; layer < print.layers(); ++layer) {
     CAPTURE(layer);
     CHECK(print.undersides().dimmed(layer).empty() == (layer < 60 || layer > 64 || layer == kLate));
@@ -240,7 +272,7 @@ TEST_CASE("A layer whose supports are not known in time keeps all its light") {
 
 TEST_CASE("The masks ahead of the second layer are computed once, also if the first one is asked for then") {
   const auto sections = std::make_shared<CostlySections>(-1);
-  DimmedPrint print(table(3), 1, kResin, {.holes = sections, .supports = {}});
+  DimmedPrint print(table(3), 1, kResin, {.holes = sections, .supports = {}, .compensation = {}});
   (void)print.undersides().dimmed(1);
   const int before = sections->cuts();
   CHECK(print.undersides().dimmed(0).empty());
