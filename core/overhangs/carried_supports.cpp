@@ -46,7 +46,7 @@ struct Stem {
   std::size_t sections = 0;                  // number of those since the stem branched off
   int branches = 0;                          // parts of the next layer that rest on it
   bool stands = false;                       // comes from the plate
-  std::optional<std::uint32_t> held;         // the number of the held part to which it belongs
+  std::optional<std::uint32_t> held{};       // the number of the held part to which it belongs
 
   void continue_from(const Stem& lower) {
     beneath[0] = lower.pixels;

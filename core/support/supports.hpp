@@ -22,14 +22,14 @@ struct UnheldPlace {
 };
 
 struct Supports {
-  std::shared_ptr<const SupportStructure> structure;  // null if nothing has to be held
-  std::vector<SupportContact> contacts;               // the contacts that are held, from the plate up
-  std::vector<UnheldPlace> unheld;                    // from the plate up
-  std::vector<SupportContact> on_hairs;               // held contacts on parts that are one pixel thick there
-  std::vector<SupportContact> in_hollows;  // held contacts in sealed hollows: their supports stay there
-  std::vector<SupportContact> in_gaps;     // held contacts over gaps that their supports fill
-  std::vector<SupportContact> over_gaps;   // not held: a support would join both sides of a narrow gap
-  std::vector<SupportContact> resting;     // islands so low that the bottom exposures join them to the plate
+  std::shared_ptr<const SupportStructure> structure{};  // null if nothing has to be held
+  std::vector<SupportContact> contacts{};               // the contacts that are held, from the plate up
+  std::vector<UnheldPlace> unheld{};                    // from the plate up
+  std::vector<SupportContact> on_hairs{};    // held contacts on parts that are one pixel thick there
+  std::vector<SupportContact> in_hollows{};  // held contacts in sealed hollows: their supports stay there
+  std::vector<SupportContact> in_gaps{};     // held contacts over gaps that their supports fill
+  std::vector<SupportContact> over_gaps{};   // not held: a support would join both sides of a narrow gap
+  std::vector<SupportContact> resting{};  // islands so low that the bottom exposures join them to the plate
   std::uint32_t branches = 0, feet = 0, feet_on_models = 0;
   std::uint32_t carriers = 0;  // models that carry supports of their own, and get no others
   double volume_mm3 = 0;       // resin outside the models
