@@ -164,14 +164,16 @@ std::string line_name(const JsonDocument& printer, const std::string& pointer) {
   return text;
 }
 
+// Returns the GPIO lines anywhere in the file: a line is an object with the key "line".
 std::vector<UsedLine> used_lines(const JsonDocument& printer) {
+  constexpr std::string_view kLine = "/line";
   std::vector<UsedLine> lines;
-  for (const char* pointer :
-       {"/z_axis/step", "/z_axis/direction", "/z_axis/enable", "/z_axis/limit_switch",
-        "/z_axis/second_switch", "/z_axis/emergency_stop", "/z_axis/lid", "/z_axis/encoder/a",
-        "/z_axis/encoder/b", "/z_axis/encoder/index", "/projector/light"}) {
-    const auto chip = printer.valid_text(std::string(pointer) + "/chip");
-    const std::string line = line_name(printer, std::string(pointer) + "/line");
+  const nlohmann::json values = printer.value().flatten();
+  for (const auto& [place, value] : values.items()) {
+    if (!place.ends_with(kLine)) continue;
+    const std::string pointer = place.substr(0, place.size() - kLine.size());
+    const auto chip = printer.valid_text(pointer + "/chip");
+    const std::string line = line_name(printer, place);
     if (chip && !line.empty()) lines.push_back({pointer, chip_name(*chip), line});
   }
   return lines;

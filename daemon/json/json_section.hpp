@@ -63,6 +63,8 @@ class JsonSection {
   // Returns the durations of a list, in the unit that the key ends in. REQUIRES: the key ends in _s, _ms or
   // _us.
   [[nodiscard]] std::vector<Duration> durations(std::string_view key) const;
+  // Throws ConfigError with this message about the key.
+  [[noreturn]] void reject(std::string_view key, std::string message) const;
 
  private:
   JsonSection(const JsonDocument& document, const nlohmann::json& object, std::string pointer);
@@ -71,7 +73,6 @@ class JsonSection {
   [[nodiscard]] std::vector<double> numbers(std::string_view key) const;
   [[nodiscard]] Nanometers as_length(std::string_view key, double number) const;
   [[nodiscard]] Duration as_duration(std::string_view key, double number) const;
-  [[noreturn]] void reject(std::string_view key, std::string message) const;
 
   const JsonDocument& document_;
   const nlohmann::json& object_;

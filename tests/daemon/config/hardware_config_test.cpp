@@ -197,7 +197,7 @@ TEST_CASE(
   CHECK(printer.complaints().empty());
   printer.printer["projector"]["light"] = {{"line", 22}};
   CHECK(printer.complaints() ==
-        Complaints{"/projector/light: line \"22\" of \"gpiochip0\" is already used for z_axis/enable"});
+        Complaints{"/z_axis/enable: line \"22\" of \"gpiochip0\" is already used for projector/light"});
 }
 
 TEST_CASE("all missing required keys of a real machine are reported with their descriptions") {
@@ -223,7 +223,7 @@ TEST_CASE("two functions on one line are found, however the line is written") {
            {"gpiochip0", 17}, {"gpiochip0", "17"}, {"/dev/gpiochip0", 17}, {"gpiochip0", "017"}}) {
     CAPTURE(chip, line.dump());
     CHECK(real_complaints_with("/z_axis/lid", {{"chip", chip}, {"line", line}}) ==
-          Complaints{"/z_axis/lid: line \"17\" of \"gpiochip0\" is already used for z_axis/step"});
+          Complaints{"/z_axis/step: line \"17\" of \"gpiochip0\" is already used for z_axis/lid"});
   }
   CHECK(real_complaints_with("/z_axis/lid", {{"chip", "gpiochip1"}, {"line", 17}}).empty());
   // The chip's default counts.
