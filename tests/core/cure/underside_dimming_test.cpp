@@ -43,6 +43,7 @@ class CostlySections : public SectionSource {
 struct Changes {
   std::shared_ptr<const SectionSource> holes{}, supports{};
   Compensation compensation{};
+  Micrometers cure_depth{100};  // of each layer's light
 };
 
 // A model on the plate whose undersides are dimmed.
@@ -54,7 +55,7 @@ class DimmedPrint {
     auto model = std::make_shared<const HeightIndex>(std::move(facets));
     const LayerStack stack = layers_for(Millimeters{model->bounds().size_z()}, kHeight);
     for (std::int32_t layer = 0; layer < stack.count; ++layer)
-      cure_.layers.push_back({kHeight * (layer + 1), kHeight, resin.dose_for(Micrometers{100})});
+      cure_.layers.push_back({kHeight * (layer + 1), kHeight, resin.dose_for(changes.cure_depth)});
     cure_.resin = {.curve = resin, .peel_memory = memory};
     cure_.mask_budget = kBudget;
     const PixelMap map = PixelMap::true_scale(settings_.display, model->bounds().center());
@@ -193,18 +194,20 @@ TEST_CASE("What stands on the plate, and what is less than three pixels wide, ke
 }
 
 TEST_CASE("Dimming leaves no part of a layer without hold") {
-  for (const float lean_mm : {0.5F, 1.0F, 2.0F, 5.0F}) {
-    for (const float thick_mm : {0.15F, 0.2F, 0.25F, 0.3F, 0.6F}) {
-      CAPTURE(lean_mm, thick_mm);
-      // A bar that leans by `lean_mm` over 2 mm of height.
-      // Light goes deep, so that many layers would be dimmed.
-      DimmedPrint print(leaning_bar(thick_mm, lean_mm), 1, {Micrometers{300}, MillijoulesPerCm2{8}});
-      Mask beneath = print.light(0);
-      for (std::size_t layer = 1; layer < print.layers(); ++layer) {
-        const Mask light = print.light(layer);
-        CAPTURE(layer);
-        CHECK(unheld_parts(light, beneath) == 0);
-        beneath = light;
+  for (const float lean_mm : {0.5F, 1.0F, 2.0F, 4.0F, 5.0F}) {
+    for (const float thick_mm : {0.15F, 0.2F, 0.3F, 0.4F, 0.6F}) {
+      // Strong light, by which nearly all layers above an underside would be dimmed.
+      for (const double depth_um : {100, 200, 450}) {
+        CAPTURE(lean_mm, thick_mm, depth_um);
+        DimmedPrint print(leaning_bar(thick_mm, lean_mm), 1, kResin, {.cure_depth = Micrometers{depth_um}});
+        Mask beneath = print.light(0);
+        int unheld = 0;
+        for (std::size_t layer = 1; layer < print.layers(); ++layer) {
+          const Mask light = print.light(layer);
+          unheld += unheld_parts(light, beneath);
+          beneath = light;
+        }
+        CHECK(unheld == 0);
       }
     }
   }
@@ -230,8 +233,7 @@ TEST_CASE("The rim of an underside is not lit before the underside beside it") {
 }
 
 TEST_CASE("An underside is dimmed as far as its mask is moved outwards") {
-  DimmedPrint print(table(3), 1, kResin,
-                    {.holes = {}, .supports = {}, .compensation = {.growth = Micrometers{500}}});
+  DimmedPrint print(table(3), 1, kResin, {.compensation = {.growth = Micrometers{500}}});
   const Mask light = print.light(60);
   CHECK(light.row(100)[150] == 0);       // in the middle of the span
   CHECK(light.row(100 - 48)[150] == 0);  // 2.4 mm beside it, of 2.5
@@ -239,8 +241,7 @@ TEST_CASE("An underside is dimmed as far as its mask is moved outwards") {
 
 TEST_CASE("A layer whose mask is not known in time keeps its light, and so does the one above") {
   constexpr std::int32_t kLate = 30;  // in the pillars
-  DimmedPrint print(table(3), 1, kResin,
-                    {.holes = std::make_shared<CostlySections>(kLate), .supports = {}, .compensation = {}});
+  DimmedPrint print(table(3), 1, kResin, {.holes = std::make_shared<CostlySections>(kLate)});
   for (std::size_t layer = 0; layer < print.layers(); ++layer) {
     CAPTURE(layer);
     CHECK(print.undersides().dimmed(layer).empty() == (layer < 60 || layer > 64));
@@ -250,8 +251,7 @@ TEST_CASE("A layer whose mask is not known in time keeps its light, and so does 
 
 TEST_CASE("A roof counts as far up as its masks are known in time") {
   constexpr std::int32_t kLate = 62;  // in the slab
-  DimmedPrint print(table(3), 1, kResin,
-                    {.holes = std::make_shared<CostlySections>(kLate), .supports = {}, .compensation = {}});
+  DimmedPrint print(table(3), 1, kResin, {.holes = std::make_shared<CostlySections>(kLate)});
   for (std::size_t layer = 0; layer < print.layers(); ++layer) {
     CAPTURE(layer);
     CHECK(print.undersides().dimmed(layer).empty());
@@ -261,8 +261,7 @@ TEST_CASE("A roof counts as far up as its masks are known in time") {
 
 TEST_CASE("A layer whose supports are not known in time keeps all its light") {
   constexpr std::int32_t kLate = 62;
-  DimmedPrint print(table(3), 1, kResin,
-                    {.holes = {}, .supports = std::make_shared<CostlySections>(kLate), .compensation = {}});
+  DimmedPrint print(table(3), 1, kResin, {.holes = {}, .supports = std::make_shared<CostlySections>(kLate)});
   for (std::size_t layer = 0; layer < print.layers(); ++layer) {
     CAPTURE(layer);
     CHECK(print.undersides().dimmed(layer).empty() == (layer < 60 || layer > 64 || layer == kLate));
@@ -272,7 +271,7 @@ TEST_CASE("A layer whose supports are not known in time keeps all its light") {
 
 TEST_CASE("The masks ahead of the second layer are computed once, also if the first one is asked for then") {
   const auto sections = std::make_shared<CostlySections>(-1);
-  DimmedPrint print(table(3), 1, kResin, {.holes = sections, .supports = {}, .compensation = {}});
+  DimmedPrint print(table(3), 1, kResin, {.holes = sections});
   (void)print.undersides().dimmed(1);
   const int before = sections->cuts();
   CHECK(print.undersides().dimmed(0).empty());
