@@ -51,27 +51,35 @@ double across_on(Coordinates a, Coordinates b, double up_at, const Lattice& latt
   return a[lattice.across] + part * (b[lattice.across] - a[lattice.across]);
 }
 
+// Returns the first of these rising positions that is not below the least. Most positions have equal
+// distances, so that a guess is right.
 std::size_t first_from(const std::vector<double>& at, double least) {
+  if (at.size() > 1) {
+    const auto count = static_cast<double>(at.size());
+    const double guess = std::ceil((least - at.front()) * ((count - 1) / (at.back() - at.front())));
+    const auto first = static_cast<std::size_t>(guess > 0 ? std::min(guess, count) : 0);
+    if ((first == 0 || at[first - 1] < least) && (first == at.size() || at[first] >= least)) return first;
+  }
   return static_cast<std::size_t>(std::ranges::lower_bound(at, least) - at.begin());
 }
 
 class Crossings {
  public:
   explicit Crossings(Lattice lattice) : lattice_(std::move(lattice)) {}
-  // Keeps entries within the range only.
+  // Keeps crossings within the range only.
   Crossings(Lattice lattice, const RayRange& range)
-      : lattice_(std::move(lattice)), above_(range.above_mm), up_to_(range.up_to_mm), entries_only_(true) {}
+      : lattice_(std::move(lattice)), above_(range.above_mm), up_to_(range.up_to_mm) {}
 
   // `normal` points outwards, in millimetres.
   void add(const std::array<Coordinates, 3>& corners, const Coordinates& normal, const Coordinates& plane) {
+    const auto [low, high] =
+        std::minmax({corners[0][lattice_.up], corners[1][lattice_.up], corners[2][lattice_.up]});
+    std::size_t up = first_from(lattice_.up_at, low);
+    if (up == lattice_.up_at.size() || lattice_.up_at[up] >= high) return;
     const double size = std::hypot(normal[0], normal[1], normal[2]);
     if (!(size > 0) || plane[lattice_.along] == 0) return;
     const auto steepness = static_cast<float>(normal[lattice_.along] / size);
-    if (entries_only_ && steepness >= 0) return;
-    const auto [low, high] =
-        std::minmax({corners[0][lattice_.up], corners[1][lattice_.up], corners[2][lattice_.up]});
-    for (std::size_t up = first_from(lattice_.up_at, low);
-         up < lattice_.up_at.size() && lattice_.up_at[up] < high; ++up)
+    for (; up < lattice_.up_at.size() && lattice_.up_at[up] < high; ++up)
       add_row(corners, plane, up, steepness);
   }
 
@@ -116,7 +124,6 @@ class Crossings {
   Lattice lattice_;
   double above_ = -std::numeric_limits<double>::infinity();
   double up_to_ = std::numeric_limits<double>::infinity();
-  bool entries_only_ = false;
   std::vector<RayCrossing> crossings_;
 };
 
@@ -124,6 +131,14 @@ Coordinates cross(const Coordinates& a, const Coordinates& b, const Coordinates&
   const double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
   const double vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
   return {uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx};
+}
+
+Coordinates normal_of(const Facet& facet) {
+  const auto at = [&facet](std::size_t corner) {
+    const Vertex& vertex = facet.vertices[corner];
+    return Coordinates{vertex.x, vertex.y, vertex.z};
+  };
+  return cross(at(0), at(1), at(2));
 }
 
 // A model's place on the display.
@@ -136,23 +151,18 @@ class Copy {
     down_ = one.y > origin.y ? 1 : -1;
   }
 
-  void cross(const Facet& facet, Crossings& crossings) const {
-    std::array<Coordinates, 3> in_mm{}, on_display{};
+  void cross(const Facet& facet, const Coordinates& normal, Crossings& crossings) const {
+    std::array<Coordinates, 3> on_display{};
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const Vertex& vertex = facet.vertices[corner];
-      in_mm[corner] = {vertex.x, vertex.y, vertex.z};
       const PixelPoint pixel = map_.to_pixels({vertex.x, vertex.y});
       on_display[corner] = {pixel.x, pixel.y, vertex.z + lift_};
     }
-    const Coordinates normal = normal_of(in_mm);
-    crossings.add(on_display, {normal[0] * right_, normal[1] * down_, normal[2]}, normal_of(on_display));
+    crossings.add(on_display, {normal[0] * right_, normal[1] * down_, normal[2]},
+                  contourd::cross(on_display[0], on_display[1], on_display[2]));
   }
 
  private:
-  static Coordinates normal_of(const std::array<Coordinates, 3>& corners) {
-    return contourd::cross(corners[0], corners[1], corners[2]);
-  }
-
   PixelMap map_;
   double lift_, right_ = 1, down_ = 1;
 };
@@ -190,7 +200,7 @@ std::vector<RayCrossing> cross_surface(std::span<const PlateModel> models, const
     for (const PixelMap& map : model.copies) {
       const Copy copy(model, map);
       for (const Facet& facet : model.model->facets())
-        copy.cross(facet, crossings);
+        copy.cross(facet, normal_of(facet), crossings);
     }
   }
   return crossings.take();
@@ -203,17 +213,30 @@ std::vector<RayCrossing> entries_between(std::span<const PlateModel> models, con
     expects(model.model != nullptr, "no null pointers");
     const double lift = model.elevation.lift(model.model->bounds()).count();
     const double above = range.above_mm - lift, up_to = range.up_to_mm - lift;
-    const auto add = [&](const HeightIndex::Candidate& candidate) {
-      if (static_cast<double>(candidate.high) <= above || static_cast<double>(candidate.low) > up_to) return;
+    std::vector<Copy> copies;
+    for (const PixelMap& map : model.copies)
+      copies.emplace_back(model, map);
+    const std::span<const Facet> facets = model.model->facets();
+    const auto in_range = [&](const HeightIndex::Candidate& candidate) {
+      return static_cast<double>(candidate.high) > above && static_cast<double>(candidate.low) <= up_to;
+    };
+    const auto add = [&](const Facet& facet) {
+      const Coordinates normal = normal_of(facet);
+      if (!budget.spend(1) || !(normal[2] < 0)) return;
       const std::size_t before = crossings.count();
-      for (const PixelMap& map : model.copies) {
+      for (const Copy& copy : copies) {
         if (!budget.spend(1) || crossings.count() >= window.pixels()) return;
-        Copy(model, map).cross(model.model->facets()[candidate.facet], crossings);
+        copy.cross(facet, normal, crossings);
       }
       (void)budget.spend(crossings.count() - before);
     };
-    model.model->for_each_candidate_run(
-        above, up_to, [&](std::span<const HeightIndex::Candidate> run) { std::ranges::for_each(run, add); });
+    model.model->for_each_candidate_run(above, up_to, [&](std::span<const HeightIndex::Candidate> run) {
+      constexpr std::size_t kAhead = 16;  // facets are in the file's order, far from each other
+      for (std::size_t i = 0; i < run.size(); ++i) {
+        if (i + kAhead < run.size()) __builtin_prefetch(&facets[run[i + kAhead].facet]);
+        if (in_range(run[i])) add(facets[run[i].facet]);
+      }
+    });
   }
   return crossings.take();
 }

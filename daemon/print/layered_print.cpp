@@ -210,7 +210,10 @@ void LayeredPrint::perform(LayeredEffect effect) {
     case LayeredEffect::LowerToLayer:
       return move_to(layer_top(), layer_ == 0 ? plan_->travel_speed : plan_->motion.retract_speed);
     case LayeredEffect::WaitToSettle:
-      return wait(plan_->motion.before_light());
+      wait(plan_->motion.before_light());
+      // The plate is at rest in the dark, and has to wait anyway.
+      if (plan_->undersides) plan_->undersides->look_ahead(static_cast<std::size_t>(layer_));
+      return;
     case LayeredEffect::ShowMask:
       return show_mask();
     case LayeredEffect::LightOn:

@@ -15,11 +15,13 @@ MADE = {  # rows of models that the benchmark generates: never skipped
     "mask-random-gyroid-p50", "mask-random-gyroid-p99", "mask-rising-gyroid-p99", "mask-4k-gyroid-p99", "mask-crossing",
     "first-mask", "ascii", "memory-gyroid", "allocations-gyroid", "growth-facets", "growth-segments-mask",
     "growth-segments-contours", "display-1", "display-10", "display-100", "supports-mask",
+    "dimming-ahead-gyroid-p50", "dimming-ahead-gyroid-p99", "dimming-mask-gyroid-p99", "dimming-memory-gyroid",
 }
 SHARED = {  # rows of models that must be available as files
     "contours-liver", "contours-liver-without-reading", "contours-femur", "contours-femur-without-reading",
     "contours-bunny", "contours-bunny-without-reading", "masks-liver", "png-liver", "mask-random-plate-p50",
     "mask-random-plate-p99", "mask-rising-plate-p99", "mask-4k-plate-p99", "memory-plate", "allocations-plate",
+    "dimming-ahead-plate-p50", "dimming-ahead-plate-p99", "dimming-mask-plate-p99", "dimming-memory-plate",
 }
 
 

@@ -106,6 +106,33 @@ void bring_to(LayeredPrintFixture& fixture, LayeredState state) {
   REQUIRE(fixture.run_to(state));
 }
 
+// No sections, whose cuts are counted.
+class CountedSections final : public SectionSource {
+ public:
+  void section_at(Nanometers, Contours& contours) const override {
+    ++cuts_;
+    contours = Contours{};
+  }
+  [[nodiscard]] int cuts() const { return cuts_; }
+
+ private:
+  mutable int cuts_ = 0;
+};
+
+// Returns the plan for a box of three layers whose undersides are dimmed.
+PrintPlan dimmed_plan(Duration mask_budget, std::shared_ptr<const SectionSource> supports) {
+  PrintPlan plan = testing::box_plan(3);
+  const WorkingCurve resin{Micrometers{150}, MillijoulesPerCm2{8}};
+  UndersideCure cure{.layers = {}, .resin = {.curve = resin}, .mask_budget = mask_budget};
+  for (int layer = 1; layer <= 3; ++layer)
+    cure.layers.push_back({testing::kBoxLayer * layer, testing::kBoxLayer, MillijoulesPerCm2{16}});
+  const EngineSettings settings{.display = testing::kSmallDisplay};
+  plan.undersides = std::make_unique<DimmedMasks>(
+      std::make_unique<UndersideDimming>(plan.engine->models(), std::move(supports), settings, cure),
+      ToneCurve{}, std::nullopt);
+  return plan;
+}
+
 }  // namespace
 
 TEST_CASE("Homing at the slowest speed over the whole travel does not time out") {
@@ -464,21 +491,26 @@ TEST_CASE(
 
 TEST_CASE("A layer is recorded as one in which undersides were not found within their budget") {
   LayeredPrintFixture fixture;
-  PrintPlan plan = testing::box_plan(3);
-  UndersideCure cure{
-      .layers = {}, .resin = {.curve = {Micrometers{150}, MillijoulesPerCm2{8}}}, .mask_budget = {}};
-  for (int layer = 1; layer <= 3; ++layer)
-    cure.layers.push_back({testing::kBoxLayer * layer, testing::kBoxLayer, MillijoulesPerCm2{16}});
-  const EngineSettings settings{.display = testing::kSmallDisplay};
-  plan.undersides = std::make_unique<DimmedMasks>(
-      std::make_unique<UndersideDimming>(plan.engine->models(), nullptr, settings, cure), ToneCurve{},
-      std::nullopt);
-  fixture.process.start(std::move(plan));
+  fixture.process.start(dimmed_plan(Duration{0}, nullptr));
   fixture.run_out();
   REQUIRE(fixture.layers.size() == 3);
   CHECK(fixture.layers[0].undersides_found);
   CHECK_FALSE(fixture.layers[1].undersides_found);
   CHECK_FALSE(fixture.layers[2].undersides_found);
+}
+
+TEST_CASE("The masks ahead are computed while the plate settles, not between its height and its mask") {
+  LayeredPrintFixture fixture;
+  const auto supports = std::make_shared<CountedSections>();
+  fixture.process.start(dimmed_plan(std::chrono::seconds{60}, supports));
+  for (int layer = 0; layer < 3; ++layer) {
+    REQUIRE(fixture.run_to(S::Settling));
+    const int settling = supports->cuts();
+    REQUIRE(fixture.run_to_light());
+    CHECK(supports->cuts() == settling);
+    REQUIRE(fixture.run_to(layer < 2 ? S::Lowering : S::Parking));
+    CHECK(supports->cuts() == settling);
+  }
 }
 
 TEST_CASE("An interrupted exposure continues with its remaining time, at the same layer") {
