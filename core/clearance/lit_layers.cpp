@@ -109,6 +109,19 @@ bool LitLayers::is_lit(const PlatePoint& point) const {
   return is_pixel_lit(std::floor(point.z / step_mm_), row_of(point.y), column_of(point.x));
 }
 
+int LitLayers::lit_around(const PlatePoint& point, double distance_mm, int most) const {
+  const auto reach = static_cast<int>(distance_mm / pitch_mm_ + 1e-9);
+  int lit = 0;
+  for (int row = -reach; row <= reach; ++row) {
+    for (int column = -reach; column <= reach && lit < most; ++column) {
+      if (row * row + column * column <= reach * reach &&
+          is_lit({point.x + column * pitch_mm_, point.y + row * pitch_mm_, point.z}))
+        ++lit;
+    }
+  }
+  return lit;
+}
+
 std::optional<std::uint32_t> LitLayers::gap_at(const PlatePoint& point) const {
   const double layer = std::floor(point.z / step_mm_), row = row_of(point.y), column = column_of(point.x);
   if (!(layer >= 0 && layer < layers() && row >= 0 && row < rows_)) return std::nullopt;

@@ -46,6 +46,8 @@ class LitLayers final : public LayerObserver {
 
   // True if the pixel that contains the point is lit in the layer that contains it.
   [[nodiscard]] bool is_lit(const PlatePoint& point) const;
+  // Returns the number of lit pixels within a distance of the point in its layer, counted up to `most`.
+  [[nodiscard]] int lit_around(const PlatePoint& point, double distance_mm, int most) const;
   // True if no part of the models can be nearer to the point than the distance.
   [[nodiscard]] bool is_clear(const PlatePoint& point, double distance_mm) const;
   // Returns the height of the first solid straight below; nullopt if there is none within `down_mm`.

@@ -102,6 +102,13 @@ void add_spread(std::vector<Direction>& directions) {
 
 }  // namespace
 
+std::vector<Direction> face_directions(std::span<const Facet> facets) {
+  std::vector<Direction> directions{kAsDrawn};
+  add_faces(directions, facets);
+  directions.erase(directions.begin());
+  return directions;
+}
+
 std::vector<Direction> candidate_directions(std::span<const Facet> facets) {
   std::vector<Direction> directions{kAsDrawn};
   add_faces(directions, facets);

@@ -18,6 +18,10 @@ inline constexpr Direction kAsDrawn{0, 0, 1};
 inline constexpr std::size_t kMostFaceDirections = 32, kSpreadDirections = 200;
 inline constexpr std::size_t kMostDirections = 6 + kMostFaceDirections + kSpreadDirections;
 
+// Returns the directions that put one of the model's largest flat faces on the plate, largest first, at most
+// kMostFaceDirections: those of candidate_directions().
+[[nodiscard]] std::vector<Direction> face_directions(std::span<const Facet> facets);
+
 // Returns the directions to try, each of length 1: first kAsDrawn; then the directions that put
 // one of the model's largest flat faces on the plate, largest first; then the other axes both ways; then
 // directions that are spread evenly over the sphere. Each is at least 3 degrees from the earlier ones, except

@@ -18,8 +18,8 @@ std::optional<LevelBase> nearly_level_base(std::span<const Facet> facets, const 
   if (facets.empty()) return std::nullopt;
   SupportSettings lifting = settings;
   lifting.lift = Millimeters{1};  // so that a lift of 0 means that the model stands
-  for (const Direction& up : candidate_directions(facets)) {
-    if (up == kAsDrawn || up.z < kCosNearlyLevel) continue;
+  for (const Direction& up : face_directions(facets)) {
+    if (up.z < kCosNearlyLevel) continue;
     std::vector<Facet> turned(facets.begin(), facets.end());
     orient(turned, {.up = up});
     if (support_lift(HeightIndex(std::move(turned)), lifting, layer) > Nanometers{}) continue;

@@ -69,14 +69,7 @@ bool SealedHollows::holds(const PlatePoint& contact) const {
 
 bool SealedHollows::is_bridged(const SupportContact& contact, Millimeters bridge) const {
   if (contact.cause != ContactCause::Overhang || !holds(contact.place)) return false;
-  const PlatePoint middle = *dark_beneath(contact.place);
-  const double reach = bridge.count(), step = layers_.pitch_mm();
-  for (double y = -reach; y <= reach; y += step) {
-    for (double x = -reach; x <= reach; x += step)
-      if (x * x + y * y <= reach * reach && layers_.is_lit({middle.x + x, middle.y + y, middle.z}))
-        return true;
-  }
-  return false;
+  return layers_.lit_around(*dark_beneath(contact.place), bridge.count(), 1) > 0;
 }
 
 }  // namespace contourd
