@@ -117,7 +117,7 @@ std::vector<Facet> tower_model(const ExposureTower& tower) {
   blocks.push_back({{0, front(-2), 0}, {right + kFinGap, kFinDepth + 1, level(0)}});
   for (int step = 0; step < tower.steps; ++step) {
     blocks.push_back({{0, front(step), level(step)}, {right, 0, level(step + 1)}});
-    add_dots(static_cast<std::size_t>(step + 1),
+    add_dots(static_cast<std::size_t>(step) + 1,
              {{1, front(step - 1), level(step)}, {1 + kDot, front(step), level(step + 0.5)}}, blocks);
   }
   return joined(blocks);

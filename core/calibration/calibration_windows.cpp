@@ -9,9 +9,9 @@ namespace contourd {
 namespace {
 
 // Lengths over a window's side.
-constexpr double kPitch = 1.6;     // from window to window
-constexpr double kDotPitch = 0.1;  // nine dots are as wide as a window
-constexpr double kDot = 0.06;
+constexpr double kWindowPitch = 1.6;  // from window to window
+constexpr double kDotPitch = 0.1;     // nine dots are as wide as a window
+constexpr double kDotSide = 0.06;
 constexpr double kDotsBelow = 0.15;  // from the window's lower edge to its dots
 
 constexpr double kSideMm = 6;
@@ -44,12 +44,15 @@ Mask draw_calibration_windows(std::span<const std::uint8_t> greys, Pixels width,
   Mask mask(width, height);
   Canvas canvas{mask,
                 std::min(kSideMm * 1000 / pitch.count(), std::min(width, height).count() / kSidesOfDisplay)};
+  constexpr std::size_t kColumns = 3;
   for (std::size_t i = 0; i < greys.size(); ++i) {
-    const double left = (static_cast<double>(i % 3) - 1) * kPitch - 0.5;
-    const double top = (static_cast<double>(i / 3) - 1) * kPitch - 0.5;
+    const std::size_t column = i % kColumns, row = i / kColumns;
+    const double left = (static_cast<double>(column) - 1) * kWindowPitch - 0.5;
+    const double top = (static_cast<double>(row) - 1) * kWindowPitch - 0.5;
     canvas.fill(left, top, 1, 1, greys[i]);
     for (std::size_t dot = 0; dot <= i; ++dot)
-      canvas.fill(left + kDotPitch * static_cast<double>(dot), top + 1 + kDotsBelow, kDot, kDot, greys[i]);
+      canvas.fill(left + kDotPitch * static_cast<double>(dot), top + 1 + kDotsBelow, kDotSide, kDotSide,
+                  greys[i]);
   }
   return mask;
 }

@@ -14,9 +14,9 @@ namespace contourd {
 namespace {
 
 constexpr std::ptrdiff_t kFewestBridges = 4;
-constexpr double kMostScatterUm = 40;
-constexpr double kMostUnsureUm = 15;  // of an underside
-constexpr int kThickPart = 16;        // layers
+constexpr double kMostBridgeScatterUm = 40;
+constexpr double kMostUnsureUndersideUm = 15;  // of an underside
+constexpr int kThickPart = 16;                 // layers
 
 // The squares of the thicknesses' differences, as a function of the memory.
 class BridgeSquares {
@@ -107,7 +107,7 @@ void check_within(const std::vector<double>& differences, double memory) {
     squares += (difference - mean) * (difference - mean);
   const double unsure = std::sqrt(squares / (count - 1) / count);
   const bool is_beyond = memory < 0.5 ? mean < 0 : mean > 0;
-  if (is_beyond && std::abs(mean) > std::max(3 * unsure, kMostUnsureUm))
+  if (is_beyond && std::abs(mean) > std::max(3 * unsure, kMostUnsureUndersideUm))
     refuse(
         "the bridges are %.3g um %s on average than with a memory of %.0f: check the working curve, with "
         "the resin as warm as in this print, and the resin's exposure",
@@ -146,22 +146,22 @@ PeelMemoryFit fit_peel_memory(const BridgePrint& print, std::span<const BridgeTh
   const double variance = least / static_cast<double>(measured.size() - 1);
   const double scatter = std::sqrt(variance);
   check_within(squares.differences(best), best);
-  if (!(scatter <= kMostScatterUm))
+  if (!(scatter <= kMostBridgeScatterUm))
     refuse(
         "the thicknesses scatter by %.3g um about those of the best memory, %.3g: more than %g um; check "
         "which thickness belongs to which bridge, and the working curve",
-        scatter, best, kMostScatterUm);
+        scatter, best, kMostBridgeScatterUm);
   // One standard deviation to either side, also where the memory hardly matters.
   const double low = squares.reaches(least + variance, best, 0);
   const double high = squares.reaches(least + variance, best, 1);
   const double underside =
       (bridge_thickness(print, high, kThickPart).count() - bridge_thickness(print, low, kThickPart).count()) /
       2;
-  if (!(underside <= kMostUnsureUm))
+  if (!(underside <= kMostUnsureUndersideUm))
     refuse(
         "the memory of %.3g is uncertain by %.3g, which is %.3g um at an underside, more than %g um: measure "
         "each bridge several times, or print the bridges again",
-        best, (high - low) / 2, underside, kMostUnsureUm);
+        best, (high - low) / 2, underside, kMostUnsureUndersideUm);
   return {.memory = {best, (high - low) / 2}, .scatter_um = scatter, .underside_um = underside};
 }
 
