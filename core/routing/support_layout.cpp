@@ -134,8 +134,8 @@ class SupportLayout {
       std::optional<SupportTip> tip = tips.tip_at(contact);
       if (!tip) return false;
       if (fills_gap(*tip)) {
-        // It would join two parts that may have to move, such as those of a hinge. What has nothing else to
-        // bear it would be lost without it.
+        // The support would join two parts that may have to move, such as those of a hinge. An island, and a
+        // layer whose peel nothing else bears, would be lost without it.
         if (contact.cause == ContactCause::Overhang) return false;
         in_gaps_.push_back(contact);
       }

@@ -94,6 +94,16 @@ class Windows(CalibrationTest):
         self.assertAlmostEqual(second["critical_energy_mj_cm2"] / first["critical_energy_mj_cm2"], 2, places=2)
         self.assertEqual(second["overcure_um"], first["overcure_um"])
 
+    def test_a_curve_without_a_temperature_removes_that_of_the_previous_curve(self):
+        daemon = self.daemon()
+        measured = self.measured_curve(daemon)
+        self.well(self.run_ctl(daemon, "fit", "curve", "standard", *measured, "--temperature-c", "23", "--accept"))
+        self.assertEqual(self.read(self.resin_file(daemon))["working_curve"]["temperature_c"], 23)
+        self.well(self.run_ctl(daemon, "fit", "curve", "standard", *measured, "--accept"), "note: temperature_c is that of the previous curve")
+        self.assertNotIn("temperature_c", self.read(self.resin_file(daemon))["working_curve"])
+        self.well(self.run_ctl(daemon, "fit", "undo", "standard"))
+        self.assertEqual(self.read(self.resin_file(daemon))["working_curve"]["temperature_c"], 23)
+
     def test_a_hidden_gamma_is_found_from_grey_windows_and_goes_to_the_printers_file(self):
         daemon = self.daemon()
         self.assert_refusal(self.run_ctl(daemon, "fit", "grey", "standard", "255=400"), BAD_DATA, "calibrate the curve first")

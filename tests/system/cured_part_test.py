@@ -212,7 +212,7 @@ class CuredPart(FolderTest):
         self.check(placed([facet for hole in holes for facet in hole]), 20)
 
     def test_undersides_of_a_gyroid_cure_where_they_are_drawn(self):
-        self.check(placed(self.made("gyroid-sphere", "40"), 0.18), 30, memories=(0.9,))
+        self.check(placed(self.made("gyroid-sphere", "40"), 0.18), 30)
 
     def test_undersides_of_a_scanned_model_cure_where_they_are_drawn(self):
         path = os.path.join(SHARED, "models", "bunny-closed-70k.stl")

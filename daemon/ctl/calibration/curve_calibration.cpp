@@ -236,8 +236,16 @@ int fit_curve(const FitWindowsArgs& args) {
                   rounded(critical.uncertainty)}},
       .given_heading = "dose mJ/cm²",
       .scatter_um = scatter};
-  if (args.temperature_c) result.values.push_back({"/working_curve/temperature_c", *args.temperature_c});
-  keep_exposures(find_resin(printer, args.resin), printer, curve, result);
+  const ResinProfile resin = find_resin(printer, args.resin);
+  if (args.temperature_c) {
+    result.values.push_back({"/working_curve/temperature_c", *args.temperature_c});
+  } else if (resin.cure_temperature) {
+    result.values.push_back({"/working_curve/temperature_c", nullptr});
+    result.notes.emplace_back(
+        "temperature_c is that of the previous curve and is removed, so that exposures do not follow the "
+        "temperature: give --temperature-c to keep that");
+  }
+  keep_exposures(resin, printer, curve, result);
   for (const auto& [dose, thickness] : windows)
     result.points.push_back({dose.count(), thickness.count(), curve.thickness_of(dose).count()});
   return finish_fit(args.fit, target, result);
@@ -246,18 +254,14 @@ int fit_curve(const FitWindowsArgs& args) {
 int fit_grey(const FitWindowsArgs& args) {
   const PrinterConfig printer = load_printer_config(args.fit.printer, Places::Elsewhere);
   const ResinProfile resin = find_resin(printer, args.resin);
-  if (!resin.cure)
-    throw CalibrationRefused(
-        fmt::format("{} has no working_curve, by which gamma follows from thicknesses: "
-                    "calibrate the curve first (contourctl calibrate curve {})",
-                    resin.name, resin.name));
+  const WorkingCurve curve = cure_of(resin).curve;
   FitResult result{.kind = "grey", .given_heading = "grey"};
   const std::optional<double> known = calibrated_uncertainty(
       read_text(resin_target(printer, args.resin).file), "/working_curve/penetration_depth_um");
   if (!known)
     result.notes.emplace_back(
         "the uncertainty of the resin's penetration depth is not known, so that gamma's leaves it out");
-  const Estimate depth{resin.cure->curve.penetration_depth.count(), known.value_or(0)};
+  const Estimate depth{curve.penetration_depth.count(), known.value_or(0)};
   std::vector<GreyWindow> windows;
   for (const auto& [grey, thickness] : parse_measured(args.measured)) {
     if (grey != std::round(grey) || grey < 0 || grey > 255)

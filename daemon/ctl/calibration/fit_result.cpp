@@ -90,6 +90,14 @@ double rounded(double number) {
   return std::round(number * unit) / unit;
 }
 
+const CureSettings& cure_of(const ResinProfile& resin) {
+  if (resin.cure) return *resin.cure;
+  throw CalibrationRefused(
+      fmt::format("{0} has no working_curve, on which the thickness of cured resin depends: calibrate the "
+                  "curve first (contourctl calibrate curve {0})",
+                  printable(resin.name)));
+}
+
 FitTarget resin_target(const PrinterConfig& printer, const std::string& resin) {
   (void)find_resin(printer, resin);  // names the profile's mistakes, or the existing profiles
   return {

@@ -32,6 +32,9 @@ void add_fit_options(Command& command, FitArgs& args);
 // Rounds to four significant digits, as a figure is written into a file.
 [[nodiscard]] double rounded(double number);
 
+// Returns the resin's curve and memory. Throws CalibrationRefused if its profile has no working_curve.
+[[nodiscard]] const CureSettings& cure_of(const ResinProfile& resin);
+
 // A measurement beside the fit.
 struct FittedPoint {
   double given = 0, measured = 0, fitted = 0;

@@ -15,6 +15,7 @@
 #include "daemon/client/control_defaults.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/calibration/calibration_commands.hpp"
+#include "daemon/ctl/calibration/fit_result.hpp"
 #include "daemon/ctl/models/layer_files.hpp"
 #include "daemon/ctl/models/stl_file.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
@@ -105,13 +106,9 @@ std::string CalibrationJobs::fit_command(const char* kind, const std::vector<std
 }
 
 CalibrationJob CalibrationJobs::memory() const {
-  if (!resin_.cure)
-    throw CalibrationRefused(
-        fmt::format("{0} has no working_curve, which the thickness of bridges depends on: "
-                    "calibrate the curve first (contourctl calibrate curve {0})",
-                    printable(resin_.name)));
+  const WorkingCurve curve = cure_of(resin_).curve;
   constexpr double kJaw = 4;  // mm, for the lower jaw of calipers
-  const double dark_mm = 6 * to_millimeters(resin_.cure->curve.penetration_depth).count();
+  const double dark_mm = 6 * to_millimeters(curve.penetration_depth).count();
   const double clearance_mm = std::max({kJaw, dark_mm, first_normal_layer() * layer_mm_});
   CalibrationJob job{.name = "memory",
                      .model = bridge_model(drawn(layer_mm_), drawn(clearance_mm)),

@@ -28,15 +28,11 @@ struct ModelFitArgs {
 int peel_memory(const ModelFitArgs& args) {
   const PrinterConfig printer = load_printer_config(args.fit.printer, Places::Elsewhere);
   const ResinProfile resin = find_resin(printer, args.resin);
-  if (!resin.cure)
-    throw CalibrationRefused(
-        fmt::format("{0} has no working_curve, which the thickness of bridges depends on: "
-                    "calibrate the curve first (contourctl calibrate curve {0})",
-                    printable(resin.name)));
+  const CureSettings& cure = cure_of(resin);
   const int normal_layer = resin.bottom_layers + resin.fade_layers;
   const std::chrono::duration<double> exposure =
       exposure_time(resin, resin.layer_height, normal_layer, printer.irradiance_mw_cm2);
-  const BridgePrint print{*resin.cure, resin.layer_height,
+  const BridgePrint print{cure, resin.layer_height,
                           MillijoulesPerCm2{exposure.count() * printer.irradiance_mw_cm2}};
   std::vector<BridgeThickness> bridges;
   for (const auto& [layers, thickness_um] : parse_measured(args.measured)) {

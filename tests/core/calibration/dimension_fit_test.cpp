@@ -30,7 +30,7 @@ struct ShrinkingResin {
   double x_percent, y_percent;
   double overcure;  // dose of a layer over the dose that just cures it
   double sigma_pixels;
-  double normal_quantile;  // of 1 - 1 / overcure: a straight wall grows by so many sigmas
+  double normal_quantile;  // of 1 - 1 / overcure: a straight wall grows by this many sigmas
 
   [[nodiscard]] double compensation_um() const { return -normal_quantile * sigma_pixels * kPitchUm; }
 };

@@ -106,7 +106,7 @@ TEST_CASE("The bridges' own masks cure to the thickness that the fit expects") {
     }
 }
 
-TEST_CASE("A bridge is its layers and the print-through of so many layers") {
+TEST_CASE("A bridge is as thick as its layers and the print-through of their number") {
   constexpr std::array print_through_um{50, 131, 193, 228, 238};  // Dp 150, 50 um layers, 50 um overcure
   const BridgePrint print = print_with(resin_of(1));
   for (std::size_t bridge = 0; bridge < kBridgeLayers.size(); ++bridge)
