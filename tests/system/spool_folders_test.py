@@ -93,6 +93,8 @@ class Members(SpoolTest):
         self.plate_at_home("plate")
         self.member("cp -r plate $incoming/")
         self.printer.wait_done("plate")
+        # While the end is on record, the next start completes the filing of the job as done.
+        wait_until(lambda: not os.path.exists(self.path("state", "ended-jobs")), "the record of the job's end to be used up")
         self.printer.kill()
         os.rename(self.printer.file("done", "plate"), self.printer.file("printing", "plate"))
         for name in self.printer.names_in("done"):
