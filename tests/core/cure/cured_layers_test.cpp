@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -203,4 +204,71 @@ TEST_CASE("The topmost layer of a tall print has its own light") {
   const auto dose = cured.add_layer(layer_of(print, kLayer), light);
   CHECK(dose[0] == Approx(std::exp(1.0)));
   CHECK(dose[1] == 0);
+}
+
+namespace {
+
+// A wedge whose top rises along a row of pixels.
+struct Wedge {
+  static constexpr int kPixels = 60;
+  static constexpr double kPixel = 50, kLowest = 1000;  // um
+  double slope;                                         // tangent
+
+  [[nodiscard]] double top_um(double pixels) const { return kLowest + slope * kPixel * pixels; }
+  // Returns the part of a pixel that the wedge covers at a height.
+  [[nodiscard]] double coverage(int pixel, double height_um) const {
+    return std::clamp(pixel + 1 - (height_um - kLowest) / (slope * kPixel), 0.0, 1.0);
+  }
+};
+
+struct CuredTops {
+  double worst_um = 0;
+  int loose = 0;  // solids that are not connected to the part
+};
+
+// Cures the wedge with light that is its coverage, averaged over `heights` heights within each layer.
+CuredTops cured_tops(const Wedge& wedge, int heights) {
+  const Print print{150, 50, 50};
+  const int layers = static_cast<int>(wedge.top_um(Wedge::kPixels) / print.layer_um) + 1;
+  CuredLayers cured(settings(print), Wedge::kPixels);
+  std::vector<std::vector<double>> solid(static_cast<std::size_t>(layers));  // thickness in um, by pixel
+  for (int layer = layers - 1; layer >= 0; --layer) {
+    std::vector<float> light(Wedge::kPixels);
+    for (int pixel = 0; pixel < Wedge::kPixels; ++pixel)
+      for (int i = 0; i < heights; ++i)
+        light[static_cast<std::size_t>(pixel)] += static_cast<float>(
+            wedge.coverage(pixel, (layer + (i + 0.5) / heights) * print.layer_um) / heights);
+    const LayerDose of = layer_of(print, layer);
+    for (const float dose : cured.add_layer(of, light))
+      solid[static_cast<std::size_t>(layer)].push_back(cured.solid_thickness(of, dose).count() * 1000);
+  }
+  CuredTops tops;
+  for (std::size_t pixel = 0; pixel < Wedge::kPixels; ++pixel) {
+    const auto is_whole = [&](const auto& layer) { return layer[pixel] > print.layer_um - 1e-3; };
+    const auto end = std::ranges::find_if_not(solid, is_whole);
+    const double top_um = static_cast<double>(end - solid.begin()) * print.layer_um;
+    tops.worst_um =
+        std::max(tops.worst_um, std::abs(top_um - wedge.top_um(static_cast<double>(pixel) + 0.5)));
+    tops.loose += static_cast<int>(
+        std::count_if(end, solid.end(), [&](const auto& layer) { return layer[pixel] > 0; }));
+  }
+  return tops;
+}
+
+}  // namespace
+
+TEST_CASE("Light averaged over a layer's height cures tops no better than coverage at its middle") {
+  int loose = 0, loose_of_averaged = 0;
+  for (const double degrees : {3, 10, 20, 30, 45}) {
+    const Wedge wedge{std::tan(degrees * std::numbers::pi / 180)};
+    const CuredTops middle = cured_tops(wedge, 1), averaged = cured_tops(wedge, 50);
+    CAPTURE(degrees, middle.worst_um);
+    CHECK(averaged.worst_um >= middle.worst_um);
+    // Half a layer, and what a slope rises from a pixel's middle to its part that the mask's grey still
+    // cures.
+    CHECK(middle.worst_um <= 25 + 0.25 * wedge.slope * Wedge::kPixel);
+    loose += middle.loose;
+    loose_of_averaged += averaged.loose;
+  }
+  CHECK(loose_of_averaged > 2 * loose);
 }
