@@ -3,6 +3,7 @@
 #include <png.h>
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <cstdio>
 #include <optional>
@@ -17,6 +18,8 @@ namespace {
 
 // Upper limit for a file's size; a display's picture has a few megabytes at most.
 constexpr std::size_t kLargestFile = std::size_t{128} << 20U;
+
+constexpr std::int64_t kMostPhotoPixels = 100'000'000;  // decoded in a few seconds
 
 struct DisplaySize {
   Pixels width, height;
@@ -82,11 +85,7 @@ class PngReader {
 
   // Decodes the picture, which must have the size `wanted` if one is given.
   Mask decode(std::optional<DisplaySize> wanted = std::nullopt) {
-    require_signature(left_);
-    // Texts, profiles and the like do not affect the pixels, and a few kilobytes of them may unpack to 8 MB.
-    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
-    png_set_read_fn(png_, this, take);
-    png_read_info(png_, info_);
+    begin();
     if (png_get_color_type(png_, info_) != PNG_COLOR_TYPE_GRAY || png_get_bit_depth(png_, info_) != 8 ||
         png_get_valid(png_, info_, PNG_INFO_tRNS) != 0) {
       throw std::runtime_error("the picture is not 8-bit grey without transparency");
@@ -105,7 +104,38 @@ class PngReader {
     return mask;
   }
 
+  void decode_rows(const std::function<void(const PngRow&)>& take_row) {
+    begin();
+    const DisplaySize size = size_of(png_get_image_width(png_, info_), png_get_image_height(png_, info_));
+    if (std::int64_t{size.width.count()} * size.height.count() > kMostPhotoPixels)
+      throw std::runtime_error("the picture is " + text_of(size) +
+                               " pixels; the limit for a photo is 100 million pixels");
+    if (png_get_interlace_type(png_, info_) != PNG_INTERLACE_NONE)
+      throw std::runtime_error("the picture is interlaced: save it without interlacing");
+    png_set_expand_16(png_);  // also palettes, transparency and less than 8 bits
+    png_set_strip_alpha(png_);
+    if constexpr (std::endian::native == std::endian::little) png_set_swap(png_);
+    png_read_update_info(png_, info_);
+    const std::size_t channels = png_get_channels(png_, info_);
+    std::vector<std::uint16_t> row(static_cast<std::size_t>(size.width.count()) * channels);
+    if (png_get_rowbytes(png_, info_) != row.size() * sizeof row[0])
+      throw std::runtime_error("the picture has samples of an unusual size");
+    for (std::int32_t y = 0; y < size.height.count(); ++y) {
+      png_read_row(png_, reinterpret_cast<png_bytep>(row.data()), nullptr);
+      take_row({y, row, channels});
+    }
+    png_read_end(png_, nullptr);
+  }
+
  private:
+  // Reads what is before the pixels.
+  void begin() {
+    require_signature(left_);
+    // Texts, profiles and the like do not affect the pixels, and a few kilobytes of them may unpack to 8 MB.
+    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
+    png_set_read_fn(png_, this, take);
+    png_read_info(png_, info_);
+  }
   [[noreturn]] static void refuse(png_structp, png_const_charp why) {
     throw std::runtime_error(std::string("the picture cannot be read: ") + why);
   }
@@ -147,6 +177,11 @@ Mask read_png_as_grey(const std::filesystem::path& path) {
   constexpr png_color kBlack{0, 0, 0};
   require(png_image_finish_read(&image, &kBlack, mask.row(0).data(), 0, nullptr));
   return mask;
+}
+
+void read_png_rows(const std::filesystem::path& path, const std::function<void(const PngRow&)>& take) {
+  const std::vector<std::uint8_t> bytes = read_file(path);
+  PngReader(bytes).decode_rows(take);
 }
 
 Mask decode_png(std::span<const std::uint8_t> bytes, Pixels width, Pixels height) {

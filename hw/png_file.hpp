@@ -1,8 +1,10 @@
 // Writes and reads masks as PNG files (8-bit grey). Thread-safe (no shared state).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -25,6 +27,19 @@ void write_png(const std::filesystem::path& path, const Mask& mask, MaskPngEncod
 // Reads any PNG as 8-bit grey: colours become their lightness, transparent pixels are drawn over black.
 // Otherwise like read_png().
 [[nodiscard]] Mask read_png_as_grey(const std::filesystem::path& path);
+
+// A row of a picture: `channels` samples a pixel, grey or red, green and blue, from 0 to 65535.
+struct PngRow {
+  std::int32_t y = 0;
+  std::span<const std::uint16_t> samples;
+  std::size_t channels = 0;
+};
+
+// Reads a photo of any PNG kind row by row, so that it is never in memory as a whole, and calls `take` for
+// each row. Samples are those of the file, without regard to its gamma and transparency; those of fewer bits
+// are scaled to 16. Throws as read_png() does, also if the picture is interlaced or has more than 100 million
+// pixels.
+void read_png_rows(const std::filesystem::path& path, const std::function<void(const PngRow&)>& take);
 
 // Decodes the bytes of a PNG file by read_png()'s rules. A picture that does not have this size is rejected
 // before its pixels are read. Does not block.

@@ -1,12 +1,13 @@
 #include "core/calibration/dimension_fit.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "core/calibration/linear_fit.hpp"
 #include "core/calibration/refuse.hpp"
 
 namespace contourd {
@@ -18,48 +19,19 @@ constexpr double kMostUnsurePercent = 0.3, kMostUnsureUm = 20;
 // The limits of a resin's profile.
 constexpr double kLeastPercent = -10, kMostPercent = 20, kMostGrowthUm = 500;
 
-// Figures of the fit: the scale in x, that in y, the growth in mm.
-using Row = std::array<double, 3>;
-using Matrix = std::array<Row, 3>;
-
-Row row_of(const MeasuredLength& length) {
-  const double drawn = length.drawn.count();
-  return {length.axis == PlateAxis::X ? drawn : 0, length.axis == PlateAxis::Y ? drawn : 0,
-          length.kind == LengthKind::Outer ? 2.0 : -2.0};
-}
-
-// Inverts a symmetric positive matrix (Gauss and Jordan). Returns false if it is singular but for rounding.
-bool invert(Matrix& matrix, const std::array<bool, 3>& is_used) {
-  Matrix inverse{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    inverse[i][i] = 1;
-    if (!is_used[i]) matrix[i][i] = 1;
-  }
-  for (std::size_t pivot = 0; pivot < 3; ++pivot) {
-    const double by = matrix[pivot][pivot];
-    if (!(by > 1e-6)) return false;
-    for (std::size_t column = 0; column < 3; ++column) {
-      matrix[pivot][column] /= by;
-      inverse[pivot][column] /= by;
-    }
-    for (std::size_t row = 0; row < 3; ++row) {
-      const double times = matrix[row][pivot];
-      if (row == pivot) continue;
-      for (std::size_t column = 0; column < 3; ++column) {
-        matrix[row][column] -= times * matrix[pivot][column];
-        inverse[row][column] -= times * inverse[pivot][column];
-      }
-    }
-  }
-  matrix = inverse;
-  return true;
-}
-
-// The scales and the growth that the lengths have, in the part.
-struct LengthFit {
-  std::array<Estimate, 3> figures;  // as in Row
-  double scatter_mm = 0;
+// The axes that were measured.
+struct MeasuredAxes {
+  bool x = false, y = false;
 };
+
+// Returns the terms of a length: the scale along each measured axis, and the growth in mm.
+std::vector<double> terms_of(const MeasuredLength& length, const MeasuredAxes& axes) {
+  std::vector<double> terms;
+  if (axes.x) terms.push_back(length.axis == PlateAxis::X ? length.drawn.count() : 0);
+  if (axes.y) terms.push_back(length.axis == PlateAxis::Y ? length.drawn.count() : 0);
+  terms.push_back(length.kind == LengthKind::Outer ? 2 : -2);
+  return terms;
+}
 
 void check_lengths(std::span<const MeasuredLength> measured, std::size_t figures) {
   for (const MeasuredLength& length : measured) {
@@ -75,38 +47,14 @@ void check_lengths(std::span<const MeasuredLength> measured, std::size_t figures
            kLengthsPerFigure * figures);
 }
 
-LengthFit fit_lengths(std::span<const MeasuredLength> measured, const std::array<bool, 3>& is_used,
-                      std::size_t figures) {
-  Matrix covariance{};
-  Row sums{};
-  for (const MeasuredLength& length : measured) {
-    const Row row = row_of(length);
-    for (std::size_t i = 0; i < 3; ++i) {
-      sums[i] += row[i] * length.measured.count();
-      for (std::size_t j = 0; j < 3; ++j)
-        covariance[i][j] += row[i] * row[j];
-    }
-  }
-  if (!invert(covariance, is_used))
-    throw CalibrationRefused(
-        "the lengths are too similar to tell scale from growth: measure long and short ones, from outer side "
-        "to outer side and in gaps");
-  LengthFit fit;
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j)
-      fit.figures[i].value += covariance[i][j] * sums[j];
-  double squares = 0;
-  for (const MeasuredLength& length : measured) {
-    const Row row = row_of(length);
-    double expected = 0;
-    for (std::size_t i = 0; i < 3; ++i)
-      expected += row[i] * fit.figures[i].value;
-    squares += std::pow(length.measured.count() - expected, 2);
-  }
-  fit.scatter_mm = std::sqrt(squares / static_cast<double>(measured.size() - figures));
-  for (std::size_t i = 0; i < 3; ++i)
-    fit.figures[i].uncertainty = fit.scatter_mm * std::sqrt(covariance[i][i]);
-  return fit;
+LinearFit fit_lengths(std::span<const MeasuredLength> measured, const MeasuredAxes& axes) {
+  std::vector<LinearPoint> points;
+  for (const MeasuredLength& length : measured)
+    points.push_back({terms_of(length, axes), length.measured.count()});
+  if (std::optional<LinearFit> fit = fit_linear(points)) return *std::move(fit);
+  throw CalibrationRefused(
+      "the lengths are too similar to tell scale from growth: measure long and short ones, from outer side "
+      "to outer side and in gaps");
 }
 
 // Returns the shrinkage of parts whose models were enlarged for another one, and have this scale.
@@ -146,31 +94,34 @@ DimensionFit fit_dimensions(const DimensionSettings& printed, std::span<const Me
   const auto has = [measured](PlateAxis axis) {
     return std::ranges::any_of(measured, [axis](const MeasuredLength& each) { return each.axis == axis; });
   };
-  const std::array<bool, 3> is_used{has(PlateAxis::X), has(PlateAxis::Y), true};
-  const auto figures = static_cast<std::size_t>(std::ranges::count(is_used, true));
+  const MeasuredAxes axes{has(PlateAxis::X), has(PlateAxis::Y)};
+  const std::size_t figures = 1U + (axes.x ? 1U : 0U) + (axes.y ? 1U : 0U);
   check_lengths(measured, std::max<std::size_t>(figures, 2));
-  const auto& [of, scatter_mm] = fit_lengths(measured, is_used, figures);
-  if (!(scatter_mm * 1000 <= kMostScatterUm))
+  const LinearFit lengths = fit_lengths(measured, axes);
+  DimensionFit fit;
+  fit.scatter_um = lengths.scatter * 1000;
+  if (!(fit.scatter_um <= kMostScatterUm))
     refuse(
         "the lengths scatter by %.3g um about those by scale and growth, more than %g um: check which value "
         "belongs to which length",
-        scatter_mm * 1000, kMostScatterUm);
-  DimensionFit fit;
-  fit.scatter_um = scatter_mm * 1000;
+        fit.scatter_um, kMostScatterUm);
   double unshrunk = 1;
-  if (is_used[0]) {
-    fit.shrinkage_x_percent = shrinkage(of[0], printed.shrinkage_x_percent);
+  if (axes.x) {
+    fit.shrinkage_x_percent = shrinkage(lengths.factor(0), printed.shrinkage_x_percent);
     check_shrinkage('x', *fit.shrinkage_x_percent);
     unshrunk = 1 - fit.shrinkage_x_percent->value / 100;
   }
-  if (is_used[1]) {
-    fit.shrinkage_y_percent = shrinkage(of[1], printed.shrinkage_y_percent);
+  if (axes.y) {
+    fit.shrinkage_y_percent = shrinkage(lengths.factor(figures - 2), printed.shrinkage_y_percent);
     check_shrinkage('y', *fit.shrinkage_y_percent);
     const double along_y = 1 - fit.shrinkage_y_percent->value / 100;
-    unshrunk = is_used[0] ? (unshrunk + along_y) / 2 : along_y;
+    unshrunk = axes.x ? (unshrunk + along_y) / 2 : along_y;
   }
-  fit.growth_um = {printed.growth_um - of[2].value * 1000 / unshrunk, of[2].uncertainty * 1000 / unshrunk};
+  const auto [growth_mm, growth_uncertainty] = lengths.factor(figures - 1);
+  fit.growth_um = {printed.growth_um - growth_mm * 1000 / unshrunk, growth_uncertainty * 1000 / unshrunk};
   check_growth(fit.growth_um);
+  for (const MeasuredLength& length : measured)
+    fit.lengths_mm.push_back(lengths.at(terms_of(length, axes)));
   return fit;
 }
 

@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/calibration/line_fit.hpp"
 #include "core/geometry/units.hpp"
@@ -36,7 +37,8 @@ struct DimensionSettings {
 struct DimensionFit {
   std::optional<Estimate> shrinkage_x_percent, shrinkage_y_percent;  // of the axes that were measured
   Estimate growth_um;
-  double scatter_um = 0;  // of the lengths about those by scale and growth
+  double scatter_um = 0;               // of the lengths about those by scale and growth
+  std::vector<Estimate> lengths_mm{};  // by scale and growth, in the order of the measured ones
 };
 
 // Returns the fit of a part that was printed with `printed`. Throws CalibrationRefused if a length is not

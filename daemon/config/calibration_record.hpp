@@ -12,7 +12,7 @@ namespace contourd {
 // A value of the file, by its JSON pointer.
 struct CalibratedValue {
   std::string key;                      // "/working_curve/peel_memory"; at most two levels deep
-  nlohmann::ordered_json value;         // a number; null removes the key
+  nlohmann::ordered_json value;         // a number or a text; null removes the key
   std::optional<double> uncertainty{};  // standard uncertainty, in the value's unit
 };
 

@@ -35,11 +35,23 @@ std::optional<std::smatch> only_match(const std::string& text, const std::regex&
   throw std::system_error(errno, std::generic_category(), what + " " + file.string());
 }
 
-// A new version of the file `of`, with the same owner and permissions, in a file beside it until place()
-// replaces `of`.
+// Writes all bytes. False after an error, which is in errno.
+bool write_all(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file, bytes.data(), bytes.size());
+    if (written < 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+// A new version of the file `of`, with the owner and permissions of the file `like`, in a file beside it
+// until place() replaces `of`.
 class Replacement {
  public:
-  explicit Replacement(fs::path of) : of_(std::move(of)), path_(of_.string() + ".new") {}
+  Replacement(fs::path of, fs::path like)
+      : of_(std::move(of)), like_(std::move(like)), path_(of_.string() + ".new") {}
+  explicit Replacement(const fs::path& of) : Replacement(of, of) {}
   Replacement(const Replacement&) = delete;
   Replacement& operator=(const Replacement&) = delete;
   ~Replacement() {
@@ -48,16 +60,15 @@ class Replacement {
 
   [[nodiscard]] const fs::path& path() const { return path_; }
 
-  void write(const std::string& text) const {
+  void write(std::string_view text) const {
     struct stat like {};
-    const bool exists = ::stat(of_.c_str(), &like) == 0;
-    if (!exists && errno != ENOENT) fail("cannot read", of_);
+    const bool exists = ::stat(like_.c_str(), &like) == 0;
+    if (!exists && errno != ENOENT) fail("cannot read", like_);
     if (!exists) like.st_mode = S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH;
     ::unlink(path_.c_str());
     const FileDescriptor file(
         ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, S_IRUSR | S_IWUSR));
-    const bool written = file.valid() &&
-                         ::write(file.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
+    const bool written = file.valid() && write_all(file.get(), text) &&
                          (!exists || ::fchown(file.get(), like.st_uid, like.st_gid) == 0) &&
                          ::fchmod(file.get(), like.st_mode & 07777U) == 0 && ::fsync(file.get()) == 0;
     if (!written) fail("cannot write", path_);
@@ -71,7 +82,7 @@ class Replacement {
   }
 
  private:
-  fs::path of_, path_;
+  fs::path of_, like_, path_;
   bool placed_ = false;
 };
 
@@ -133,6 +144,12 @@ void replace_file(const fs::path& file, const std::string& text,
   Replacement replacement(fs::canonical(file));
   replacement.write(text);
   check(replacement.path());
+  replacement.place();
+}
+
+void write_beside(const fs::path& existing, const fs::path& file, std::string_view content) {
+  Replacement replacement(file, existing);
+  replacement.write(content);
   replacement.place();
 }
 

@@ -31,6 +31,11 @@ void set_config_number(const std::filesystem::path& file, std::string_view secti
 void replace_file(const std::filesystem::path& file, const std::string& text,
                   const std::function<void(const std::filesystem::path&)>& check);
 
+// Writes a new file beside an existing one, with that one's owner and permissions. The new file is never
+// partly written. Blocks until the data is on the disk. Throws std::system_error; then there is no new file.
+void write_beside(const std::filesystem::path& existing, const std::filesystem::path& file,
+                  std::string_view content);
+
 // The treatment of the previous file.
 enum class FileBefore {
   Kept,  // beside the new one as FILE.before-setup; if that exists, as FILE.before-setup-2, and so on

@@ -254,6 +254,84 @@ TEST_CASE("A file that is not a PNG, is damaged or ends early is refused") {
   CHECK(refusal_of_png(damaged).starts_with("the picture cannot be read: "));
 }
 
+namespace {
+
+// Returns all samples of a photo, by read_png_rows().
+std::vector<std::uint16_t> samples_of(const std::filesystem::path& path, std::size_t channels) {
+  std::vector<std::uint16_t> samples;
+  std::int32_t y = 0;
+  read_png_rows(path, [&](const PngRow& row) {
+    CHECK(row.y == y++);
+    CHECK(row.channels == channels);
+    samples.insert(samples.end(), row.samples.begin(), row.samples.end());
+  });
+  return samples;
+}
+
+std::string refusal_of_photo(const std::string& bytes) {
+  const testing::TemporaryFolder folder;
+  return testing::refusal_of<std::runtime_error>([&] {
+    read_png_rows(folder.write("photo.png", bytes), [](const PngRow&) {});
+    return 0;
+  });
+}
+
+}  // namespace
+
+TEST_CASE("A photo of any kind is read as samples of 16 bits, without its gamma and transparency") {
+  const testing::TemporaryFolder folder;
+  const auto read = [&](png_uint_32 format, std::size_t channels) {
+    return samples_of(folder.write("photo.png", png_of(format, 3, 2)), channels);
+  };
+  // png_of() fills all bytes with 100.
+  CHECK(read(PNG_FORMAT_GRAY, 1) == std::vector<std::uint16_t>(6, 100 * 257));
+  CHECK(read(PNG_FORMAT_RGB, 3) == std::vector<std::uint16_t>(18, 100 * 257));
+  CHECK(read(PNG_FORMAT_GA, 1) == std::vector<std::uint16_t>(6, 100 * 257));
+  CHECK(read(PNG_FORMAT_RGBA, 3) == std::vector<std::uint16_t>(18, 100 * 257));
+  write_png(folder.path() / "ramp.png", ramp());
+  const std::vector<std::uint16_t> samples = samples_of(folder.path() / "ramp.png", 1);
+  REQUIRE(samples.size() == 37 * 29);
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    CHECK(samples[i] == ramp().pixels()[i] * 257);
+  // Samples of 16 bits are high byte first in the file: the simplified writer takes them in the machine's
+  // order.
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = 2;
+  image.height = 1;
+  image.format = PNG_FORMAT_LINEAR_Y;
+  const std::vector<std::uint16_t> wide{1, 0x1234};
+  REQUIRE(png_image_write_to_file(&image, (folder.path() / "wide.png").c_str(), 0, wide.data(), 0, nullptr) !=
+          0);
+  CHECK(samples_of(folder.path() / "wide.png", 1) == wide);
+  Palette palette{};
+  palette[7] = {10, 20, 30};
+  Mask seven(Pixels{1}, Pixels{1});
+  seven.row(0)[0] = 7;
+  CHECK(samples_of(folder.write("palette.png", text_of(encode_png(seven, &palette))), 3) ==
+        std::vector<std::uint16_t>{2570, 5140, 7710});
+}
+
+TEST_CASE("A photo that is damaged, interlaced or too large is refused") {
+  CHECK(refusal_of_photo("") == "the file is not a PNG file");
+  const std::string whole = text_of(encode_png(Mask(Pixels{40}, Pixels{30})));
+  CHECK(refusal_of_photo(whole).empty());
+  for (std::size_t size = 8; size < whole.size(); ++size)
+    CHECK(refusal_of_photo(whole.substr(0, size)).starts_with("the picture cannot be read: "));
+  const testing::TemporaryFolder folder;
+  write_interlaced(folder.path() / "interlaced.png", ramp());
+  CHECK(testing::refusal_of<std::runtime_error>([&] {
+          read_png_rows(folder.path() / "interlaced.png", [](const PngRow&) {});
+          return 0;
+        }) == "the picture is interlaced: save it without interlacing");
+  CHECK(refusal_of_photo(text_of(encode_png(Mask(Pixels{10'001}, Pixels{10'000})))) ==
+        "the picture is 10001x10000 pixels; the limit for a photo is 100 million pixels");
+  CHECK(testing::refusal_of<std::runtime_error>([] {
+          read_png_rows("/dev/zero", [](const PngRow&) {});
+          return 0;
+        }) == "it is not a regular file");
+}
+
 TEST_CASE("A picture larger than any mask is refused before its pixels are read") {
   std::string bytes = text_of(encode_png(Mask(Pixels{1}, Pixels{1})));
   // The width of 16385 and the header's checksum for it.

@@ -20,4 +20,8 @@ void add_fit_windows(Command& fit);
 void add_calibrate_models(Command& calibrate);
 void add_fit_models(Command& fit);
 
+// Add the commands of both groups for the lamp's light over the display.
+void add_calibrate_lamp(Command& calibrate);
+void add_fit_lamp(Command& fit);
+
 }  // namespace contourd::ctl

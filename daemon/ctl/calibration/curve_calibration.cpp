@@ -22,7 +22,7 @@
 #include "daemon/config/config_edit.hpp"
 #include "daemon/ctl/calibration/calibration_commands.hpp"
 #include "daemon/ctl/calibration/fit_result.hpp"
-#include "daemon/ctl/commands/manual_command.hpp"
+#include "daemon/ctl/calibration/light_by_hand.hpp"
 #include "daemon/ctl/terminal/dialog.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/system/readable.hpp"
@@ -68,7 +68,8 @@ class WindowPrint {
       greys[i] = 255;
       fmt::print("window {} of {}: {:.3g} s\n", i + 1, kMostWindows, times_s[i]);
       std::fflush(stdout);
-      if (const int code = light(evened(greys), times_s[i]); code != kOk) return code;
+      if (const int code = shine(client_, evened(greys), {times_s[i], args_.in_resin}); code != kOk)
+        return code;
     }
     std::vector<double> doses;
     for (const double each_s : times_s)
@@ -84,7 +85,7 @@ class WindowPrint {
     if (const int code = prepare(time_s); code != kOk) return code;
     fmt::print("all windows: {:.3g} s\n", time_s);
     std::fflush(stdout);
-    if (const int code = light(drawn(kGreys), time_s); code != kOk) return code;
+    if (const int code = shine(client_, drawn(kGreys), {time_s, args_.in_resin}); code != kOk) return code;
     explain("grey", "grey", {kGreys.begin(), kGreys.end()});
     return kOk;
   }
@@ -122,8 +123,7 @@ class WindowPrint {
         return kFailed;
       }
     }
-    fmt::print("The projector warms up.\n");
-    return control_by_hand(client_, {"projector", {{"power", "on"}}}, WaitFor::Operation, Progress::Hidden);
+    return warm_up(client_);
   }
 
   [[nodiscard]] Mask drawn(const std::array<std::uint8_t, kMostWindows>& greys) const {
@@ -135,13 +135,6 @@ class WindowPrint {
     Mask sent(printer_.display_width, printer_.display_height);
     ExposureCorrection(printer_.tone, printer_.uniformity).apply(drawn(greys), sent);
     return sent;
-  }
-
-  int light(const Mask& windows, double seconds) {
-    const ShownPicture picture(client_, windows);
-    Request request{"light_on", {{"seconds", seconds}}};
-    if (args_.in_resin) request.parameters["in_resin"] = true;
-    return control_by_hand(client_, request, WaitFor::Operation, Progress::Hidden);
   }
 
   void explain(const char* kind, const char* heading, const std::vector<double>& given) const {
@@ -235,7 +228,7 @@ int fit_curve(const FitWindowsArgs& args) {
                  {"/working_curve/critical_energy_mj_cm2", rounded(critical.value),
                   rounded(critical.uncertainty)}},
       .given_heading = "dose mJ/cm²",
-      .scatter_um = scatter};
+      .scatter = scatter};
   const ResinProfile resin = find_resin(printer, args.resin);
   if (args.temperature_c) {
     result.values.push_back({"/working_curve/temperature_c", *args.temperature_c});
@@ -247,7 +240,7 @@ int fit_curve(const FitWindowsArgs& args) {
   }
   keep_exposures(resin, printer, curve, result);
   for (const auto& [dose, thickness] : windows)
-    result.points.push_back({dose.count(), thickness.count(), curve.thickness_of(dose).count()});
+    result.points.push_back({{dose.count()}, thickness.count(), curve.thickness_of(dose).count()});
   return finish_fit(args.fit, target, result);
 }
 
@@ -270,9 +263,9 @@ int fit_grey(const FitWindowsArgs& args) {
   }
   const GammaFit fit = fit_gamma(windows, depth);
   result.values.push_back({"/display/gamma", rounded(fit.gamma.value), rounded(fit.gamma.uncertainty)});
-  result.scatter_um = fit.line.scatter;
+  result.scatter = fit.line.scatter;
   for (const auto& [grey, thickness] : windows)
-    result.points.push_back({static_cast<double>(grey), thickness.count(), fit.thickness_of(grey).count()});
+    result.points.push_back({{static_cast<double>(grey)}, thickness.count(), fit.thickness_of(grey).count()});
   return finish_fit(args.fit, printer_target(args.fit.printer), result);
 }
 

@@ -29,18 +29,28 @@ std::string present_value(const Json& file, const std::string& key) {
   return file.contains(place) ? file.at(place).dump() : "absent";
 }
 
+// Returns a name with the unit: "measured um".
+std::string with_unit(const std::string& name, const std::string& unit, const char* between) {
+  return unit.empty() ? name : name + between + unit;
+}
+
+void print_points(const FitResult& result) {
+  const auto heading = [&result](const char* name) { return with_unit(name, result.unit, " "); };
+  fmt::print("\n{:>14} {:>12} {:>10} {:>13}\n", result.given_heading, heading("measured"), heading("fitted"),
+             heading("difference"));
+  for (const auto& [given, measured, fitted] : result.points)
+    fmt::print("{:>14} {:>12.5g} {:>10.4g} {:>13.2g}\n", fmt::format("{:.5g}", fmt::join(given, ", ")),
+               measured, fitted, measured - fitted);
+  fmt::print("scatter about the fit: {}\n",
+             with_unit(fmt::format("{:.3g}", result.scatter), result.unit, " "));
+}
+
 void print_result(const FitResult& result, const Json& before) {
   for (const auto& [key, value, uncertainty] : result.values)
     fmt::print("{:<40} {:>10}{}   now {}\n", key.substr(1), value.is_null() ? "removed" : value.dump(),
                uncertainty ? fmt::format(" +- {:<8.3g}", *uncertainty) : std::string(12, ' '),
                present_value(before, key));
-  if (!result.points.empty()) {
-    fmt::print("\n{:>14} {:>12} {:>10} {:>13}\n", result.given_heading, "measured um", "fitted um",
-               "difference um");
-    for (const auto& [given, measured, fitted] : result.points)
-      fmt::print("{:>14.5g} {:>12.5g} {:>10.4g} {:>13.2g}\n", given, measured, fitted, measured - fitted);
-    fmt::print("scatter about the fit: {:.3g} um\n", result.scatter_um);
-  }
+  if (!result.points.empty()) print_points(result);
   for (const std::string& note : result.notes)
     fmt::print("note: {}\n", note);
 }
@@ -52,12 +62,29 @@ Json json_of(const FitResult& result, bool written) {
     if (uncertainty) one["uncertainty"] = *uncertainty;
     json["values"].push_back(std::move(one));
   }
+  const auto named = [&result](const char* name) { return with_unit(name, result.unit, "_"); };
   for (const auto& [given, measured, fitted] : result.points)
-    json["points"].push_back({{"given", given}, {"measured_um", measured}, {"fitted_um", fitted}});
-  json["scatter_um"] = result.scatter_um;
+    json["points"].push_back({{"given", given.size() == 1 ? Json(given.front()) : Json(given)},
+                              {named("measured"), measured},
+                              {named("fitted"), fitted}});
+  json[named("scatter")] = result.scatter;
   json["notes"] = result.notes;
   json["written"] = written;
   return json;
+}
+
+// Writes the values into the file, and the file that they name. Throws as replace_file() does; then nothing
+// has changed.
+void write_result(const FitTarget& target, const std::string& text, const std::optional<NamedFile>& named) {
+  const bool is_new = named && !fs::exists(named->file);
+  if (is_new) write_beside(target.file, named->file, named->content);
+  try {
+    replace_file(target.file, text, target.check);
+  } catch (...) {
+    std::error_code ignored;
+    if (is_new) fs::remove(named->file, ignored);
+    throw;
+  }
 }
 
 }  // namespace
@@ -116,7 +143,7 @@ int finish_fit(const FitArgs& args, const FitTarget& target, const FitResult& re
                                 .lamp_hours = args.lamp_hours,
                                 .values = result.values};
   if (!args.json) print_result(result, Json::parse(before));
-  if (args.accept) replace_file(target.file, with_calibration(before, calibration), target.check);
+  if (args.accept) write_result(target, with_calibration(before, calibration), result.named);
   if (args.json)
     print_json(json_of(result, args.accept));
   else if (args.accept)

@@ -37,16 +37,25 @@ void add_fit_options(Command& command, FitArgs& args);
 
 // A measurement beside the fit.
 struct FittedPoint {
-  double given = 0, measured = 0, fitted = 0;
+  std::vector<double> given;
+  double measured = 0, fitted = 0;
+};
+
+// A new file that a value names, beside the file that gets the value.
+struct NamedFile {
+  std::filesystem::path file;
+  std::string content;
 };
 
 struct FitResult {
   std::string kind;                       // as in the group `fit`
   std::vector<CalibratedValue> values{};  // to be written
   std::string given_heading{};            // heading of FittedPoint::given: "dose mJ/cm²"
-  std::vector<FittedPoint> points{};      // lengths in um
-  double scatter_um = 0;                  // of the measurements about the fit
-  std::vector<std::string> notes{};       // sentences
+  std::vector<FittedPoint> points{};
+  std::string unit = "um";           // of measured and fitted values; empty: that of a meter
+  double scatter = 0;                // of the measurements about the fit, in the unit
+  std::vector<std::string> notes{};  // sentences
+  std::optional<NamedFile> named{};
 };
 
 // A file that gets the figures, and its check, which throws ConfigError.

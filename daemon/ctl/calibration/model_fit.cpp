@@ -46,9 +46,10 @@ int peel_memory(const ModelFitArgs& args) {
       .kind = "memory",
       .values = {{"/working_curve/peel_memory", rounded(fit.memory.value), rounded(fit.memory.uncertainty)}},
       .given_heading = "layers",
-      .scatter_um = fit.scatter_um};
+      .scatter = fit.scatter_um};
   for (const auto& [layers, thickness] : bridges)
-    result.points.push_back({static_cast<double>(layers), thickness.count(),
+    result.points.push_back({{static_cast<double>(layers)},
+                             thickness.count(),
                              bridge_thickness(print, fit.memory.value, layers).count()});
   result.notes.push_back(
       fmt::format("the underside of a thick part is uncertain by {:.2g} um, as far as these "
@@ -88,7 +89,7 @@ int dimensions(const ModelFitArgs& args) {
       fit_dimensions({percent(resin.shrinkage_factors.x), percent(resin.shrinkage_factors.y),
                       resin.compensation.growth.count()},
                      lengths);
-  FitResult result{.kind = "dimensions", .scatter_um = fit.scatter_um};
+  FitResult result{.kind = "dimensions", .scatter = fit.scatter_um};
   const auto add = [&result](const char* key, const std::optional<Estimate>& figure) {
     if (figure) result.values.push_back({key, rounded(figure->value), rounded(figure->uncertainty)});
   };

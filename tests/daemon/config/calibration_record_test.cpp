@@ -42,6 +42,19 @@ TEST_CASE("Calibrations are undone one by one, from the last, back to the first 
   CHECK(nlohmann::json::parse(without_last_calibration(once).text) == nlohmann::json::parse(kFixed));
 }
 
+TEST_CASE("A calibration may set the name of a file, and its undoing brings the previous name back") {
+  const std::string printer = R"({"display": {"uniformity_mask": "old.png", "width_px": 9}})";
+  const auto lamp = [](const char* file) {
+    return Calibration{.kind = "lamp", .date = "2026-11-28", .values = {{"/display/uniformity_mask", file}}};
+  };
+  const std::string once = with_calibration(printer, lamp("new.png"));
+  CHECK(Json::parse(once)["calibrations"][0]["values"][0] ==
+        Json::parse(R"({"key": "/display/uniformity_mask", "before": "old.png", "after": "new.png"})"));
+  CHECK(Json::parse(without_last_calibration(once).text) == Json::parse(printer));
+  const std::string first = with_calibration(R"({"display": {"width_px": 9}})", lamp("new.png"));
+  CHECK_FALSE(Json::parse(without_last_calibration(first).text)["display"].contains("uniformity_mask"));
+}
+
 TEST_CASE("Other values may change between a calibration and its undoing") {
   Json changed = Json::parse(with_calibration(kFixed, curve_calibration(148.2)));
   changed["lift_mm"] = 8;

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <system_error>
 
 #include "daemon/config/printer_config.hpp"
 #include "daemon/json/config_error.hpp"
@@ -45,6 +47,21 @@ TEST_CASE("A text that cannot be edited in place is refused with an instruction"
         height_set(text),
         "/z_axis/switch_height_mm cannot be changed in this file automatically: set it to -1.25 by hand");
   }
+}
+
+TEST_CASE("A file beside another gets its permissions, or is not there at all") {
+  ConfigFolder folder;
+  const std::filesystem::path file = folder.write_json("printer.json", nlohmann::json::object());
+  std::filesystem::permissions(file, std::filesystem::perms(0640));
+  const std::string content(3 << 20, 'x');
+  const std::filesystem::path mask = file.parent_path() / "mask.png";
+  write_beside(file, mask, content);
+  CHECK(text_of(mask) == content);
+  CHECK(std::filesystem::status(mask).permissions() == std::filesystem::perms(0640));
+  CHECK_FALSE(std::filesystem::exists(mask.string() + ".new"));
+  std::filesystem::create_directories(file.parent_path() / "taken.png" / "below");
+  CHECK_THROWS_AS(write_beside(file, file.parent_path() / "taken.png", content), std::system_error);
+  CHECK_FALSE(std::filesystem::exists(file.parent_path() / "taken.png.new"));
 }
 
 TEST_CASE(
