@@ -70,11 +70,12 @@ CurveFit fit_working_curve(std::span<const CuredWindow> windows) {
   const double depth = line.slope.value;
   // ln Ec = mean ln E - mean thickness / Dp, of two independent estimates.
   const double log_critical = line.mean_x - line.mean_y.value / depth;
-  const double log_uncertainty = std::hypot(line.mean_y.uncertainty / depth,
-                                            line.mean_y.value * line.slope.uncertainty / (depth * depth));
+  const double by_slope = line.mean_y.value * line.slope.uncertainty / (depth * depth);
+  const double log_uncertainty = std::hypot(line.mean_y.uncertainty / depth, by_slope);
   return {.penetration_depth_um = line.slope,
           .critical_dose_mj_cm2 = {std::exp(log_critical), std::exp(log_critical) * log_uncertainty},
-          .scatter_um = line.scatter};
+          .correlation = log_uncertainty > 0 ? by_slope / log_uncertainty : 0,
+          .line = line};
 }
 
 GammaFit fit_gamma(std::span<const GreyWindow> windows, Estimate penetration_depth_um) {

@@ -16,6 +16,7 @@ namespace {
 constexpr std::ptrdiff_t kFewestBridges = 4;
 constexpr double kMostBridgeScatterUm = 40;
 constexpr double kMostUnsureUndersideUm = 15;  // of an underside
+constexpr double kMostUnsureCurve = 0.25;      // of a figure of the curve
 constexpr int kThickPart = 16;                 // layers
 
 // The squares of the thicknesses' differences, as a function of the memory.
@@ -114,6 +115,44 @@ void check_within(const std::vector<double>& differences, double memory) {
         std::abs(mean), mean < 0 ? "thinner" : "thicker", std::round(memory));
 }
 
+void check_curve(const WorkingCurve& curve, const CurveUncertainty& unsure) {
+  const auto check = [](const char* figure, double value, double uncertainty) {
+    if (!(uncertainty <= kMostUnsureCurve * value))
+      refuse("the resin's %s of %.4g is uncertain by %.3g, more than a quarter: calibrate the curve again",
+             figure, value, uncertainty);
+  };
+  check("penetration_depth_um", curve.penetration_depth.count(), unsure.penetration_depth.count());
+  check("critical_energy_mj_cm2", curve.critical_dose.count(), unsure.critical_dose.count());
+}
+
+// Returns the shares of the uncertainty of a memory, `by_scatter` with that of the thicknesses' scatter. The
+// light of the bridges is what it was, whatever the curve is.
+MemoryShares shares_of(const BridgePrint& print, std::span<const BridgeThickness> measured,
+                       const Estimate& by_scatter, const CurveUncertainty& curve) {
+  // A memory of 0 or 1 changes with one sign of the error only: the larger change counts.
+  const auto change = [&](Micrometers depth, MillijoulesPerCm2 dose) {
+    const auto with = [&](double sign) {
+      BridgePrint changed = print;
+      changed.resin.curve.penetration_depth += depth * sign;
+      changed.resin.curve.critical_dose += dose * sign;
+      return sign * (BridgeSquares(changed, measured).best() - by_scatter.value);
+    };
+    if (depth.count() == 0 && dose.count() == 0) return 0.0;
+    const double more = with(1), less = with(-1);
+    return std::abs(more) > std::abs(less) ? more : less;
+  };
+  return {.scatter = by_scatter.uncertainty,
+          .penetration_depth = change(curve.penetration_depth, {}),
+          .critical_dose = change({}, curve.critical_dose)};
+}
+
+double total_of(const MemoryShares& shares, double correlation) {
+  const double curve = shares.penetration_depth * shares.penetration_depth +
+                       shares.critical_dose * shares.critical_dose +
+                       2 * correlation * shares.penetration_depth * shares.critical_dose;
+  return std::sqrt(shares.scatter * shares.scatter + std::max(curve, 0.0));
+}
+
 }  // namespace
 
 Micrometers bridge_thickness(const BridgePrint& print, double memory, int layers) {
@@ -138,9 +177,11 @@ Micrometers bridge_thickness(const BridgePrint& print, double memory, int layers
   return Micrometers{(highest - lowest).count() * 1000};
 }
 
-PeelMemoryFit fit_peel_memory(const BridgePrint& print, std::span<const BridgeThickness> measured) {
+PeelMemoryFit fit_peel_memory(const BridgePrint& print, std::span<const BridgeThickness> measured,
+                              const CurveUncertainty& curve) {
   expects(print.layer_height > Nanometers{}, "bridges have layers");
   check_bridges(measured);
+  check_curve(print.resin.curve, curve);
   const BridgeSquares squares(print, measured);
   const double best = squares.best(), least = squares.at(best);
   const double variance = least / static_cast<double>(measured.size() - 1);
@@ -162,7 +203,11 @@ PeelMemoryFit fit_peel_memory(const BridgePrint& print, std::span<const BridgeTh
         "the memory of %.3g is uncertain by %.3g, which is %.3g um at an underside, more than %g um: measure "
         "each bridge several times, or print the bridges again",
         best, (high - low) / 2, underside, kMostUnsureUndersideUm);
-  return {.memory = {best, (high - low) / 2}, .scatter_um = scatter, .underside_um = underside};
+  const MemoryShares shares = shares_of(print, measured, {best, (high - low) / 2}, curve);
+  return {.memory = {best, total_of(shares, curve.correlation)},
+          .shares = shares,
+          .scatter_um = scatter,
+          .underside_um = underside};
 }
 
 }  // namespace contourd

@@ -33,17 +33,33 @@ inline constexpr int kMostBridgeLayers = 100;
 // height; 1 to kMostBridgeLayers layers; settings as CuredLayers requires them.
 [[nodiscard]] Micrometers bridge_thickness(const BridgePrint& print, double memory, int layers);
 
+// The standard uncertainty of the curve in BridgePrint::resin; 0 where it is not known.
+struct CurveUncertainty {
+  Micrometers penetration_depth{};
+  MillijoulesPerCm2 critical_dose{};
+  double correlation = 0;  // of the errors of the two, -1 to 1
+};
+
+// Standard uncertainties of a memory, by their causes.
+struct MemoryShares {
+  double scatter = 0;                               // of the thicknesses
+  double penetration_depth = 0, critical_dose = 0;  // signed: what one standard deviation more changes
+};
+
 struct PeelMemoryFit {
   Estimate memory;
+  MemoryShares shares;      // of its uncertainty
   double scatter_um = 0;    // of the thicknesses about those by the memory
-  double underside_um = 0;  // standard uncertainty of a thick part's underside
+  double underside_um = 0;  // standard uncertainty of a thick part's underside, by the scatter
 };
 
 // Returns the memory with the least squares of the thicknesses' differences. Throws CalibrationRefused if
 // fewer than four bridges of several layers were measured, a figure is no bridge's, the thicknesses scatter
-// by more than 40 um, leave an underside uncertain by more than 15 um, or lie beyond those of any memory.
-// REQUIRES: positive layer height; settings as CuredLayers requires them.
+// by more than 40 um, leave an underside uncertain by more than 15 um, or lie beyond those of any memory, or
+// if the curve is uncertain by more than a quarter. REQUIRES: positive layer height; settings as CuredLayers
+// requires them.
 [[nodiscard]] PeelMemoryFit fit_peel_memory(const BridgePrint& print,
-                                            std::span<const BridgeThickness> measured);
+                                            std::span<const BridgeThickness> measured,
+                                            const CurveUncertainty& curve = {});
 
 }  // namespace contourd

@@ -41,12 +41,13 @@ std::string with_calibration(const std::string& text, const Calibration& calibra
   Json kept{{"kind", calibration.kind}, {"date", calibration.date}};
   if (calibration.lamp_hours) kept["lamp_hours"] = *calibration.lamp_hours;
   kept["values"] = Json::array();
-  for (const auto& [key, value, uncertainty] : calibration.values) {
+  for (const auto& [key, value, uncertainty, correlation] : calibration.values) {
     const Json::json_pointer place(key);
     Json of_value{{"key", key}};
     if (const Json before = value_at(object, place); !before.is_null()) of_value["before"] = before;
     if (!value.is_null()) of_value["after"] = value;
     if (uncertainty) of_value["uncertainty"] = *uncertainty;
+    if (correlation) of_value["correlation"] = *correlation;
     kept["values"].push_back(std::move(of_value));
     set(object, place, value);
   }
@@ -57,18 +58,18 @@ std::string with_calibration(const std::string& text, const Calibration& calibra
   return text_of(object);
 }
 
-std::optional<double> calibrated_uncertainty(const std::string& text, const std::string& key) {
+std::optional<CalibratedError> calibrated_error(const std::string& text, const std::string& key) {
   const Json object = Json::parse(text);
   const Json now = value_at(object, Json::json_pointer(key));
-  std::optional<double> uncertainty;
+  std::optional<CalibratedError> error;
   for (const Json& calibration : object.value(kKept, Json::array()))
     for (const Json& value : calibration["values"]) {
       if (value["key"] != key) continue;
-      uncertainty.reset();
+      error.reset();
       if (value.contains("uncertainty") && value.value("after", Json()) == now)
-        uncertainty = value["uncertainty"].get<double>();
+        error = {value["uncertainty"].get<double>(), value.value("correlation", 0.0)};
     }
-  return uncertainty;
+  return error;
 }
 
 UndoneCalibration without_last_calibration(const std::string& text) {

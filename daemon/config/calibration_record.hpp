@@ -14,6 +14,7 @@ struct CalibratedValue {
   std::string key;                      // "/working_curve/peel_memory"; at most two levels deep
   nlohmann::ordered_json value;         // a number or a text; null removes the key
   std::optional<double> uncertainty{};  // standard uncertainty, in the value's unit
+  std::optional<double> correlation{};  // of its error with that of the calibration's first value
 };
 
 struct Calibration {
@@ -28,9 +29,15 @@ struct Calibration {
 // functions below throw nlohmann::json::exception if the text is no valid profile or configuration.
 [[nodiscard]] std::string with_calibration(const std::string& text, const Calibration& calibration);
 
-// Returns the uncertainty of the value at that key: of the last calibration that set it, if the value has not
-// been changed since; else nullopt.
-[[nodiscard]] std::optional<double> calibrated_uncertainty(const std::string& text, const std::string& key);
+// The error of a value that a calibration set.
+struct CalibratedError {
+  double uncertainty = 0;
+  double correlation = 0;  // with the error of the calibration's first value; 0 if it is not known
+};
+// Returns the error of the value at that key: of the last calibration that set it, if the value has not been
+// changed since; else nullopt.
+[[nodiscard]] std::optional<CalibratedError> calibrated_error(const std::string& text,
+                                                              const std::string& key);
 
 struct UndoneCalibration {
   std::string text;  // of the file without it

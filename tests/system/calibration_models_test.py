@@ -57,9 +57,16 @@ class Printed(CalibrationTest):
         measured = [f"{layers}={bridge_um(layers, 0.85) + noise.gauss(0, 10):.0f}" for _ in range(3) for layers in (1, 2, 4, 8, 16)]
         text = self.fit("memory", *measured).stdout.decode()
         self.assertIn("Nothing was written", text)
+        self.assertIn("the uncertainty of the resin's curve is not known", text)
         self.assertNotIn("peel_memory", self.profile()["working_curve"])
+        alone = json.loads(self.fit("memory", *measured, "--json").stdout)["values"][0]["uncertainty"]
+        self.assertNotIn("correlated", text)
+        curve = [{"key": "/working_curve/penetration_depth_um", "after": 150, "uncertainty": 3.7}, {"key": "/working_curve/critical_energy_mj_cm2", "after": 8, "uncertainty": 0.45, "correlation": 0.9}]
+        self.write("resins/standard.json", json.dumps({**self.profile(), "calibrations": [{"kind": "curve", "date": "2026-11-27", "values": curve}]}).encode())
+        self.assertIn("by penetration_depth_um +- 3.7 and", self.fit("memory", *measured).stdout.decode())
         found = json.loads(self.fit("memory", *measured, "--json", "--accept").stdout)
         self.assertAlmostEqual(found["values"][0]["value"], 0.85, delta=0.03)
+        self.assertGreater(found["values"][0]["uncertainty"], 1.1 * alone)
         self.assertEqual(self.profile()["working_curve"]["peel_memory"], found["values"][0]["value"])
         self.assertAlmostEqual(found["scatter_um"], 10, delta=5)
 

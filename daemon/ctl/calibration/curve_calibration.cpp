@@ -221,14 +221,14 @@ int fit_curve(const FitWindowsArgs& args) {
   for (const auto& [dose, thickness] : parse_measured(args.measured))
     windows.push_back({MillijoulesPerCm2{dose}, Micrometers{thickness}});
   const CurveFit curve = fit_working_curve(windows);
-  const auto& [depth, critical, scatter] = curve;
+  const Estimate &depth = curve.penetration_depth_um, &critical = curve.critical_dose_mj_cm2;
   FitResult result{
       .kind = "curve",
       .values = {{"/working_curve/penetration_depth_um", rounded(depth.value), rounded(depth.uncertainty)},
                  {"/working_curve/critical_energy_mj_cm2", rounded(critical.value),
-                  rounded(critical.uncertainty)}},
+                  rounded(critical.uncertainty), rounded(curve.correlation)}},
       .given_heading = "dose mJ/cm²",
-      .scatter = scatter};
+      .scatter = curve.line.scatter};
   const ResinProfile resin = find_resin(printer, args.resin);
   if (args.temperature_c) {
     result.values.push_back({"/working_curve/temperature_c", *args.temperature_c});
@@ -249,12 +249,12 @@ int fit_grey(const FitWindowsArgs& args) {
   const ResinProfile resin = find_resin(printer, args.resin);
   const WorkingCurve curve = cure_of(resin).curve;
   FitResult result{.kind = "grey", .given_heading = "grey"};
-  const std::optional<double> known = calibrated_uncertainty(
+  const std::optional<CalibratedError> known = calibrated_error(
       read_text(resin_target(printer, args.resin).file), "/working_curve/penetration_depth_um");
   if (!known)
     result.notes.emplace_back(
         "the uncertainty of the resin's penetration depth is not known, so that gamma's leaves it out");
-  const Estimate depth{curve.penetration_depth.count(), known.value_or(0)};
+  const Estimate depth{curve.penetration_depth.count(), known ? known->uncertainty : 0};
   std::vector<GreyWindow> windows;
   for (const auto& [grey, thickness] : parse_measured(args.measured)) {
     if (grey != std::round(grey) || grey < 0 || grey > 255)

@@ -46,10 +46,11 @@ void print_points(const FitResult& result) {
 }
 
 void print_result(const FitResult& result, const Json& before) {
-  for (const auto& [key, value, uncertainty] : result.values)
-    fmt::print("{:<40} {:>10}{}   now {}\n", key.substr(1), value.is_null() ? "removed" : value.dump(),
-               uncertainty ? fmt::format(" +- {:<8.3g}", *uncertainty) : std::string(12, ' '),
-               present_value(before, key));
+  for (const CalibratedValue& each : result.values)
+    fmt::print("{:<40} {:>10}{}   now {}\n", each.key.substr(1),
+               each.value.is_null() ? "removed" : each.value.dump(),
+               each.uncertainty ? fmt::format(" +- {:<8.3g}", *each.uncertainty) : std::string(12, ' '),
+               present_value(before, each.key));
   if (!result.points.empty()) print_points(result);
   for (const std::string& note : result.notes)
     fmt::print("note: {}\n", note);
@@ -57,9 +58,10 @@ void print_result(const FitResult& result, const Json& before) {
 
 Json json_of(const FitResult& result, bool written) {
   Json json{{"kind", result.kind}, {"values", Json::array()}, {"points", Json::array()}};
-  for (const auto& [key, value, uncertainty] : result.values) {
+  for (const auto& [key, value, uncertainty, correlation] : result.values) {
     Json one{{"key", key}, {"value", value}};
     if (uncertainty) one["uncertainty"] = *uncertainty;
+    if (correlation) one["correlation"] = *correlation;
     json["values"].push_back(std::move(one));
   }
   const auto named = [&result](const char* name) { return with_unit(name, result.unit, "_"); };

@@ -10,6 +10,8 @@
 
 #include "core/calibration/dimension_fit.hpp"
 #include "core/calibration/peel_memory_fit.hpp"
+#include "daemon/config/calibration_record.hpp"
+#include "daemon/config/config_edit.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/calibration/calibration_commands.hpp"
 #include "daemon/ctl/calibration/fit_result.hpp"
@@ -24,6 +26,30 @@ struct ModelFitArgs {
   std::string resin;
   std::vector<std::string> measured;
 };
+
+// Returns the uncertainty of the curve that the profile's last calibrations of it state; nullopt if either of
+// its figures was set otherwise.
+std::optional<CurveUncertainty> curve_uncertainty(const FitTarget& resin) {
+  const std::string profile = read_text(resin.file);
+  const auto depth = calibrated_error(profile, "/working_curve/penetration_depth_um");
+  const auto energy = calibrated_error(profile, "/working_curve/critical_energy_mj_cm2");
+  if (!depth || !energy) return std::nullopt;
+  return CurveUncertainty{Micrometers{depth->uncertainty}, MillijoulesPerCm2{energy->uncertainty},
+                          energy->correlation};
+}
+
+// Returns the sentence about the shares of a memory's uncertainty.
+std::string describe_shares(const PeelMemoryFit& fit, const std::optional<CurveUncertainty>& curve) {
+  if (!curve) return "the uncertainty of the resin's curve is not known, so that the memory's leaves it out";
+  return fmt::format(
+      "the memory's uncertainty of {:.2g} consists of {:.2g} by the scatter of the bridges, {:.2g} by "
+      "penetration_depth_um +- {:.2g} and {:.2g} by critical_energy_mj_cm2 +- {:.2g}, whose errors are "
+      "correlated by "
+      "{:.2g}",
+      fit.memory.uncertainty, fit.shares.scatter, std::abs(fit.shares.penetration_depth),
+      curve->penetration_depth.count(), std::abs(fit.shares.critical_dose), curve->critical_dose.count(),
+      curve->correlation);
+}
 
 int peel_memory(const ModelFitArgs& args) {
   const PrinterConfig printer = load_printer_config(args.fit.printer, Places::Elsewhere);
@@ -41,7 +67,9 @@ int peel_memory(const ModelFitArgs& args) {
     // The bridge was thicker before the part shrank.
     bridges.push_back({static_cast<int>(layers), Micrometers{thickness_um * resin.shrinkage_factors.z}});
   }
-  const PeelMemoryFit fit = fit_peel_memory(print, bridges);
+  const FitTarget target = resin_target(printer, args.resin);
+  const std::optional<CurveUncertainty> curve = curve_uncertainty(target);
+  const PeelMemoryFit fit = fit_peel_memory(print, bridges, curve.value_or(CurveUncertainty{}));
   FitResult result{
       .kind = "memory",
       .values = {{"/working_curve/peel_memory", rounded(fit.memory.value), rounded(fit.memory.uncertainty)}},
@@ -55,7 +83,8 @@ int peel_memory(const ModelFitArgs& args) {
       fmt::format("the underside of a thick part is uncertain by {:.2g} um, as far as these "
                   "measurements determine it",
                   fit.underside_um));
-  return finish_fit(args.fit, resin_target(printer, args.resin), result);
+  result.notes.push_back(describe_shares(fit, curve));
+  return finish_fit(args.fit, target, result);
 }
 
 // Parses "x30" or "ygap9" and the measured length. Throws UsageError.

@@ -31,7 +31,7 @@ TEST_CASE("A working curve is found from windows without noise to rounding") {
   const CurveFit fit = fit_working_curve(measured_windows(0, 8, 16, 0));
   CHECK(fit.penetration_depth_um.value == Approx(150));
   CHECK(fit.critical_dose_mj_cm2.value == Approx(8));
-  CHECK(fit.scatter_um < 1e-9);
+  CHECK(fit.line.scatter < 1e-9);
   CHECK(fit.thickness_of(MillijoulesPerCm2{8 * std::exp(2)}).count() == Approx(300));
 }
 
@@ -66,6 +66,21 @@ TEST_CASE("Eight windows give Dp and Ec within the uncertainty that is stated") 
     CHECK(scatter.stated_depth_um == Approx(scatter.depth_um).epsilon(0.07));
     CHECK(scatter.stated_log_dose == Approx(scatter.log_dose).epsilon(0.07));
   }
+}
+
+TEST_CASE("The errors of Dp and Ec are correlated as stated") {
+  constexpr int kPrints = 2000;
+  double both = 0, depth = 0, log_dose = 0, stated = 0;
+  for (unsigned seed = 0; seed < kPrints; ++seed) {
+    const CurveFit fit = fit_working_curve(measured_windows(seed));
+    const double of_depth = fit.penetration_depth_um.value - 150;
+    const double of_dose = std::log(fit.critical_dose_mj_cm2.value / 8);
+    both += of_depth * of_dose;
+    depth += of_depth * of_depth;
+    log_dose += of_dose * of_dose;
+    stated += fit.correlation / kPrints;
+  }
+  CHECK(both / std::sqrt(depth * log_dose) == Approx(stated).margin(0.02));
 }
 
 TEST_CASE("Windows that do not determine a curve are refused with their figures") {

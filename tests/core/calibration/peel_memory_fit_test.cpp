@@ -83,13 +83,17 @@ std::vector<BridgeThickness> measured(const std::vector<BridgeThickness>& bridge
   return values;
 }
 
-std::string memory_refusal(const BridgePrint& print, const std::vector<BridgeThickness>& values) {
+std::string memory_refusal_of_curve(const BridgePrint& print, const std::vector<BridgeThickness>& values,
+                                    const CurveUncertainty& curve) {
   try {
-    (void)fit_peel_memory(print, values);
+    (void)fit_peel_memory(print, values, curve);
   } catch (const CalibrationRefused& refused) {
     return refused.what();
   }
   return "";
+}
+std::string memory_refusal(const BridgePrint& print, const std::vector<BridgeThickness>& values) {
+  return memory_refusal_of_curve(print, values, {});
 }
 
 }  // namespace
@@ -198,6 +202,59 @@ TEST_CASE("A memory that was fitted with a curve that is somewhat wrong makes up
       assumed.peel_memory = fit.memory.value;
       CHECK(undersides_of(assumed, real, print.dose).p95_um < 15);
     }
+}
+
+TEST_CASE("The memory's uncertainty contains that of the curve with which it is fitted") {
+  // Owners whose curves are wrong by draws from the stated uncertainties, with the stated correlation.
+  constexpr double kDepthUm = 3.7, kDose = 0.45, kCorrelation = 0.9;
+  const CurveUncertainty curve{Micrometers{kDepthUm}, MillijoulesPerCm2{kDose}, kCorrelation};
+  const CureSettings real = resin_of(0.85);
+  const BridgePrint print = print_with(real);
+  const std::vector<BridgeThickness> bridges = printed_bridges(print);
+  constexpr int kOwners = 60;
+  double squares = 0, stated = 0, by_scatter = 0;
+  for (unsigned seed = 0; seed < kOwners; ++seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> error(0, 1);
+    const double first = error(random), second = error(random);
+    BridgePrint assumed = print;
+    assumed.resin.curve.penetration_depth += Micrometers{kDepthUm * first};
+    assumed.resin.curve.critical_dose += MillijoulesPerCm2{
+        kDose * (kCorrelation * first + std::sqrt(1 - kCorrelation * kCorrelation) * second)};
+    const PeelMemoryFit fit = fit_peel_memory(assumed, measured(bridges, 6, random), curve);
+    squares += std::pow(fit.memory.value - 0.85, 2) / kOwners;
+    stated += fit.memory.uncertainty / kOwners;
+    by_scatter += fit.shares.scatter / kOwners;
+  }
+  CAPTURE(std::sqrt(squares), stated, by_scatter);
+  // The standard deviation of 60 draws is known within a tenth.
+  CHECK(stated == Approx(std::sqrt(squares)).epsilon(0.3));
+  CHECK(stated > 1.2 * by_scatter);
+}
+
+TEST_CASE("The shares of the memory's uncertainty add up as their errors do") {
+  const BridgePrint print = print_with(resin_of(0.9));
+  std::mt19937 random(1);
+  const std::vector<BridgeThickness> bridges = measured(printed_bridges(print), 6, random);
+  const PeelMemoryFit alone = fit_peel_memory(print, bridges);
+  CHECK(alone.memory.uncertainty == Approx(alone.shares.scatter));
+  CHECK(alone.shares.penetration_depth == 0);
+  const auto with = [&](double correlation) {
+    return fit_peel_memory(print, bridges, {Micrometers{4}, MillijoulesPerCm2{0.4}, correlation});
+  };
+  const auto [memory, shares, scatter, underside] = with(0);
+  CHECK(memory.value == alone.memory.value);
+  CHECK(memory.uncertainty ==
+        Approx(std::hypot(shares.scatter, shares.penetration_depth, shares.critical_dose)));
+  // A greater penetration depth explains thicker bridges with less memory, a greater critical dose with more.
+  CHECK(shares.penetration_depth < -0.001);
+  CHECK(shares.critical_dose > 0.001);
+  CHECK(with(1).memory.uncertainty ==
+        Approx(std::hypot(shares.scatter, shares.penetration_depth + shares.critical_dose)));
+  CHECK(memory_refusal_of_curve(print, bridges, {Micrometers{40}, MillijoulesPerCm2{0.4}, 0})
+            .starts_with("the resin's penetration_depth_um of 150 is uncertain by 40, more than a quarter"));
+  CHECK(memory_refusal_of_curve(print, bridges, {Micrometers{4}, MillijoulesPerCm2{2.1}, 0})
+            .starts_with("the resin's critical_energy_mj_cm2 of 8 is uncertain by 2.1"));
 }
 
 TEST_CASE("Bridges that do not determine the memory are refused with their figures") {

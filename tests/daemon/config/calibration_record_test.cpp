@@ -1,5 +1,6 @@
 #include "daemon/config/calibration_record.hpp"
 
+#include <optional>
 #include <string>
 
 #include "tests/catch.hpp"
@@ -77,16 +78,29 @@ TEST_CASE("A calibration that cannot be undone is refused, with the reason") {
 
 TEST_CASE("The uncertainty of a value is known while it is as the last calibration set it") {
   const char* const depth = "/working_curve/penetration_depth_um";
-  CHECK_FALSE(calibrated_uncertainty(kFixed, depth));
+  CHECK_FALSE(calibrated_error(kFixed, depth));
   const std::string once = with_calibration(kFixed, curve_calibration(148.2));
-  CHECK(calibrated_uncertainty(once, depth) == 3.9);
-  CHECK_FALSE(calibrated_uncertainty(once, "/working_curve/overcure_um"));
+  const std::optional<CalibratedError> error = calibrated_error(once, depth);
+  REQUIRE(error);
+  CHECK(error->uncertainty == 3.9);
+  CHECK(error->correlation == 0);
+  CHECK_FALSE(calibrated_error(once, "/working_curve/overcure_um"));
   Json changed = Json::parse(once);
   changed["working_curve"]["penetration_depth_um"] = 160;
-  CHECK_FALSE(calibrated_uncertainty(changed.dump(), depth));
+  CHECK_FALSE(calibrated_error(changed.dump(), depth));
   const std::string twice =
       with_calibration(once, {.kind = "curve", .date = "2026-11-28", .values = {{depth, 148.2}}});
-  CHECK_FALSE(calibrated_uncertainty(twice, depth));
+  CHECK_FALSE(calibrated_error(twice, depth));
+}
+
+TEST_CASE("The correlation of a value's error is kept with it") {
+  const char* const energy = "/working_curve/critical_energy_mj_cm2";
+  const std::string text =
+      with_calibration(kFixed, {.kind = "curve", .date = "2026-11-27", .values = {{energy, 8, 0.4, 0.9}}});
+  CHECK(Json::parse(text)["calibrations"][0]["values"][0]["correlation"] == 0.9);
+  const std::optional<CalibratedError> error = calibrated_error(text, energy);
+  REQUIRE(error);
+  CHECK(error->correlation == 0.9);
 }
 
 TEST_CASE("A hundred calibrations are kept") {
