@@ -6,6 +6,10 @@
 
 namespace contourd {
 
+double LineFit::uncertainty_at(double x) const {
+  return std::hypot(mean_y.uncertainty, slope.uncertainty * (x - mean_x));
+}
+
 LineFit fit_line(std::span<const MeasuredPoint> points) {
   expects(points.size() >= 3, "fit_line: at least three points");
   const auto count = static_cast<double>(points.size());

@@ -30,6 +30,8 @@ struct LineFit {
   double scatter = 0;  // standard deviation of the points about the line, in the unit of y
 
   [[nodiscard]] double at(double x) const { return mean_y.value + slope.value * (x - mean_x); }
+  // Returns the standard uncertainty of the line's y.
+  [[nodiscard]] double uncertainty_at(double x) const;
 };
 
 // Returns the line with the least squares of y's differences. REQUIRES: at least three points, two of them

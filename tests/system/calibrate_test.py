@@ -49,6 +49,15 @@ class CalibrationTest(FolderTest):
     def read(self, path):
         return json.loads(text_of(path))
 
+    def assert_page(self, path, measurements, *words):
+        """Asserts that a page shows that many measurements in its figure, and needs nothing but itself."""
+        page = text_of(path)
+        self.assertEqual(page.count("<circle"), measurements)
+        self.assertEqual(page.count("<svg"), 1)
+        self.assertNotRegex(page, r"(?i)<script|<link|https?://|\bnan\b|\binf\b")
+        self.assertTrue(page.endswith("</html>\n"))
+        self.assert_words(page, "Content-Security-Policy", *words)
+
     def measured_curve(self, daemon, seed=1):
         owner = Owner(seed)
         output = self.well(self.run_ctl(daemon, "calibrate", "curve", "standard", "--confirm", "--in-resin"))
@@ -64,6 +73,17 @@ class Windows(CalibrationTest):
 
         command = ("fit", "curve", "standard", *measured, "--lamp-hours", "120")
         self.well(self.run_ctl(daemon, *command), "penetration_depth_um", "now absent", "Nothing was written: --accept")
+        self.assertEqual(text_of(self.resin_file(daemon)), before)
+
+        page = self.path("curve.html")
+        self.well(self.run_ctl(daemon, *command, "--html", page))
+        self.assert_page(page, 9, "working_curve/penetration_depth_um", "dose, mJ/cm²", "standard.json")
+        self.assertEqual(text_of(self.resin_file(daemon)), before)
+        for file in (daemon.config_path, self.resin_file(daemon)):
+            self.assert_refusal(self.run_ctl(daemon, *command, "--json", "--accept", "--html", file), BAD_USAGE, "this file is a configuration")
+            self.assertEqual(text_of(self.resin_file(daemon)), before)
+        # A page that cannot be written: nothing is accepted.
+        self.assertEqual(self.run_ctl(daemon, *command, "--accept", "--html", self.path("missing", "page.html")).returncode, 73)
         self.assertEqual(text_of(self.resin_file(daemon)), before)
 
         self.well(self.run_ctl(daemon, *command, "--accept"), "Written to ", "those of a layer of the profile's height stay as they are")
@@ -117,7 +137,8 @@ class Windows(CalibrationTest):
         owner = Owner(2)
         dose = 16 * 16  # 16 times the normal exposure
         measured = [f"{grey:g}={owner.thickness_um(dose * (grey / 255) ** GAMMA):.1f}" for grey in greys]
-        self.well(self.run_ctl(daemon, "fit", "grey", "standard", *measured, "--accept"), "display/gamma", "Written to ")
+        self.well(self.run_ctl(daemon, "fit", "grey", "standard", *measured, "--accept", "--html", self.path("grey.html")), "display/gamma", "Written to ")
+        self.assert_page(self.path("grey.html"), 9, "display/gamma", "grey value")
         config = self.read(daemon.config_path)
         uncertainty = config["calibrations"][0]["values"][0]["uncertainty"]
         self.assertLess(uncertainty, 0.15)

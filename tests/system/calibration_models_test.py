@@ -64,7 +64,8 @@ class Printed(CalibrationTest):
         curve = [{"key": "/working_curve/penetration_depth_um", "after": 150, "uncertainty": 3.7}, {"key": "/working_curve/critical_energy_mj_cm2", "after": 8, "uncertainty": 0.45, "correlation": 0.9}]
         self.write("resins/standard.json", json.dumps({**self.profile(), "calibrations": [{"kind": "curve", "date": "2026-11-27", "values": curve}]}).encode())
         self.assertIn("by penetration_depth_um +- 3.7 and", self.fit("memory", *measured).stdout.decode())
-        found = json.loads(self.fit("memory", *measured, "--json", "--accept").stdout)
+        found = json.loads(self.fit("memory", *measured, "--json", "--accept", "--html", self.path("memory.html")).stdout)
+        self.assertEqual(contents(self.path("memory.html")).count(b"<circle"), 15)
         self.assertAlmostEqual(found["values"][0]["value"], 0.85, delta=0.03)
         self.assertGreater(found["values"][0]["uncertainty"], 1.1 * alone)
         self.assertEqual(self.profile()["working_curve"]["peel_memory"], found["values"][0]["value"])
@@ -80,7 +81,9 @@ class Printed(CalibrationTest):
             for kind, drawn in LADDER:
                 self.assertIn(f"{axis}{kind}{drawn}=?", text)
                 measured.append(f"{axis}{kind}{drawn}={drawn * 0.996 + (-0.06 if kind else 0.06):.4f}")
-        found = json.loads(self.fit("dimensions", *measured, "--json", "--accept").stdout)
+        found = json.loads(self.fit("dimensions", *measured, "--json", "--accept", "--html", self.path("dimensions.html")).stdout)
+        page = contents(self.path("dimensions.html")).decode()
+        self.assertEqual((page.count("<circle"), page.count("<polyline")), (16, 4))
         values = {value["key"]: value["value"] for value in found["values"]}
         self.assertAlmostEqual(values["/shrinkage_percent/x"], 100 * (1 - 0.996 * 0.995), delta=0.01)
         self.assertAlmostEqual(values["/shrinkage_percent/y"], 0.4, delta=0.01)

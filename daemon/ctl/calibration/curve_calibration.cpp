@@ -21,6 +21,7 @@
 #include "daemon/client/control_defaults.hpp"
 #include "daemon/config/config_edit.hpp"
 #include "daemon/ctl/calibration/calibration_commands.hpp"
+#include "daemon/ctl/calibration/fit_plot.hpp"
 #include "daemon/ctl/calibration/fit_result.hpp"
 #include "daemon/ctl/calibration/light_by_hand.hpp"
 #include "daemon/ctl/terminal/dialog.hpp"
@@ -214,6 +215,42 @@ void keep_exposures(const ResinProfile& resin, const PrinterConfig& printer, con
     result.notes.emplace_back("peel_memory was measured with the previous curve: measure it again");
 }
 
+// Returns places from one value to another, in equal steps of their logarithm.
+std::vector<double> places_between(double least, double most) {
+  constexpr int kSteps = 40;
+  std::vector<double> places;
+  for (int i = 0; i <= kSteps; ++i)
+    places.push_back(least * std::pow(most / least, 1.0 * i / kSteps));
+  return places;
+}
+
+std::string plot_of(const CurveFit& curve, const std::vector<CuredWindow>& windows) {
+  PlottedFit fit;
+  for (const auto& [dose, thickness] : windows)
+    fit.measured.push_back({dose.count(), thickness.count()});
+  const auto [least, most] = std::ranges::minmax(fit.measured, {}, &PlottedPoint::x);
+  for (const double dose : places_between(least.x, most.x))
+    fit.line.push_back({dose, curve.line.at(std::log(dose)), curve.line.uncertainty_at(std::log(dose))});
+  return svg_of_fit({"dose, mJ/cm²", "thickness, um", Scale::Logarithmic, {fit}});
+}
+
+std::string plot_of(const GammaFit& gamma, const std::vector<GreyWindow>& windows,
+                    double penetration_depth_um) {
+  // The light over that of white, whose thickness is the line's.
+  const auto light_of = [&](Micrometers thickness) {
+    return std::exp((thickness.count() - gamma.line.at(0)) / penetration_depth_um);
+  };
+  PlottedFit fit;
+  for (const auto& [grey, thickness] : windows)
+    fit.measured.push_back({1.0 * grey, light_of(thickness)});
+  const double least = std::ranges::min(fit.measured, {}, &PlottedPoint::x).x;
+  for (const double grey : places_between(least, 255)) {
+    const double light = std::pow(grey / 255, gamma.gamma.value);
+    fit.line.push_back({grey, light, light * std::abs(std::log(grey / 255)) * gamma.gamma.uncertainty});
+  }
+  return svg_of_fit({"grey value", "light, white's is 1", Scale::Linear, {fit}});
+}
+
 int fit_curve(const FitWindowsArgs& args) {
   const PrinterConfig printer = load_printer_config(args.fit.printer, Places::Elsewhere);
   const FitTarget target = resin_target(printer, args.resin);
@@ -241,6 +278,7 @@ int fit_curve(const FitWindowsArgs& args) {
   keep_exposures(resin, printer, curve, result);
   for (const auto& [dose, thickness] : windows)
     result.points.push_back({{dose.count()}, thickness.count(), curve.thickness_of(dose).count()});
+  result.figure = plot_of(curve, windows);
   return finish_fit(args.fit, target, result);
 }
 
@@ -266,6 +304,7 @@ int fit_grey(const FitWindowsArgs& args) {
   result.scatter = fit.line.scatter;
   for (const auto& [grey, thickness] : windows)
     result.points.push_back({{static_cast<double>(grey)}, thickness.count(), fit.thickness_of(grey).count()});
+  result.figure = plot_of(fit, windows, depth.value);
   return finish_fit(args.fit, printer_target(args.fit.printer), result);
 }
 

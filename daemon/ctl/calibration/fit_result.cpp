@@ -8,9 +8,11 @@
 #include <cstddef>
 #include <stdexcept>
 
+#include "core/calibration/line_fit.hpp"
 #include "daemon/client/control_defaults.hpp"
 #include "daemon/config/config_edit.hpp"
-#include "daemon/ctl/models/model_arguments.hpp"
+#include "daemon/ctl/calibration/fit_page.hpp"
+#include "daemon/ctl/models/layer_files.hpp"
 #include "daemon/ctl/terminal/client.hpp"
 #include "daemon/ctl/terminal/dialog.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
@@ -22,17 +24,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
-
-// Returns the present value of a key, or "absent".
-std::string present_value(const Json& file, const std::string& key) {
-  const Json::json_pointer place(key);
-  return file.contains(place) ? file.at(place).dump() : "absent";
-}
-
-// Returns a name with the unit: "measured um".
-std::string with_unit(const std::string& name, const std::string& unit, const char* between) {
-  return unit.empty() ? name : name + between + unit;
-}
 
 void print_points(const FitResult& result) {
   const auto heading = [&result](const char* name) { return with_unit(name, result.unit, " "); };
@@ -89,6 +80,16 @@ void write_result(const FitTarget& target, const std::string& text, const std::o
   }
 }
 
+// Writes the page, but not over a file that the fit reads or changes.
+void write_page(const FitArgs& args, const std::string& page, const FitTarget& target) {
+  std::error_code ignored;  // a file that does not exist is none of them
+  for (const fs::path& file : {args.printer, target.file})
+    if (fs::equivalent(*args.html, file, ignored))
+      throw UsageError(
+          fmt::format("--html {}: this file is a configuration", printable(args.html->string())));
+  write_text(*args.html, page);
+}
+
 }  // namespace
 
 void add_fit_options(Command& command, FitArgs& args) {
@@ -96,6 +97,7 @@ void add_fit_options(Command& command, FitArgs& args) {
   command.option("--printer", args.printer, "Configuration of the printer");
   command.option("--lamp-hours", args.lamp_hours, "Hours of the lamp, to be kept with the result");
   command.option("--accept", args.accept, "Write the result");
+  command.option("--html", args.html, "Write a page with a plot");
   command.option("--json", args.json, "Print JSON");
 }
 
@@ -144,7 +146,9 @@ int finish_fit(const FitArgs& args, const FitTarget& target, const FitResult& re
                                 .date = local_time(std::chrono::system_clock::now()).substr(0, 10),
                                 .lamp_hours = args.lamp_hours,
                                 .values = result.values};
-  if (!args.json) print_result(result, Json::parse(before));
+  const Json file = Json::parse(before);
+  if (!args.json) print_result(result, file);
+  if (args.html) write_page(args, fit_page(result, target.file.string(), file), target);
   if (args.accept) write_result(target, with_calibration(before, calibration), result.named);
   if (args.json)
     print_json(json_of(result, args.accept));

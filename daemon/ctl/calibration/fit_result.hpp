@@ -4,15 +4,13 @@
 
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "core/calibration/line_fit.hpp"
-#include "daemon/config/calibration_record.hpp"
 #include "daemon/config/printer_config.hpp"
+#include "daemon/ctl/calibration/fitted_figures.hpp"
 #include "daemon/ctl/terminal/command.hpp"
 
 namespace contourd::ctl {
@@ -21,6 +19,7 @@ namespace contourd::ctl {
 struct FitArgs {
   std::filesystem::path printer;
   std::optional<double> lamp_hours;
+  std::optional<std::filesystem::path> html;  // page to write
   bool accept = false, json = false;
 };
 // Adds the options.
@@ -34,29 +33,6 @@ void add_fit_options(Command& command, FitArgs& args);
 
 // Returns the resin's curve and memory. Throws CalibrationRefused if its profile has no working_curve.
 [[nodiscard]] const CureSettings& cure_of(const ResinProfile& resin);
-
-// A measurement beside the fit.
-struct FittedPoint {
-  std::vector<double> given;
-  double measured = 0, fitted = 0;
-};
-
-// A new file that a value names, beside the file that gets the value.
-struct NamedFile {
-  std::filesystem::path file;
-  std::string content;
-};
-
-struct FitResult {
-  std::string kind;                       // as in the group `fit`
-  std::vector<CalibratedValue> values{};  // to be written
-  std::string given_heading{};            // heading of FittedPoint::given: "dose mJ/cm²"
-  std::vector<FittedPoint> points{};
-  std::string unit = "um";           // of measured and fitted values; empty: that of a meter
-  double scatter = 0;                // of the measurements about the fit, in the unit
-  std::vector<std::string> notes{};  // sentences
-  std::optional<NamedFile> named{};
-};
 
 // A file that gets the figures, and its check, which throws ConfigError.
 struct FitTarget {

@@ -17,6 +17,7 @@
 #include "daemon/config/config_edit.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/calibration/calibration_commands.hpp"
+#include "daemon/ctl/calibration/fit_plot.hpp"
 #include "daemon/ctl/calibration/fit_result.hpp"
 #include "daemon/ctl/calibration/lamp_readings.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
@@ -61,6 +62,7 @@ class LampCalibration {
       result.points.push_back({{x_mm(place), y_mm(place)}, light, lamp.surface.at(place).value});
     describe(lamp, readings, result.notes);
     change_exposures(lamp, result);
+    result.figure = map_of_lamp(lamp, readings, width().count() / height().count());
     return finish_fit(args_.fit, printer_target(args_.fit.printer), result);
   }
 

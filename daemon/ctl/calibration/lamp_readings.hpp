@@ -32,8 +32,8 @@ inline constexpr const char* kNotMeasured = "?";
 // A photo of the white picture.
 struct LampPhotoArgs {
   std::optional<std::filesystem::path> file;
-  std::string corners;  // x and y of each in pixels, with commas between them
-  std::string encoding;              // "linear" or "srgb"
+  std::string corners;   // x and y of each in pixels, with commas between them
+  std::string encoding;  // "linear" or "srgb"
 };
 // Reads the photo's light in the cells of a grid. Throws UsageError and CalibrationRefused.
 [[nodiscard]] std::vector<LampReading> read_lamp_photo(const LampPhotoArgs& args, const LampGrid& grid);

@@ -1,11 +1,14 @@
 // The figures that follow from calibration prints of a model: the memory at a peel, shrinkage and growth.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/calibration/dimension_fit.hpp"
@@ -14,6 +17,7 @@
 #include "daemon/config/config_edit.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/calibration/calibration_commands.hpp"
+#include "daemon/ctl/calibration/fit_plot.hpp"
 #include "daemon/ctl/calibration/fit_result.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/system/readable.hpp"
@@ -51,6 +55,26 @@ std::string describe_shares(const PeelMemoryFit& fit, const std::optional<CurveU
       curve->correlation);
 }
 
+// Returns a plot of how far bridges cured beyond their layers.
+std::string plot_of(const BridgePrint& print, const std::vector<BridgeThickness>& bridges,
+                    const Estimate& memory) {
+  const double layer_um = in_mm(print.layer_height) * 1000;
+  PlottedFit fit;
+  int most = 1;
+  for (const auto& [layers, thickness] : bridges) {
+    fit.measured.push_back({1.0 * layers, thickness.count() - layers * layer_um});
+    most = std::max(most, layers);
+  }
+  for (int layers = 1; layers <= most; ++layers) {
+    const auto thickness = [&](double errors) {
+      return bridge_thickness(print, std::clamp(memory.value + errors * memory.uncertainty, 0.0, 1.0), layers)
+          .count();
+    };
+    fit.line.push_back({1.0 * layers, thickness(0) - layers * layer_um, (thickness(1) - thickness(-1)) / 2});
+  }
+  return svg_of_fit({"layers of the bridge", "depth beyond the layers, um", Scale::Linear, {fit}});
+}
+
 int peel_memory(const ModelFitArgs& args) {
   const PrinterConfig printer = load_printer_config(args.fit.printer, Places::Elsewhere);
   const ResinProfile resin = find_resin(printer, args.resin);
@@ -84,6 +108,8 @@ int peel_memory(const ModelFitArgs& args) {
                   "measurements determine it",
                   fit.underside_um));
   result.notes.push_back(describe_shares(fit, curve));
+  // The band by the bridges alone: an error of the curve moves the memory so that the depths stay.
+  result.figure = plot_of(print, bridges, {fit.memory.value, fit.shares.scatter});
   return finish_fit(args.fit, target, result);
 }
 
@@ -107,6 +133,27 @@ MeasuredLength parse_length(const std::string& word) {
   return length;
 }
 
+// Returns a plot of how much longer than drawn the lengths are.
+std::string plot_of(const std::vector<MeasuredLength>& lengths, const DimensionFit& fit) {
+  FitPlot plot{"drawn, mm", "measured less drawn, um"};
+  for (const PlateAxis axis : {PlateAxis::X, PlateAxis::Y})
+    for (const LengthKind kind : {LengthKind::Outer, LengthKind::Inner}) {
+      PlottedFit one{.name = fmt::format("{}{}", axis == PlateAxis::X ? "x" : "y",
+                                         kind == LengthKind::Inner ? ", gaps" : "")};
+      for (std::size_t i = 0; i < lengths.size(); ++i) {
+        const MeasuredLength& length = lengths[i];
+        if (length.axis != axis || length.kind != kind) continue;
+        const double drawn = length.drawn.count();
+        one.measured.push_back({drawn, (length.measured.count() - drawn) * 1000});
+        const auto& [value, uncertainty] = fit.lengths_mm[i];
+        one.line.push_back({drawn, (value - drawn) * 1000, uncertainty * 1000});
+      }
+      std::ranges::sort(one.line, {}, &PlottedPoint::x);
+      if (!one.measured.empty()) plot.fits.push_back(std::move(one));
+    }
+  return svg_of_fit(plot);
+}
+
 int dimensions(const ModelFitArgs& args) {
   const PrinterConfig printer = load_printer_config(args.fit.printer, Places::Elsewhere);
   const ResinProfile resin = find_resin(printer, args.resin);
@@ -128,6 +175,7 @@ int dimensions(const ModelFitArgs& args) {
   result.notes.push_back(fmt::format("the lengths scatter by {:.3g} um about the fit", fit.scatter_um));
   result.notes.emplace_back(
       "the part was printed with the profile as it is now: these values replace its own");
+  result.figure = plot_of(lengths, fit);
   return finish_fit(args.fit, resin_target(printer, args.resin), result);
 }
 
