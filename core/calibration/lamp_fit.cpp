@@ -17,6 +17,7 @@ namespace contourd {
 namespace {
 
 constexpr std::size_t kFewestReadings = 9, kFewestLines = 3;
+constexpr double kMostLight = 1e9;
 constexpr double kLeastExtent = 0.6;       // of the readings, as a share of the display's side
 constexpr double kMostScatterPercent = 6;  // of the mean light
 constexpr double kMostUnsurePercent = 5;   // of the light at a place
@@ -63,9 +64,11 @@ void check_readings(std::span<const LampReading> readings) {
   std::set<double> columns, rows;
   for (std::size_t i = 0; i < readings.size() && i < kMostLampReadings; ++i) {
     const auto& [place, light] = readings[i];
-    if (!(light > 0) || !std::isfinite(light))
-      refuse("reading %zu is %.4g: a reading is more than 0; leave out places that were not measured", i + 1,
-             light);
+    if (!(light > 0) || !(light <= kMostLight))
+      refuse(
+          "reading %zu is %.4g: a reading is more than 0 and at most %g; leave out places that were not "
+          "measured",
+          i + 1, light, kMostLight);
     if (!(std::abs(place.x) <= 1) || !(std::abs(place.y) <= 1))
       refuse("reading %zu is of a place beside the picture", i + 1);
     columns.insert(place.x);

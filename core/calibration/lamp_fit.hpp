@@ -48,10 +48,10 @@ struct LampFit {
   double spread_after_percent = 0;
 };
 
-// Returns the surface of the readings. Throws CalibrationRefused if a reading is not positive or not on the
-// display, there are fewer than nine or more than kMostLampReadings, they do not extend over three fifths of
-// the display in at least three columns and three rows, scatter by more than 6 % or leave the light uncertain
-// by more than 5 %, the surface is not a lamp's, or the mask would not make the light more even.
+// Returns the surface of the readings. Throws CalibrationRefused if a reading is not positive, above 1e9 or
+// not on the display, there are fewer than nine or more than kMostLampReadings, they do not extend over three
+// fifths of the display in at least three columns and three rows, scatter by more than 6 % or leave the light
+// uncertain by more than 5 %, the surface is not a lamp's, or the mask would not make the light more even.
 [[nodiscard]] LampFit fit_lamp(std::span<const LampReading> readings);
 
 // Returns the uniformity mask of a display of that size: 255 where the surface is darkest, less where it is

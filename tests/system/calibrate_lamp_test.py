@@ -173,12 +173,12 @@ class Lamp(CalibrationTest):
         self.assert_refusal(self.ctl("fit", "lamp", "--photo", self.path("photo.png"), "--corners", "1,2", "--encoding", "srgb"), BAD_USAGE, "--corners 1,2: give x,y")
 
     def test_a_table_gives_the_readings(self):
-        lines = ["# by hand", "x_mm,y_mm,reading"]
+        lines = ["x_mm,y_mm,reading", "# by hand", ""]
         for x in (0.5, 4, 8, 12, 15.5):
             for y in (0.5, 4.5, 8.5):
                 lines.append(f"{x}, {y}, {hidden_light(x / 16, y / 9):.3f}")
-        self.write("lamp.csv", "\r\n".join(lines).encode())
-        self.well(self.ctl("fit", "lamp", "--table", self.path("lamp.csv"), "--accept"), "0.5, 4.5")
+        self.write("lamp.csv", b"\xef\xbb\xbf" + "\r\n".join(lines).encode())
+        self.well(self.ctl("fit", "lamp", "--table", self.path("lamp.csv"), "--accept"), "0.5, 0.5 ", "15.5, 8.5 ")
         self.assertLess(spread_percent(read_png(os.path.join(self.rig.folder, self.masks()[0]))), 1)
 
     def test_the_command_has_the_readings_that_were_typed_and_a_question_mark_for_others(self):
@@ -192,6 +192,7 @@ class Lamp(CalibrationTest):
         self.write("big.csv", b"1,1,1\n" * 20000)
         self.write("beside.csv", b"1,1,1\n17,1,1\n")
         self.write("words.csv", b"1,1,1\n1;2;3\n")
+        self.write("first.csv", b"1;1;1\n1,1,1\n")
         self.write("nul.csv", b"1,1,1\n\0\xff\x1b[2J,1\n")
         self.write("empty.csv", b"")
         self.write("no.png", b"GIF89a")
@@ -202,7 +203,8 @@ class Lamp(CalibrationTest):
             (BAD_USAGE, [*exact[:14]], "there are 14 readings, and a grid of 5x3 has 15 fields"),
             (BAD_USAGE, [*exact[:14], "x"], '"x" is not a number'),
             (BAD_USAGE, [*exact[:14], "nan"], '"nan" is not a number'),
-            (BAD_DATA, [*exact[:14], "0"], "reading 15 is 0: a reading is more than 0"),
+            (BAD_DATA, [*exact[:14], "0"], "reading 15 is 0: a reading is more than 0 and at most 1e+09"),
+            (BAD_DATA, [*exact[:14], "1e308"], "reading 15 is 1e+308"),
             (BAD_DATA, [*exact[:14], "-1"], "reading 15 is -1: a reading is more than 0"),
             (BAD_DATA, [*exact[:5], *["?"] * 10], "5 readings do not determine a lamp's light"),
             (BAD_DATA, [*reversed(exact[:8]), *exact[8:]], "the readings scatter by"),
@@ -210,6 +212,7 @@ class Lamp(CalibrationTest):
             (BAD_USAGE, ["--table", self.path("big.csv")], "more than 64 KiB"),
             (BAD_USAGE, ["--table", self.path("beside.csv")], "line 2: \"17,1,1\" is beside the picture of 16 x 9 mm"),
             (BAD_USAGE, ["--table", self.path("words.csv")], "line 2: \"1;2;3\" is not x, y and reading"),
+            (BAD_USAGE, ["--table", self.path("first.csv")], "line 1: \"1;1;1\" is not x, y and reading"),
             (BAD_USAGE, ["--table", self.path("nul.csv")], "line 2"),
             (BAD_DATA, ["--table", self.path("empty.csv")], "0 readings"),
             (BAD_USAGE, ["--table", self.path("pipe")], "--table"),

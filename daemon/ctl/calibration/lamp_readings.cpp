@@ -103,7 +103,10 @@ std::vector<LampReading> parse_lamp_readings(const std::vector<std::string>& wor
 
 std::vector<LampReading> read_lamp_table(const std::filesystem::path& file, Millimeters width,
                                          Millimeters height) {
-  std::istringstream lines(read_table(file));
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  std::string text = read_table(file);
+  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
+  std::istringstream lines(text);
   std::vector<LampReading> readings;
   bool is_first = true;
   std::size_t number = 0;
@@ -111,7 +114,7 @@ std::vector<LampReading> read_lamp_table(const std::filesystem::path& file, Mill
     ++number;
     if (line.find_first_not_of(" \t\r") == std::string::npos || line.starts_with('#')) continue;
     const std::vector<double> numbers = numbers_of(line, ',');
-    const bool is_heading = is_first && numbers.empty();
+    const bool is_heading = is_first && line.find_first_of("0123456789") == std::string::npos;
     is_first = false;
     if (is_heading) continue;
     const auto refuse_line = [&](const std::string& why) {

@@ -24,7 +24,7 @@ inline constexpr const char* kNotMeasured = "?";
                                                            const LampGrid& grid, Pixels width, Pixels height);
 
 // Reads lines of "x,y,reading", with x and y in mm from the picture's upper left corner, from a regular file
-// of at most 64 KiB; a first line of names, empty lines and those that begin with # are skipped. Throws
+// of at most 64 KiB; a first line without digits, empty lines and those that begin with # are skipped. Throws
 // UsageError, with the line.
 [[nodiscard]] std::vector<LampReading> read_lamp_table(const std::filesystem::path& file, Millimeters width,
                                                        Millimeters height);

@@ -135,7 +135,7 @@ TEST_CASE("Readings that do not determine the light are refused with their figur
   CHECK(lacking(lamp_refusal({}), {"0 readings", "give 9 to 1000"}).empty());
   CHECK(lacking(lamp_refusal({good.begin(), good.begin() + 8}), {"8 readings"}).empty());
   CHECK(lacking(lamp_refusal(std::vector<LampReading>(1001, good[0])), {"1001 readings"}).empty());
-  for (const double bad : {0.0, -3.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+  for (const double bad : {0.0, -3.0, 1.1e9, std::nan(""), std::numeric_limits<double>::infinity()}) {
     std::vector<LampReading> readings = good;
     readings[4].light = bad;
     CHECK(lacking(lamp_refusal(readings), {"reading 5 is", "more than 0"}).empty());
