@@ -85,6 +85,9 @@ TEST_CASE("Pictures for a lamp require a grid and a display that can be") {
   CHECK(contract_broken_by([&] {
           (void)LampPhoto(corners, {2, 3}, PhotoEncoding::Linear);
         }) == "a grid of at least three columns and rows");
+  CHECK(contract_broken_by([&] {
+          (void)LampPhoto(corners, {3, 10}, PhotoEncoding::Linear);
+        }) == "a grid of at most nine columns and rows");
   LampPhoto photo(corners, {3, 3}, PhotoEncoding::Linear);
   CHECK(contract_broken_by([&] { photo.add_row(0, {}, 0); }) == "a pixel has a channel");
 }
