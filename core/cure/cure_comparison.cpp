@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
+#include "core/cure/pixel_light.hpp"
 
 namespace contourd {
 namespace {
@@ -26,15 +27,6 @@ std::vector<RayCrossing> all_crossings(std::span<const PlateModel> models,
     crossings.push_back(crossing);
   }
   return crossings;
-}
-
-// Returns where the dose falls to `least` between the middles of two pixels, from the brighter one's: 0 to 1.
-double wall_between(double bright, double dark, double least) {
-  if (dark <= 0) return 0.5;  // light that stays within its pixel
-  // Beside the last lit pixel, narrow light is that pixel's Gaussian, and wide light nearly a straight line.
-  constexpr double kNarrow = 0.2;
-  if (dark > kNarrow * bright) return (bright - least) / (bright - dark);
-  return std::sqrt(std::log(bright / least) / std::log(bright / dark));
 }
 
 std::vector<RayStretch> vertical_stretches(std::span<const PlateModel> models,

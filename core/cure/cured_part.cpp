@@ -8,54 +8,10 @@
 
 #include "core/contract/expects.hpp"
 #include "core/geometry/mask_budget.hpp"
-#include "core/mask/exposure_correction.hpp"
 #include "core/support/support_mesh.hpp"
 
 namespace contourd {
 namespace {
-
-// The masks of a print, as the share of the light that they are to give.
-class PrintMasks {
- public:
-  PrintMasks(ContourEngine& engine, const DisplayGeometry& display, const PrintLight& light,
-             std::optional<std::chrono::nanoseconds> budget)
-      : engine_(engine),
-        light_(light),
-        dimmed_(light.undersides != nullptr ? light.layers.size() : 0),
-        threshold_({.threshold = engine.threshold()}, std::nullopt),
-        changed_(display.width, display.height),
-        budget_(budget) {
-    for (std::size_t layer = 0; layer < dimmed_.size(); ++layer) {
-      const std::span<const DimmedPixel> pixels = light.undersides->dimmed(layer);
-      dimmed_[layer].assign(pixels.begin(), pixels.end());
-      unfound_ += light.undersides->are_found(layer) ? 0 : 1;
-    }
-  }
-
-  // Returns the number of layers in which undersides were not found within their budget.
-  [[nodiscard]] std::int64_t unfound() const { return unfound_; }
-  // Returns the mask of a layer; null if it exceeded its budget. Valid until the next call.
-  const Mask* of(std::size_t number) {
-    const LayerDose& layer = light_.layers[number];
-    MaskBudget budget;
-    if (budget_) budget = MaskBudget(MaskBudget::Clock::now() + *budget_);
-    if (engine_.mask_within(layer.top - layer.thickness + layer.thickness / 2, budget) == nullptr)
-      return nullptr;
-    if (threshold_.is_none() && dimmed_.empty()) return &engine_.coverage();
-    threshold_.apply(engine_.coverage(), changed_);
-    if (!dimmed_.empty()) dim(dimmed_[number], changed_);
-    return &changed_;
-  }
-
- private:
-  ContourEngine& engine_;
-  const PrintLight& light_;
-  std::vector<std::vector<DimmedPixel>> dimmed_;  // by layer; none without dimming
-  std::int64_t unfound_ = 0;
-  ExposureCorrection threshold_;
-  Mask changed_;
-  std::optional<std::chrono::nanoseconds> budget_;
-};
 
 // Grows to the pixels of masks.
 class GrowingWindow {
@@ -127,35 +83,88 @@ void find_weakest_bond(const PrintLight& light, CuredPart& part) {
 
 }  // namespace
 
-CuredPart cure_part(ContourEngine& engine, const DisplayGeometry& display, const PrintLight& light,
-                    const Supports* supports, std::optional<std::chrono::nanoseconds> mask_budget) {
-  PrintMasks masks(engine, display, light, mask_budget);
-  const std::int32_t margin = light.pixel.reach() + 1;  // one more, so that walls have an outside
+PrintMasks::PrintMasks(ContourEngine& engine, const DisplayGeometry& display, const PrintLight& light,
+                       std::optional<std::chrono::nanoseconds> budget)
+    : engine_(engine),
+      layers_(light.layers),
+      dimmed_(light.undersides != nullptr ? light.layers.size() : 0),
+      threshold_({.threshold = engine.threshold()}, std::nullopt),
+      changed_(display.width, display.height),
+      budget_(budget) {
+  for (std::size_t layer = 0; layer < dimmed_.size(); ++layer) {
+    const std::span<const DimmedPixel> pixels = light.undersides->dimmed(layer);
+    dimmed_[layer].assign(pixels.begin(), pixels.end());
+    unfound_ += light.undersides->are_found(layer) ? 0 : 1;
+  }
+}
+
+const Mask* PrintMasks::of(std::size_t number) {
+  const LayerDose& layer = layers_[number];
+  MaskBudget budget;
+  if (budget_) budget = MaskBudget(MaskBudget::Clock::now() + *budget_);
+  if (engine_.mask_within(layer.top - layer.thickness + layer.thickness / 2, budget) == nullptr)
+    return nullptr;
+  if (threshold_.is_none() && dimmed_.empty()) return &engine_.coverage();
+  threshold_.apply(engine_.coverage(), changed_);
+  if (!dimmed_.empty()) dim(dimmed_[number], changed_);
+  return &changed_;
+}
+
+PrintCure::PrintCure(ContourEngine& engine, const DisplayGeometry& display, const PrintLight& light,
+                     std::optional<std::chrono::nanoseconds> mask_budget)
+    : engine_(engine), display_(display), light_(light), masks_(engine, display, light, mask_budget) {
+  const std::int32_t margin = light_.pixel.reach() + 1;  // one more, so that walls have an outside
   GrowingWindow grown(window_of(engine.models(), display, margin), display);
-  for (std::size_t layer = 0; layer < light.layers.size(); ++layer)
-    if (const Mask* mask = masks.of(layer)) grown.add(*mask, margin);
-  const PixelWindow window = grown.window();
-  const std::vector<PlateModel> support_models = as_models(supports, display);
-  CureComparison comparison(engine.models(), support_models, display, window, light.layers);
-  CuredLayers cured(light.cure, window.pixels());
-  LightSpread spread(light.pixel, static_cast<std::size_t>(window.columns),
-                     static_cast<std::size_t>(window.rows));
-  std::vector<float> share(window.pixels());
-  CuredPart part;
-  part.unfound_undersides = masks.unfound();
-  for (std::size_t layer = light.layers.size(); layer-- > 0;) {
-    if (const Mask* mask = masks.of(layer)) {
-      read_light(*mask, window, share);
+  for (std::size_t layer = 0; layer < light_.layers.size(); ++layer)
+    if (const Mask* mask = masks_.of(layer)) grown.add(*mask, margin);
+  window_ = grown.window();
+}
+
+template <typename Layer>
+std::int64_t PrintCure::cure_layers(Layer&& layer) {
+  CuredLayers cured(light_.cure, window_.pixels());
+  LightSpread spread(light_.pixel, static_cast<std::size_t>(window_.columns),
+                     static_cast<std::size_t>(window_.rows));
+  std::vector<float> share(window_.pixels());
+  std::int64_t abandoned = 0;
+  for (std::size_t number = light_.layers.size(); number-- > 0;) {
+    if (const Mask* mask = masks_.of(number)) {
+      read_light(*mask, window_, share);
     } else {
       std::ranges::fill(share, 0.0F);
-      ++part.abandoned_layers;
+      ++abandoned;
     }
     spread.apply(share);
-    comparison.add_layer(layer, cured, cured.add_layer(light.layers[layer], share));
+    layer(number, cured, cured.add_layer(light_.layers[number], share));
   }
+  return abandoned;
+}
+
+CuredPart PrintCure::compare(const Supports* supports) {
+  const std::vector<PlateModel> support_models = as_models(supports, display_);
+  CureComparison comparison(engine_.models(), support_models, display_, window_, light_.layers);
+  CuredPart part;
+  part.abandoned_layers =
+      cure_layers([&](std::size_t layer, const CuredLayers& cured, std::span<const float> dose) {
+        comparison.add_layer(layer, cured, dose);
+      });
+  part.unfound_undersides = masks_.unfound();
   part.figures = comparison.figures();
-  find_weakest_bond(light, part);
+  find_weakest_bond(light_, part);
   return part;
+}
+
+void PrintCure::make_surface(std::int32_t step, std::function<void(const Facet&)> sink) {
+  CuredSurface surface(display_, window_, step, std::move(sink));
+  cure_layers([&](std::size_t layer, const CuredLayers& cured, std::span<const float> dose) {
+    surface.add_layer(light_.layers[layer], cured, dose);
+  });
+  surface.finish();
+}
+
+CuredPart cure_part(ContourEngine& engine, const DisplayGeometry& display, const PrintLight& light,
+                    const Supports* supports, std::optional<std::chrono::nanoseconds> mask_budget) {
+  return PrintCure(engine, display, light, mask_budget).compare(supports);
 }
 
 }  // namespace contourd

@@ -4,14 +4,18 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/cure/cure_comparison.hpp"
 #include "core/cure/cured_layers.hpp"
+#include "core/cure/cured_surface.hpp"
 #include "core/cure/pixel_light.hpp"
 #include "core/cure/underside_dimming.hpp"
 #include "core/engine/contour_engine.hpp"
+#include "core/mask/exposure_correction.hpp"
 #include "core/support/supports.hpp"
 
 namespace contourd {
@@ -36,10 +40,57 @@ struct CuredPart {
   std::int64_t unfound_undersides = 0;
 };
 
-// Cures the part that `engine` prints on `display`; `supports` are those beside its models, or null. Light is
-// the masks' coverage without pixels that the threshold leaves dark: gamma and uniformity mask serve to give
-// just this light. Memory: see CuredLayers and CureComparison, for the pixels from the first lit row and
-// column to the last.
+// The masks of a print, as the share of the light that they are to give. Not thread-safe.
+class PrintMasks {
+ public:
+  // Finds the dimmed undersides. Engine and light must outlive this object.
+  PrintMasks(ContourEngine& engine, const DisplayGeometry& display, const PrintLight& light,
+             std::optional<std::chrono::nanoseconds> budget);
+
+  // Returns the number of layers in which undersides were not found within their budget.
+  [[nodiscard]] std::int64_t unfound() const { return unfound_; }
+  // Returns the mask of a layer; null if it exceeded its budget. Valid until the next call.
+  const Mask* of(std::size_t number);
+
+ private:
+  ContourEngine& engine_;
+  std::span<const LayerDose> layers_;
+  std::vector<std::vector<DimmedPixel>> dimmed_;  // by layer; none without dimming
+  std::int64_t unfound_ = 0;
+  ExposureCorrection threshold_;
+  Mask changed_;
+  std::optional<std::chrono::nanoseconds> budget_;
+};
+
+// The curing of a print on `display`: its masks, layer by layer from the top down. Light is the masks'
+// coverage without pixels that the threshold leaves dark: gamma and uniformity mask serve to give just this
+// light. Not thread-safe.
+class PrintCure {
+ public:
+  // Finds the pixels that get light: computes all masks, and the dimmed undersides. The engine and what the
+  // light refers to must outlive this object.
+  PrintCure(ContourEngine& engine, const DisplayGeometry& display, const PrintLight& light,
+            std::optional<std::chrono::nanoseconds> mask_budget);
+
+  // Compares the part with the models and with `supports`, those beside the models, or null. Memory: see
+  // CuredLayers and CureComparison, for the pixels from the first lit row and column to the last.
+  [[nodiscard]] CuredPart compare(const Supports* supports);
+  // Makes the part's surface, see CuredSurface.
+  void make_surface(std::int32_t step, std::function<void(const Facet&)> sink);
+
+ private:
+  // Calls layer(number, cured, dose) for each layer. Returns the number of layers without a mask.
+  template <typename Layer>
+  std::int64_t cure_layers(Layer&& layer);
+
+  ContourEngine& engine_;
+  DisplayGeometry display_;
+  PrintLight light_;
+  PrintMasks masks_;
+  PixelWindow window_;
+};
+
+// Does the same as PrintCure::compare().
 [[nodiscard]] CuredPart cure_part(ContourEngine& engine, const DisplayGeometry& display,
                                   const PrintLight& light, const Supports* supports,
                                   std::optional<std::chrono::nanoseconds> mask_budget = std::nullopt);

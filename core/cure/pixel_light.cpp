@@ -39,6 +39,15 @@ std::int32_t PixelLight::reach() const {
   return reach;
 }
 
+double wall_between(double bright, double dark, double least) {
+  expects(bright >= least && least > dark, "the dose falls below the least between the pixels");
+  if (dark <= 0) return 0.5;  // light that stays within its pixel
+  // Beside the last lit pixel, narrow light is that pixel's Gaussian, and wide light nearly a straight line.
+  constexpr double kNarrow = 0.2;
+  if (dark > kNarrow * bright) return (bright - least) / (bright - dark);
+  return std::sqrt(std::log(bright / least) / std::log(bright / dark));
+}
+
 LightSpread::LightSpread(const PixelLight& light, std::size_t width, std::size_t height)
     : width_(width), height_(height) {
   double sum = 0;

@@ -25,6 +25,10 @@ struct PixelLight {
   bool operator==(const PixelLight&) const = default;
 };
 
+// Returns the place of a wall between the middles of two pixels, from the brighter one's, 0 to 1: where the
+// dose falls to `least`. REQUIRES: bright >= least > dark.
+[[nodiscard]] double wall_between(double bright, double dark, double least);
+
 // Spreads the light of a picture's pixels. Keeps its working memory. Not thread-safe.
 class LightSpread {
  public:

@@ -101,6 +101,12 @@ void NewFile::write(std::string_view bytes) {
   }
 }
 
+void NewFile::rewrite(std::int64_t offset, std::string_view bytes) {
+  if (::lseek(file_.get(), offset, SEEK_SET) < 0) throw failure();
+  write(bytes);
+  if (::lseek(file_.get(), 0, SEEK_END) < 0) throw failure();
+}
+
 void NewFile::sync() {
   if (::fsync(file_.get()) != 0) throw failure();
 }

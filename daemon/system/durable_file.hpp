@@ -4,6 +4,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -38,6 +39,8 @@ class NewFile {
   void let_group_read();
   void let_all_read();
   void write(std::string_view bytes);
+  // Replaces bytes that were written before.
+  void rewrite(std::int64_t offset, std::string_view bytes);
 
   // Flushes the file and gives it this name, replacing a file that has it. Must be the last call.
   void replace(const std::string& name);

@@ -3,7 +3,7 @@
 import json
 import os
 
-from harness import BAD_DATA, BAD_USAGE, FLOATING, OK, FolderTest, binary_stl, box, contents, contourctl, source_json
+from harness import BAD_DATA, BAD_USAGE, CANNOT_CREATE, FLOATING, OK, FolderTest, binary_stl, box, contents, contourctl, source_json
 
 BAD_CONFIG = 78
 
@@ -121,6 +121,53 @@ class Undersides(CureTest):
         contourctl("slice", model, "--layer-height-um", "100", "--grow-um", "50", "--gamma", "2", "--masks", self.path("same"), expect=OK)
         for name in os.listdir(self.path("same")):
             self.assertEqual(contents(self.path("masks", name)), contents(self.path("same", name)))
+
+
+class Surface(CureTest):
+    def written(self, model, *arguments):
+        """Writes the cured part's surface; returns the report of cure, and that of inspect on the surface."""
+        surface = self.path("cured.stl")
+        found = self.cure(model, "--stl", surface, *arguments)
+        return found, json.loads(contourctl("inspect", "--json", surface, expect=OK).stdout)
+
+    def test_the_surface_is_a_sound_model_of_the_reported_volume(self):
+        for resin in (self.resin(peel_memory=1), self.resin(peel_memory=0.75, oxygen_dose_mj_cm2=0.5, dead_zone_um=5)):
+            for arguments in ([], ["--undersides", "dose"], ["--supports", "on"], ["--display", "100x70"]):
+                with self.subTest(resin=resin, arguments=arguments):
+                    found, surface = self.written(BRIDGE, "--resin", resin, *arguments)
+                    self.assertEqual(surface["facets"], found["surface"]["facets"])
+                    self.assertEqual(found["surface"]["step_pixels"], 1)
+                    self.assertTrue(surface["watertight"])
+                    for defect in ("degenerate_facets", "zero_area_facets", "duplicate_facets", "non_manifold_edges"):
+                        self.assertEqual(surface[defect], 0, defect)
+                    self.assertEqual(set(surface["repairs"].values()), {0})
+                    volume = found["model_mm3"] + found["too_much_mm3"] - found["missing_mm3"]
+                    # Walls between pixels are interpolated.
+                    self.assertAlmostEqual(surface["volume_mm3"], volume, delta=0.02 * volume)
+
+    def test_a_surface_of_more_facets_than_a_file_may_have_is_coarser(self):
+        model = binary_stl(box((0, 0, 0), (60, 50, 20)))
+        found, surface = self.written(model, "--resin", self.resin(peel_memory=1))
+        self.assertEqual(found["surface"]["step_pixels"], 2)
+        self.assertLess(surface["facets"], 4_000_000)
+        self.assertAlmostEqual(surface["volume_mm3"], 60 * 50 * 20, delta=20)
+
+    def test_a_part_that_does_not_cure_has_an_empty_surface(self):
+        thin = binary_stl(box((0, 0, 0), (2, 2, 0.05)))
+        found = self.cure(thin, "--resin", self.resin(peel_memory=1, dead_zone_um=60), "--stl", self.path("cured.stl"))
+        self.assertEqual(found["surface"]["facets"], 0)
+        self.assertEqual(len(contents(self.path("cured.stl"))), 84)
+
+    def test_a_surface_that_cannot_be_written_leaves_nothing(self):
+        model, resin = self.write("bridge.stl", BRIDGE), self.resin(peel_memory=1)
+        for target, why in (("/dev/full", b"not a regular file"), (self.path("none", "x.stl"), b"No such file"),
+                            (self.folder, b"not a regular file")):  # fmt: skip
+            result = contourctl("cure", "--resin", resin, model, "--stl", target, expect=CANNOT_CREATE)
+            self.assertIn(why, result.stderr)
+        result = contourctl("cure", "--resin", resin, model, "--stl", model, expect=BAD_USAGE)
+        self.assertIn(b"this file is the model", result.stderr)
+        self.assertEqual(contents(model), BRIDGE)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["bridge.stl", "resin.json"])
 
 
 class BadInput(CureTest):

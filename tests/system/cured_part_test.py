@@ -8,7 +8,7 @@ import os
 import struct
 import unittest
 
-from harness import MAKE_MODEL, OK, SHARED, Daemon, FolderTest, binary_stl, box, contents, read_png, run, source_json
+from harness import MAKE_MODEL, OK, SHARED, Daemon, FolderTest, binary_stl, box, contents, contourctl, read_png, run, source_json
 
 # In mm. The display shows 12 x 8 mm; layers have 50 um.
 PITCH, WIDTH, HEIGHT, LAYER = 0.05, 240, 160, 0.05
@@ -202,6 +202,31 @@ class CuredPart(FolderTest):
         undersides, _ = self.distances(self.BRIDGE, 0.98, self.printed(self.BRIDGE, 0.98, claimed_memory=1))
         lost = -percentile(undersides, 0.5)
         self.assertTrue(10 < lost < 35, lost)
+
+    def check_surface(self, facets, memory):
+        """Compares the surface that contourctl cure writes with the intervals that the shown masks cure."""
+        print_ = self.printed(facets, memory, "plain")
+        surface = self.path("surface.stl")
+        contourctl("cure", self.write("model.stl", binary_stl(facets)), "--stl", surface,
+                   "--resin", self.path("resins", f"part-plain-{memory:g}.json"),
+                   "--display", f"{WIDTH}x{HEIGHT}", "--pixel-pitch-um", str(PITCH * 1000), expect=OK)  # fmt: skip
+        solid = 0
+        for pixel, found in crossings(facets_of(surface)).items():
+            heights = [height for height, _ in found]
+            cured = [height for interval in print_.cured(pixel, memory) for height in interval]
+            for step in range(round(print_.tops[-1] / GRID)):
+                z = (step + 0.5) * GRID
+                if min((abs(z - height) for height in heights), default=1) > 0.001:
+                    self.assertEqual(bisect.bisect(heights, z) % 2, bisect.bisect(cured, z) % 2, (pixel, z, heights, cured))
+            solid += len(heights) > 0
+        self.assertGreater(solid, 200)
+
+    def test_the_surface_of_a_bridge_lies_where_its_masks_cure(self):
+        for memory in (1, 0.75):
+            self.check_surface(self.BRIDGE, memory)
+
+    def test_the_surface_of_a_sphere_lies_where_its_masks_cure(self):
+        self.check_surface(placed(self.made("sphere", "40"), 0.15), 0.9)
 
     def test_undersides_of_a_sphere_cure_where_they_are_drawn(self):
         self.check(placed(self.made("sphere", "40"), 0.15), 100)

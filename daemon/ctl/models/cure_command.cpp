@@ -1,12 +1,15 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/cure/cured_part.hpp"
 #include "core/model/model.hpp"
+#include "daemon/ctl/models/cured_surface_file.hpp"
 #include "daemon/ctl/models/layer_measurements.hpp"
 #include "daemon/ctl/models/model_commands.hpp"
 #include "daemon/ctl/models/print_subject.hpp"
@@ -19,6 +22,7 @@ namespace {
 struct CureOptions {
   PrintArgs print;
   bool json = false;
+  std::optional<std::filesystem::path> stl;  // of the part's surface
 };
 
 using Json = nlohmann::ordered_json;
@@ -74,7 +78,13 @@ void print_distances(const char* name, const SurfaceDistances& distances) {
   fmt::print("\n");
 }
 
-void print_text(const PrintSubject& subject, const CuredPart& part) {
+struct CureResult {
+  CuredPart part;
+  std::optional<WrittenSurface> surface;  // nullopt: not wanted
+};
+
+void print_text(const PrintSubject& subject, const CureResult& result) {
+  const CuredPart& part = result.part;
   const CureFigures& found = part.figures;
   const CureSettings cure = cure_of(*subject.resin);
   fmt::print("layers        {}\n", layers_text(subject.layers));
@@ -92,6 +102,9 @@ void print_text(const PrintSubject& subject, const CuredPart& part) {
   if (part.weakest_bond > 0)
     fmt::print("weakest bond  {:.2f} of the dose at which resin gels, layer {}\n", part.weakest_bond,
                part.weakest_bond_layer + 1);
+  if (result.surface)
+    fmt::print("surface       {} facets, from lines {} pixel{} apart\n", result.surface->facets,
+               result.surface->step, result.surface->step == 1 ? "" : "s");
   for (const std::string& warning : warnings_of(subject, part))
     fmt::print("warning       {}\n", printable(warning));
 }
@@ -110,7 +123,8 @@ Json distances_json(const SurfaceDistances& distances) {
   return json;
 }
 
-void print_json(const PrintSubject& subject, const CuredPart& part) {
+void print_json(const PrintSubject& subject, const CureResult& result) {
+  const CuredPart& part = result.part;
   const CureFigures& found = part.figures;
   const CureSettings cure = cure_of(*subject.resin);
   Json json{{"layers", subject.layers.size()},
@@ -131,6 +145,8 @@ void print_json(const PrintSubject& subject, const CuredPart& part) {
   if (found.closed_mm2 > 0) json["tallest_closed_gap_at_mm"] = place_json(found.closed);
   json["weakest_bond"] = part.weakest_bond;
   json["weakest_bond_layer"] = part.weakest_bond > 0 ? Json(part.weakest_bond_layer + 1) : Json();
+  if (result.surface)
+    json["surface"] = {{"facets", result.surface->facets}, {"step_pixels", result.surface->step}};
   json["warnings"] = warnings_of(subject, part);
   fmt::print("{}\n", json.dump(2, ' ', true, Json::error_handler_t::replace));
 }
@@ -138,16 +154,18 @@ void print_json(const PrintSubject& subject, const CuredPart& part) {
 int cure(const CureOptions& options) {
   if (!options.print.printer && !options.print.resin)
     throw UsageError("cure needs --printer, or --resin with the resin's profile");
+  refuse_to_overwrite_model(options.print.model, "--stl", options.stl);
   const PrintSubject subject = print_subject(options.print);
   const std::unique_ptr<UndersideDimming> undersides = subject.dimming();
-  const CuredPart part =
-      cure_part(*subject.engine, subject.settings.display,
-                {subject.doses, cure_of(*subject.resin), {}, undersides.get()},
-                subject.supports ? &*subject.supports : nullptr, subject.analysis.mask_budget);
+  PrintCure print(*subject.engine, subject.settings.display,
+                  {subject.doses, cure_of(*subject.resin), {}, undersides.get()},
+                  subject.analysis.mask_budget);
+  CureResult result{print.compare(subject.supports ? &*subject.supports : nullptr), {}};
+  if (options.stl) result.surface = write_cured_surface(*options.stl, print);
   if (options.json) {
-    print_json(subject, part);
+    print_json(subject, result);
   } else {
-    print_text(subject, part);
+    print_text(subject, result);
   }
   return kOk;
 }
@@ -160,6 +178,7 @@ void add_cure(Command& program) {
   auto& options = command.arguments<CureOptions>();
   add_print_options(command, options.print, "Layer height, um (default: the resin's)");
   command.option("--json", options.json, "Print JSON");
+  command.option("--stl", options.stl, "Write the part's surface to this STL file");
   command.run = [&options] { return cure(options); };
 }
 

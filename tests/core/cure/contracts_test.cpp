@@ -54,6 +54,13 @@ TEST_CASE("Spread light requires Gaussians with a width and a share, and a pictu
         }) == "the picture has the size that was given");
 }
 
+TEST_CASE("A wall requires a brighter pixel that is solid beside a darker one that is not") {
+  const std::string falls = "the dose falls below the least between the pixels";
+  CHECK(contract_broken_by([] { (void)wall_between(1, 0.5, 1); }).empty());
+  CHECK(contract_broken_by([] { (void)wall_between(0.9, 0.5, 1); }) == falls);
+  CHECK(contract_broken_by([] { (void)wall_between(2, 1, 1); }) == falls);
+}
+
 TEST_CASE("Cured layers require possible settings, and layers from the top down with light for each pixel") {
   CHECK(contract_broken_by([] { CuredLayers({}, 1); }) == "the working curve has positive values");
   CHECK(contract_broken_by([] { CuredLayers({.curve = kResinCurve, .peel_memory = 1.5}, 1); }) ==
