@@ -1,6 +1,7 @@
 #include "core/cure/cure_comparison.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <numeric>
@@ -172,6 +173,11 @@ CureFigures CureComparison::figures() {
   std::vector<Distance> walls = std::move(walls_[0].distances);
   std::ranges::move(walls_[1].distances, std::back_inserter(walls));
   figures_.walls = summary(std::move(walls), walls_[0].missing + walls_[1].missing);
+  for (const SurfaceDistances* each : {&figures_.undersides, &figures_.tops, &figures_.walls}) {
+    if (each->places == 0) continue;
+    figures_.section = section(*each);
+    break;
+  }
   return figures_;
 }
 
@@ -240,7 +246,52 @@ SurfaceDistances CureComparison::summary(std::vector<Distance> distances, std::u
   const auto worst = std::ranges::max_element(distances, {}, size);
   figures.worst_um = static_cast<double>(worst->um);
   figures.worst = place(worst->pixel, static_cast<double>(worst->height_mm));
+  figures.bins = bins_of(distances);
   return figures;
+}
+
+// Counts at least one distance, and sorts them in part.
+DistanceBins CureComparison::bins_of(std::vector<Distance>& distances) {
+  const auto at = [&](std::size_t rank) {
+    const auto place = distances.begin() + static_cast<std::ptrdiff_t>(rank);
+    std::ranges::nth_element(distances, place, {}, &Distance::um);
+    return static_cast<double>(place->um);
+  };
+  const std::size_t beyond = distances.size() / 400;
+  const double low = at(beyond), high = at(distances.size() - 1 - beyond);
+  constexpr double kMostBins = 60;
+  DistanceBins bins{.width_um = 0.1};
+  for (std::size_t step = 0; (high - low) / bins.width_um > kMostBins - 2; ++step)
+    bins.width_um *= std::array{2.0, 2.5, 2.0}[step % 3];  // 1, 2 and 5 times a power of ten
+  const auto bin_of = [&](double um) { return std::floor(um / bins.width_um + 0.5); };
+  bins.first_um = bin_of(low) * bins.width_um;
+  bins.places.resize(static_cast<std::size_t>(bin_of(high) - bin_of(low)) + 1);
+  for (const Distance& distance : distances) {
+    const double um = std::clamp(static_cast<double>(distance.um), low, high);
+    ++bins.places[static_cast<std::size_t>(bin_of(um) - bin_of(low))];
+  }
+  return bins;
+}
+
+// Reads the sorted stretches of model and part.
+CureSection CureComparison::section(const SurfaceDistances& through) const {
+  CureSection section{through.worst, through.worst_um, pixel_mm_};
+  const double row_at = PixelMap::true_scale(display_, {0, 0}).to_pixels(through.worst.plate_mm).y;
+  const std::int32_t row =
+      std::clamp(static_cast<std::int32_t>(std::floor(row_at)) - window_.row, 0, window_.rows - 1);
+  const auto columns = static_cast<std::uint32_t>(window_.columns);
+  const std::uint32_t first = static_cast<std::uint32_t>(row) * columns;
+  section.first_x_mm = place(first, 0).plate_mm.x;
+  section.step_mm = display_.mirror_x ? -pixel_mm_ : pixel_mm_;
+  for (auto each = std::ranges::lower_bound(model_, first, {}, &RayStretch::ray);
+       each != model_.end() && each->ray < first + columns; ++each)
+    section.model.push_back(
+        {each->ray - first, static_cast<double>(each->from.at), static_cast<double>(each->to.at)});
+  for (auto each = std::ranges::lower_bound(cured_, first, {}, &Stretch::pixel);
+       each != cured_.end() && each->pixel < first + columns; ++each)
+    section.cured.push_back(
+        {each->pixel - first, static_cast<double>(each->from), static_cast<double>(each->to)});
+  return section;
 }
 
 CurePlace CureComparison::place(std::uint32_t pixel, double height_mm) const {

@@ -25,6 +25,14 @@ struct CurePlace {
   double height_mm = 0;
 };
 
+// Numbers of places by their distances. The first and the last bin also have the places beyond them, one in
+// two hundred at most.
+struct DistanceBins {
+  double first_um = 0;  // middle of the first bin; middles are multiples of the width
+  double width_um = 1;
+  std::vector<std::uint64_t> places{};
+};
+
 // Distances of one kind of surface. Positive where the part is too large.
 struct SurfaceDistances {
   std::uint64_t places = 0;   // where the part's surface was found
@@ -33,6 +41,23 @@ struct SurfaceDistances {
   double p95_um = 0;    // 95 % are off by at most this
   double worst_um = 0;  // the largest, with its sign
   CurePlace worst{};
+  DistanceBins bins{};
+};
+
+// The vertical section through the middles of the row of pixels at the worst underside; of the worst top or
+// wall if the part has none.
+struct CureSection {
+  struct Stretch {
+    std::uint32_t column;   // rising
+    double from_mm, to_mm;  // above the plate
+  };
+  CurePlace at{};       // the worst place
+  double worst_um = 0;  // the distance there
+  double pixel_mm = 0;  // 0: there is no such place
+  // Places of the columns' middles, from the plate's centre: that of column 0, and the distance to the next
+  // one, which is negative on a mirrored display.
+  double first_x_mm = 0, step_mm = 0;
+  std::vector<Stretch> model{}, cured{};  // along the row
 };
 
 struct CureFigures {
@@ -45,6 +70,7 @@ struct CureFigures {
   double closed_mm2 = 0;
   double tallest_closed_mm = 0;
   CurePlace closed{};  // the tallest one
+  CureSection section{};
 };
 
 class CureComparison {
@@ -75,6 +101,7 @@ class CureComparison {
     std::uint32_t pixel;
     float height_mm;
   };
+  static DistanceBins bins_of(std::vector<Distance>& distances);
   struct Walls {
     RayAxis axis;
     std::vector<RayCrossing> crossings;  // by ray
@@ -87,6 +114,7 @@ class CureComparison {
   void compare_column(std::span<const RayStretch> model, std::span<const Stretch> cured);
   void compare_end(const RayCrossing& end, double outwards_mm, std::vector<Distance>& distances);
   [[nodiscard]] SurfaceDistances summary(std::vector<Distance> distances, std::uint64_t missing) const;
+  [[nodiscard]] CureSection section(const SurfaceDistances& through) const;
   [[nodiscard]] CurePlace place(std::uint32_t pixel, double height_mm) const;
 
   DisplayGeometry display_;

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 
 from harness import BAD_DATA, BAD_USAGE, CANNOT_CREATE, FLOATING, OK, FolderTest, binary_stl, box, contents, contourctl, source_json
 
@@ -168,6 +169,49 @@ class Surface(CureTest):
         self.assertIn(b"this file is the model", result.stderr)
         self.assertEqual(contents(model), BRIDGE)
         self.assertEqual(sorted(os.listdir(self.folder)), ["bridge.stl", "resin.json"])
+
+
+class Page(CureTest):
+    def page(self, model, *arguments):
+        found = self.cure(model, "--html", self.path("page.html"), *arguments)
+        return found, contents(self.path("page.html")).decode()
+
+    def areas(self, page):
+        """Returns the areas in mm² of the first section: cured, in the model, in both."""
+        return [
+            sum(float(width) * (float(bottom) - float(top)) for bottom, width, top in re.findall(r" (-?[\d.]+)h([\d.]+)V(-?[\d.]+)h", path))
+            for path in re.findall(r'<path class="\w+" d="([^"]*)"', page)[:3]
+        ]  # fmt: skip
+
+    def test_the_page_has_the_figures_the_section_and_all_places_in_its_plots(self):
+        for printer in ([], ["--display", "300x200"]):
+            found, page = self.page(BRIDGE, "--resin", self.resin(peel_memory=1), *printer)
+            self.assertIn("<td>median +239 um", page)
+            for ring in ("worst underside: +239 um", "worst top:", "worst wall:"):
+                self.assertIn(ring, page)
+            cured, model, both = self.areas(page)
+            self.assertAlmostEqual(model, 6 * 6 - 4 * 3, delta=0.001)
+            self.assertAlmostEqual(both, model, delta=0.001)
+            self.assertAlmostEqual(cured - both, 4 * 0.239, delta=0.003)
+            for name, plot in re.findall(r'aria-label="(\w+) by their distance(.*?)</svg>', page, re.DOTALL):
+                places = sum(int(count) for count in re.findall(r"<title>(\d+) places", plot))
+                self.assertEqual(places, found[name.lower()]["places"], name)
+            self.assertNotRegex(page, r"(href|src)=\"(?!data:)|<script|url\(")
+
+    def test_a_part_without_undersides_or_of_nothing_has_a_page(self):
+        found, page = self.page(binary_stl(box((0, 0, 0), (2, 3, 1))), "--resin", self.resin(peel_memory=1))
+        self.assertEqual(found["undersides"]["places"], 0)
+        self.assertIn("Section through the worst place", page)
+        _, page = self.page(binary_stl(box((0, 0, 0), (2, 3, 0.01))), "--resin", self.resin(peel_memory=1))
+        self.assertNotIn("Section through", page)
+        self.assertIn("too thin for a layer", page)
+
+    def test_a_page_that_cannot_be_written_is_reported(self):
+        model, resin = self.write("bridge.stl", BRIDGE), self.resin(peel_memory=1)
+        result = contourctl("cure", "--resin", resin, model, "--html", "/dev/full", expect=CANNOT_CREATE)
+        self.assertIn(b"cannot write /dev/full", result.stderr)
+        contourctl("cure", "--resin", resin, model, "--html", model, expect=BAD_USAGE)
+        contourctl("cure", "--resin", resin, model, "--html", self.path("x"), "--stl", self.path("x"), expect=BAD_USAGE)
 
 
 class BadInput(CureTest):

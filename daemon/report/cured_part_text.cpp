@@ -1,0 +1,100 @@
+#include "daemon/report/cured_part_text.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace contourd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json place_json(const CurePlace& place) {
+  return {place.plate_mm.x, place.plate_mm.y, place.height_mm};
+}
+
+Json distances_json(const SurfaceDistances& distances) {
+  Json json{{"places", distances.places}, {"missing", distances.missing}};
+  if (distances.places == 0) return json;
+  json["median_um"] = distances.median_um;
+  json["p95_um"] = distances.p95_um;
+  json["worst_um"] = distances.worst_um;
+  json["worst_mm"] = place_json(distances.worst);
+  return json;
+}
+
+}  // namespace
+
+std::string place_text(const CurePlace& place) {
+  return fmt::format("at {:.2f}, {:.2f} mm, {:.2f} mm above the plate", place.plate_mm.x, place.plate_mm.y,
+                     place.height_mm);
+}
+
+std::string distances_text(const SurfaceDistances& distances) {
+  if (distances.places + distances.missing == 0) return "none";
+  std::string text;
+  if (distances.places > 0)
+    text = fmt::format("median {:+.0f} um, 95 % within {:.0f} um, worst {:+.0f} um {}", distances.median_um,
+                       distances.p95_um, distances.worst_um, place_text(distances.worst));
+  if (distances.missing > 0)
+    text += fmt::format("{}{:.2f} % missing", text.empty() ? "" : ", ",
+                        100.0 * static_cast<double>(distances.missing) /
+                            static_cast<double>(distances.missing + distances.places));
+  return text;
+}
+
+std::vector<CureLine> cured_part_lines(const CuredPart& part) {
+  const CureFigures& found = part.figures;
+  std::vector<CureLine> lines{
+      {"undersides", distances_text(found.undersides)},
+      {"tops", distances_text(found.tops)},
+      {"walls", distances_text(found.walls)},
+      {"volume", fmt::format("{:.2f} mm³; {:.2f} mm³ too much, {:.2f} mm³ missing", found.model_mm3,
+                             found.too_much_mm3, found.too_little_mm3)}};
+  if (found.closed_mm2 > 0)
+    lines.push_back({"closed gaps", fmt::format("{:.2f} mm², the tallest {:.3f} mm {}", found.closed_mm2,
+                                                found.tallest_closed_mm, place_text(found.closed))});
+  if (part.weakest_bond > 0)
+    lines.push_back({"weakest bond", fmt::format("{:.2f} of the dose at which resin gels, layer {}",
+                                                 part.weakest_bond, part.weakest_bond_layer + 1)});
+  return lines;
+}
+
+std::vector<std::string> cured_part_warnings(const CuredPart& part, bool memory_measured) {
+  std::vector<std::string> warnings;
+  if (!memory_measured)
+    warnings.push_back(
+        "the resin's peel_memory was not measured: all light is taken to be remembered, so undersides are "
+        "the lowest that they can be");
+  if (part.weakest_bond > 0 && part.weakest_bond < 1)
+    warnings.push_back(fmt::format(
+        "layer {} does not cure down to the layer beneath, which gets {:.2f} of the dose at which resin gels",
+        part.weakest_bond_layer + 1, part.weakest_bond));
+  if (part.abandoned_layers > 0)
+    warnings.push_back(
+        fmt::format("{} masks exceeded their time budget and count as dark", part.abandoned_layers));
+  if (part.unfound_undersides > 0)
+    warnings.push_back(
+        fmt::format("undersides of {} layers kept all their light, because they were not found within the "
+                    "time budget of a mask",
+                    part.unfound_undersides));
+  return warnings;
+}
+
+Json cured_part_json(const CuredPart& part) {
+  const CureFigures& found = part.figures;
+  Json json{{"undersides", distances_json(found.undersides)},
+            {"tops", distances_json(found.tops)},
+            {"walls", distances_json(found.walls)},
+            {"model_mm3", found.model_mm3},
+            {"too_much_mm3", found.too_much_mm3},
+            {"missing_mm3", found.too_little_mm3},
+            {"closed_gaps_mm2", found.closed_mm2},
+            {"tallest_closed_gap_mm", found.tallest_closed_mm}};
+  if (found.closed_mm2 > 0) json["tallest_closed_gap_at_mm"] = place_json(found.closed);
+  json["weakest_bond"] = part.weakest_bond;
+  json["weakest_bond_layer"] = part.weakest_bond > 0 ? Json(part.weakest_bond_layer + 1) : Json();
+  return json;
+}
+
+}  // namespace contourd

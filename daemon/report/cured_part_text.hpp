@@ -1,0 +1,31 @@
+// The figures of a cured part as text and JSON: for contourctl cure and the report of a print. Thread-safe
+// (no shared state).
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "core/cure/cured_part.hpp"
+
+namespace contourd {
+
+// Returns "at 1.00, 2.00 mm, 3.00 mm above the plate".
+[[nodiscard]] std::string place_text(const CurePlace& place);
+// Returns one line: median, 95 %, worst and its place; what is missing.
+[[nodiscard]] std::string distances_text(const SurfaceDistances& distances);
+
+// A figure's name and its text.
+struct CureLine {
+  std::string name, text;
+};
+// Returns the lines that describe the part.
+[[nodiscard]] std::vector<CureLine> cured_part_lines(const CuredPart& part);
+
+// Returns sentences about the part and what is unknown about it.
+[[nodiscard]] std::vector<std::string> cured_part_warnings(const CuredPart& part, bool memory_measured);
+
+// Returns the figures, without warnings.
+[[nodiscard]] nlohmann::ordered_json cured_part_json(const CuredPart& part);
+
+}  // namespace contourd
