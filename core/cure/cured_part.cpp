@@ -68,6 +68,10 @@ void read_light(const Mask& mask, const PixelWindow& window, std::span<float> li
   }
 }
 
+bool is_stopped(const PrintLight& light) {
+  return light.is_stopped && light.is_stopped();
+}
+
 void find_weakest_bond(const PrintLight& light, CuredPart& part) {
   const double depth_mm = to_millimeters(light.cure.curve.penetration_depth).count();
   const double dead_zone_mm = to_millimeters(light.cure.dead_zone).count();
@@ -87,11 +91,13 @@ PrintMasks::PrintMasks(ContourEngine& engine, const DisplayGeometry& display, co
                        std::optional<std::chrono::nanoseconds> budget)
     : engine_(engine),
       layers_(light.layers),
+      heights_(light.mask_heights),
       dimmed_(light.undersides != nullptr ? light.layers.size() : 0),
       threshold_({.threshold = engine.threshold()}, std::nullopt),
       changed_(display.width, display.height),
       budget_(budget) {
-  for (std::size_t layer = 0; layer < dimmed_.size(); ++layer) {
+  expects(heights_.empty() || heights_.size() == layers_.size(), "each layer has a height, or none");
+  for (std::size_t layer = 0; layer < dimmed_.size() && !is_stopped(light); ++layer) {
     const std::span<const DimmedPixel> pixels = light.undersides->dimmed(layer);
     dimmed_[layer].assign(pixels.begin(), pixels.end());
     unfound_ += light.undersides->are_found(layer) ? 0 : 1;
@@ -102,8 +108,8 @@ const Mask* PrintMasks::of(std::size_t number) {
   const LayerDose& layer = layers_[number];
   MaskBudget budget;
   if (budget_) budget = MaskBudget(MaskBudget::Clock::now() + *budget_);
-  if (engine_.mask_within(layer.top - layer.thickness + layer.thickness / 2, budget) == nullptr)
-    return nullptr;
+  const Nanometers middle = layer.top - layer.thickness + layer.thickness / 2;
+  if (engine_.mask_within(heights_.empty() ? middle : heights_[number], budget) == nullptr) return nullptr;
   if (threshold_.is_none() && dimmed_.empty()) return &engine_.coverage();
   threshold_.apply(engine_.coverage(), changed_);
   if (!dimmed_.empty()) dim(dimmed_[number], changed_);
@@ -115,8 +121,12 @@ PrintCure::PrintCure(ContourEngine& engine, const DisplayGeometry& display, cons
     : engine_(engine), display_(display), light_(light), masks_(engine, display, light, mask_budget) {
   const std::int32_t margin = light_.pixel.reach() + 1;  // one more, so that walls have an outside
   GrowingWindow grown(window_of(engine.models(), display, margin), display);
-  for (std::size_t layer = 0; layer < light_.layers.size(); ++layer)
-    if (const Mask* mask = masks_.of(layer)) grown.add(*mask, margin);
+  for (std::size_t layer = 0; layer < light_.layers.size() && !is_stopped(light_); ++layer) {
+    const Mask* mask = masks_.of(layer);
+    if (mask != nullptr) grown.add(*mask, margin);
+    const Mask& lit = light_.undersides != nullptr && mask != nullptr ? *mask : engine.coverage();
+    lit_pixels_.push_back(mask != nullptr ? lit.lit_area() : 0);
+  }
   window_ = grown.window();
 }
 
@@ -127,7 +137,7 @@ std::int64_t PrintCure::cure_layers(Layer&& layer) {
                      static_cast<std::size_t>(window_.rows));
   std::vector<float> share(window_.pixels());
   std::int64_t abandoned = 0;
-  for (std::size_t number = light_.layers.size(); number-- > 0;) {
+  for (std::size_t number = light_.layers.size(); number-- > 0 && !is_stopped(light_);) {
     if (const Mask* mask = masks_.of(number)) {
       read_light(*mask, window_, share);
     } else {
@@ -140,7 +150,8 @@ std::int64_t PrintCure::cure_layers(Layer&& layer) {
   return abandoned;
 }
 
-CuredPart PrintCure::compare(const Supports* supports) {
+std::optional<CuredPart> PrintCure::compare(const Supports* supports) {
+  if (is_stopped(light_)) return std::nullopt;
   const std::vector<PlateModel> support_models = as_models(supports, display_);
   CureComparison comparison(engine_.models(), support_models, display_, window_, light_.layers);
   CuredPart part;
@@ -148,6 +159,7 @@ CuredPart PrintCure::compare(const Supports* supports) {
       cure_layers([&](std::size_t layer, const CuredLayers& cured, std::span<const float> dose) {
         comparison.add_layer(layer, cured, dose);
       });
+  if (is_stopped(light_)) return std::nullopt;
   part.unfound_undersides = masks_.unfound();
   part.figures = comparison.figures();
   find_weakest_bond(light_, part);
@@ -164,7 +176,7 @@ void PrintCure::make_surface(std::int32_t step, std::function<void(const Facet&)
 
 CuredPart cure_part(ContourEngine& engine, const DisplayGeometry& display, const PrintLight& light,
                     const Supports* supports, std::optional<std::chrono::nanoseconds> mask_budget) {
-  return PrintCure(engine, display, light, mask_budget).compare(supports);
+  return PrintCure(engine, display, light, mask_budget).compare(supports).value();
 }
 
 }  // namespace contourd

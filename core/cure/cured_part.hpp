@@ -26,6 +26,9 @@ struct PrintLight {
   CureSettings cure{};
   PixelLight pixel{};
   UndersideDimming* undersides = nullptr;  // null: undersides are not dimmed
+  // Heights of the cuts through the models, by layer, of a print that is over; empty: the layers' middles.
+  std::span<const Nanometers> mask_heights{};
+  std::function<bool()> is_stopped{};  // asked at each layer; empty: never
 };
 
 struct CuredPart {
@@ -55,6 +58,7 @@ class PrintMasks {
  private:
   ContourEngine& engine_;
   std::span<const LayerDose> layers_;
+  std::span<const Nanometers> heights_;
   std::vector<std::vector<DimmedPixel>> dimmed_;  // by layer; none without dimming
   std::int64_t unfound_ = 0;
   ExposureCorrection threshold_;
@@ -73,8 +77,11 @@ class PrintCure {
             std::optional<std::chrono::nanoseconds> mask_budget);
 
   // Compares the part with the models and with `supports`, those beside the models, or null. Memory: see
-  // CuredLayers and CureComparison, for the pixels from the first lit row and column to the last.
-  [[nodiscard]] CuredPart compare(const Supports* supports);
+  // CuredLayers and CureComparison, for the pixels from the first lit row and column to the last. nullopt if
+  // it was stopped.
+  [[nodiscard]] std::optional<CuredPart> compare(const Supports* supports);
+  // Returns the lit area of each layer in pixels, as LayerRecord::area_mm2 has it; 0 without a mask.
+  [[nodiscard]] std::span<const double> lit_pixels() const { return lit_pixels_; }
   // Makes the part's surface, see CuredSurface.
   void make_surface(std::int32_t step, std::function<void(const Facet&)> sink);
 
@@ -87,10 +94,11 @@ class PrintCure {
   DisplayGeometry display_;
   PrintLight light_;
   PrintMasks masks_;
+  std::vector<double> lit_pixels_;
   PixelWindow window_;
 };
 
-// Does the same as PrintCure::compare().
+// Does what PrintCure::compare() does, with light that is never stopped.
 [[nodiscard]] CuredPart cure_part(ContourEngine& engine, const DisplayGeometry& display,
                                   const PrintLight& light, const Supports* supports,
                                   std::optional<std::chrono::nanoseconds> mask_budget = std::nullopt);

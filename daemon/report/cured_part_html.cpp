@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <span>
 #include <vector>
@@ -16,8 +17,8 @@ namespace {
 
 using Stretch = CureSection::Stretch;
 
-// A section with more stretches would make a page of many megabytes.
-constexpr std::size_t kMostStretches = 50'000;
+// Of a section with more stretches than this, some columns are drawn, so that the page stays small.
+constexpr std::size_t kMostStretches = 10'000;
 
 // A rectangle of the section, in millimetres.
 struct Frame {
@@ -55,12 +56,16 @@ std::vector<Stretch> common(std::span<const Stretch> one, std::span<const Stretc
   return both;
 }
 
-std::string path_of(const CureSection& section, std::span<const Stretch> stretches, const char* kind) {
+// Draws every some-th column that many pixels wide.
+std::string path_of(const CureSection& section, std::span<const Stretch> stretches, const char* kind,
+                    std::uint32_t every) {
+  const double width_mm = every * section.pixel_mm;
   std::string path = fmt::format("<path class=\"{}\" d=\"", kind);
-  for (const Stretch& each : stretches)
+  for (const Stretch& each : stretches) {
+    if (each.column % every != 0) continue;
     fmt::format_to(std::back_inserter(path), "M{:.4f} {:.4f}h{:.4f}V{:.4f}h{:.4f}z",
-                   x_of(section, each) - section.pixel_mm / 2, -each.from_mm, section.pixel_mm, -each.to_mm,
-                   -section.pixel_mm);
+                   x_of(section, each) - width_mm / 2, -each.from_mm, width_mm, -each.to_mm, -width_mm);
+  }
   return path + "\"/>\n";
 }
 
@@ -69,12 +74,12 @@ std::string drawing(const CureSection& section, const Frame& frame, const Frame*
                     const std::string& title) {
   const std::vector<Stretch> model = within(section, section.model, frame),
                              cured = within(section, section.cured, frame);
-  if (model.size() + cured.size() > kMostStretches) return "";
+  const auto every = static_cast<std::uint32_t>(1 + (model.size() + cured.size()) / kMostStretches);
   std::string svg = fmt::format(
       "<svg class=\"cured\" viewBox=\"{:.4f} {:.4f} {:.4f} {:.4f}\" role=\"img\" aria-label=\"{}\">\n",
       frame.left, -frame.top, frame.right - frame.left, frame.top - frame.bottom, title);
-  svg += path_of(section, cured, "much") + path_of(section, model, "lacks") +
-         path_of(section, common(model, cured), "solid");
+  svg += path_of(section, cured, "much", every) + path_of(section, model, "lacks", every) +
+         path_of(section, common(model, cured), "solid", every);
   if (mark != nullptr)
     svg += fmt::format("<rect x=\"{:.4f}\" y=\"{:.4f}\" width=\"{:.4f}\" height=\"{:.4f}\"/>\n", mark->left,
                        -mark->top, mark->right - mark->left, mark->top - mark->bottom);

@@ -8,7 +8,7 @@ import os
 import struct
 import unittest
 
-from harness import MAKE_MODEL, OK, SHARED, Daemon, FolderTest, binary_stl, box, contents, contourctl, read_png, run, source_json
+from harness import BAD_DATA, MAKE_MODEL, NO_INPUT, OK, SHARED, Daemon, FolderTest, binary_stl, box, contents, contourctl, read_png, run, source_json
 
 # In mm. The display shows 12 x 8 mm; layers have 50 um.
 PITCH, WIDTH, HEIGHT, LAYER = 0.05, 240, 160, 0.05
@@ -227,6 +227,58 @@ class CuredPart(FolderTest):
 
     def test_the_surface_of_a_sphere_lies_where_its_masks_cure(self):
         self.check_surface(placed(self.made("sphere", "40"), 0.15), 0.9)
+
+    def recorded(self, report, facets, job, *arguments, expect=OK):
+        """Cures the part of a report, given as a dictionary or as bytes; returns the figures, or the message."""
+        text = report if isinstance(report, bytes) else json.dumps(report).encode()
+        result = contourctl("cure", "--json", self.write("model.stl", binary_stl(facets)), "--report", self.write("job.report.json", text),
+                            "--resin", self.path("resins", f"{job}.json"), "--display", f"{WIDTH}x{HEIGHT}",
+                            "--pixel-pitch-um", str(PITCH * 1000), *arguments, expect=expect)  # fmt: skip
+        return json.loads(result.stdout) if expect == OK else result.stderr.decode()
+
+    def test_the_part_of_a_finished_print_follows_from_the_light_that_was_given(self):
+        for undersides in ("plain", "dose"):
+            self.printed(self.BRIDGE, 1, undersides)
+            job = f"part-{undersides}-1"
+            report = self.daemon.report(job)
+            found = self.recorded(report, self.BRIDGE, job)
+            self.assertEqual(found["print"], {"job": job, "outcome": "done", "layers_with_light": len(report["layer_records"])})
+            self.assertEqual(found["warnings"], [])
+            too_low = 239 if undersides == "plain" else 0
+            self.assertAlmostEqual(found["undersides"]["median_um"], too_low, delta=2.5)
+        # With twice the light, the underside is lower by Dp ln 2.
+        report = self.daemon.report("part-plain-1")
+        for layer in report["layer_records"]:
+            layer["exposure_least_ms"] *= 2
+            layer["exposure_most_ms"] *= 2
+        found = self.recorded(report, self.BRIDGE, "part-plain-1")
+        self.assertAlmostEqual(found["undersides"]["median_um"], 239 + 150 * math.log(2), delta=1)
+        # A print that was cancelled has no more than its layers.
+        report["layer_records"] = report["layer_records"][:30]
+        found = self.recorded(report, self.BRIDGE, "part-plain-1", "--stl", self.path("cured.stl"))
+        self.assertAlmostEqual(found["missing_mm3"], found["model_mm3"] - 2 * 4 * 1.5, delta=0.1)
+        self.assertAlmostEqual(max(corner[2] for facet in facets_of(self.path("cured.stl")) for corner in facet), 1.5, delta=0.01)
+
+    def test_a_report_of_another_model_or_of_no_print_is_noticed(self):
+        self.printed(self.BRIDGE, 1, "plain")
+        report = self.daemon.report("part-plain-1")
+        found = self.recorded(report, placed(box((0, 0, 0), (3, 3, 6))), "part-plain-1")
+        self.assertIn("layers are not those of the print", found["warnings"][0])
+        low = self.recorded(report, placed(box((0, 0, 0), (3, 3, 1))), "part-plain-1", expect=BAD_DATA)
+        self.assertIn("layers, and the model only 20", low)
+        layers = report["layer_records"]
+        for bad, why in (
+            (b"{", "is not the report of a print"), (b"[]", "is not the report"), ({"job": "x"}, "is not the report"), (b"\xff" * 9, "is not the report"),
+            (b"[" * 100000, "is not the report"),
+            (report | {"layer_records": []}, "no layer was exposed"), (report | {"layer_records": layers[1:]}, "do not lie one upon another"),
+            (report | {"layer_records": layers[::-1]}, "do not lie one upon another"),
+            (report | {"layer_records": [layers[0] | {"exposure_most_ms": -1}]}, "exposure_most_ms is -1"),
+            (report | {"layer_records": [layers[0] | {"plate_height_mm": "x"}]}, "is not the report"),
+            (report | {"settings": report["settings"] | {"irradiance_mw_cm2": 0}}, "irradiance_mw_cm2 is 0"),
+        ):  # fmt: skip
+            self.assertIn(why, self.recorded(bad, self.BRIDGE, "part-plain-1", expect=BAD_DATA))
+        contourctl("cure", self.write("m.stl", binary_stl(self.BRIDGE)), "--resin", self.path("resins", "part-plain-1.json"),
+                   "--report", self.path("none.json"), expect=NO_INPUT)  # fmt: skip
 
     def test_undersides_of_a_sphere_cure_where_they_are_drawn(self):
         self.check(placed(self.made("sphere", "40"), 0.15), 100)

@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,7 @@
 #include "daemon/ctl/models/layer_files.hpp"
 #include "daemon/ctl/models/layer_measurements.hpp"
 #include "daemon/ctl/models/model_commands.hpp"
+#include "daemon/ctl/models/print_record_file.hpp"
 #include "daemon/ctl/models/print_subject.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/report/cured_part_text.hpp"
@@ -27,8 +30,9 @@ namespace {
 struct CureOptions {
   PrintArgs print;
   bool json = false;
-  std::optional<std::filesystem::path> stl;   // of the part's surface
-  std::optional<std::filesystem::path> html;  // one self-contained page
+  std::optional<std::filesystem::path> stl;     // of the part's surface
+  std::optional<std::filesystem::path> html;    // one self-contained page
+  std::optional<std::filesystem::path> report;  // of a finished print, whose light is taken
 };
 
 using Json = nlohmann::ordered_json;
@@ -42,21 +46,50 @@ CureSettings cure_of(const ResinProfile& resin) {
       printable(resin.name)));
 }
 
-std::vector<std::string> warnings_of(const PrintSubject& subject, const CuredPart& part) {
-  std::vector<std::string> warnings = subject.warnings;
-  std::ranges::move(cured_part_warnings(part, subject.resin.value().peel_memory_measured),
-                    std::back_inserter(warnings));
-  return warnings;
-}
-
 struct CureResult {
   CuredPart part;
   std::optional<WrittenSurface> surface;  // nullopt: not wanted
+  std::vector<std::string> warnings;
 };
 
-void print_text(const PrintSubject& subject, const CureResult& result) {
+// Takes undersides, layers and doses of a finished print.
+PrintSubject subject_of(const CureOptions& options, const std::optional<RecordedPrint>& recorded) {
+  if (!recorded) return print_subject(options.print);
+  PrintArgs args = options.print;
+  if (!args.undersides) args.undersides = recorded->undersides == Undersides::Dose ? "dose" : "plain";
+  return print_subject(args);
+}
+
+// Returns a sentence about masks that are not those of the print; empty if all are.
+std::string other_masks(const PrintSubject& subject, const RecordedPrint& recorded,
+                        std::span<const double> lit_pixels) {
+  const double pixel_mm = to_millimeters(subject.settings.display.pixel_pitch).count();
+  const double pixel_mm2 = pixel_mm * pixel_mm;
+  std::size_t others = 0, worst = 0;
+  double most = 0;
+  for (std::size_t layer = 0; layer < recorded.areas_mm2.size(); ++layer) {
+    const double off = std::abs(lit_pixels[layer] * pixel_mm2 - recorded.areas_mm2[layer]);
+    if (off <= pixel_mm2) continue;
+    ++others;
+    if (off <= most) continue;
+    most = off;
+    worst = layer;
+  }
+  if (others == 0) return "";
+  return fmt::format(
+      "the masks of {} of {} layers are not those of the print, that of layer {} is off by {:.2f} mm²: give "
+      "the "
+      "model, the ticket and the configuration of the print",
+      others, recorded.areas_mm2.size(), worst + 1, most);
+}
+
+void print_text(const PrintSubject& subject, const std::optional<RecordedPrint>& recorded,
+                const CureResult& result) {
   const CureSettings cure = cure_of(*subject.resin);
   fmt::print("layers        {}\n", layers_text(subject.layers));
+  if (recorded)
+    fmt::print("print         {}, {}, {} layers with light\n", printable(recorded->job),
+               printable(recorded->outcome), recorded->light.layers.size());
   fmt::print("resin         {}: Dp {:.4g} um, Ec {:.4g} mJ/cm², memory {:.3g}\n",
              printable(subject.resin->name), cure.curve.penetration_depth.count(),
              cure.curve.critical_dose.count(), cure.peel_memory);
@@ -65,11 +98,12 @@ void print_text(const PrintSubject& subject, const CureResult& result) {
   if (result.surface)
     fmt::print("surface       {} facets, from lines {} pixel{} apart\n", result.surface->facets,
                result.surface->step, result.surface->step == 1 ? "" : "s");
-  for (const std::string& warning : warnings_of(subject, result.part))
+  for (const std::string& warning : result.warnings)
     fmt::print("warning       {}\n", printable(warning));
 }
 
-void print_json(const PrintSubject& subject, const CureResult& result) {
+void print_json(const PrintSubject& subject, const std::optional<RecordedPrint>& recorded,
+                const CureResult& result) {
   const CureSettings cure = cure_of(*subject.resin);
   Json json{{"layers", subject.layers.size()},
             {"resin",
@@ -78,11 +112,42 @@ void print_json(const PrintSubject& subject, const CureResult& result) {
               {"critical_energy_mj_cm2", cure.curve.critical_dose.count()},
               {"peel_memory", cure.peel_memory},
               {"peel_memory_measured", subject.resin->peel_memory_measured}}}};
+  if (recorded)
+    json["print"] = {{"job", recorded->job},
+                     {"outcome", recorded->outcome},
+                     {"layers_with_light", recorded->light.layers.size()}};
   json.update(cured_part_json(result.part));
   if (result.surface)
     json["surface"] = {{"facets", result.surface->facets}, {"step_pixels", result.surface->step}};
-  json["warnings"] = warnings_of(subject, result.part);
+  json["warnings"] = result.warnings;
   fmt::print("{}\n", json.dump(2, ' ', true, Json::error_handler_t::replace));
+}
+
+CureResult compute(const PrintSubject& subject, const std::optional<RecordedPrint>& recorded,
+                   const std::optional<std::filesystem::path>& stl) {
+  const std::unique_ptr<UndersideDimming> undersides = subject.dimming();
+  PrintLight light{subject.doses, cure_of(*subject.resin), {}, undersides.get()};
+  if (recorded) {
+    if (recorded->light.layers.size() > subject.layers.size())
+      throw ModelError(
+          fmt::format("the print has {} layers, and the model only {}: give the model, the ticket "
+                      "and the configuration of the print",
+                      recorded->light.layers.size(), subject.layers.size()));
+    light.layers = recorded->light.layers;
+    light.mask_heights = recorded->light.mask_heights;
+  }
+  PrintCure print(*subject.engine, subject.settings.display, light, subject.analysis.mask_budget);
+  CureResult result{
+      print.compare(subject.supports ? &*subject.supports : nullptr).value(), {}, subject.warnings};
+  if (recorded) {
+    result.part.unfound_undersides = recorded->unfound_undersides;
+    if (std::string other = other_masks(subject, *recorded, print.lit_pixels()); !other.empty())
+      result.warnings.push_back(std::move(other));
+  }
+  std::ranges::move(cured_part_warnings(result.part, subject.resin->peel_memory_measured),
+                    std::back_inserter(result.warnings));
+  if (stl) result.surface = write_cured_surface(*stl, print);
+  return result;
 }
 
 int cure(const CureOptions& options) {
@@ -91,20 +156,17 @@ int cure(const CureOptions& options) {
   refuse_to_overwrite_model(options.print.model, "--stl", options.stl);
   refuse_to_overwrite_model(options.print.model, "--html", options.html);
   if (options.stl && options.stl == options.html) throw UsageError("--stl and --html name the same file");
-  const PrintSubject subject = print_subject(options.print);
-  const std::unique_ptr<UndersideDimming> undersides = subject.dimming();
-  PrintCure print(*subject.engine, subject.settings.display,
-                  {subject.doses, cure_of(*subject.resin), {}, undersides.get()},
-                  subject.analysis.mask_budget);
-  CureResult result{print.compare(subject.supports ? &*subject.supports : nullptr), {}};
-  if (options.stl) result.surface = write_cured_surface(*options.stl, print);
+  std::optional<RecordedPrint> recorded;
+  if (options.report) recorded = read_recorded_print(*options.report);
+  const PrintSubject subject = subject_of(options, recorded);
+  const CureResult result = compute(subject, recorded, options.stl);
   if (options.html)
-    write_text(*options.html, cure_page(options.print.model.filename().string(), subject, result.part,
-                                        warnings_of(subject, result.part)));
+    write_text(*options.html,
+               cure_page(options.print.model.filename().string(), subject, result.part, result.warnings));
   if (options.json) {
-    print_json(subject, result);
+    print_json(subject, recorded, result);
   } else {
-    print_text(subject, result);
+    print_text(subject, recorded, result);
   }
   return kOk;
 }
@@ -119,6 +181,7 @@ void add_cure(Command& program) {
   command.option("--json", options.json, "Print JSON");
   command.option("--stl", options.stl, "Write the part's surface to this STL file");
   command.option("--html", options.html, "Write a page with plots and pictures");
+  command.option("--report", options.report, "Take the light from a finished print's NAME.report.json");
   command.run = [&options] { return cure(options); };
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/cure/cure_comparison.hpp"
 #include "core/cure/cured_layers.hpp"
+#include "core/cure/cured_part.hpp"
 #include "core/cure/pixel_light.hpp"
 #include "core/cure/surface_rays.hpp"
 #include "core/cure/underside_dimming.hpp"
@@ -123,4 +124,16 @@ TEST_CASE("Undersides are dimmed in layers of the print only") {
           UndersideDimming dimming({}, nullptr, {}, {.layers = {layer(0)}, .resin = {.curve = kResinCurve}});
           (void)dimming.dimmed(1);
         }) == "the layer is one of the print's");
+}
+
+TEST_CASE("The masks of a print require a height for each layer, or none") {
+  const DisplayGeometry display{Pixels{4}, Pixels{4}, Micrometers{50}};
+  ContourEngine engine({}, {.display = display});
+  const std::array layers{layer(0), layer(1)};
+  const std::array heights{kThickness / 2};
+  PrintLight light{.layers = layers, .cure = {.curve = kResinCurve}};
+  CHECK(contract_broken_by([&] { PrintCure(engine, display, light, {}); }).empty());
+  light.mask_heights = heights;
+  CHECK(contract_broken_by([&] { PrintCure(engine, display, light, {}); }) ==
+        "each layer has a height, or none");
 }

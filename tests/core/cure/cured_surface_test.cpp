@@ -53,7 +53,7 @@ Surface surface_of(models::Facets facets, const SurfacePrinting& printing = {}, 
   PrintCure print(engine, printing.display,
                   {.layers = layers, .cure = printing.cure, .pixel = printing.pixel}, {});
   Surface surface;
-  surface.figures = print.compare(nullptr).figures;
+  surface.figures = print.compare(nullptr).value().figures;
   print.make_surface(step, [&](const Facet& facet) { surface.facets.push_back(facet); });
   surface.mesh = inspect_mesh(surface.facets);
   return surface;

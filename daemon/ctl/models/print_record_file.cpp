@@ -1,0 +1,104 @@
+#include "daemon/ctl/models/print_record_file.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <system_error>
+
+#include "core/model/model.hpp"
+#include "daemon/system/readable.hpp"
+#include "daemon/system/regular_file.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The report of some sixty thousand layers.
+constexpr std::size_t kLargestReport = std::size_t{32} << 20U;
+
+std::string read_text(const std::filesystem::path& path) {
+  const FileDescriptor file = open_regular_file(path, Links::Follow);
+  std::string text;
+  std::string part(1U << 16U, '\0');
+  while (true) {
+    const ssize_t size = ::read(file.get(), part.data(), part.size());
+    if (size < 0 && errno == EINTR) continue;
+    if (size < 0) throw std::system_error(errno, std::generic_category());
+    if (size == 0) return text;
+    text.append(part, 0, static_cast<std::size_t>(size));
+    if (text.size() > kLargestReport)
+      throw ModelError(fmt::format("it is larger than {} MiB", kLargestReport >> 20U));
+  }
+}
+
+// Returns a number of the report between these bounds.
+double number(const Json& object, const char* key, double least, double most) {
+  const double value = object.at(key).get<double>();
+  // Negated, so that NaN is refused, too.
+  if (!(value >= least && value <= most))
+    throw ModelError(fmt::format("{} is {}, expected {} to {}", key, value, least, most));
+  return value;
+}
+
+Nanometers height(const Json& object, const char* key) {
+  constexpr double kHighest = 10'000;  // mm
+  return to_nanometers(Millimeters{number(object, key, 0, kHighest)}).value_or(Nanometers{});
+}
+
+Duration exposure(const Json& object, const char* key) {
+  constexpr double kLongest = 86'400'000;  // ms, a day
+  return std::chrono::duration_cast<Duration>(
+      std::chrono::duration<double, std::milli>(number(object, key, 0, kLongest)));
+}
+
+RecordedPrint recorded_print(const Json& report) {
+  RecordedPrint print;
+  print.job = report.at("job").get<std::string>();
+  print.outcome = report.at("outcome").get<std::string>();
+  const Json& settings = report.at("settings");
+  print.undersides =
+      settings.at("undersides").get<std::string>() == "dose" ? Undersides::Dose : Undersides::Plain;
+  print.unfound_undersides = report.at("unfound_undersides").get<std::int64_t>();
+  std::vector<LayerRecord> records;
+  for (const Json& layer : report.at("layer_records")) {
+    LayerRecord& record = records.emplace_back();
+    record.layer = static_cast<std::int32_t>(number(layer, "layer", 1, 10'000'000)) - 1;
+    record.plate_height = height(layer, "plate_height_mm");
+    record.mask_height = height(layer, "mask_height_mm");
+    record.exposure_least = exposure(layer, "exposure_least_ms");
+    record.exposure_most = exposure(layer, "exposure_most_ms");
+    record.dark_confirmed = layer.at("dark_confirmed").get<bool>();
+    print.areas_mm2.push_back(number(layer, "area_mm2", 0, 1e9));
+  }
+  if (records.empty()) throw ModelError("no layer was exposed");
+  const std::optional<PrintedLight> light =
+      printed_light(records, number(settings, "irradiance_mw_cm2", 1e-6, 1e6));
+  if (!light) throw ModelError("its layers do not lie one upon another from the first one on");
+  print.light = *light;
+  return print;
+}
+
+}  // namespace
+
+RecordedPrint read_recorded_print(const std::filesystem::path& path) {
+  try {
+    return recorded_print(Json::parse(read_text(path)));
+  } catch (const UnreadableFile& error) {
+    throw UnreadableFile(error.code(),
+                         fmt::format("cannot read {}: {}", printable(path.string()), error.what()));
+  } catch (const Json::exception&) {
+    throw ModelError(
+        fmt::format("{} is not the report of a print; give the NAME.report.json of a finished job",
+                    printable(path.string())));
+  } catch (const std::exception& error) {
+    throw ModelError(fmt::format("{} is not the report of a print that can be computed: {}",
+                                 printable(path.string()), error.what()));
+  }
+}
+
+}  // namespace contourd::ctl
