@@ -204,6 +204,7 @@ class DimmedMasks {
   // Returns the mask of a layer by its coverage, that of the models and what is beside them. Valid until the
   // next call. Looks ahead, unless that has been done.
   [[nodiscard]] const Mask& mask(std::size_t layer, const Mask& coverage);
+  [[nodiscard]] UndersideDimming& dimming() { return *undersides_; }
   // Does what UndersideDimming::are_found() does.
   [[nodiscard]] bool are_found(std::size_t layer) const { return undersides_->are_found(layer); }
   // Returns the light of the last mask, before uniformity mask and gamma. Valid until the next mask.

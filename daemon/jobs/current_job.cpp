@@ -111,7 +111,7 @@ CurrentJob::CurrentJob(const PrinterContext& context, Spool& spool, JobReader& r
       log_(context.log),
       print_(make_print_mode(context.machine, context.clock, *this)),
       analyst_(context.loop),
-      archivist_(context.loop, spool) {
+      archivist_(context.loop, spool, context.config.memory_limit_bytes) {
   context_.loop.on_turn_over([this](const EventLoop::Turn& turn) {
     if (print_->light_may_be_on()) add_lit_turn(turn);
   });

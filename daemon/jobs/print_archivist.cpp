@@ -80,20 +80,32 @@ FiledPrint file_print(Spool& spool, EndedPrint& print) {
 
 }  // namespace
 
-PrintArchivist::PrintArchivist(EventLoop& loop, Spool& spool)
-    : spool_(spool), worker_(loop, "contourd-filing", kArchivistNiceness) {}
+PrintArchivist::PrintArchivist(EventLoop& loop, Spool& spool, std::optional<std::uint64_t> memory_limit)
+    : spool_(spool),
+      cured_(loop, spool, memory_limit),
+      worker_(loop, "contourd-filing", kArchivistNiceness) {}
 
 void PrintArchivist::file(EndedPrint print, std::function<void(const FiledPrint&)> done) {
   expects(!busy_, "no other print is being filed");
   busy_ = true;
-  // Tasks of a worker are copied, but an engine cannot be. It is destroyed on the worker's thread, because a
+  cured_.stop();
+  print.report.cured = part_to_come(print.report);
+  // Tasks of a worker are copied, but an engine cannot be. It is destroyed on a worker's thread, because a
   // large one takes time.
   auto shared = std::make_shared<EndedPrint>(std::move(print));
-  worker_.run([&spool = spool_, shared = std::move(shared)] { return file_print(spool, *shared); },
-              [this, done = std::move(done)](const FiledPrint& filed) {
-                busy_ = false;
-                done(filed);
-              });
+  auto to_cure = std::make_shared<PrintToCure>();
+  worker_.run(
+      [&spool = spool_, shared = std::move(shared), to_cure] {
+        FiledPrint filed = file_print(spool, *shared);
+        *to_cure = {std::move(shared->report), std::move(shared->engine), std::move(shared->undersides),
+                    folder_for(shared->end)};
+        return filed;
+      },
+      [this, done = std::move(done), to_cure](const FiledPrint& filed) mutable {
+        busy_ = false;
+        cured_.begin(std::move(to_cure));
+        done(filed);
+      });
 }
 
 void PrintArchivist::record(const JobEnd& end) {

@@ -2,13 +2,16 @@
 // disk may take seconds, and the event loop controls a light. Event loop's thread only.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <future>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/engine/contour_engine.hpp"
+#include "daemon/jobs/cured_part_writer.hpp"
 #include "daemon/report/print_report.hpp"
 #include "daemon/spool/spool.hpp"
 #include "daemon/system/worker.hpp"
@@ -35,13 +38,14 @@ struct FiledPrint {
 class PrintArchivist {
  public:
   // The spool must outlive the archivist.
-  PrintArchivist(EventLoop& loop, Spool& spool);
+  PrintArchivist(EventLoop& loop, Spool& spool, std::optional<std::uint64_t> memory_limit = std::nullopt);
 
   // Records the end of a print before anything else is done about it: from then on that is its end, whatever
   // happens to this process or to done/ and failed/. Errors are reported with the filing. Returns at once.
   void record(const JobEnd& end);
 
-  // Writes the report's files and moves the job's files to done/ or failed/; then calls `done` from the loop.
+  // Writes the report's files and moves the job's files to done/ or failed/; then calls `done` from the loop,
+  // and begins to compute the cured part for the report.
   // REQUIRES: not busy.
   void file(EndedPrint print, std::function<void(const FiledPrint&)> done);
   // True if a print is being filed and its `done` is still to be called.
@@ -50,6 +54,7 @@ class PrintArchivist {
  private:
   Spool& spool_;
   bool busy_ = false;
+  CuredPartWriter cured_;
   Worker worker_;  // last: its thread ends before what its tasks use
 };
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/analysis/print_analysis.hpp"
+#include "core/cure/cured_part.hpp"
 #include "daemon/prepare/print_job.hpp"
 #include "daemon/report/job_picture.hpp"
 #include "daemon/report/state_times.hpp"
@@ -60,6 +61,12 @@ struct PrintStops {
   std::uint64_t more_interruptions = 0, more_pauses = 0;  // beyond kMost
 };
 
+// The part that a print's light cured.
+struct PrintedPart {
+  std::optional<CuredPart> part;
+  std::string why_not;  // a clause, if there is no part
+};
+
 struct PrintReport {
   std::string job;
   std::string printer;
@@ -79,6 +86,7 @@ struct PrintReport {
   std::optional<std::filesystem::path> masks;  // folder of the simulated display's masks
   std::optional<JobPicture> preview;
   std::vector<LayerPicture> layer_pictures;  // in rising order of layers
+  std::optional<PrintedPart> cured;          // nullopt: the resin has no working curve, or no layer had light
 };
 
 // Returns the exposed volume: the sum of area times thickness over the layers that had light.

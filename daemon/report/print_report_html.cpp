@@ -11,6 +11,8 @@
 
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
+#include "daemon/report/cured_part_html.hpp"
+#include "daemon/report/cured_part_text.hpp"
 #include "daemon/report/first_items.hpp"
 #include "daemon/report/html_page.hpp"
 #include "daemon/report/light_histogram.hpp"
@@ -310,6 +312,22 @@ std::string layer_section(const PrintReport& report) {
   return html + "</div>\n";
 }
 
+// Returns the part that the print's light cured.
+std::string cured_part_section(const PrintReport& report) {
+  if (!report.cured) return "";
+  std::string html = "<h2>The part that was cured</h2>\n";
+  if (!report.cured->part) return html + "<p>Not computed: " + escaped(report.cured->why_not) + ".</p>\n";
+  const CuredPart& part = *report.cured->part;
+  html +=
+      "<p>By the light that the layers really had, this is the part that you should have in your hand: its "
+      "distance from the model, positive where it is too large.</p>\n<table>\n";
+  for (const CureLine& line : cured_part_lines(part))
+    html += table_row(line.name, line.text);
+  for (const std::string& warning : cured_part_warnings(part, report.summary.resin.peel_memory_measured))
+    html += table_row("warning", warning);
+  return html + "</table>\n" + cured_section(part.figures.section) + distance_plots(part.figures);
+}
+
 std::string plots(const PrintReport& report) {
   if (report.layers.empty()) return "";
   return plot_of(report, "Exposed area, mm² by height", [](const LayerRecord& l) { return l.area_mm2; }) +
@@ -334,12 +352,13 @@ std::string report_as_html(const PrintReport& report) {
   const std::string reason =
       report.reason.empty() ? "" : ": " + escaped(shortened(report.reason, kMaxSentence));
   std::string html =
-      page_start(fmt::format("{}: {}", job, outcome), kReportPageStyle) +
+      page_start(fmt::format("{}: {}", job, outcome),
+                 std::string(kReportPageStyle) + std::string(kCuredPartStyle)) +
       fmt::format("<h1>{0}</h1>\n<div class=\"outcome {1}\">{1}{2}</div>\n<div class=\"top\">\n", job,
                   outcome, reason);
   html += preview_figure(report) + "<table>\n" + facts(report) + "</table>\n</div>\n";
   html += warning_list(report) + orientation_section(report.summary.models) + layer_section(report) +
-          time_section(report) + light_section(report);
+          time_section(report) + light_section(report) + cured_part_section(report);
   return html + plots(report) + "</html>\n";
 }
 

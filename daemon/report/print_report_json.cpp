@@ -8,6 +8,7 @@
 #include "daemon/prepare/mesh_repair_text.hpp"
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
+#include "daemon/report/cured_part_text.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd {
@@ -124,6 +125,14 @@ void add_stops(const PrintReport& report, Json& json) {
   json["pause_count"] = stops.pauses.size() + stops.more_pauses;
 }
 
+Json cured_json(const PrintReport& report) {
+  if (!report.cured) return {};
+  if (!report.cured->part) return {{"not_computed", report.cured->why_not}};
+  Json json = cured_part_json(*report.cured->part);
+  json["warnings"] = cured_part_warnings(*report.cured->part, report.summary.resin.peel_memory_measured);
+  return json;
+}
+
 Json layer_json(const LayerRecord& layer) {
   Json json{{"layer", layer.layer + 1},
             {"thickness_um", in_mm(layer.thickness) * 1000},
@@ -189,6 +198,7 @@ std::string report_as_json(const PrintReport& report) {
   json["exposed_volume_mm3"] = exposed_volume_mm3(report.layers);
   if (report.masks) json["masks_folder"] = report.masks->string();
   json["analysis"] = report.findings ? findings_json(*report.findings) : Json();
+  json["cured_part"] = cured_json(report);
   Json layers = Json::array();
   for (const LayerRecord& layer : report.layers)
     layers.push_back(layer_json(layer));

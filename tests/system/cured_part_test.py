@@ -8,7 +8,7 @@ import os
 import struct
 import unittest
 
-from harness import BAD_DATA, MAKE_MODEL, NO_INPUT, OK, SHARED, Daemon, FolderTest, binary_stl, box, contents, contourctl, read_png, run, source_json
+from harness import BAD_DATA, MAKE_MODEL, NO_INPUT, OK, SHARED, Daemon, FolderTest, binary_stl, box, contents, contourctl, read_png, run, source_json, wait_until
 
 # In mm. The display shows 12 x 8 mm; layers have 50 um.
 PITCH, WIDTH, HEIGHT, LAYER = 0.05, 240, 160, 0.05
@@ -258,6 +258,29 @@ class CuredPart(FolderTest):
         found = self.recorded(report, self.BRIDGE, "part-plain-1", "--stl", self.path("cured.stl"))
         self.assertAlmostEqual(found["missing_mm3"], found["model_mm3"] - 2 * 4 * 1.5, delta=0.1)
         self.assertAlmostEqual(max(corner[2] for facet in facets_of(self.path("cured.stl")) for corner in facet), 1.5, delta=0.01)
+
+    def reported(self, job, folder="done"):
+        """Returns the cured part in a job's report, once it is computed."""
+        def computed():
+            part = self.daemon.report(job, folder)["cured_part"]
+            return None if part is None or "has not finished" in part.get("not_computed", "") else part
+
+        return wait_until(computed, f"the cured part of {job}")
+
+    def test_the_report_of_a_print_has_the_part_that_it_cured(self):
+        for undersides in ("plain", "dose"):
+            self.printed(self.BRIDGE, 1, undersides)
+            job = f"part-{undersides}-1"
+            part = self.reported(job)
+            found = self.recorded(self.daemon.report(job), self.BRIDGE, job)
+            for key, value in part.items():
+                self.assertEqual(found[key], value, key)
+            page = self.daemon.read("done", f"{job}.report.html")
+            self.assertIn("The part that was cured", page)
+            self.assertIn(f"median {round(part['undersides']['median_um']):+d} um", page)
+            self.assertEqual(page.count("by their distance, um"), 3)
+        self.daemon.printed("flat.stl", binary_stl(box((0, 0, 0), (2, 2, 0.5))))
+        self.assertIsNone(self.daemon.report("flat")["cured_part"])  # its resin has no curve
 
     def test_a_report_of_another_model_or_of_no_print_is_noticed(self):
         self.printed(self.BRIDGE, 1, "plain")

@@ -178,3 +178,25 @@ TEST_CASE("The underside of a ball is too low by the print-through of the layers
   CHECK(of.undersides.missing == 0);
   CHECK(of.tops.median_um < 25);  // half a layer: stairs
 }
+
+TEST_CASE("A computation that is stopped at any layer has no part") {
+  auto model = std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {1, 1, 0.5F}));
+  const DisplayGeometry display{Pixels{40}, Pixels{40}, Micrometers{50}};
+  std::vector<PlateModel> models;
+  models.push_back({{std::move(model)}, {PixelMap::true_scale(display, {0.5, 0.5})}});
+  ContourEngine engine(std::move(models), {.display = display});
+  std::vector<LayerDose> layers;
+  for (int layer = 0; layer < 10; ++layer)
+    layers.push_back({kLayer * (layer + 1), kLayer, kCurve.dose_for(Micrometers{100})});
+  int left = 0;
+  const auto stopped_after = [&](int layers_asked) {
+    left = layers_asked;
+    PrintCure print(engine, display,
+                    {.layers = layers, .cure = {.curve = kCurve}, .is_stopped = [&] { return left-- <= 0; }},
+                    {});
+    return !print.compare(nullptr);
+  };
+  for (const int asked : {0, 5, 10, 11, 15, 20})
+    CHECK(stopped_after(asked));
+  CHECK_FALSE(stopped_after(1000));
+}

@@ -1,0 +1,150 @@
+#include "daemon/jobs/cured_part_writer.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <exception>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <utility>
+
+#include "daemon/report/job_picture.hpp"
+#include "daemon/report/print_report_html.hpp"
+#include "daemon/report/print_report_json.hpp"
+#include "daemon/report/printed_light.hpp"
+#include "daemon/system/memory_room.hpp"
+
+namespace contourd {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+constexpr int kCuringNiceness = 15;
+constexpr std::chrono::minutes kLongestCuring{10};
+constexpr std::chrono::seconds kLongestCuredMask{5};
+// Memory that stays free for the next print.
+constexpr std::uint64_t kMemoryLeft = 100'000'000;
+// Bytes for each pixel of the models' box: doses, and lines through models and part.
+constexpr std::uint64_t kBytesPerPixel = 100;
+
+// Watches the limits of a computation.
+class CureLimits {
+ public:
+  explicit CureLimits(std::optional<std::uint64_t> memory) : memory_(memory) {}
+
+  // Returns the reason why the computation may not go on; empty if it may. `more`: bytes that it needs.
+  [[nodiscard]] std::string exceeded(std::uint64_t more) const {
+    if (SteadyClock::now() > end_)
+      return fmt::format("this takes longer than {} minutes", kLongestCuring.count());
+    const MemoryRoom room = memory_room(memory_);
+    if (room.bytes < more + kMemoryLeft)
+      return fmt::format("this needs more memory than there is: {} are free, {}", megabytes(room.bytes),
+                         room.reason);
+    return "";
+  }
+
+ private:
+  std::optional<std::uint64_t> memory_;
+  SteadyClock::time_point end_ = SteadyClock::now() + kLongestCuring;
+};
+
+std::uint64_t most_memory(const ContourEngine& engine, const DisplayGeometry& display,
+                          const ResinProfile& resin, std::size_t layers) {
+  const bool remembers_all = resin.cure->peel_memory == 1 && resin.cure->oxygen_dose.count() == 0;
+  constexpr std::size_t kMostLayers = 400;  // whose light reaches a layer
+  const std::uint64_t per_pixel =
+      kBytesPerPixel + (remembers_all ? 0 : sizeof(std::uint16_t) * std::min(layers, kMostLayers));
+  return per_pixel * window_of(engine.models(), display, 1).pixels();
+}
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace
+
+CuredPartWriter::CuredPartWriter(EventLoop& loop, const Spool& spool,
+                                 std::optional<std::uint64_t> memory_limit)
+    : spool_(spool), memory_limit_(memory_limit), worker_(loop, "contourd-curing", kCuringNiceness) {}
+
+CuredPartWriter::~CuredPartWriter() {
+  if (stop_) *stop_ = Stop::Contourd;
+}
+
+void CuredPartWriter::begin(std::shared_ptr<PrintToCure> print) {
+  stop();
+  stop_ = std::make_shared<std::atomic<Stop>>(Stop::No);
+  worker_.run(
+      [&spool = spool_, limit = memory_limit_, stop = stop_, print = std::move(print)] {
+        try {
+          write(spool, *print, *stop, limit);
+        } catch (const std::exception&) {
+          // The report stays as it was filed.
+        }
+        return true;
+      },
+      [](bool) {});
+}
+
+void CuredPartWriter::stop() {
+  if (stop_) *stop_ = Stop::NextPrint;
+}
+
+void CuredPartWriter::write(const Spool& spool, PrintToCure& print, const std::atomic<Stop>& stop,
+                            std::optional<std::uint64_t> memory_limit) {
+  PrintReport& report = print.report;
+  if (!report.cured || stop == Stop::Contourd) return;
+  const std::string filed = report_as_json(report);
+  PrintedPart cured = cure(print, stop, memory_limit);
+  if (stop == Stop::Contourd) return;
+  const ReportFiles files = spool.reports_of(print.folder, report.job);
+  if (files.json.empty() || text_of(files.json) != filed) return;
+  report.cured = std::move(cured);
+  if (!files.html.empty())
+    spool.write_beside(print.folder, report.job, "report.html", report_as_html(report));
+  spool.write_beside(print.folder, report.job, "report.json", report_as_json(report));
+}
+
+PrintedPart CuredPartWriter::cure(PrintToCure& print, const std::atomic<Stop>& stop,
+                                  std::optional<std::uint64_t> memory_limit) {
+  const PrintReport& report = print.report;
+  const std::optional<PrintedLight> light = printed_light(report.layers, report.summary.irradiance_mw_cm2);
+  if (!light) return {{}, "its layers do not lie one upon another from the first one on"};
+  ContourEngine& engine = *print.engine;
+  const DisplayGeometry display =
+      display_of(engine.models(), engine.coverage().width(), engine.coverage().height());
+  const CureLimits limits(memory_limit);
+  std::string why_not =
+      limits.exceeded(most_memory(engine, display, report.summary.resin, light->layers.size()));
+  if (!why_not.empty()) return {{}, why_not};
+  try {
+    PrintCure cure(engine, display,
+                   {.layers = light->layers,
+                    .cure = *report.summary.resin.cure,
+                    .undersides = print.undersides ? &print.undersides->dimming() : nullptr,
+                    .mask_heights = light->mask_heights,
+                    .is_stopped =
+                        [&] {
+                          if (why_not.empty() && stop != Stop::No) why_not = "the next print ended before";
+                          if (why_not.empty()) why_not = limits.exceeded(0);
+                          return !why_not.empty();
+                        }},
+                   kLongestCuredMask);
+    std::optional<CuredPart> part =
+        cure.compare(report.summary.supports ? &*report.summary.supports : nullptr);
+    if (!part) return {{}, why_not};
+    part->unfound_undersides = layers_with_unfound_undersides(report.layers);
+    return {std::move(part), ""};
+  } catch (const std::exception& error) {
+    return {{}, error.what()};
+  }
+}
+
+std::optional<PrintedPart> part_to_come(const PrintReport& report) {
+  if (!report.summary.resin.cure || report.layers.empty()) return std::nullopt;
+  return PrintedPart{{}, "contourd computes it after the report, and has not finished"};
+}
+
+}  // namespace contourd
