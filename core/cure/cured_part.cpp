@@ -124,6 +124,7 @@ PrintCure::PrintCure(ContourEngine& engine, const DisplayGeometry& display, cons
   for (std::size_t layer = 0; layer < light_.layers.size() && !is_stopped(light_); ++layer) {
     const Mask* mask = masks_.of(layer);
     if (mask != nullptr) grown.add(*mask, margin);
+    if (light_.mask_heights.empty()) continue;
     const Mask& lit = light_.undersides != nullptr && mask != nullptr ? *mask : engine.coverage();
     lit_pixels_.push_back(mask != nullptr ? lit.lit_area() : 0);
   }

@@ -80,7 +80,8 @@ class PrintCure {
   // CuredLayers and CureComparison, for the pixels from the first lit row and column to the last. nullopt if
   // it was stopped.
   [[nodiscard]] std::optional<CuredPart> compare(const Supports* supports);
-  // Returns the lit area of each layer in pixels, as LayerRecord::area_mm2 has it; 0 without a mask.
+  // Returns the lit area of each layer of a print that is over, in pixels, before a threshold if no
+  // undersides are dimmed; 0 without a mask.
   [[nodiscard]] std::span<const double> lit_pixels() const { return lit_pixels_; }
   // Makes the part's surface, see CuredSurface.
   void make_surface(std::int32_t step, std::function<void(const Facet&)> sink);
