@@ -174,10 +174,13 @@ std::vector<Violation> implausible_values(const ResinProfile& resin, const std::
   check_exposures(resin, irradiance_mw_cm2, warnings);
   warnings.add_outside("/layer_height_um", to_millimeters(resin.layer_height).count() * 1000, kThinnestUm,
                        kThickestUm, "um are implausible: layers of 25 to 100 um are usual");
-  warnings.add_outside("/lift_mm", to_millimeters(resin.motion.lift).count(), kMinLiftMm, kMaxLiftMm,
+  warnings.add_outside("/lift_mm", to_millimeters(resin.motion.whole_lift()).count(), kMinLiftMm, kMaxLiftMm,
                        "mm are implausible: lifts of 2 to 10 mm are usual");
-  for (const auto& [pointer, speed] : {std::pair("/lift_speed_mm_s", resin.motion.lift_speed),
-                                       std::pair("/retract_speed_mm_s", resin.motion.retract_speed)})
+  for (const auto& [pointer, speed] :
+       {std::pair("/lift_speed_mm_s", resin.motion.lift_speed),
+        std::pair("/second_lift_speed_mm_s", resin.motion.second_lift_speed),
+        std::pair("/retract_speed_mm_s", resin.motion.retract_speed),
+        std::pair("/slow_retract_speed_mm_s", resin.motion.slow_retract_speed)})
     warnings.add_outside(pointer, speed.count(), 0, kMaxSpeedMmS,
                          "mm/s are implausible: 1 to 5 mm/s (60 to 300 mm/min) are usual");
   if (const auto* curve = std::get_if<CurveExposure>(&resin.exposure);

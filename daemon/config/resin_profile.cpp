@@ -71,11 +71,41 @@ std::string limits_place(std::string_view key) {
   return "/ticket_limits/" + std::string(key);
 }
 
+// Checks that the plate has room for a first and a second stage of the lift.
 void check_travel(JsonDocument& document, const char* place, std::optional<double> lift_mm,
                   const ResinMachine& machine) {
-  if (!lift_mm || !machine.travel || *lift_mm < to_millimeters(*machine.travel).count()) return;
-  document.add_violation(place, decimal(*lift_mm) + " is not less than the printer's travel, " +
-                                    decimal(to_millimeters(*machine.travel).count()) + " mm");
+  const double second_mm = document.valid_number("/second_lift_mm").value_or(0);
+  if (!lift_mm || !machine.travel || *lift_mm + second_mm < to_millimeters(*machine.travel).count()) return;
+  document.add_violation(
+      place,
+      decimal(*lift_mm) + (second_mm > 0 ? " and second_lift_mm, " + decimal(second_mm) + ", are" : " is") +
+          " not less than the printer's travel, " + decimal(to_millimeters(*machine.travel).count()) + " mm");
+}
+
+// Checks that the plate comes down slowly no farther than it was lifted.
+void check_slow_retract(JsonDocument& document) {
+  const auto slow_mm = document.valid_number("/slow_retract_mm"), lift_mm = document.valid_number("/lift_mm"),
+             second_mm = document.valid_number("/second_lift_mm");
+  if (!slow_mm || !lift_mm || *slow_mm <= *lift_mm + second_mm.value_or(0)) return;
+  document.add_violation("/slow_retract_mm", decimal(*slow_mm) + " is more than the whole lift, " +
+                                                 decimal(*lift_mm + second_mm.value_or(0)) + " mm");
+}
+
+// Checks the speeds of the stages that there are.
+void check_speeds(JsonDocument& document, const ResinMachine& machine) {
+  struct Stage {
+    const char *distance, *speed;
+  };
+  for (const auto& [distance, speed] :
+       {Stage{"/lift_mm", "/lift_speed_mm_s"}, Stage{"/second_lift_mm", "/second_lift_speed_mm_s"},
+        Stage{"/lift_mm", "/retract_speed_mm_s"}, Stage{"/slow_retract_mm", "/slow_retract_speed_mm_s"}}) {
+    const auto mm_s = document.valid_number(speed);
+    if (!mm_s || !machine.top_speed || *mm_s <= machine.top_speed->count() ||
+        document.valid_number(distance).value_or(0) == 0)
+      continue;
+    document.add_violation(speed, decimal(*mm_s) + " is more than the printer's top speed, " +
+                                      decimal(machine.top_speed->count()) + " mm/s");
+  }
 }
 
 void check_ticket_limits(JsonDocument& document, const ResinMachine& machine) {
@@ -121,12 +151,8 @@ void check_rules(JsonDocument& document, const ResinMachine& machine) {
                                                     decimal(*foot_height) + ": both are 0 or neither is");
   }
   check_travel(document, "/lift_mm", document.valid_number("/lift_mm"), machine);
-  for (const char* key : {"/lift_speed_mm_s", "/retract_speed_mm_s"}) {
-    const auto speed = document.valid_number(key);
-    if (!speed || !machine.top_speed || *speed <= machine.top_speed->count()) continue;
-    document.add_violation(key, decimal(*speed) + " is more than the printer's top speed, " +
-                                    decimal(machine.top_speed->count()) + " mm/s");
-  }
+  check_slow_retract(document);
+  check_speeds(document, machine);
   check_ticket_limits(document, machine);
 }
 
@@ -199,9 +225,15 @@ struct MotionSetting {
 };
 
 constexpr std::array kMotionSettings{
-    MotionSetting{"lift_mm", &LayerMotion::lift}, MotionSetting{"lift_speed_mm_s", &LayerMotion::lift_speed},
+    MotionSetting{"lift_mm", &LayerMotion::lift},
+    MotionSetting{"lift_speed_mm_s", &LayerMotion::lift_speed},
+    MotionSetting{"second_lift_mm", &LayerMotion::second_lift},
+    MotionSetting{"second_lift_speed_mm_s", &LayerMotion::second_lift_speed},
     MotionSetting{"retract_speed_mm_s", &LayerMotion::retract_speed},
-    MotionSetting{"settle_ms", &LayerMotion::settle}, MotionSetting{"rest_ms", &LayerMotion::rest}};
+    MotionSetting{"slow_retract_mm", &LayerMotion::slow_retract},
+    MotionSetting{"slow_retract_speed_mm_s", &LayerMotion::slow_retract_speed},
+    MotionSetting{"settle_ms", &LayerMotion::settle},
+    MotionSetting{"rest_ms", &LayerMotion::rest}};
 
 void read(const JsonSection& profile, std::string_view key, Nanometers& length) {
   length = profile.length(key);

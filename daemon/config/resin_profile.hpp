@@ -53,13 +53,20 @@ struct ExposureTolerance {
   bool operator==(const ExposureTolerance&) const = default;
 };
 
-// The moves and waits that peel off a layer.
+// The moves and waits that peel off a layer. The plate rises in two stages, slowly while the layer peels off
+// and then fast, and comes down in two, fast and then slowly while it presses the resin out.
 struct LayerMotion {
   Nanometers lift{};
   MillimetersPerSecond lift_speed;
+  Nanometers second_lift{};  // 0: none
+  MillimetersPerSecond second_lift_speed;
   MillimetersPerSecond retract_speed;
+  Nanometers slow_retract{};  // the last part of the way down; 0: none
+  MillimetersPerSecond slow_retract_speed;
   Duration settle{};  // wait before the light, with the plate at rest
   Duration rest{};    // wait between the end of the light and the lift
+
+  [[nodiscard]] Nanometers whole_lift() const { return lift + second_lift; }
 
   // The waits of a layer, by which the print and its time left know them.
   [[nodiscard]] Duration before_light() const { return settle; }

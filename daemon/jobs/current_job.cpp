@@ -30,7 +30,8 @@ constexpr Duration kReadingInterval = 1s;
 AnalysisTask analysis_of(PreparedJob& job, const ZAxis& axis) {
   AnalysisTask task{std::move(job.analysis_engine), job.display, job.plan.expected_layers, {}, job.analysis};
   for (std::size_t layer = 0; layer < task.layers.size(); ++layer)
-    task.layer_durations.push_back(layer_duration(job.plan, static_cast<std::int32_t>(layer), axis));
+    task.layer_durations.push_back(
+        layer_duration(job.plan, static_cast<std::int32_t>(layer), moves_of(axis)));
   return task;
 }
 

@@ -50,6 +50,22 @@ std::string describe_correction(const JobSummary& summary) {
   return text;
 }
 
+// Returns "; lift 2 mm at 1.5 mm/s, then 4 mm at 5 mm/s, retract at 2.5 mm/s, the last 0.5 mm at 1 mm/s; wait
+// 1000 ms before exposure, 500 ms after".
+std::string describe_motion(const LayerMotion& motion) {
+  std::string text =
+      fmt::format("; lift {:g} mm at {:g} mm/s", figure_of(motion.lift), figure_of(motion.lift_speed));
+  if (motion.second_lift > Nanometers{})
+    text += fmt::format(", then {:g} mm at {:g} mm/s", figure_of(motion.second_lift),
+                        figure_of(motion.second_lift_speed));
+  text += fmt::format(", retract at {:g} mm/s", figure_of(motion.retract_speed));
+  if (motion.slow_retract > Nanometers{})
+    text += fmt::format(", the last {:g} mm at {:g} mm/s", figure_of(motion.slow_retract),
+                        figure_of(motion.slow_retract_speed));
+  return text + fmt::format("; wait {:g} ms before exposure, {:g} ms after", figure_of(motion.settle),
+                            figure_of(motion.rest));
+}
+
 std::string describe_settings(const JobSummary& summary) {
   const ResinProfile& resin = summary.resin;
   const auto exposure_ms = [&](Nanometers thickness, std::int32_t layer) {
@@ -66,10 +82,7 @@ std::string describe_settings(const JobSummary& summary) {
   if (resin.bottom_layers > 0)
     text += fmt::format(", {:g} ms in {} bottom layers, fading over {}", exposure_ms(layers.thinnest, 0),
                         resin.bottom_layers, resin.fade_layers);
-  text += fmt::format(
-      "; lift {:g} mm at {:g} mm/s, retract at {:g} mm/s; wait {:g} ms before exposure, {:g} ms after",
-      to_millimeters(resin.motion.lift).count(), resin.motion.lift_speed.count(),
-      resin.motion.retract_speed.count(), milliseconds(resin.motion.settle), milliseconds(resin.motion.rest));
+  text += describe_motion(resin.motion);
   if (const auto& followed = summary.temperature)
     text += fmt::format("; light for resin of {:.1f} degrees C, {:.3g} of that at {:g} degrees",
                         followed->resin_c, followed->light, followed->curve_c);

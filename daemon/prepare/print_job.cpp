@@ -28,7 +28,7 @@ BuildVolume build_volume(const PrinterConfig& printer, const ResinProfile& resin
   // Every layer is peeled off by a lift, the last one too.
   return {{printer.display_width, printer.display_height, printer.pixel_pitch, printer.mirror_x,
            printer.mirror_y},
-          to_millimeters(printer.travel - resin.motion.lift).count()};
+          to_millimeters(printer.travel - resin.motion.whole_lift()).count()};
 }
 
 void take_settings(const PrinterConfig& printer, const ResinProfile& resin, PrintPlan& plan) {

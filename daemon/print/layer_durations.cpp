@@ -33,10 +33,11 @@ Duration print_duration(const PrintPlan& plan, const PrinterConfig& printer) {
   const std::vector<Duration> layers = layer_durations(plan, printer);
   const Nanometers top =
       std::accumulate(plan.expected_layers.begin(), plan.expected_layers.end(), Nanometers{});
-  const Nanometers to_park = std::max(printer.travel - top - plan.motion.lift, Nanometers{});
+  const Nanometers to_park = std::max(printer.travel - top - plan.motion.whole_lift(), Nanometers{});
   // For its first layer, the plate comes from the height after homing, not from a lift.
-  const Duration approach = move(plan.expected_layers.front() - plan.home_height, plan.travel_speed) -
-                            move(-plan.motion.lift, plan.motion.retract_speed);
+  const Duration approach = lowering_duration(plan.motion, plan.home_height - plan.expected_layers.front(),
+                                              plan.travel_speed, move) -
+                            lowering_duration(plan.motion, move);
   return plan.warm_up + homing_duration(plan, printer.travel, move) + approach +
          std::accumulate(layers.begin(), layers.end(), Duration{0}) + move(to_park, plan.travel_speed);
 }

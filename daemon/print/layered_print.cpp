@@ -72,10 +72,10 @@ void LayeredPrint::start(PrintPlan plan) {
   begin_layer(Nanometers{});
   const Nanometers top =
       std::accumulate(plan_->expected_layers.begin(), plan_->expected_layers.end(), Nanometers{});
-  left_after_.assign(plan_->expected_layers.size() + 1, parking_duration(top + plan_->motion.lift));
+  left_after_.assign(plan_->expected_layers.size() + 1, parking_duration(top + plan_->motion.whole_lift()));
   for (std::size_t i = plan_->expected_layers.size(); i-- > 0;) {
-    left_after_[i] =
-        left_after_[i + 1] + layer_duration(*plan_, static_cast<std::int32_t>(i), machine_.z_axis());
+    left_after_[i] = left_after_[i + 1] +
+                     layer_duration(*plan_, static_cast<std::int32_t>(i), moves_of(machine_.z_axis()));
   }
   handle(LayeredEvent::Started);
 }
@@ -208,7 +208,7 @@ void LayeredPrint::perform(LayeredEffect effect) {
     case LayeredEffect::Home:
       return home();
     case LayeredEffect::LowerToLayer:
-      return move_to(layer_top(), layer_ == 0 ? plan_->travel_speed : plan_->motion.retract_speed);
+      return lower();
     case LayeredEffect::WaitToSettle:
       wait(plan_->motion.before_light());
       // The plate is at rest in the dark, and has to wait anyway.
@@ -233,16 +233,15 @@ void LayeredPrint::perform(LayeredEffect effect) {
     case LayeredEffect::WaitToRest:
       return wait(plan_->motion.after_light());
     case LayeredEffect::Lift:
-      return move_to(std::min(current_height() + plan_->motion.lift, machine_.z_axis().travel()),
-                     plan_->motion.lift_speed);
+      return lift();
     case LayeredEffect::NextLayer:
       ++layer_;
       return begin_layer(layer_top());
     case LayeredEffect::RaiseForALook:
       pause_wanted_ = false;
-      return move_to(std::min(current_height() + kLook, machine_.z_axis().travel()), plan_->travel_speed);
+      return move_to({std::min(current_height() + kLook, machine_.z_axis().travel()), plan_->travel_speed});
     case LayeredEffect::Park:
-      return move_to(machine_.z_axis().travel(), plan_->travel_speed);
+      return move_to({machine_.z_axis().travel(), plan_->travel_speed});
     case LayeredEffect::Finish:
       return;  // handle() finishes the print after all other effects
   }
@@ -276,17 +275,41 @@ void LayeredPrint::home() {
   }));
 }
 
-void LayeredPrint::move_to(Nanometers target, MillimetersPerSecond speed) {
-  const Nanometers distance = target - current_height();
-  expect_move(distance, speed, "a move to end");
-  estimate(machine_.z_axis().move_duration(distance, speed));
-  machine_.z_axis().move_to(target, speed, [this, move_state = layered_state()](MoveResult result) {
+void LayeredPrint::move_to(Stage first, std::optional<Stage> second) {
+  ZAxis& axis = machine_.z_axis();
+  const Nanometers distance = first.target - current_height();
+  if (second && second->target == first.target) second.reset();
+  second_stage_ = second;
+  expect_move(distance, first.speed, "a move to end");
+  Duration whole = axis.move_duration(distance, first.speed);
+  if (second) whole += axis.move_duration(second->target - first.target, second->speed);
+  estimate(whole);
+  axis.move_to(first.target, first.speed, [this, move_state = layered_state()](MoveResult result) {
     // A move that was stopped ends in Halting or Braking instead of the state in which it began.
-    if (is_in({move_state, LayeredState::Halting, LayeredState::Braking})) after_move(result);
+    if (is_in({move_state, LayeredState::Halting, LayeredState::Braking})) after_move(move_state, result);
   });
 }
 
-void LayeredPrint::after_move(MoveResult result) {
+// Lowers the plate to the layer's height, slowly at the end, where it presses out resin.
+void LayeredPrint::lower() {
+  const LayerMotion& motion = plan_->motion;
+  const MillimetersPerSecond speed = layer_ == 0 ? plan_->travel_speed : motion.retract_speed;
+  const Nanometers slow_from = std::min(layer_top() + motion.slow_retract, current_height());
+  if (motion.slow_retract == Nanometers{} || slow_from <= layer_top()) return move_to({layer_top(), speed});
+  move_to({slow_from, speed}, Stage{layer_top(), motion.slow_retract_speed});
+}
+
+// Peels the layer off, and rises on so that fresh resin flows in.
+void LayeredPrint::lift() {
+  const LayerMotion& motion = plan_->motion;
+  const Nanometers from = current_height(), highest = machine_.z_axis().travel();
+  move_to({std::min(from + motion.lift, highest), motion.lift_speed},
+          Stage{std::min(from + motion.whole_lift(), highest), motion.second_lift_speed});
+}
+
+void LayeredPrint::after_move(LayeredState move_state, MoveResult result) {
+  if (result == MoveResult::Reached && is_in(move_state) && second_stage_)
+    return move_to(*std::exchange(second_stage_, std::nullopt));
   if (result != MoveResult::Reached &&
       !(is_in({LayeredState::Halting, LayeredState::Braking}) && result == MoveResult::Stopped))
     return fail(fmt::format("the plate did not arrive: {}", name_of(result)));
@@ -461,10 +484,7 @@ Duration LayeredPrint::time_left() const {
 // it.
 Duration LayeredPrint::homing_duration() const {
   const ZAxis& axis = machine_.z_axis();
-  return contourd::homing_duration(*plan_, axis.height().value_or(axis.travel()),
-                                   [&axis](Nanometers distance, MillimetersPerSecond speed) {
-                                     return axis.move_duration(distance, speed);
-                                   });
+  return contourd::homing_duration(*plan_, axis.height().value_or(axis.travel()), moves_of(axis));
 }
 
 Duration LayeredPrint::parking_duration(Nanometers from) const {
@@ -472,18 +492,19 @@ Duration LayeredPrint::parking_duration(Nanometers from) const {
   return axis.move_duration(std::max(axis.travel() - from, Nanometers{}), plan_->travel_speed);
 }
 
-Duration LayeredPrint::lowering_duration(std::int32_t layer) const {
-  const ZAxis& axis = machine_.z_axis();
-  if (layer > 0) return axis.move_duration(-plan_->motion.lift, plan_->motion.retract_speed);
-  return axis.move_duration(layer_top() - plan_->home_height, plan_->travel_speed);
+Duration LayeredPrint::lowering_duration() const {
+  const LayerMotion& motion = plan_->motion;
+  const auto move = moves_of(machine_.z_axis());
+  if (layer_ > 0) return contourd::lowering_duration(motion, move);
+  return contourd::lowering_duration(motion, plan_->home_height - layer_top(), plan_->travel_speed, move);
 }
 
 // Returns the time that the layer under way takes after the current state.
 Duration LayeredPrint::left_of_layer() const {
-  const Duration lift = machine_.z_axis().move_duration(plan_->motion.lift, plan_->motion.lift_speed);
+  const Duration lift = lift_duration(plan_->motion, moves_of(machine_.z_axis()));
   const Duration light = std::max(exposure_left(), Duration{0});
   const Duration lit = light + plan_->motion.after_light() + lift;
-  const Duration whole = lowering_duration(layer_) + plan_->motion.before_light() + lit;
+  const Duration whole = lowering_duration() + plan_->motion.before_light() + lit;
   switch (layered_state()) {
     case LayeredState::WarmingUp:
       return homing_duration() + whole;

@@ -59,17 +59,24 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   void estimate(Duration duration) { estimated_end_ = clock_.now() + duration; }
   [[nodiscard]] Duration homing_duration() const;
   [[nodiscard]] Duration parking_duration(Nanometers from) const;
-  [[nodiscard]] Duration lowering_duration(std::int32_t layer) const;
+  [[nodiscard]] Duration lowering_duration() const;
   [[nodiscard]] Duration left_after_state() const;
   [[nodiscard]] Duration left_of_layer() const;
-  void move_to(Nanometers target, MillimetersPerSecond speed);
+  // A part of a move, at one speed.
+  struct Stage {
+    Nanometers target;
+    MillimetersPerSecond speed;
+  };
+  void move_to(Stage first, std::optional<Stage> second = std::nullopt);
+  void lower();
+  void lift();
   void show_black();
   void home();
   void show_mask();
   void abandon_mask(const MaskBudget& spent);
   void record_layer();
   void finish();
-  void after_move(MoveResult result);
+  void after_move(LayeredState move_state, MoveResult result);
   [[nodiscard]] bool is_in(EnumSet<LayeredState> states) const { return states.contains(layered_state()); }
   [[nodiscard]] Nanometers current_height() const;
   void begin_layer(Nanometers bottom);
@@ -96,10 +103,11 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   std::string interruption_;
   LayerRecord record_;  // the layer under way
   ShownMask shown_;
-  bool layer_exposed_ = false;        // the layer has had all its light
-  bool layer_reported_ = false;       // the record has been passed to the observer
-  std::optional<LightSpan> light_;    // the requested light, as known when it was turned off
-  std::vector<Duration> left_after_;  // by expected layer: the time for it, all later layers and parking
+  bool layer_exposed_ = false;         // the layer has had all its light
+  bool layer_reported_ = false;        // the record has been passed to the observer
+  std::optional<Stage> second_stage_;  // follows the move under way
+  std::optional<LightSpan> light_;     // the requested light, as known when it was turned off
+  std::vector<Duration> left_after_;   // by expected layer: the time for it, all later layers and parking
 };
 
 }  // namespace contourd

@@ -38,6 +38,28 @@ struct PrintPlan {
   Nanometers home_height{};
 };
 
+// Returns the duration of the lift of a layer on an axis described by `move_duration(distance, speed)`.
+template <typename MoveDuration>
+[[nodiscard]] Duration lift_duration(const LayerMotion& motion, const MoveDuration& move_duration) {
+  const Duration first = move_duration(motion.lift, motion.lift_speed);
+  if (motion.second_lift == Nanometers{}) return first;
+  return first + move_duration(motion.second_lift, motion.second_lift_speed);
+}
+
+// Returns the duration of a move down to a layer's height on such an axis.
+template <typename MoveDuration>
+[[nodiscard]] Duration lowering_duration(const LayerMotion& motion, Nanometers distance,
+                                         MillimetersPerSecond speed, const MoveDuration& move_duration) {
+  const Nanometers slow = std::clamp(distance, Nanometers{}, motion.slow_retract);
+  const Duration first = move_duration(slow - distance, speed);
+  if (slow == Nanometers{}) return first;
+  return first + move_duration(-slow, motion.slow_retract_speed);
+}
+template <typename MoveDuration>
+[[nodiscard]] Duration lowering_duration(const LayerMotion& motion, const MoveDuration& move_duration) {
+  return lowering_duration(motion, motion.whole_lift(), motion.retract_speed, move_duration);
+}
+
 // Returns the duration of an expected layer, exposure, peel, the move back down and the waits, on an axis
 // described by `move_duration(distance, speed)`.
 template <typename MoveDuration>
@@ -45,16 +67,15 @@ template <typename MoveDuration>
                                       const MoveDuration& move_duration) requires
     std::is_invocable_r_v<Duration, MoveDuration, Nanometers, MillimetersPerSecond> {
   return plan.exposure(layer, plan.expected_layers[static_cast<std::size_t>(layer)]) +
-         plan.motion.before_light() + plan.motion.after_light() +
-         move_duration(plan.motion.lift, plan.motion.lift_speed) +
-         move_duration(-plan.motion.lift, plan.motion.retract_speed);
+         plan.motion.before_light() + plan.motion.after_light() + lift_duration(plan.motion, move_duration) +
+         lowering_duration(plan.motion, move_duration);
 }
 
-// Returns the duration of an expected layer on this axis.
-[[nodiscard]] inline Duration layer_duration(const PrintPlan& plan, std::int32_t layer, const ZAxis& axis) {
-  return layer_duration(plan, layer, [&axis](Nanometers distance, MillimetersPerSecond speed) {
+// Returns the function that computes the duration of a move of this axis.
+[[nodiscard]] inline auto moves_of(const ZAxis& axis) {
+  return [&axis](Nanometers distance, MillimetersPerSecond speed) {
     return axis.move_duration(distance, speed);
-  });
+  };
 }
 
 // Returns the expected duration of homing from a height: to the switch, back off it and to it again.

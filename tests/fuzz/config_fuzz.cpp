@@ -45,8 +45,11 @@ void demand_exposures(const ResinProfile& resin, double irradiance) {
 void check(const ResinProfile& resin) {
   demand(resin.layer_height_min <= resin.layer_height && resin.layer_height <= resin.layer_height_max,
          "a layer height is out of its profile's range");
-  demand(resin.motion.lift_speed.count() > 0 && resin.motion.retract_speed.count() > 0,
-         "the plate does not move");
+  const LayerMotion& motion = resin.motion;
+  for (const MillimetersPerSecond speed :
+       {motion.lift_speed, motion.second_lift_speed, motion.retract_speed, motion.slow_retract_speed})
+    demand(speed.count() > 0, "the plate does not move");
+  demand(motion.slow_retract <= motion.whole_lift(), "the plate comes down slowly from above its lift");
   demand(resin.motion.settle >= Duration{0} && resin.motion.rest >= Duration{0}, "a wait is negative");
   demand(resin.bottom_layers >= 0 && resin.fade_layers >= 0, "a number of layers is negative");
 }

@@ -131,7 +131,7 @@ void write_config_inputs(const fs::path& folder) {
  "warm_up_s": 1, "commands": {"power_on": {"text": "1", "accepted": "P"}, "power_off": {"text": "2", "accepted": "P"},
  "light_on": {"text": "3", "accepted": "P"}, "light_off": {"text": "4", "accepted": ".*"}}})");
   write(folder / "curve", R"(r{"layer_height_um": 50, "layer_height_min_um": 20, "layer_height_max_um": 100,
- "bottom_layers": 4, "fade_layers": 2, "lift_mm": 5, "lift_speed_mm_s": 1, "retract_speed_mm_s": 2.5,
+ "bottom_layers": 4, "fade_layers": 2, "lift_mm": 5, "lift_speed_mm_s": 1, "retract_speed_mm_s": 2.5, "second_lift_mm": 2,
  "settle_ms": 500, "rest_ms": 0, "working_curve": {"penetration_depth_um": 120, "critical_energy_mj_cm2": 8,
  "overcure_um": 60, "bottom_overcure_um": 150}})");
 }

@@ -56,7 +56,7 @@ OrientationLimits limits_of(const OrientOptions& options) {
     const ResinProfile resin = find_resin(printer, printer.resin);
     const DisplayGeometry display{printer.display_width, printer.display_height, printer.pixel_pitch};
     limits.build = {Millimeters{display.width_mm()}, Millimeters{display.height_mm()},
-                    to_millimeters(printer.travel - resin.motion.lift)};
+                    to_millimeters(printer.travel - resin.motion.whole_lift())};
     take(resin);
   }
   if (options.resin) take(load_resin_profile(*options.resin, {}));

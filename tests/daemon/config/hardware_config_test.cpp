@@ -260,6 +260,16 @@ TEST_CASE("no speed, not even the resin's, exceeds the top speed") {
   printer.write("resins/standard.json", resin);
   CHECK(printer.complaints() ==
         Complaints{"/lift_speed_mm_s: 8 is more than the printer's top speed, 5 mm/s"});
+  resin["lift_speed_mm_s"] = 5;
+  resin["second_lift_speed_mm_s"] = 6;
+  resin["slow_retract_speed_mm_s"] = 7;
+  printer.write("resins/standard.json", resin);
+  CHECK(printer.complaints().empty());  // there are no such stages
+  resin["second_lift_mm"] = resin["slow_retract_mm"] = 0.5;
+  printer.write("resins/standard.json", resin);
+  CHECK(printer.complaints() ==
+        Complaints{"/second_lift_speed_mm_s: 6 is more than the printer's top speed, 5 mm/s",
+                   "/slow_retract_speed_mm_s: 7 is more than the printer's top speed, 5 mm/s"});
 }
 
 TEST_CASE(

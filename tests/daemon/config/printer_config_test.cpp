@@ -338,6 +338,10 @@ TEST_CASE("the resin's lift must be less than the printer's travel") {
         Complaints{"/lift_mm: 10 is not less than the printer's travel, 10 mm"});
   printer["z_axis"]["travel_mm"] = 10.5;
   CHECK(PrinterFolder(printer, resin).complaints().empty());
+  resin["second_lift_mm"] = 0.5;
+  CHECK(PrinterFolder(printer, resin).complaints() ==
+        Complaints{
+            "/lift_mm: 10 and second_lift_mm, 0.5, are not less than the printer's travel, 10.5 mm"});
 }
 
 TEST_CASE("a missing default resin is reported with the existing ones") {

@@ -262,6 +262,24 @@ TEST_CASE("an elephant foot has both a depth and a height, or neither") {
         Complaints{"/elephant_foot_um: 0 um, but elephant_foot_height_um is 300: both are 0 or neither is"});
 }
 
+TEST_CASE("a lift and the way down may have a second stage each, the latter no longer than the whole lift") {
+  json resin = shipped("resins/standard.json");
+  resin["lift_mm"] = 2;
+  CHECK(load_resin(resin).motion.whole_lift() == Nanometers{2'000'000});
+  CHECK(load_resin(resin).motion.slow_retract == Nanometers{});
+  resin["second_lift_mm"] = 3.5;
+  resin["second_lift_speed_mm_s"] = 4.5;
+  resin["slow_retract_mm"] = 5.5;
+  resin["slow_retract_speed_mm_s"] = 0.8;
+  const LayerMotion motion = load_resin(resin).motion;
+  CHECK(motion.whole_lift() == Nanometers{5'500'000});
+  CHECK(motion.second_lift_speed == MillimetersPerSecond{4.5});
+  CHECK(motion.slow_retract == Nanometers{5'500'000});
+  CHECK(motion.slow_retract_speed == MillimetersPerSecond{0.8});
+  resin["slow_retract_mm"] = 5.6;
+  CHECK(resin_complaints(resin) == Complaints{"/slow_retract_mm: 5.6 is more than the whole lift, 5.5 mm"});
+}
+
 TEST_CASE("violations of rules and schema are reported together") {
   json resin = shipped("resins/standard.json");
   resin["layer_height_um"] = 110;

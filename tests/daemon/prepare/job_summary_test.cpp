@@ -27,6 +27,16 @@ TEST_CASE("The settings line has the resin's values, and the bottom layers' if t
   resin.bottom_layers = resin.fade_layers = 0;
   CHECK(describe_settings(summary).starts_with("standard: exposure 3000 ms; lift "));
   CHECK(describe_settings(summary).ends_with("wait 1000 ms before exposure, 500 ms after"));
+  resin.motion.lift = Nanometers{2'000'000};
+  resin.motion.lift_speed = MillimetersPerSecond{1.5};
+  resin.motion.retract_speed = MillimetersPerSecond{4};
+  CHECK(describe_settings(summary).find("; lift 2 mm at 1.5 mm/s, retract at 4 mm/s; ") != std::string::npos);
+  resin.motion.second_lift = Nanometers{3'500'000};
+  resin.motion.second_lift_speed = MillimetersPerSecond{5};
+  resin.motion.slow_retract = Nanometers{500'000};
+  resin.motion.slow_retract_speed = MillimetersPerSecond{0.8};
+  CHECK(describe_settings(summary).find("; lift 2 mm at 1.5 mm/s, then 3.5 mm at 5 mm/s, retract at 4 mm/s, "
+                                        "the last 0.5 mm at 0.8 mm/s; wait 1000 ms ") != std::string::npos);
   std::get<FixedExposure>(resin.exposure).steps = {{Nanometers{2'500'000}, 4s},
                                                    {Nanometers{5'000'000}, 3500ms}};
   CHECK(describe_settings(summary).starts_with(

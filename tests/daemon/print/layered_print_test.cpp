@@ -106,6 +106,17 @@ void bring_to(LayeredPrintFixture& fixture, LayeredState state) {
   REQUIRE(fixture.run_to(state));
 }
 
+// Returns the plan for a box whose layers are lifted and lowered in two stages.
+PrintPlan staged_plan(int layers) {
+  PrintPlan plan = testing::box_plan(layers);
+  plan.motion.lift = Nanometers{2'000'000};
+  plan.motion.second_lift = Nanometers{3'000'000};
+  plan.motion.second_lift_speed = MillimetersPerSecond{4};
+  plan.motion.slow_retract = Nanometers{500'000};
+  plan.motion.slow_retract_speed = MillimetersPerSecond{1};
+  return plan;
+}
+
 // No sections, whose cuts are counted.
 class CountedSections final : public SectionSource {
  public:
@@ -163,6 +174,53 @@ TEST_CASE("A print goes through its states layer by layer and ends parked, done 
   CHECK_FALSE(fixture.lit_wrongly);
   CHECK_FALSE(fixture.light_at_end);
   CHECK(fixture.machine.z_axis().height() == fixture.machine.z_axis().travel());
+}
+
+TEST_CASE("The plate rises in two stages, and comes down slowly at the end") {
+  LayeredPrintFixture fixture;
+  fixture.process.start(staged_plan(2));
+  const ZAxis& axis = fixture.machine.z_axis();
+  const LayerMotion motion = staged_plan(2).motion;
+  const auto check = [&](S state, Nanometers first, MillimetersPerSecond first_speed, Nanometers second,
+                         MillimetersPerSecond second_speed) {
+    INFO(name_of(state));
+    REQUIRE(fixture.run_to(state));
+    const TimePoint start = fixture.clock.now();
+    const Nanometers from = axis.height().value();
+    const Duration first_duration = axis.move_duration(first, first_speed);
+    const Duration duration = first_duration + axis.move_duration(second, second_speed);
+    CHECK(fixture.process.state_left() == duration);
+    std::optional<Nanometers> between;
+    const auto look = fixture.clock.call_at(start + first_duration, [&] { between = axis.height(); });
+    while (fixture.process.layered_state() == state)
+      REQUIRE(fixture.clock.run_next());
+    CHECK(fixture.clock.now() - start == duration);
+    CHECK(between == from + first);
+    CHECK(axis.height() == from + first + second);
+  };
+  check(S::Lifting, motion.lift, motion.lift_speed, motion.second_lift, motion.second_lift_speed);
+  check(S::Lowering, kBoxLayer + motion.slow_retract - motion.whole_lift(), motion.retract_speed,
+        -motion.slow_retract, motion.slow_retract_speed);
+}
+
+TEST_CASE("A move that is stopped in either stage does not go on with the other") {
+  const bool in_second = GENERATE(false, true);
+  const auto state = GENERATE(S::Lifting, S::Lowering);
+  CAPTURE(in_second, state);
+  LayeredPrintFixture fixture;
+  fixture.process.start(staged_plan(3));
+  REQUIRE(fixture.run_to(S::Exposing));
+  REQUIRE(fixture.run_to(state));
+  const Duration whole = fixture.process.state_left().value();
+  const auto stop = fixture.clock.call_after(in_second ? whole - 100ms : 100ms, [&] {
+    REQUIRE(fixture.process.layered_state() == state);
+    fixture.process.cancel();
+  });
+  REQUIRE(fixture.run_to(S::Parking));
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Canceled});
+  CHECK(fixture.machine.z_axis().height() == fixture.machine.z_axis().travel());
+  CHECK_FALSE(fixture.lit_wrongly);
 }
 
 TEST_CASE("Light may be on from its command until it is confirmed off, and its layer is reported then") {
@@ -877,15 +935,16 @@ TEST_CASE("The process leaves the light off when it is destroyed in the middle o
 }
 
 TEST_CASE("The time left is the actual duration of the print, with warm-up, homing and parking") {
+  const auto plan_of = GENERATE(testing::box_plan, staged_plan);
   LayeredPrintFixture fixture;
-  PrintPlan plan = testing::box_plan(3);
+  PrintPlan plan = plan_of(3);
   plan.warm_up = 5s;  // as configured for the simulated projector
   fixture.process.start(std::move(plan));
   const Duration expected = fixture.process.time_left();
   PrinterConfig printer;
   printer.travel = fixture.machine.z_axis().travel();
   printer.simulated = testing::small_printer();
-  PrintPlan forecast = testing::box_plan(3);
+  PrintPlan forecast = plan_of(3);
   forecast.warm_up = 5s;
   CHECK(print_duration(forecast, printer) == expected);
   const TimePoint start = fixture.clock.now();
