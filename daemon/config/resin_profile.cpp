@@ -91,20 +91,13 @@ void check_slow_retract(JsonDocument& document) {
                                                  decimal(*lift_mm + second_mm.value_or(0)) + " mm");
 }
 
-// Checks the speeds of the stages that there are.
+// Checks the speeds of the slow stages. The fast ones only save time: an axis moves no faster than it can.
 void check_speeds(JsonDocument& document, const ResinMachine& machine) {
-  struct Stage {
-    const char *distance, *speed;
-  };
-  for (const auto& [distance, speed] :
-       {Stage{"/lift_mm", "/lift_speed_mm_s"}, Stage{"/second_lift_mm", "/second_lift_speed_mm_s"},
-        Stage{"/lift_mm", "/retract_speed_mm_s"}, Stage{"/slow_retract_mm", "/slow_retract_speed_mm_s"}}) {
-    const auto mm_s = document.valid_number(speed);
-    if (!mm_s || !machine.top_speed || *mm_s <= machine.top_speed->count() ||
-        document.valid_number(distance).value_or(0) == 0)
-      continue;
-    document.add_violation(speed, decimal(*mm_s) + " is more than the printer's top speed, " +
-                                      decimal(machine.top_speed->count()) + " mm/s");
+  for (const char* key : {"/lift_speed_mm_s", "/slow_retract_speed_mm_s"}) {
+    const auto speed = document.valid_number(key);
+    if (!speed || !machine.top_speed || *speed <= machine.top_speed->count()) continue;
+    document.add_violation(key, decimal(*speed) + " is more than the printer's top speed, " +
+                                    decimal(machine.top_speed->count()) + " mm/s");
   }
 }
 
@@ -296,6 +289,7 @@ ResinProfile read_profile(const JsonSection& profile, std::string name) {
       .supports = read_support_settings(profile.section("supports")),
       .orientation = read_orientation_weights(profile),
       .motion = read_motion(profile),
+      .viscosity_mpa_s = profile.find("viscosity_mpa_s", &JsonSection::number),
       .tolerance = {.bounds = profile.duration("exposure_tolerance_ms"),
                     .policy = profile.text("exposure_doubt") == "interrupt"
                                   ? ExposureTolerance::Policy::Interrupt

@@ -92,6 +92,7 @@ struct ResinProfile {
   SupportSettings supports;
   OrientationWeights orientation;  // for models whose orientation contourd chooses
   LayerMotion motion;
+  std::optional<double> viscosity_mpa_s;  // lengthens the wait before the light by the area of layers
   ExposureTolerance tolerance;
   TicketLimits limits;
   bool operator==(const ResinProfile&) const = default;

@@ -52,7 +52,8 @@ std::string describe_correction(const JobSummary& summary) {
 
 // Returns "; lift 2 mm at 1.5 mm/s, then 4 mm at 5 mm/s, retract at 2.5 mm/s, the last 0.5 mm at 1 mm/s; wait
 // 1000 ms before exposure, 500 ms after".
-std::string describe_motion(const LayerMotion& motion) {
+std::string describe_motion(const ResinProfile& resin) {
+  const LayerMotion& motion = resin.motion;
   std::string text =
       fmt::format("; lift {:g} mm at {:g} mm/s", figure_of(motion.lift), figure_of(motion.lift_speed));
   if (motion.second_lift > Nanometers{})
@@ -62,8 +63,10 @@ std::string describe_motion(const LayerMotion& motion) {
   if (motion.slow_retract > Nanometers{})
     text += fmt::format(", the last {:g} mm at {:g} mm/s", figure_of(motion.slow_retract),
                         figure_of(motion.slow_retract_speed));
-  return text + fmt::format("; wait {:g} ms before exposure, {:g} ms after", figure_of(motion.settle),
-                            figure_of(motion.rest));
+  text += fmt::format("; wait {:g} ms before exposure", figure_of(motion.settle));
+  if (resin.viscosity_mpa_s)
+    text += fmt::format(", longer after large layers ({:g} mPa s)", *resin.viscosity_mpa_s);
+  return text + fmt::format(", {:g} ms after", figure_of(motion.rest));
 }
 
 std::string describe_settings(const JobSummary& summary) {
@@ -82,7 +85,7 @@ std::string describe_settings(const JobSummary& summary) {
   if (resin.bottom_layers > 0)
     text += fmt::format(", {:g} ms in {} bottom layers, fading over {}", exposure_ms(layers.thinnest, 0),
                         resin.bottom_layers, resin.fade_layers);
-  text += describe_motion(resin.motion);
+  text += describe_motion(resin);
   if (const auto& followed = summary.temperature)
     text += fmt::format("; light for resin of {:.1f} degrees C, {:.3g} of that at {:g} degrees",
                         followed->resin_c, followed->light, followed->curve_c);

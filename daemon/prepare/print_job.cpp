@@ -37,6 +37,9 @@ void take_settings(const PrinterConfig& printer, const ResinProfile& resin, Prin
   plan.mask_budget = printer.mask_budget;
   plan.pixel_area_mm2 = pitch_mm * pitch_mm;
   plan.motion = resin.motion;
+  if (resin.viscosity_mpa_s) plan.pressed = {*resin.viscosity_mpa_s / 1000, printer.stiffness_n_mm};
+  plan.plate_shape_mm4 = press_shape_mm4(Millimeters{pitch_mm * printer.display_width.count()},
+                                         Millimeters{pitch_mm * printer.display_height.count()});
   plan.travel_speed = printer.travel_speed;
   plan.homing_speed = printer.homing_speed;
   plan.tolerance = resin.tolerance;
@@ -85,6 +88,7 @@ class Preparation {
     make_engines(*arrangement);
     summary_.first_mask = job_.first_mask_at - indexed;
     check_layers(stop);
+    expect_shapes(stop);
     if (stop.stop_requested()) return std::nullopt;
     for (std::size_t i = 0; i < models_.size(); ++i)
       summary_.models[i].centers = (*arrangement)[i];
@@ -225,6 +229,23 @@ class Preparation {
     if (settings_.ticket.cracks != CrackPolicy::Refuse) return;
     for (std::size_t i = 0; i < models_.size(); ++i)
       if (content_.models()[i].made_as == i) refuse_cracks(models_[i], job_.plan.layers, volume_);
+  }
+
+  // Finds how much resin layers press out, for the time left, from some of the layers.
+  void expect_shapes(const std::stop_token& stop) {
+    PrintPlan& plan = job_.plan;
+    if (!plan.pressed) return;
+    constexpr std::size_t kSampled = 32;
+    const std::vector<Nanometers> heights = middles_of(plan.expected_layers);
+    const std::size_t step = (heights.size() + kSampled - 1) / kSampled;
+    double shape = 0;
+    for (std::size_t layer = 0; layer < heights.size() && !stop.stop_requested(); ++layer) {
+      MaskBudget budget(MaskBudget::Clock::now() + printer_.mask_budget);
+      const std::size_t middle = std::min(layer + step / 2, heights.size() - 1);
+      if (layer % step == 0 && plan.engine->mask_within(heights[middle], budget) != nullptr)
+        shape = press_shape_mm4(plan.engine->coverage(), printer_.pixel_pitch);
+      plan.expected_shapes.push_back(shape);
+    }
   }
 
   // A ticket that asks for the repair accepts all gaps.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -66,6 +67,7 @@ void LayeredPrint::start(PrintPlan plan) {
   expects(plan.layers.thickness_at(Nanometers{}) && plan.exposure, "a print has a layer and its exposure");
   plan_ = std::move(plan);
   layer_ = 0;
+  pressed_shape_mm4_ = plan_->plate_shape_mm4;
   pause_wanted_ = resume_wanted_ = canceled_ = false;
   failure_.clear();
   interruption_.clear();
@@ -210,7 +212,8 @@ void LayeredPrint::perform(LayeredEffect effect) {
     case LayeredEffect::LowerToLayer:
       return lower();
     case LayeredEffect::WaitToSettle:
-      wait(plan_->motion.before_light());
+      record_.settling = settling_duration(*plan_, pressed_shape_mm4_, thickness_);
+      wait(record_.settling);
       // The plate is at rest in the dark, and has to wait anyway.
       if (plan_->undersides) plan_->undersides->look_ahead(static_cast<std::size_t>(layer_));
       return;
@@ -387,7 +390,12 @@ bool LayeredPrint::has_all_light() const {
 void LayeredPrint::report_layer() {
   layer_reported_ = true;
   record_.complete = layer_exposed_;
-  if (layer_exposed_) record_.loops = plan_->engine->count_loops();
+  if (layer_exposed_) {
+    record_.loops = plan_->engine->count_loops();
+    if (plan_->pressed)
+      pressed_shape_mm4_ =
+          press_shape_mm4(plan_->engine->coverage(), Micrometers{1000 * std::sqrt(plan_->pixel_area_mm2)});
+  }
   observer_.layer_done(record_);
   if (layer_exposed_) judge_exposure();
 }
@@ -504,14 +512,15 @@ Duration LayeredPrint::left_of_layer() const {
   const Duration lift = lift_duration(plan_->motion, moves_of(machine_.z_axis()));
   const Duration light = std::max(exposure_left(), Duration{0});
   const Duration lit = light + plan_->motion.after_light() + lift;
-  const Duration whole = lowering_duration() + plan_->motion.before_light() + lit;
+  const Duration settling = settling_duration(*plan_, pressed_shape_mm4_, thickness_);
+  const Duration whole = lowering_duration() + settling + lit;
   switch (layered_state()) {
     case LayeredState::WarmingUp:
       return homing_duration() + whole;
     case LayeredState::Held:
       return plan_->warm_up + homing_duration() + whole;
     case LayeredState::Lowering:
-      return plan_->motion.before_light() + lit;
+      return settling + lit;
     case LayeredState::Settling:
     case LayeredState::Showing:
     case LayeredState::Igniting:

@@ -101,7 +101,8 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   bool canceled_ = false;
   std::string failure_;
   std::string interruption_;
-  LayerRecord record_;  // the layer under way
+  LayerRecord record_;            // the layer under way
+  double pressed_shape_mm4_ = 0;  // factor of the face that presses out resin next
   ShownMask shown_;
   bool layer_exposed_ = false;         // the layer has had all its light
   bool layer_reported_ = false;        // the record has been passed to the observer

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "core/cure/underside_dimming.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/layers/print_layers.hpp"
+#include "core/peel/pressed_resin.hpp"
 #include "daemon/config/resin_profile.hpp"
 #include "hw/clock.hpp"
 #include "hw/z_axis.hpp"
@@ -32,11 +34,37 @@ struct PrintPlan {
   double pixel_area_mm2 = 0;
   ExposureTolerance tolerance;
   LayerMotion motion;
+  std::optional<PressedResin> pressed;  // nullopt: areas do not count for the wait before the light
+  double plate_shape_mm4 = 0;           // factor of the plate, which presses out resin before the first layer
+  std::vector<double> expected_shapes{};  // factor of each expected layer, used only for the time left
   MillimetersPerSecond travel_speed, homing_speed;
   // Used only for the time left: the lamp's warm-up time, and the plate's height after homing.
   Duration warm_up{};
   Nanometers home_height{};
 };
+
+// The longest wait before the light, whatever a layer's area is.
+inline constexpr Duration kLongestSettling = std::chrono::seconds{60};
+
+// Returns the wait before the light of a layer of this thickness, if the face that comes down has this
+// factor.
+[[nodiscard]] inline Duration settling_duration(const PrintPlan& plan, double shape_mm4,
+                                                Nanometers thickness) {
+  const Duration least = plan.motion.before_light();
+  if (!plan.pressed) return least;
+  const std::chrono::duration<double> pressed = press_time(*plan.pressed, shape_mm4, thickness);
+  if (pressed >= kLongestSettling) return std::max(least, kLongestSettling);
+  return std::max(least, std::chrono::duration_cast<Duration>(pressed));
+}
+
+// Returns the wait before the light of an expected layer.
+[[nodiscard]] inline Duration expected_settling(const PrintPlan& plan, std::int32_t layer) {
+  const auto at = static_cast<std::size_t>(layer);
+  const double shape = layer == 0                          ? plan.plate_shape_mm4
+                       : at <= plan.expected_shapes.size() ? plan.expected_shapes[at - 1]
+                                                           : 0;
+  return settling_duration(plan, shape, plan.expected_layers[at]);
+}
 
 // Returns the duration of the lift of a layer on an axis described by `move_duration(distance, speed)`.
 template <typename MoveDuration>
@@ -67,8 +95,8 @@ template <typename MoveDuration>
                                       const MoveDuration& move_duration) requires
     std::is_invocable_r_v<Duration, MoveDuration, Nanometers, MillimetersPerSecond> {
   return plan.exposure(layer, plan.expected_layers[static_cast<std::size_t>(layer)]) +
-         plan.motion.before_light() + plan.motion.after_light() + lift_duration(plan.motion, move_duration) +
-         lowering_duration(plan.motion, move_duration);
+         expected_settling(plan, layer) + plan.motion.after_light() +
+         lift_duration(plan.motion, move_duration) + lowering_duration(plan.motion, move_duration);
 }
 
 // Returns the function that computes the duration of a move of this axis.
@@ -95,6 +123,7 @@ struct LayerRecord {
   Nanometers thickness{};
   Nanometers plate_height{};  // the axis' reading when the mask was computed
   Nanometers mask_height{};   // height of the cut through the model: half a layer below plate_height
+  Duration settling{};        // wait before the light
   Duration exposure_asked{};
   // Bounds on the total time that the light was on for this layer, as far as its commands show (LightSpan).
   Duration exposure_least{}, exposure_most{};

@@ -138,6 +138,7 @@ Json layer_json(const LayerRecord& layer) {
             {"thickness_um", in_mm(layer.thickness) * 1000},
             {"plate_height_mm", in_mm(layer.plate_height)},
             {"mask_height_mm", in_mm(layer.mask_height)},
+            {"settle_ms", in_ms(layer.settling)},
             {"exposure_asked_ms", in_ms(layer.exposure_asked)},
             {"exposure_least_ms", in_ms(layer.exposure_least)},
             {"exposure_most_ms", in_ms(layer.exposure_most)},

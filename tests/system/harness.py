@@ -420,7 +420,7 @@ def source_json(*parts):
 NIMBLE_AXIS = {"homing_speed_mm_s": 50, "travel_speed_mm_s": 50, "acceleration_mm_s2": 5000}
 NIMBLE_RESIN = {
     "exposure_ms": 1, "bottom_exposure_ms": 1, "bottom_layers": 1, "fade_layers": 0, "lift_mm": 0.1,
-    "lift_speed_mm_s": 50, "retract_speed_mm_s": 50, "settle_ms": 0, "rest_ms": 0,
+    "second_lift_mm": 0, "slow_retract_mm": 0, "lift_speed_mm_s": 50, "retract_speed_mm_s": 50, "settle_ms": 0, "rest_ms": 0,
 }  # fmt: skip
 # In real time, every print stays in its first exposure until the test ends it.
 ENDLESS = {"exposure_ms": 120000, "bottom_exposure_ms": 120000}
@@ -465,7 +465,8 @@ class Daemon:
             json.dump(self.config, file)
 
     def write_resin(self, name, changes):
-        profile = merge(source_json("resins", "standard.json"), changes)
+        # Without the viscosity, no first layer waits a minute until the plate has pressed out the resin.
+        profile = merge(merge(source_json("resins", "standard.json"), {"viscosity_mpa_s": None}), changes)
         path = os.path.join(self.folder, "resins", name + ".json")
         with open(path + ".new", "w", encoding="utf-8") as file:
             json.dump(profile, file)

@@ -349,9 +349,12 @@ class Report(PrintTest):
             # Only the print's own timers advance the simulated clock.
             self.assertAlmostEqual(record["exposure_most_ms"], record["exposure_asked_ms"], delta=1e-5)
         light = sum(record["exposure_asked_ms"] for record in records) / 1000
-        rests = 400 * (resin["settle_ms"] + resin["rest_ms"]) / 1000
-        self.assertGreater(report["print_time_s"], light + rests + 400 * 6 / 2.5)
-        self.assertLess(report["print_time_s"], light + rests + 400 * (6 / 1.5 + 6 / 2.5 + 1.5) + 120)
+        waits = sum(record["settle_ms"] + resin["rest_ms"] for record in records) / 1000
+        slow = resin["lift_mm"] / resin["lift_speed_mm_s"] + resin["slow_retract_mm"] / resin["slow_retract_speed_mm_s"]
+        fast = resin["second_lift_mm"] / resin["second_lift_speed_mm_s"]
+        fast += (resin["lift_mm"] + resin["second_lift_mm"] - resin["slow_retract_mm"]) / resin["retract_speed_mm_s"]
+        self.assertGreater(report["print_time_s"], light + waits + 400 * (slow + fast))
+        self.assertLess(report["print_time_s"], light + waits + 400 * (slow + fast + 1) + 120)  # acceleration, homing, parking
 
     def test_in_real_time_exposures_are_as_long_as_asked(self):
         resin = {**NIMBLE_RESIN, "exposure_ms": 20, "bottom_exposure_ms": 40, "bottom_layers": 2}

@@ -58,11 +58,7 @@ class Profiles(FolderTest):
         for model, pitch, microsteps in self.machines():
             for table in TABLES:
                 with self.subTest(model=model, pitch=pitch, microsteps=microsteps, table=table):
-                    # A top speed below a resin's speed is refused, so a screw of 2 mm at 1/32 must exceed the sure rate.
-                    fastest = fractions.Fraction(source_json("resins", "standard.json")["retract_speed_mm_s"])
-                    steps = per_mm(pitch, microsteps)
-                    self.assertEqual(fastest * steps > SURE_RATE, (pitch, microsteps) == (2, 32))
-                    profile = self.with_speed(model, steps, max(SURE_RATE, fastest * steps))
+                    profile = self.with_speed(model, per_mm(pitch, microsteps), SURE_RATE)
                     profile["projector"]["table"] = table
                     if "light_on" not in source_json("projectors", table + ".json")["commands"]:
                         code, _, last = self.check(profile)

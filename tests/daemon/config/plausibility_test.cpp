@@ -178,7 +178,7 @@ TEST_CASE("exposures from a working curve are checked like given ones") {
 TEST_CASE("layer heights and moves outside those of existing printers are implausible") {
   CHECK(implausible_in_resin({{"layer_height_um", 5}, {"layer_height_min_um", 5}, {"exposure_ms", 1000}}) ==
         Pointers{"/layer_height_um"});
-  CHECK(implausible_in_resin({{"lift_mm", 0.5}}) == Pointers{"/lift_mm"});
+  CHECK(implausible_in_resin({{"lift_mm", 0.5}, {"second_lift_mm", 0.4}}) == Pointers{"/lift_mm"});
   CHECK(implausible_in_resin({{"lift_mm", 60}}) == Pointers{"/lift_mm"});
   CHECK(implausible_in_resin({{"lift_speed_mm_s", 40}, {"retract_speed_mm_s", 45}}) ==
         Pointers{"/lift_speed_mm_s", "/retract_speed_mm_s"});

@@ -331,6 +331,7 @@ TEST_CASE("a control socket whose absolute path is too long for a socket is refu
 TEST_CASE("the resin's lift must be less than the printer's travel") {
   json resin = shipped("resins/standard.json");
   resin["lift_mm"] = 10;
+  resin["second_lift_mm"] = 0;
   json printer = smallest_printer();
   printer["simulation"]["start_height_mm"] = 0;
   printer["z_axis"]["travel_mm"] = 10;
@@ -340,8 +341,7 @@ TEST_CASE("the resin's lift must be less than the printer's travel") {
   CHECK(PrinterFolder(printer, resin).complaints().empty());
   resin["second_lift_mm"] = 0.5;
   CHECK(PrinterFolder(printer, resin).complaints() ==
-        Complaints{
-            "/lift_mm: 10 and second_lift_mm, 0.5, are not less than the printer's travel, 10.5 mm"});
+        Complaints{"/lift_mm: 10 and second_lift_mm, 0.5, are not less than the printer's travel, 10.5 mm"});
 }
 
 TEST_CASE("a missing default resin is reported with the existing ones") {

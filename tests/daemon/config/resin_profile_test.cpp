@@ -30,10 +30,15 @@ TEST_CASE("every key of a resin profile is read with its unit, and the file give
   CHECK(std::get<FixedExposure>(resin.exposure).bottom_exposure == milliseconds{30000});
   CHECK(resin.bottom_layers == 5);
   CHECK(resin.fade_layers == 10);
-  CHECK(resin.motion.lift == Nanometers{6'000'000});
+  CHECK(resin.motion.lift == Nanometers{2'000'000});
   CHECK(resin.motion.lift_speed == MillimetersPerSecond{1.5});
-  CHECK(resin.motion.retract_speed == MillimetersPerSecond{2.5});
-  CHECK(resin.motion.settle == milliseconds{1000});
+  CHECK(resin.motion.second_lift == Nanometers{1'500'000});
+  CHECK(resin.motion.second_lift_speed == MillimetersPerSecond{5});
+  CHECK(resin.motion.retract_speed == MillimetersPerSecond{5});
+  CHECK(resin.motion.slow_retract == Nanometers{300'000});
+  CHECK(resin.motion.slow_retract_speed == MillimetersPerSecond{1});
+  CHECK(resin.viscosity_mpa_s == 200);
+  CHECK(resin.motion.settle == milliseconds{200});
   CHECK(resin.motion.rest == milliseconds{500});
 
   const ResinProfile by_curve = load_resin(curve_profile());
@@ -264,7 +269,9 @@ TEST_CASE("an elephant foot has both a depth and a height, or neither") {
 
 TEST_CASE("a lift and the way down may have a second stage each, the latter no longer than the whole lift") {
   json resin = shipped("resins/standard.json");
-  resin["lift_mm"] = 2;
+  for (const char* key :
+       {"second_lift_mm", "second_lift_speed_mm_s", "slow_retract_mm", "slow_retract_speed_mm_s"})
+    resin.erase(key);
   CHECK(load_resin(resin).motion.whole_lift() == Nanometers{2'000'000});
   CHECK(load_resin(resin).motion.slow_retract == Nanometers{});
   resin["second_lift_mm"] = 3.5;

@@ -13,7 +13,7 @@ json limited_profile() {
   json resin = shipped("resins/standard.json");
   resin["ticket_limits"] = {{"exposure_ms", {2000, 8000}},
                             {"bottom_exposure_ms", {5000, 60000}},
-                            {"lift_mm", {4, 9.5}},
+                            {"lift_mm", {1, 9.5}},
                             {"settle_ms", {0, 5000}},
                             {"rest_ms", {500, 500}}};
   return resin;
@@ -54,8 +54,8 @@ TEST_CASE("a ticket within the limits sets all five settings and no other settin
   CHECK(resin.motion.rest == milliseconds{500});
   CHECK(overridden == OverriddenSettings{{"exposure_ms", 4000.5, 3000},
                                          {"bottom_exposure_ms", 20000, 30000},
-                                         {"lift_mm", 8, 6},
-                                         {"settle_ms", 0, 1000},
+                                         {"lift_mm", 8, 2},
+                                         {"settle_ms", 0, 200},
                                          {"rest_ms", 500, 500}});
   ResinProfile back = resin;
   back.exposure = before.exposure;
@@ -102,7 +102,7 @@ TEST_CASE("limits are inclusive, and a value just outside is refused, not clampe
                  "/resins/grey.json"});
   CHECK(refusals_of(limited_profile(), {{"exposure_ms", 1999.999}}).size() == 1);
   CHECK(refusals_of(limited_profile(), {{"lift_mm", 9.51}}) ==
-        Complaints{"/lift_mm: 9.51 is asked for, but the resin's profile allows tickets 4 to 9.5: "
+        Complaints{"/lift_mm: 9.51 is asked for, but the resin's profile allows tickets 1 to 9.5: "
                    "/resins/grey.json"});
 }
 
@@ -114,7 +114,7 @@ TEST_CASE("without limits a ticket cannot set a value, not even the profile's ow
                    "/rest_ms: 1 is asked for, but the resin's profile names no ticket_limits for it: "
                    "/resins/grey.json"});
   json only_lift = plain_profile;
-  only_lift["ticket_limits"] = {{"lift_mm", {5, 7}}};
+  only_lift["ticket_limits"] = {{"lift_mm", {2, 7}}};
   CHECK(refusals_of(only_lift, {{"lift_mm", 7}}).empty());
   CHECK(refusals_of(only_lift, {{"settle_ms", 1000}}).size() == 1);
 }
@@ -232,7 +232,7 @@ TEST_CASE("limits must include the profile's own value, also that of a working c
   json resin = limited_profile();
   resin["ticket_limits"]["settle_ms"] = {1500, 5000};
   CHECK(resin_complaints(resin) ==
-        Complaints{"/ticket_limits/settle_ms: 1500 to 5000 exclude the profile's own settle_ms, 1000"});
+        Complaints{"/ticket_limits/settle_ms: 1500 to 5000 exclude the profile's own settle_ms, 200"});
   resin = limited_curve_profile();
   CHECK(resin_complaints(resin).empty());
   resin["ticket_limits"]["exposure_ms"] = {3000, 8000};
@@ -243,13 +243,14 @@ TEST_CASE("limits must include the profile's own value, also that of a working c
 
 TEST_CASE("limits allow no lift beyond the printer's travel") {
   json resin = limited_profile();
-  resin["ticket_limits"]["lift_mm"] = {4, 100};
+  resin["ticket_limits"]["lift_mm"] = {1, 100};
   CHECK(resin_complaints(resin).empty());
   const testing::ConfigFolder folder;
   const auto path = folder.write_json("grey.json", resin);
   CHECK(complaints_of([&] {
           (void)load_resin_profile(path, {.travel = Nanometers{100'000'000}, .irradiance_mw_cm2 = {}});
-        }) == Complaints{"/ticket_limits/lift_mm: 100 is not less than the printer's travel, 100 mm"});
+        }) == Complaints{"/ticket_limits/lift_mm: 100 and second_lift_mm, 1.5, are not less than the "
+                         "printer's travel, 100 mm"});
 }
 
 TEST_CASE("a ticket's settings have the same bounds as in a profile") {

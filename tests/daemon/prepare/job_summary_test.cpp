@@ -37,6 +37,10 @@ TEST_CASE("The settings line has the resin's values, and the bottom layers' if t
   resin.motion.slow_retract_speed = MillimetersPerSecond{0.8};
   CHECK(describe_settings(summary).find("; lift 2 mm at 1.5 mm/s, then 3.5 mm at 5 mm/s, retract at 4 mm/s, "
                                         "the last 0.5 mm at 0.8 mm/s; wait 1000 ms ") != std::string::npos);
+  resin.viscosity_mpa_s = 200;
+  CHECK(describe_settings(summary).ends_with(
+      "wait 1000 ms before exposure, longer after large layers (200 mPa s), 500 ms after"));
+  resin.viscosity_mpa_s.reset();
   std::get<FixedExposure>(resin.exposure).steps = {{Nanometers{2'500'000}, 4s},
                                                    {Nanometers{5'000'000}, 3500ms}};
   CHECK(describe_settings(summary).starts_with(

@@ -106,8 +106,8 @@ TEST_CASE_METHOD(PrintJobFixture,
 
 TEST_CASE_METHOD(PrintJobFixture, "Fit makes a tower no higher than the machine can print") {
   const PreparedJob job = prepare(models::box({0, 0, 0}, {1, 1, 100}), R"({"fit": true})");
-  // 160 mm of travel less 6 mm of lift, with the rounding of float coordinates.
-  CHECK(job.summary.models[0].size_z_mm == testing::Approx(154.0).epsilon(1e-6));
+  // 160 mm of travel less 3.5 mm of lift, with the rounding of float coordinates.
+  CHECK(job.summary.models[0].size_z_mm == testing::Approx(156.5).epsilon(1e-6));
 }
 
 TEST_CASE_METHOD(PrintJobFixture,
@@ -125,8 +125,8 @@ TEST_CASE_METHOD(PrintJobFixture,
       refusal_of(models::box({0, 0, 0}, {97, 10, 10})) ==
       "the model (97.00 x 10.00 mm, its centre 0.00, 0.00 mm from the plate's) reaches 0.50 mm over the left "
       "edge and 0.50 mm over the right edge of the build area (96.00 x 54.00 mm)");
-  CHECK(refusal_of(models::box({0, 0, 0}, {10, 10, 155})) ==
-        "the model is 155.00 mm high, the machine can print 154.00 mm (its travel less the lift)");
+  CHECK(refusal_of(models::box({0, 0, 0}, {10, 10, 157})) ==
+        "the model is 157.00 mm high, the machine can print 156.50 mm (its travel less the lift)");
   CHECK(refusal_of({}) == "the file holds no facets");
   CHECK(refusal_of(models::box({0, 0, 3}, {10, 10, 3})) == "the model is flat: it has no height to print");
   CHECK(refusal_of(models::box({0, 0, 0}, {1e38F, 1, 1}), R"({"scale": 1000})") ==
@@ -324,17 +324,17 @@ TEST_CASE_METHOD(PrintJobFixture, "The printer's file turns supports on, and a t
 }
 
 TEST_CASE_METHOD(PrintJobFixture, "A model that is too high once lifted is refused with the figures") {
-  // 154 mm can be printed: 160 mm less the lift of 6 mm.
+  // 156.5 mm can be printed: 160 mm less the lift of 3.5 mm.
   CHECK(refusal_of(models::sphere(20, 32), R"({"supports": "auto", "scale": {"z": 3.8}})") ==
         "the model is 152.00 mm high and stands 5.00 mm above the plate, on supports: 157.00 mm, and the "
-        "machine can print 154.00 mm (its travel less the lift)");
+        "machine can print 156.50 mm (its travel less the lift)");
   CHECK(refusal_of(models::sphere(20, 32), R"({"supports": "off", "scale": {"z": 3.8}})").empty());
 }
 
 TEST_CASE_METHOD(PrintJobFixture, "A model with fit leaves room for supports beneath it") {
   const PreparedJob job =
       prepare(models::box({0, 0, 0}, {2, 2, 100}), R"({"supports": "auto", "fit": true})");
-  CHECK(job.summary.height_mm == testing::Approx(154 - 5 - 0.1));  // the thickest layer is 0.1 mm
+  CHECK(job.summary.height_mm == testing::Approx(156.5 - 5 - 0.1));  // the thickest layer is 0.1 mm
 }
 
 TEST_CASE_METHOD(PrintJobFixture, "Copies with supports are spaced so that a foot fits between them") {

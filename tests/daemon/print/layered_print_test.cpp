@@ -117,6 +117,18 @@ PrintPlan staged_plan(int layers) {
   return plan;
 }
 
+// Returns the plan for a box whose layers press resin out of the gap, 0.9 s long, and the plate for 2 s.
+PrintPlan pressing_plan(int layers) {
+  PrintPlan plan = testing::box_plan(layers);
+  MaskBudget budget(MaskBudget::Clock::now() + 10s);
+  REQUIRE(plan.engine->mask_within(kBoxLayer / 2, budget) != nullptr);
+  const double shape_mm4 = press_shape_mm4(plan.engine->coverage(), testing::kSmallDisplay.pixel_pitch);
+  plan.pressed = PressedResin{0.9 / press_time({1, 1}, shape_mm4, kBoxLayer).count(), 1};
+  plan.plate_shape_mm4 = 2 / 0.9 * shape_mm4;
+  plan.expected_shapes.assign(static_cast<std::size_t>(layers), shape_mm4);
+  return plan;
+}
+
 // No sections, whose cuts are counted.
 class CountedSections final : public SectionSource {
  public:
@@ -201,6 +213,30 @@ TEST_CASE("The plate rises in two stages, and comes down slowly at the end") {
   check(S::Lifting, motion.lift, motion.lift_speed, motion.second_lift, motion.second_lift_speed);
   check(S::Lowering, kBoxLayer + motion.slow_retract - motion.whole_lift(), motion.retract_speed,
         -motion.slow_retract, motion.slow_retract_speed);
+}
+
+TEST_CASE("The wait before the light is as long as the face before presses out resin") {
+  LayeredPrintFixture fixture;
+  fixture.process.start(pressing_plan(3));
+  for (int layer = 0; layer < 3; ++layer) {
+    REQUIRE(fixture.run_to(S::Settling));
+    const TimePoint start = fixture.clock.now();
+    REQUIRE(fixture.run_to(S::Showing));
+    const std::chrono::duration<double> waited = fixture.clock.now() - start;
+    CHECK(waited.count() == contourd::testing::Approx(layer == 0 ? 2.0 : 0.9).epsilon(1e-6));
+    REQUIRE(fixture.run_to(S::Lowering) == (layer < 2));
+  }
+  REQUIRE(fixture.layers.size() == 3);
+  CHECK(fixture.layers[0].settling > fixture.layers[1].settling);
+}
+
+TEST_CASE("The wait before the light is at least that of the profile, and at most a minute") {
+  PrintPlan plan = pressing_plan(1);
+  CHECK(settling_duration(plan, 0, kBoxLayer) == plan.motion.settle);
+  CHECK(settling_duration(plan, 1e300, kBoxLayer) == kLongestSettling);
+  CHECK(settling_duration(plan, plan.plate_shape_mm4, kBoxLayer * 2) == plan.motion.settle);  // an eighth
+  plan.pressed.reset();
+  CHECK(settling_duration(plan, 1e300, kBoxLayer) == plan.motion.settle);
 }
 
 TEST_CASE("A move that is stopped in either stage does not go on with the other") {
@@ -935,7 +971,7 @@ TEST_CASE("The process leaves the light off when it is destroyed in the middle o
 }
 
 TEST_CASE("The time left is the actual duration of the print, with warm-up, homing and parking") {
-  const auto plan_of = GENERATE(testing::box_plan, staged_plan);
+  const auto plan_of = GENERATE(testing::box_plan, staged_plan, pressing_plan);
   LayeredPrintFixture fixture;
   PrintPlan plan = plan_of(3);
   plan.warm_up = 5s;  // as configured for the simulated projector

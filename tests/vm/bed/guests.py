@@ -95,6 +95,7 @@ def package_guest(upgrades, debian=None):
 def resin_profile(changes):
     profile = json.loads((SOURCE / "config" / "resins" / "standard.json").read_text())
     profile.pop("$schema")
+    profile.pop("viscosity_mpa_s")  # the first layer would wait a minute until the plate has pressed out the resin
     return json.dumps({**profile, **(changes or {})})
 
 
