@@ -1,6 +1,7 @@
 #include "hw/simulated_printer.hpp"
 
 #include <cstdio>
+#include <fstream>
 #include <utility>
 
 #include "core/contract/expects.hpp"
@@ -9,12 +10,33 @@
 
 namespace contourd {
 
+// Records the pictures and the light of a job in a file, as lines "time in ns, tab, event": when each picture
+// came onto the screen, by the name of its file or as "black", and when the light went on and off.
+class SimulatedPrinter::Recording {
+ public:
+  explicit Recording(Clock& clock) : clock_(clock) {}
+
+  // Ends the record, and begins another one in this file, if there is one.
+  void begin(const std::optional<std::filesystem::path>& path) {
+    file_.close();
+    if (path) file_.open(*path, std::ios::trunc);
+  }
+  void add(std::string_view event) {
+    if (file_.is_open()) file_ << clock_.now().time_since_epoch().count() << '\t' << event << std::endl;
+  }
+
+ private:
+  Clock& clock_;
+  std::ofstream file_;
+};
+
 // A screen that saves the masks it shows as 0001.png, 0002.png, ...
 class SimulatedPrinter::Screen final : public MaskDisplay {
  public:
   // Calls `unplugged` when the configuration says that the display is unplugged now.
-  Screen(Clock& clock, const SimulatedDisplayConfig& config, std::function<void()> unplugged)
-      : clock_(clock), config_(config), unplugged_(std::move(unplugged)) {}
+  Screen(Clock& clock, const SimulatedDisplayConfig& config, Recording& recording,
+         std::function<void()> unplugged)
+      : clock_(clock), config_(config), recording_(recording), unplugged_(std::move(unplugged)) {}
 
   [[nodiscard]] Pixels width() const override { return config_.width; }
   [[nodiscard]] Pixels height() const override { return config_.height; }
@@ -27,21 +49,21 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
     if (unplugged_now || !connected_) return lose(std::move(done));
     ++masks_shown_;
     if (folder_) write_png(*folder_ / file_name(masks_shown_), mask);
-    present(false, next_refresh(), std::move(done));
+    present(masks_shown_, next_refresh(), std::move(done));
   }
 
   void black(Presented done) override {
     if (!connected_) return lose(std::move(done));
-    present(true, next_refresh(), std::move(done));
+    present(std::nullopt, next_refresh(), std::move(done));
   }
 
   void connect(bool connected) {
     connected_ = connected;
-    if (!connected) black_ = true;
+    if (!connected) turn_black();
   }
 
   void black_now() noexcept override {
-    black_ = true;
+    turn_black();
     refresh_.reset();
   }
 
@@ -71,16 +93,26 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
     return TimePoint{(since_start / config_.frame + 1) * config_.frame};
   }
 
-  void present(bool black, TimePoint at, Presented done) {
-    refresh_ = clock_.call_at(at, [this, black, at, done = std::move(done)] {
-      black_ = black || !connected_;
+  void turn_black() {
+    if (!std::exchange(black_, true)) recording_.add("black");
+  }
+
+  // Presents a mask, by its number, or black.
+  void present(std::optional<int> mask, TimePoint at, Presented done) {
+    refresh_ = clock_.call_at(at, [this, mask, at, done = std::move(done)] {
+      if (mask && connected_) {
+        black_ = false;
+        recording_.add(file_name(*mask));
+      } else {
+        turn_black();
+      }
       done(connected_ ? std::optional(at) : std::nullopt);
     });
   }
 
   void lose(Presented done) {
     refresh_ = clock_.call_after(Duration{0}, [this, done = std::move(done)] {
-      black_ = true;
+      turn_black();
       if (connected_) unplugged_();
       // unplugged_() may have led to black_now(), which drops `done`.
       if (refresh_) done(std::nullopt);
@@ -89,6 +121,7 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
 
   Clock& clock_;
   SimulatedDisplayConfig config_;
+  Recording& recording_;
   std::function<void()> unplugged_;
   bool connected_ = true;
   int frames_ = 0;  // requested so far, in all jobs
@@ -229,7 +262,8 @@ SimulatedPrinter::SimulatedPrinter(Clock& clock, const SimulatedPrinterConfig& c
       config_(config),
       light_until_lid_opens_(config.lid_opened_after_light),
       axis_(std::make_unique<SimulatedAxis>(clock, config.axis)),
-      screen_(std::make_unique<Screen>(clock, config.display, [this] { unplug_display(); })),
+      recording_(std::make_unique<Recording>(clock)),
+      screen_(std::make_unique<Screen>(clock, config.display, *recording_, [this] { unplug_display(); })),
       lamp_(std::make_unique<Lamp>(clock, config.projector, [this](bool on) { light_switched(on); })) {}
 
 SimulatedPrinter::~SimulatedPrinter() = default;
@@ -276,6 +310,7 @@ void SimulatedPrinter::press_emergency_stop() {
 }
 
 void SimulatedPrinter::light_switched(bool on) {
+  recording_->add(on ? "light on" : "light off");
   if (!light_until_lid_opens_) return;
   if (!on) {
     *light_until_lid_opens_ -= clock_.now() - light_on_at_;
@@ -292,6 +327,7 @@ void SimulatedPrinter::light_switched(bool on) {
 std::optional<std::filesystem::path> SimulatedPrinter::begin_job(std::string_view name) {
   if (!screen_->config().masks) {
     screen_->keep_masks_in(std::nullopt);
+    recording_->begin(std::nullopt);
     return std::nullopt;
   }
   const std::filesystem::path folder = *screen_->config().masks / name;
@@ -301,6 +337,8 @@ std::optional<std::filesystem::path> SimulatedPrinter::begin_job(std::string_vie
     if (entry.path().extension() == ".png") std::filesystem::remove(entry.path());
   }
   screen_->keep_masks_in(folder);
+  std::filesystem::path record = folder;
+  recording_->begin(record += ".shown.tsv");
   return folder;
 }
 

@@ -42,6 +42,7 @@ class SimulatedPrinter final : public Machine {
   [[nodiscard]] int masks_shown() const;
 
  private:
+  class Recording;
   class Screen;
   class Lamp;
 
@@ -58,6 +59,7 @@ class SimulatedPrinter final : public Machine {
   TimePoint light_on_at_{};
   std::unique_ptr<Timer> lid_, plug_;
   std::unique_ptr<ZAxis> axis_;
+  std::unique_ptr<Recording> recording_;
   std::unique_ptr<Screen> screen_;
   std::unique_ptr<Lamp> lamp_;
 };

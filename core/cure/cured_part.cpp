@@ -90,6 +90,7 @@ void find_weakest_bond(const PrintLight& light, CuredPart& part) {
 PrintMasks::PrintMasks(ContourEngine& engine, const DisplayGeometry& display, const PrintLight& light,
                        std::optional<std::chrono::nanoseconds> budget)
     : engine_(engine),
+      given_(light.given),
       layers_(light.layers),
       heights_(light.mask_heights),
       dimmed_(light.undersides != nullptr ? light.layers.size() : 0),
@@ -110,10 +111,15 @@ const Mask* PrintMasks::of(std::size_t number) {
   if (budget_) budget = MaskBudget(MaskBudget::Clock::now() + *budget_);
   const Nanometers middle = layer.top - layer.thickness + layer.thickness / 2;
   if (engine_.mask_within(heights_.empty() ? middle : heights_[number], budget) == nullptr) return nullptr;
-  if (threshold_.is_none() && dimmed_.empty()) return &engine_.coverage();
+  const Mask& wanted = wanted_of(number);
+  return given_ != nullptr ? &given_->of(number, wanted) : &wanted;
+}
+
+const Mask& PrintMasks::wanted_of(std::size_t number) {
+  if (threshold_.is_none() && dimmed_.empty()) return engine_.coverage();
   threshold_.apply(engine_.coverage(), changed_);
   if (!dimmed_.empty()) dim(dimmed_[number], changed_);
-  return &changed_;
+  return changed_;
 }
 
 PrintCure::PrintCure(ContourEngine& engine, const DisplayGeometry& display, const PrintLight& light,

@@ -16,6 +16,7 @@
 #include "core/cure/underside_dimming.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/mask/exposure_correction.hpp"
+#include "core/mask/light_split.hpp"
 #include "core/support/supports.hpp"
 
 namespace contourd {
@@ -29,6 +30,7 @@ struct PrintLight {
   // Heights of the cuts through the models, by layer, of a print that is over; empty: the layers' middles.
   std::span<const Nanometers> mask_heights{};
   std::function<bool()> is_stopped{};  // asked at each layer; empty: never
+  GivenLight* given = nullptr;         // null: exposures are not split
 };
 
 struct CuredPart {
@@ -56,7 +58,11 @@ class PrintMasks {
   const Mask* of(std::size_t number);
 
  private:
+  // Returns the light that the engine's last mask asks for in this layer.
+  const Mask& wanted_of(std::size_t number);
+
   ContourEngine& engine_;
+  GivenLight* given_;
   std::span<const LayerDose> layers_;
   std::span<const Nanometers> heights_;
   std::vector<std::vector<DimmedPixel>> dimmed_;  // by layer; none without dimming
@@ -67,8 +73,8 @@ class PrintMasks {
 };
 
 // The curing of a print on `display`: its masks, layer by layer from the top down. Light is the masks'
-// coverage without pixels that the threshold leaves dark: gamma and uniformity mask serve to give just this
-// light. Not thread-safe.
+// coverage without pixels that the threshold leaves dark, as far as split exposures give it: gamma and
+// uniformity mask serve to give just this light. Not thread-safe.
 class PrintCure {
  public:
   // Finds the pixels that get light: computes all masks, and the dimmed undersides. The engine and what the

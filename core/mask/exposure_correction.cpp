@@ -45,6 +45,11 @@ bool of_one_size(const Mask& a, const Mask& b) {
 
 }  // namespace
 
+double power_of_share(double share, double exponent) {
+  expects(1.0 / 256 <= share && share <= 1 && exponent > 0, "a share of the light is raised to a power");
+  return exponential(natural_log(share) * exponent);
+}
+
 std::array<std::uint8_t, 256> grey_for_light(double gamma) {
   expects(0.1 <= gamma && gamma <= 10, "gamma is 0.1 to 10");
   std::array<std::uint8_t, 256> table{};

@@ -26,6 +26,9 @@ struct ToneCurve {
 // in the last bit. REQUIRES: 0.1 <= gamma <= 10.
 [[nodiscard]] std::array<std::uint8_t, 256> grey_for_light(double gamma);
 
+// Returns share ^ exponent, the same on every machine. REQUIRES: 1/256 <= share <= 1; exponent > 0.
+[[nodiscard]] double power_of_share(double share, double exponent);
+
 class ExposureCorrection {
  public:
   // Makes a correction. `uniformity`: for each pixel of the display, as sent to it, the share of the light

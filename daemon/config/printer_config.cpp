@@ -244,6 +244,7 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .mirror_y = display.boolean("mirror_y"),
       .anti_aliasing = display.boolean("anti_aliasing"),
       .tone = {.gamma = display.number("gamma"), .threshold = display.integer<std::uint8_t>("threshold")},
+      .grey_bits = display.integer<int>("grey_bits"),
       .uniformity =
           companions.uniformity ? std::optional(std::move(companions.uniformity->mask)) : std::nullopt,
       .irradiance_mw_cm2 = root.section("projector").number("irradiance_mw_cm2"),

@@ -62,6 +62,7 @@ struct PrinterConfig {
   bool mirror_y = false;
   bool anti_aliasing = true;
   ToneCurve tone;
+  int grey_bits = 8;               // of the panel
   std::optional<Mask> uniformity;  // as large as the display
 
   double irradiance_mw_cm2 = 0.0;  // irradiance of a white pixel on the film
@@ -81,6 +82,9 @@ struct PrinterConfig {
       ask_before{};  // findings that need the user's confirmation; see preprint_analysis.hpp
   double tiny_first_layer_percent = 0;  // percentage of the largest layer; a smaller first layer is a finding
   SupportPolicy supports = SupportPolicy::Off;  // for jobs whose ticket does not set it
+
+  // True if the panel has too few greys for one mask an exposure.
+  [[nodiscard]] bool splits_exposures() const { return grey_bits < 8; }
 };
 
 // The computer that the printer's file is for. Here: the file's folders must be possible on this computer.

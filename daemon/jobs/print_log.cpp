@@ -47,6 +47,14 @@ std::string light_of(const LayerRecord& layer) {
   return most.starts_with(least + " ") ? most : least + " to " + most;
 }
 
+// Returns ", 12 pictures that give pixels their light to 0.9 % of white's", or nothing if one mask gives it.
+std::string pictures_of(const LayerRecord& layer) {
+  if (layer.pictures == 1 && layer.light_error == 0) return "";
+  return fmt::format(", {} that {} pixels their light to {:.1f} % of white's",
+                     count_of(layer.pictures, "picture", "pictures"), layer.pictures == 1 ? "gives" : "give",
+                     100 * layer.light_error);
+}
+
 LogFields layer_fields(const std::string& job, std::int32_t layer) {
   LogFields fields = job_fields(job);
   fields.emplace_back("LAYER", std::to_string(layer + 1));
@@ -134,12 +142,13 @@ void PrintLog::layer(const std::string& job, const JobSummary& summary, const La
                      Duration frame) const {
   LogFields fields = layer_fields(job, layer.layer);
   fields.emplace_back("Z_NM", std::to_string(layer.plate_height.count()));
-  log_.info("layer",
-            fmt::format("layer {} of {}: height {:.4f} mm, {:.2f} mm², {} loops, mask {:.2f} ms, light {}{}",
-                        layer.layer + 1, summary.layers.count, to_millimeters(layer.plate_height).count(),
-                        layer.area_mm2, layer.loops, milliseconds(layer.mask_time), light_of(layer),
-                        layer.complete ? "" : ", not finished"),
-            fields);
+  log_.info(
+      "layer",
+      fmt::format("layer {} of {}: height {:.4f} mm, {:.2f} mm², {} loops, mask {:.2f} ms, light {}{}{}",
+                  layer.layer + 1, summary.layers.count, to_millimeters(layer.plate_height).count(),
+                  layer.area_mm2, layer.loops, milliseconds(layer.mask_time), light_of(layer),
+                  pictures_of(layer), layer.complete ? "" : ", not finished"),
+      fields);
   warn_about_light(summary, layer, frame, fields);
 }
 
@@ -149,6 +158,14 @@ void PrintLog::warn_about_light(const JobSummary& summary, const LayerRecord& la
                                  layer.layer + 1, light_of(layer), milliseconds(layer.exposure_asked));
   // Longer by more than one refresh: something kept this process from turning the light off.
   if (layer.exposure_least > layer.exposure_asked + frame) log_.warning("overexposed", asked, fields);
+  if (layer.late_picture > frame)
+    log_.warning(
+        "late-picture",
+        fmt::format("layer {}: a picture of its exposure came {:.1f} ms late: pixels that it darkens "
+                    "got up to {:.1f} % more of white's light than planned",
+                    layer.layer + 1, milliseconds(layer.late_picture),
+                    100 * in_seconds(layer.late_picture) / in_seconds(layer.exposure_asked)),
+        fields);
   const Duration tolerated = summary.resin.tolerance.bounds;
   if (layer.exposure_most - layer.exposure_least > tolerated) {
     log_.warning(

@@ -69,8 +69,8 @@ void JobContent::require_room_to_repair(std::span<const Facet> facets) {
 }
 
 void JobContent::require_room_for_masks(std::span<const PlateModel> models, bool moved,
-                                        std::uint64_t for_undersides) const {
-  const std::uint64_t others = needed_ + for_undersides;
+                                        std::uint64_t more) const {
+  const std::uint64_t others = needed_ + more;
   if (others + repairing_ + most_memory_for_sections(models, moved) <= room_.bytes) return;
   const std::uint64_t needed = others + memory_for_sections(models, moved);
   if (needed > room_.bytes) throw JobTooLarge(to_read_, ", many of them at one height", needed, room_);

@@ -50,9 +50,8 @@ class JobContent {
   // Checks the memory to generate supports for the models.
   void require_room_for_supports(std::span<const PlateModel> models, const DisplayGeometry& display) const;
   // Checks the memory to compute masks of the models. `moved`: their contours are moved (see Compensation).
-  // `for_undersides`: memory to dim undersides, in bytes.
-  void require_room_for_masks(std::span<const PlateModel> models, bool moved,
-                              std::uint64_t for_undersides) const;
+  // `more`: memory to dim undersides and to split exposures, in bytes.
+  void require_room_for_masks(std::span<const PlateModel> models, bool moved, std::uint64_t more) const;
 
   [[nodiscard]] std::string_view format(std::size_t file) const { return files_[file].outline().format; }
   // Returns the warnings from reading a file. Valid after read().

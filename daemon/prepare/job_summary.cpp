@@ -46,6 +46,7 @@ std::string describe_correction(const JobSummary& summary) {
   }
   if (summary.uniformity_mask) add("uniformity mask applied");
   if (summary.tone.gamma != 1.0) add(fmt::format("gamma {:g}", summary.tone.gamma));
+  if (summary.grey_bits < 8) add(fmt::format("exposures split for {} bits of grey", summary.grey_bits));
   if (summary.tone.threshold != 0) add(fmt::format("grey below {} left dark", summary.tone.threshold));
   return text;
 }

@@ -59,8 +59,9 @@ struct JobSummary {
   ResinProfile resin;                              // as the job is printed
   OverriddenSettings overridden;                   // values of `resin` that the ticket sets
   std::optional<FollowedTemperature> temperature;  // nullopt if the light is that of the profile
-  double irradiance_mw_cm2 = 0;                    // the printer's, as are `tone` and `uniformity_mask`
+  double irradiance_mw_cm2 = 0;                    // the printer's, as are the next three
   ToneCurve tone;
+  int grey_bits = 8;             // of the panel
   bool uniformity_mask = false;  // true if the printer has one
   LayerSummary layers;
   std::optional<Supports> supports;  // nullopt if the job has supports off

@@ -108,6 +108,7 @@ class Preparation {
     summary_.overridden = settings_.overridden;
     summary_.irradiance_mw_cm2 = printer_.irradiance_mw_cm2;
     summary_.tone = printer_.tone;
+    summary_.grey_bits = printer_.grey_bits;
     summary_.uniformity_mask = printer_.uniformity.has_value();
     // The analysis yields the processor to the print, so its masks take longer.
     constexpr int kSlack = 4;
@@ -188,8 +189,13 @@ class Preparation {
     std::vector<PlateModel> standing = stand_on_plate(models_, arrangement, volume_.display);
     const EngineSettings settings = engine_settings(printer_, summary_.resin);
     const std::optional<UndersideCure> cure = dimmed_undersides();
-    content_.require_room_for_masks(standing, summary_.resin.compensation != Compensation{},
-                                    cure ? UndersideDimming::most_memory(settings.display, *cure) : 0);
+    content_.require_room_for_masks(
+        standing, summary_.resin.compensation != Compensation{},
+        (cure ? UndersideDimming::most_memory(settings.display, *cure) : 0) +
+            (printer_.splits_exposures() ? SplitExposure::memory(settings.display) : 0));
+    if (printer_.splits_exposures())
+      plan.split = std::make_unique<SplitExposure>(PanelTone{printer_.grey_bits, printer_.tone.gamma},
+                                                   settings.display.width, settings.display.height);
     const auto supports = summary_.supports ? summary_.supports->structure : nullptr;
     plan.engine = std::make_unique<ContourEngine>(std::move(standing), settings, supports);
     // Computes the first mask to measure the time, and to make the engine allocate its memory before the
@@ -301,8 +307,10 @@ std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure_by(co
 }
 
 EngineSettings engine_settings(const PrinterConfig& printer, const ResinProfile& resin) {
+  ToneCurve tone = printer.tone;
+  if (printer.splits_exposures()) tone.gamma = 1;  // undone by the pictures of the exposure
   return {build_volume(printer, resin).display, printer.anti_aliasing ? AntiAliasing::On : AntiAliasing::Off,
-          resin.compensation, printer.tone, printer.uniformity};
+          resin.compensation, tone, printer.uniformity};
 }
 
 PreparedJob prepare_job(const JobFiles& files, const JobSettings& settings, const PrinterConfig& printer) {

@@ -34,7 +34,8 @@ struct PreparedJob {
 // Returns the exposure of each layer by this profile, for PrintPlan::exposure.
 [[nodiscard]] std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure_by(
     const ResinProfile& resin, double irradiance_mw_cm2);
-// Returns the settings of the engine that makes the masks of a print.
+// Returns the settings of the engine that makes the masks of a print. The values of masks whose exposures are
+// split are linear.
 [[nodiscard]] EngineSettings engine_settings(const PrinterConfig& printer, const ResinProfile& resin);
 
 // Prepares the job. Throws JobRefused; JobTooLarge if there is not enough memory for it, in most cases before

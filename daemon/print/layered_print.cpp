@@ -193,9 +193,7 @@ void LayeredPrint::settled() {
 void LayeredPrint::perform(LayeredEffect effect) {
   switch (effect) {
     case LayeredEffect::LightOff:
-      machine_.projector().light_off();
-      if (light_asked_ && !light_) light_ = machine_.projector().last_light();
-      return expect_darkness();
+      return turn_light_off();
     case LayeredEffect::BlackNow:
       return machine_.display().black_now();
     case LayeredEffect::AbortAxis:
@@ -223,6 +221,8 @@ void LayeredPrint::perform(LayeredEffect effect) {
       return expose();
     case LayeredEffect::TimeExposure:
       return time_exposure();
+    case LayeredEffect::ShowPicture:
+      return show_picture();
     case LayeredEffect::ShowBlack:
       return show_black();
     case LayeredEffect::AwaitDark:
@@ -349,6 +349,47 @@ void LayeredPrint::time_exposure() {
     if (light_went_off()) return interrupt("the light went off before its exposure was over");
     handle(LayeredEvent::WaitOver);
   });
+  await_picture();
+}
+
+// Requests the next picture half a refresh before it is due, so that it appears at the refresh that is
+// nearest.
+void LayeredPrint::await_picture() {
+  const std::optional<Duration> due = plan_->split ? plan_->split->next_due() : std::nullopt;
+  if (!due) return;
+  picture_ = clock_.call_at(light_end_ - record_.exposure_asked + *due - machine_.display().frame() / 2,
+                            [this] { handle(LayeredEvent::PictureDue); });
+}
+
+void LayeredPrint::show_picture() {
+  const Mask& picture = plan_->split->next();
+  shown_.mask = &picture;
+  ++shown_.number;
+  machine_.display().show(
+      picture, while_in_state<std::optional<TimePoint>>([this](std::optional<TimePoint> at) {
+        if (!at) return display_lost();
+        const Duration lit = *at - (light_end_ - record_.exposure_asked);
+        record_.late_picture = std::max(record_.late_picture, lit - *plan_->split->next_due());
+        plan_->split->shown(lit);
+        await_picture();
+      }));
+}
+
+void LayeredPrint::turn_light_off() {
+  machine_.projector().light_off();
+  if (light_asked_ && !light_) {
+    light_ = machine_.projector().last_light();
+    note_late_picture();
+  }
+  expect_darkness();
+}
+
+// Records the light that went off while a picture was due that was not on the screen yet.
+void LayeredPrint::note_late_picture() {
+  const std::optional<Duration> due = plan_->split ? plan_->split->next_due() : std::nullopt;
+  if (!due || !light_) return;
+  const Duration lit = record_.exposure_most + (clock_.now() - light_->on_earliest);
+  record_.late_picture = std::max(record_.late_picture, lit - *due);
 }
 
 // True if something else turned the light off before the end of the exposure, so that the layer lacks light.
@@ -436,6 +477,12 @@ void LayeredPrint::show_mask() {
   record_.area_mm2 = light->lit_area() * plan_->pixel_area_mm2;
   record_.intersecting_facets = plan_->engine->intersecting_facets();
   record_.cracks = plan_->engine->cracks();
+  if (plan_->split) {
+    mask = &plan_->split->begin(*mask,
+                                {record_.exposure_asked, record_.exposure_most, machine_.display().frame()});
+    record_.pictures = plan_->split->pictures();
+    record_.light_error = plan_->split->light_error();
+  }
   shown_ = {mask, shown_.number + 1, plan_->job, layer_, record_.mask_height};
   expect_within(kPresentDeadline, "the display to show the mask");
   machine_.display().show(*mask,

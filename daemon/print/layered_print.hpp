@@ -82,6 +82,10 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   void begin_layer(Nanometers bottom);
   void expose();
   void time_exposure();
+  void await_picture();
+  void show_picture();
+  void turn_light_off();
+  void note_late_picture();
   [[nodiscard]] bool light_went_off() const;
   void expect_darkness();
   void is_dark();

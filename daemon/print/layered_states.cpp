@@ -29,6 +29,7 @@ constexpr auto kRows = std::to_array<LayeredTransition>({
     {S::Settling, E::WaitOver, S::Showing, F::ShowMask},
     {S::Showing, E::MaskShown, S::Igniting, F::LightOn},
     {S::Igniting, E::LightOnSent, S::Exposing, F::TimeExposure},
+    {S::Exposing, E::PictureDue, kStay, F::ShowPicture},
     {S::Exposing, E::WaitOver, S::Darkening, F::LightOff, F::ShowBlack},
     {S::Darkening, E::ScreenBlack, S::Extinguishing, F::AwaitDark},
     {S::Extinguishing, E::LightIsOff, S::Resting, F::RecordLayer, F::WaitToRest},
@@ -117,7 +118,7 @@ const StateTable<LayeredTransition>& layered_table() {
                                                         .answered = kAnswered,
                                                         .light_on = F::LightOn,
                                                         .light_off = F::LightOff,
-                                                        .harmless = F::TimeExposure};
+                                                        .harmless = {F::TimeExposure, F::ShowPicture}};
   return kTable;
 }
 

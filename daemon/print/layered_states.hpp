@@ -41,6 +41,7 @@ enum class LayeredEvent {
   WaitOver,
   MaskShown,
   LightOnSent,  // there may be light from now on
+  PictureDue,   // the next picture of a split exposure
   ScreenBlack,
   LightIsOff,       // confirmed
   LayerDue,         // dark, and another layer follows
@@ -67,6 +68,7 @@ enum class LayeredEffect {
   ShowMask,
   LightOn,
   TimeExposure,
+  ShowPicture,
   ShowBlack,
   AwaitDark,
   RecordLayer,  // unless done already: the rest of an interrupted exposure may be too short to be given
@@ -85,13 +87,14 @@ inline constexpr auto kNames<LayeredState> = names_to<LayeredState::Ending>(
     "ending");
 template <>
 inline constexpr auto kNames<LayeredEvent> = names_to<LayeredEvent::GaveUp>(
-    "started, projector ready, homed, move ended, wait over, mask shown, light on sent, screen black, "
-    "light is off, layer due, layer unfinished, pause due, layers done, interrupted, resumed, cancelled, "
+    "started, projector ready, homed, move ended, wait over, mask shown, light on sent, "
+    "picture due, screen black, light is off, layer due, layer unfinished, pause due, layers done, "
+    "interrupted, resumed, cancelled, "
     "failed, gave up");
 template <>
 inline constexpr auto kNames<LayeredEffect> = names_to<LayeredEffect::Finish>(
     "light off, black now, abort axis, stop axis, power on, power off, home, lower to layer, "
-    "wait to settle, show mask, light on, time exposure, show black, await dark, record layer, "
+    "wait to settle, show mask, light on, time exposure, show picture, show black, await dark, record layer, "
     "wait to rest, lift, next layer, raise for a look, park, finish");
 
 using LayeredTransition = StateTransition<LayeredState, LayeredEvent, LayeredEffect>;

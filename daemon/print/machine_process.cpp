@@ -17,6 +17,7 @@ void StateTimers::enter_state() {
   ++states_entered_;
   wait_.reset();
   deadline_.reset();
+  picture_.reset();
   estimated_end_.reset();
 }
 

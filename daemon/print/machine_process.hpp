@@ -50,7 +50,7 @@ class StateTimers {
 
   Machine& machine_;
   Clock& clock_;
-  std::unique_ptr<Timer> wait_, deadline_;
+  std::unique_ptr<Timer> wait_, deadline_, picture_;
   bool light_asked_ = false;                // a light was requested and is not known to be off
   TimePoint light_end_{};                   // when the light's time is over, once its command is sent
   std::optional<TimePoint> estimated_end_;  // of the current state, if an effect knows it

@@ -15,6 +15,7 @@
 #include "core/layers/print_layers.hpp"
 #include "core/peel/pressed_resin.hpp"
 #include "daemon/config/resin_profile.hpp"
+#include "daemon/print/split_exposure.hpp"
 #include "hw/clock.hpp"
 #include "hw/z_axis.hpp"
 
@@ -25,8 +26,10 @@ struct PrintPlan {
   std::string job;
   std::unique_ptr<ContourEngine> engine;
   std::unique_ptr<DimmedMasks>
-      undersides;      // makes the masks from the engine's coverage; null: none are dimmed
-  PrintLayers layers;  // queried layer by layer during the print
+      undersides;                        // makes the masks from the engine's coverage; null: none are dimmed
+  std::unique_ptr<SplitExposure> split;  // makes pictures of few greys from the masks, whose values are then
+                                         // linear; null: masks are shown as they are
+  PrintLayers layers;                    // queried layer by layer during the print
   // Returns the exposure of a layer, counted from 0, of this thickness.
   std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure;
   std::vector<Nanometers> expected_layers;         // thicknesses, used only for the time left
@@ -127,11 +130,14 @@ struct LayerRecord {
   Duration exposure_asked{};
   // Bounds on the total time that the light was on for this layer, as far as its commands show (LightSpan).
   Duration exposure_least{}, exposure_most{};
-  int exposure_parts = 0;        // more than 1 if the exposure was interrupted and continued later
-  bool complete = false;         // the layer had all its light; false if the print ended before
-  bool dark_confirmed = true;    // false if the light may have stayed on: exposure_most ends with the print
-  Duration mask_time{};          // time to compute the mask (real time, also on a simulated printer)
-  double area_mm2 = 0;           // exposed area
+  int exposure_parts = 0;      // more than 1 if the exposure was interrupted and continued later
+  bool complete = false;       // the layer had all its light; false if the print ended before
+  bool dark_confirmed = true;  // false if the light may have stayed on: exposure_most ends with the print
+  Duration mask_time{};        // time to compute the mask (real time, also on a simulated printer)
+  double area_mm2 = 0;         // exposed area
+  std::size_t pictures = 1;    // number of pictures that the exposure was planned to show
+  double light_error = 0;      // largest difference of a pixel's planned light from its mask's, over white's
+  Duration late_picture{};     // by how much a picture came later than planned, at most
   bool undersides_found = true;  // false if undersides kept their light for lack of time
   std::uint32_t intersecting_facets = 0;
   std::uint32_t loops = 0;
@@ -142,6 +148,22 @@ struct LayerRecord {
 // Returns the number of layers that had all their light.
 [[nodiscard]] inline std::int64_t layers_exposed(const std::vector<LayerRecord>& layers) {
   return std::ranges::count(layers, true, &LayerRecord::complete);
+}
+
+// The split exposures of a print.
+struct SplitFigures {
+  std::size_t most_pictures = 1;  // of a layer
+  double light_error = 0;         // the largest of any layer, as a share of white's light
+  Duration late_picture{};        // of any layer, at most
+};
+[[nodiscard]] inline SplitFigures split_figures(const std::vector<LayerRecord>& layers) {
+  SplitFigures figures;
+  for (const LayerRecord& layer : layers) {
+    figures.most_pictures = std::max(figures.most_pictures, layer.pictures);
+    figures.light_error = std::max(figures.light_error, layer.light_error);
+    figures.late_picture = std::max(figures.late_picture, layer.late_picture);
+  }
+  return figures;
 }
 
 // Returns the number of layers in which undersides kept their light for lack of time.

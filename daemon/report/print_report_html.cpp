@@ -119,6 +119,16 @@ std::string mask_row(const std::vector<LayerRecord>& layers) {
                                         in_ms(sum) / static_cast<double>(layers.size()), in_ms(slowest)));
 }
 
+// Returns the row about split exposures, if there was one.
+std::string pictures_row(const std::vector<LayerRecord>& layers) {
+  const SplitFigures split = split_figures(layers);
+  if (split.most_pictures == 1 && split.light_error == 0) return "";
+  return table_row("Pictures",
+                   fmt::format("up to {} a layer; pixels get their light to {:.1f} % of white's, "
+                               "pictures came up to {:.1f} ms late",
+                               split.most_pictures, 100 * split.light_error, in_ms(split.late_picture)));
+}
+
 // Returns rows for what went wrong in the print, apart from its stops and the model's warnings.
 std::string trouble_rows(const PrintReport& report) {
   std::string rows;
@@ -183,7 +193,7 @@ std::string facts(const PrintReport& report) {
   rows += settings_rows(summary) + exposure_rows(report.layers) + trouble_rows(report);
   rows += table_row("First mask",
                     fmt::format("{:.1f} ms after the job's turn came", in_ms(report.first_mask_after)));
-  rows += mask_row(report.layers);
+  rows += mask_row(report.layers) + pictures_row(report.layers);
   if (report.findings) rows += table_row("Analysis", findings_line(*report.findings));
   return rows;
 }

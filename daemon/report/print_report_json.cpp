@@ -143,6 +143,9 @@ Json layer_json(const LayerRecord& layer) {
             {"exposure_least_ms", in_ms(layer.exposure_least)},
             {"exposure_most_ms", in_ms(layer.exposure_most)},
             {"exposure_parts", layer.exposure_parts},
+            {"pictures", layer.pictures},
+            {"light_error_percent", 100 * layer.light_error},
+            {"late_picture_ms", in_ms(layer.late_picture)},
             {"complete", layer.complete},
             {"dark_confirmed", layer.dark_confirmed},
             {"shown_at_s", in_ms(layer.shown_at.time_since_epoch()) / 1000},  // by the machine's clock
@@ -181,6 +184,7 @@ std::string report_as_json(const PrintReport& report) {
            {"elephant_foot_height_um", in_mm(summary.resin.compensation.elephant_foot_height) * 1000},
            {"uniformity_mask", summary.uniformity_mask},
            {"gamma", summary.tone.gamma},
+           {"grey_bits", summary.grey_bits},
            {"threshold", summary.tone.threshold}});
   if (summary.supports) json["settings"]["supports"] = support_settings_json(summary.resin.supports);
   json["overrides"] = overrides_json(summary.overridden);

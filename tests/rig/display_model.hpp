@@ -26,6 +26,8 @@ class DisplayModel final : public testing::PlainDisplay {
   std::function<void()> changed = [] {};
 
   [[nodiscard]] const Picture& picture() const { return picture_; }
+  // Returns the number of pixels of the picture that are not dark.
+  [[nodiscard]] std::int64_t lit_pixels() const { return picture_ ? lit_pixels_ : 0; }
   [[nodiscard]] bool there() const { return there_; }
   // True if something was shown since the screen was plugged in. Before that it is black, and whoever lights
   // through it may not know yet.
@@ -44,7 +46,7 @@ class DisplayModel final : public testing::PlainDisplay {
   [[nodiscard]] Pixels width() const override { return width_; }
   [[nodiscard]] Pixels height() const override { return height_; }
   [[nodiscard]] Duration frame() const override { return kFrame; }
-  void show(const Mask&, Presented done) override { put(number(), std::move(done)); }
+  void show(const Mask& mask, Presented done) override { put(number(), std::move(done), mask.lit_pixels()); }
   void black(Presented done) override { put(std::nullopt, std::move(done)); }
   void black_now() noexcept override {
     done_ = nullptr;
@@ -60,7 +62,7 @@ class DisplayModel final : public testing::PlainDisplay {
     return TimePoint{
         Duration{(world_.now().time_since_epoch().count() / kFrame.count() + 1) * kFrame.count()}};
   }
-  void put(Picture picture, Presented done) {
+  void put(Picture picture, Presented done, std::int64_t lit_pixels = 0) {
     done_ = std::move(done);
     ++requests_;
     if (!there_) return answer(std::nullopt);
@@ -68,7 +70,8 @@ class DisplayModel final : public testing::PlainDisplay {
       lost_ = world_.call_after(kFlipDeadline, [this] { answer(std::nullopt); });
       return;
     }
-    flip_ = world_.call_at(next_refresh(), [this, picture] {
+    flip_ = world_.call_at(next_refresh(), [this, picture, lit_pixels] {
+      lit_pixels_ = lit_pixels;
       flip(picture);
       if (!std::exchange(loses_event_, false)) answer(world_.now());
     });
@@ -92,6 +95,7 @@ class DisplayModel final : public testing::PlainDisplay {
   Loop& loop_;
   Pixels width_, height_;
   Picture picture_;
+  std::int64_t lit_pixels_ = 0;
   Presented done_;
   std::uint64_t requests_ = 0;
   bool there_ = true, in_use_ = true, loses_event_ = false, loses_flip_ = false;

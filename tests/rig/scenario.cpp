@@ -128,6 +128,7 @@ Scenario draw_scenario(std::uint64_t seed) {
   const std::int64_t count = dice.chance(0.15) ? 0 : dice.whole(1, 4);
   for (std::int64_t i = 0; i < count; ++i)
     scenario.happenings.push_back(draw_happening(dice));
+  scenario.splits = Dice(seed, 5).chance(0.5);
   if (Dice themes(seed, 4); themes.chance(kThemed)) draw_theme(themes, scenario);
   return scenario;
 }
@@ -175,7 +176,8 @@ std::string describe(const Scenario& scenario) {
   const ProjectorTraits& p = scenario.projector;
   const LineFaults& f = scenario.line;
   std::string text = fmt::format(
-      "seed {}: light {}, encoder {}, {} prints of {} layers of {} ms\n  projector: {}{}{}{}{}latency {} us "
+      "seed {}: light {}, encoder {}, {} prints of {} layers of {} ms{}\n  projector: {}{}{}{}{}latency {} "
+      "us "
       "and "
       "up to {} us, darkens in {} us, thinks {} us and up to {} us over a light, gap {} us, warm in {} ms, "
       "warming light off {}\n  line: "
@@ -183,8 +185,9 @@ std::string describe(const Scenario& scenario) {
       "doubled "
       "{:.0f} %{}\n",
       scenario.seed, static_cast<int>(scenario.light), static_cast<int>(scenario.encoder), scenario.prints,
-      scenario.layers, scenario.exposure / 1ms, p.answers_light ? "answers light, " : "",
-      p.echoes ? "echoes, " : "", p.comes_up_lit ? "comes up lit, " : "", p.left_on ? "left on, " : "",
+      scenario.layers, scenario.exposure / 1ms, scenario.splits ? ", split" : "",
+      p.answers_light ? "answers light, " : "", p.echoes ? "echoes, " : "",
+      p.comes_up_lit ? "comes up lit, " : "", p.left_on ? "left on, " : "",
       p.warming_is_on ? "warming is on, " : "", p.latency / 1us, p.slower / 1us, p.darkening / 1us,
       p.thinks / 1us, p.lights_late / 1us, p.gap / 1us, p.warms_up / 1ms,
       static_cast<int>(p.off_while_warming), 100 * f.command_lost, 100 * f.command_garbled,

@@ -60,6 +60,7 @@ struct Scenario {
   EncoderKind encoder = EncoderKind::None;
   bool backlash = false;
   bool interrupts_beyond_tolerance = false;  // exposure_doubt of the resin
+  bool splits = false;                       // exposures in two pictures
   int prints = 1;
   int layers = 2;
   Duration exposure{};

@@ -57,6 +57,13 @@ Duration Verdict::light_of(int layer, TimePoint now) const {
 }
 
 void Verdict::look(const Scene& scene) {
+  if (lit_ && !stray_ && layer_) {
+    const Duration passed = scene.now - looked_at_;
+    layers_[*layer_].masked += lit_pixels_ > 0 ? passed : Duration{0};
+    layers_[*layer_].whole += lit_pixels_ == kPixels ? passed : Duration{0};
+  }
+  looked_at_ = scene.now;
+  lit_pixels_ = scene.lit_pixels;
   if (lit_ && (!scene.lit || scene.stray != stray_)) {
     if (!stray_ && layer_) layers_[*layer_].light += scene.now - lit_since_;
     lit_ = false;
@@ -100,6 +107,24 @@ void Verdict::check_light(const Scene& scene) {
                scene.now);
 }
 
+// The light of a split exposure's darker pixels is their share, to within what the record states, and half a
+// refresh for each part.
+void Verdict::check_split(const LayerRecord& record, const Layer& layer, TimePoint now) {
+  const Duration truly = layer.whole;
+  const Duration share = std::min(record.exposure_asked * kShare / 255, layer.masked);
+  const Duration error = std::chrono::round<Duration>(record.light_error *
+                                                      std::chrono::duration<double>(record.exposure_asked)) +
+                         *frame / 2 * record.exposure_parts + (record.exposure_most - record.exposure_least) +
+                         Duration{1000};
+  if (truly < share - error || truly > share + error + record.late_picture)
+    break_rule(
+        "k: pixels get their share of the light",
+        fmt::format("{:.3f} ms, {:.3f} ms are their share, {:.3f} ms is the error, a picture was {:.3f} "
+                    "ms late",
+                    in_ms(truly), in_ms(share), in_ms(error), in_ms(record.late_picture)),
+        now);
+}
+
 void Verdict::check_light_off(const Scene& scene) {
   if (!scene.light_off_due || wanted_) return light_off_due_since_.reset();
   if (!light_off_due_since_) light_off_due_since_ = scene.now;
@@ -123,6 +148,7 @@ void Verdict::recorded(int layer, const LayerRecord& record, TimePoint now) {
     break_rule("d: no layer short of light", bounds, now);
   if (shortfall && record.complete && truly < record.exposure_asked - *shortfall * record.exposure_parts)
     break_rule("d: no layer short of light", bounds, now);
+  if (frame && record.dark_confirmed) check_split(record, layers_[layer], now);
   if (layers_[layer].record) break_rule("c: one record a layer", bounds, now);
   layers_[layer].record = record;
   figures.layers += 1;

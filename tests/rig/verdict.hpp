@@ -36,9 +36,10 @@ class Verdict {
 
   struct Scene {
     TimePoint now{};
-    bool lit = false;            // true light
-    bool stray = false;          // true light that was never requested
-    std::optional<int> picture;  // number of the mask on the screen; nullopt: black
+    bool lit = false;             // true light
+    bool stray = false;           // true light that was never requested
+    std::optional<int> picture;   // number of the mask on the screen; nullopt: black
+    std::int64_t lit_pixels = 0;  // of this picture
     bool screen_is_in_use = true;
     Nanometers plate{};  // true height above the film
     LayeredState state = LayeredState::Idle;
@@ -63,17 +64,23 @@ class Verdict {
   std::optional<Duration> slack;
   // Most light that each part of a complete layer may lack; nullopt: unlimited.
   std::optional<Duration> shortfall;
+  // The display's refresh if exposures are split: of kPixels, half are to get kShare of the light, in 255ths.
+  std::optional<Duration> frame;
+  static constexpr std::int64_t kPixels = 100;
+  static constexpr std::uint8_t kShare = 64;
   Figures figures;
 
  private:
   struct Layer {
     Duration light{};  // true light, without light that is still on
     Duration asked{};
+    Duration masked{}, whole{};  // light through a mask, and through one with all kPixels
     std::optional<LayerRecord> record;
   };
   [[nodiscard]] Duration light_of(int layer, TimePoint now) const;
   void light_begins(const Scene& scene);
   void check_light(const Scene& scene);
+  void check_split(const LayerRecord& record, const Layer& layer, TimePoint now);
   void check_light_off(const Scene& scene);
 
   Nanometers step_;
@@ -82,7 +89,8 @@ class Verdict {
   Nanometers height_{};       // height for which it was requested
   bool wanted_ = false;       // the request has not been withdrawn
   bool lit_ = false, stray_ = false;
-  TimePoint lit_since_{};
+  TimePoint lit_since_{}, looked_at_{};
+  std::int64_t lit_pixels_ = 0;  // on the screen since looked_at_
   std::optional<TimePoint> light_off_due_since_;
   Nanometers lit_at_{},
       highest_{};  // plate heights under this light: at its beginning, and the highest since

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -57,6 +58,7 @@ World::World(const Scenario& scenario)
   // complete.
   if (scenario.light != LightKind::Serial && !scenario.has({Kind::LineRefuses, Kind::InputsHeldUp}))
     verdict_.shortfall = 1ms;
+  if (scenario.splits) verdict_.frame = DisplayModel::kFrame;
   if (scenario.undisturbed()) {
     const ProjectorTraits& traits = scenario.projector;
     // The gap, ten bytes at 9600 baud, and the projector's own delays.
@@ -70,7 +72,17 @@ PrintPlan World::plan() const {
   const DisplayGeometry display{Pixels{16}, Pixels{12}, Micrometers{100.0}};
   const double height = to_millimeters(kLayer).count() * scenario_.layers;
   HeightIndex box(models::box({0, 0, 0}, {1, 1, static_cast<float>(height)}));
-  plan.engine = std::make_unique<ContourEngine>(std::move(box), EngineSettings{.display = display},
+  EngineSettings settings{.display = display};
+  if (scenario_.splits) {
+    // Half of the box's pixels get a share of the light.
+    settings.uniformity.emplace(display.width, display.height);
+    for (std::int32_t y = 0; y < display.height.count(); ++y)
+      std::ranges::fill(settings.uniformity->row(y), std::uint8_t{255});
+    for (std::int32_t y = 0; y < display.height.count() / 2; ++y)
+      std::ranges::fill(settings.uniformity->row(y), Verdict::kShare);
+    plan.split = std::make_unique<SplitExposure>(PanelTone{1, 2.2}, display.width, display.height);
+  }
+  plan.engine = std::make_unique<ContourEngine>(std::move(box), settings,
                                                 std::vector{PixelMap::true_scale(display, {0.5, 0.5})});
   plan.layers = PrintLayers(LayerStack{kLayer, scenario_.layers});
   plan.expected_layers = plan.layers.all();
@@ -151,6 +163,7 @@ void World::look() {
   scene.lit = machine_.lit();
   scene.stray = machine_.stray();
   scene.picture = machine_.screen.picture();
+  scene.lit_pixels = machine_.screen.lit_pixels();
   scene.screen_is_in_use = machine_.screen.in_use();
   scene.plate = machine_.plate();
   scene.state = process_.layered_state();

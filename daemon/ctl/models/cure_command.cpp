@@ -126,7 +126,8 @@ void print_json(const PrintSubject& subject, const std::optional<RecordedPrint>&
 CureResult compute(const PrintSubject& subject, const std::optional<RecordedPrint>& recorded,
                    const std::optional<std::filesystem::path>& stl) {
   const std::unique_ptr<UndersideDimming> undersides = subject.dimming();
-  PrintLight light{subject.doses, cure_of(*subject.resin), {}, undersides.get()};
+  const std::unique_ptr<GivenLight> given = subject.given_light();
+  PrintLight light{subject.doses, cure_of(*subject.resin), {}, undersides.get(), given.get()};
   if (recorded) {
     if (recorded->light.layers.size() > subject.layers.size())
       throw ModelError(

@@ -138,6 +138,7 @@ std::vector<LayerCracks> write_masks(const fs::path& folder, std::span<const Nan
       if (!maker) maker.emplace(make_maker());
       const Mask* mask = &maker->engine.mask_at(layers[layer]);
       if (maker->undersides) mask = &maker->undersides->mask(layer, maker->engine.coverage());
+      if (maker->given) mask = &maker->given->of(layer, *mask);
       encode_mask(folder / layer_file(layer + 1, ".png"), *mask, encoder);
       cracks[layer] = maker->engine.cracks();
     });

@@ -15,6 +15,7 @@
 #include "core/contour/contour_loops.hpp"
 #include "core/cure/underside_dimming.hpp"
 #include "core/engine/contour_engine.hpp"
+#include "core/mask/light_split.hpp"
 
 namespace contourd::ctl {
 
@@ -37,6 +38,7 @@ void open_layer_folder(const std::filesystem::path& folder, std::string_view ext
 struct MaskMaker {
   ContourEngine engine;
   std::unique_ptr<DimmedMasks> undersides{};  // null: they are exposed plainly
+  std::unique_ptr<GivenLight> given{};        // null: exposures are not split
 };
 
 // Writes 0001.png, 0002.png, ... into the folder, for layers cut at these heights above the plate. Uses one

@@ -115,6 +115,16 @@ PrintSubject subject_alone(const PrintArgs& args) {
   return subject;
 }
 
+std::optional<SplitPrint> split_of(const PrintPlan& plan, const PrinterConfig& printer) {
+  if (!printer.splits_exposures()) return std::nullopt;
+  SplitPrint split{{printer.grey_bits, printer.tone.gamma}, {}};
+  const Duration shortest = SplitExposure::kShortestPicture * printer.simulated.display.frame;
+  for (std::size_t i = 0; i < plan.expected_layers.size(); ++i)
+    split.shortest.push_back(in_seconds(shortest) / in_seconds(plan.exposure(static_cast<std::int32_t>(i),
+                                                                             plan.expected_layers[i])));
+  return split;
+}
+
 // Prepares the model as contourd prints it.
 PrintSubject subject_of_printer(const PrintArgs& args) {
   const PrinterConfig printer = load_printer_config(*args.printer, Places::Elsewhere);
@@ -128,6 +138,7 @@ PrintSubject subject_of_printer(const PrintArgs& args) {
   subject.settings = engine_settings(printer, job.summary.resin);
   subject.layers = job.plan.expected_layers;
   subject.doses = layer_doses(job.summary.resin, subject.layers, printer.irradiance_mw_cm2);
+  subject.split = split_of(job.plan, printer);
   subject.layer_durations = layer_durations(job.plan, printer);
   subject.resin = std::move(job.summary.resin);
   refuse_plain_undersides(args, subject);
@@ -153,6 +164,10 @@ std::unique_ptr<DimmedMasks> PrintSubject::dimmed_masks() const {
   std::unique_ptr<UndersideDimming> undersides = dimming();
   if (!undersides) return nullptr;
   return std::make_unique<DimmedMasks>(std::move(undersides), settings.tone, settings.uniformity);
+}
+
+std::unique_ptr<GivenLight> PrintSubject::given_light() const {
+  return split ? std::make_unique<GivenLight>(split->panel, split->shortest) : nullptr;
 }
 
 PrintSubject print_subject(const PrintArgs& args) {

@@ -12,6 +12,7 @@
 #include "core/analysis/print_analysis.hpp"
 #include "core/cure/underside_dimming.hpp"
 #include "core/engine/contour_engine.hpp"
+#include "core/mask/light_split.hpp"
 #include "core/support/supports.hpp"
 #include "daemon/config/resin_profile.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
@@ -45,12 +46,19 @@ struct PrintOptions {
 // Adds MODEL and the options that set `args`, apart from tone and uniformity.
 PrintOptions add_print_options(Command& command, PrintArgs& args, const char* layer_height_help);
 
+// The exposures of a print that are split.
+struct SplitPrint {
+  PanelTone panel;
+  std::vector<double> shortest;  // by layer, the share of its exposure that a picture lasts at least
+};
+
 struct PrintSubject {
   std::unique_ptr<ContourEngine> engine;
   EngineSettings settings;
   std::optional<ResinProfile> resin;  // with the undersides as they are exposed; nullopt: not given
   std::vector<Nanometers> layers;     // thicknesses, from the plate up
   std::vector<LayerDose> doses;       // of the layers; none without a resin
+  std::optional<SplitPrint> split;    // nullopt: each exposure shows one mask
   std::optional<Supports> supports;
   AnalysisOptions analysis;
   std::optional<std::vector<Duration>> layer_durations;  // nullopt without a printer's configuration
@@ -61,6 +69,8 @@ struct PrintSubject {
   [[nodiscard]] std::unique_ptr<UndersideDimming> dimming() const;
   // Returns the masks of the dimmed undersides; null if they are exposed plainly.
   [[nodiscard]] std::unique_ptr<DimmedMasks> dimmed_masks() const;
+  // Returns the light that split exposures give; null if none is split.
+  [[nodiscard]] std::unique_ptr<GivenLight> given_light() const;
 };
 
 // Prepares the print. Throws UsageError, ModelError, ConfigError and ProfileTrouble. Blocks: see

@@ -369,7 +369,7 @@ int slice_print(SliceOptions options) {
     fmt::print(stderr, "contourctl: warning: {}\n", printable(warning));
   return slice_layers(options,
                       {subject.engine->models().front(), middles_of(subject.layers), subject.supports, [&] {
-                         return MaskMaker{*subject.engine, subject.dimmed_masks()};
+                         return MaskMaker{*subject.engine, subject.dimmed_masks(), subject.given_light()};
                        }});
 }
 

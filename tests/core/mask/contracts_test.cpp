@@ -3,6 +3,7 @@
 #include "core/mask/coverage_band.hpp"
 #include "core/mask/exact_side.hpp"
 #include "core/mask/exposure_correction.hpp"
+#include "core/mask/light_split.hpp"
 #include "core/mask/mask.hpp"
 #include "core/mask/mask_runs.hpp"
 #include "core/mask/pixel_map.hpp"
@@ -74,4 +75,32 @@ TEST_CASE("ConvexRows requires a polygon with at least one corner") {
   ConvexRows rows(Pixels{4}, Pixels{3});
   const PixelMap map = PixelMap::true_scale({Pixels{4}, Pixels{3}, Micrometers{50.0}}, {0, 0});
   CHECK(contract_broken_by([&] { rows.visit({}, map, [](auto, auto, auto) {}); }) == "a polygon has corners");
+}
+
+TEST_CASE("LightSplit requires a panel with few greys, one of its pictures, and two masks of one size") {
+  for (const int bits : {0, 8})
+    CHECK(contract_broken_by([&] { LightSplit({bits, 1}); }) == "a panel has 1 to 7 grey bits");
+  CHECK(contract_broken_by([] { LightSplit({1, 0}); }) == "gamma is 0.1 to 10");
+  const LightSplit split({1, 1});
+  Mask light(Pixels{4}, Pixels{3}), picture(Pixels{4}, Pixels{3}), other(Pixels{4}, Pixels{2});
+  CHECK(contract_broken_by([&] { split.draw(0, light, picture); }).empty());
+  CHECK(contract_broken_by([&] { split.draw(1, light, picture); }) == "the picture is one of the pictures");
+  CHECK(contract_broken_by([&] { split.draw(0, light, light); }) == "two masks have one size");
+  CHECK(contract_broken_by([&] { split.draw(0, light, other); }) == "two masks have one size");
+  CHECK(contract_broken_by([&] { split.sum(light, other); }) == "two masks have one size");
+}
+
+TEST_CASE("GivenLight requires a layer of the print") {
+  GivenLight given({1, 1}, {0.1, 0.1});
+  const Mask light(Pixels{4}, Pixels{3});
+  CHECK(contract_broken_by([&] { (void)given.of(1, light); }).empty());
+  CHECK(contract_broken_by([&] { (void)given.of(2, light); }) == "the layer is one of the print's");
+}
+
+TEST_CASE("A power of a share of the light requires a share, and an exponent above 0") {
+  for (const double share : {0.0, 1.5})
+    CHECK(contract_broken_by([&] { (void)power_of_share(share, 2); }) ==
+          "a share of the light is raised to a power");
+  CHECK(contract_broken_by([] { (void)power_of_share(0.5, 0); }) ==
+        "a share of the light is raised to a power");
 }

@@ -76,6 +76,21 @@ TEST_CASE("Light that is known less exactly than the resin tolerates causes a wa
   }
 }
 
+TEST_CASE("A picture that came more than a refresh late causes a warning") {
+  PrintLogFixture fixture;
+  fixture.layer.pictures = 12;
+  fixture.layer.light_error = 0.009;
+  fixture.layer.late_picture = kFrame;
+  fixture.log_layer();
+  CHECK(fixture.text.has("12 pictures that give pixels their light to 0.9 % of white's"));
+  CHECK_FALSE(fixture.warned());
+  fixture.layer.late_picture = 40ms;
+  fixture.log_layer();
+  CHECK(fixture.text.has(
+      "warning: layer 1: a picture of its exposure came 40.0 ms late: pixels that it darkens "
+      "got up to 2.0 % more of white's light than planned"));
+}
+
 TEST_CASE(
     "Layers that are empty, cracked or without their undersides cause one warning of each kind, at the end "
     "of the print") {

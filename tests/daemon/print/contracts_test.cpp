@@ -3,6 +3,7 @@
 #include "daemon/print/layer_durations.hpp"
 #include "daemon/print/manual_process.hpp"
 #include "daemon/print/print_mode.hpp"
+#include "daemon/print/split_exposure.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/current_job_fixture.hpp"
@@ -60,4 +61,17 @@ TEST_CASE(
     REQUIRE(fixture.clock.run_next());
   CHECK(contract_broken_by([&] { process.show(picture, "white", std::chrono::seconds{1}); }) ==
         "nothing shines while the picture changes");
+}
+
+TEST_CASE("SplitExposure requires a mask of the display's size, a time, and a picture to follow") {
+  SplitExposure split({1, 1}, Pixels{4}, Pixels{3});
+  const Mask light(Pixels{4}, Pixels{3}), other(Pixels{4}, Pixels{2});
+  const Duration second = std::chrono::seconds{1}, frame = second / 60;
+  CHECK(contract_broken_by([&] {
+          split.begin(other, {second, {}, frame});
+        }) == "the mask has the display's size");
+  CHECK(contract_broken_by([&] { split.begin(light, {{}, {}, frame}); }) == "the exposure has a time");
+  split.begin(light, {second, {}, frame});
+  CHECK(contract_broken_by([&] { (void)split.next(); }) == "a picture follows");
+  CHECK(contract_broken_by([&] { split.shown({}); }) == "a picture follows");
 }

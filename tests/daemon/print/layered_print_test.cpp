@@ -129,6 +129,22 @@ PrintPlan pressing_plan(int layers) {
   return plan;
 }
 
+// Returns the plan for a box on a display without grey that gives each pixel a share of its light: a quarter
+// to the pixels on the left, all to those on the right.
+PrintPlan split_plan(int layers) {
+  PrintPlan plan = testing::box_plan(layers);
+  const DisplayGeometry& display = testing::kSmallDisplay;
+  Mask uniformity(display.width, display.height);
+  for (std::int32_t y = 0; y < display.height.count(); ++y)
+    for (std::size_t x = 0; x < uniformity.row(y).size(); ++x)
+      uniformity.row(y)[x] = x < uniformity.row(y).size() / 2 ? 64 : 255;
+  std::vector<PlateModel> models(plan.engine->models().begin(), plan.engine->models().end());
+  plan.engine = std::make_unique<ContourEngine>(
+      std::move(models), EngineSettings{.display = display, .uniformity = std::move(uniformity)});
+  plan.split = std::make_unique<SplitExposure>(PanelTone{1, 3}, display.width, display.height);
+  return plan;
+}
+
 // No sections, whose cuts are counted.
 class CountedSections final : public SectionSource {
  public:
@@ -1047,4 +1063,74 @@ TEST_CASE("A second print follows the first on the same machine") {
   fixture.run_out();
   CHECK(fixture.ends == std::vector{PrintOutcome::Done, PrintOutcome::Done});
   CHECK(fixture.layers.size() == 3);
+}
+
+TEST_CASE(
+    "A split exposure shows its second picture while the light is on, at the refresh nearest to its time") {
+  LayeredPrintFixture fixture;
+  fixture.process.start(split_plan(2));
+  REQUIRE(fixture.run_to(S::Exposing));
+  const std::int64_t all = fixture.process.shown().mask->lit_pixels();
+  const TimePoint lit_at = fixture.clock.now();
+  while (fixture.machine.masks_shown() < 2)
+    REQUIRE(fixture.clock.run_next());
+  CHECK(fixture.process.layered_state() == S::Exposing);
+  CHECK(fixture.process.shown().mask->lit_pixels() * 2 == all);
+  const Duration due = std::chrono::seconds{1} * 64 / 255, half = fixture.machine.display().frame() / 2;
+  CHECK(fixture.clock.now() - lit_at >= due - half - 25ms);
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  CHECK_FALSE(fixture.lit_wrongly);
+  REQUIRE(fixture.layers.size() == 2);
+  for (const LayerRecord& layer : fixture.layers) {
+    CHECK(layer.pictures == 2);
+    CHECK(layer.light_error == 0);
+    CHECK(layer.late_picture <= half);
+    CHECK(layer.exposure_parts == 1);
+  }
+}
+
+TEST_CASE(
+    "A split exposure that is interrupted turns dark, and its rest begins with the picture that was due") {
+  LayeredPrintFixture fixture;
+  fixture.process.start(split_plan(1));
+  while (fixture.machine.masks_shown() < 2)
+    REQUIRE(fixture.clock.run_next());
+  REQUIRE(fixture.process.layered_state() == S::Exposing);
+  const std::int64_t part = fixture.process.shown().mask->lit_pixels();
+  const TimePoint soon = fixture.clock.now() + 100ms;
+  const auto timer = fixture.clock.call_at(soon, [] {});
+  while (fixture.clock.now() < soon)
+    REQUIRE(fixture.clock.run_next());
+  fixture.process.interrupt("the lid was opened");
+  CHECK_FALSE(fixture.machine.light_is_on());
+  CHECK(fixture.machine.screen_is_black());
+  REQUIRE(fixture.run_to(S::Paused));
+  fixture.process.resume();
+  REQUIRE(fixture.run_to_light());
+  CHECK(fixture.process.shown().mask->lit_pixels() == part);
+  fixture.run_out();
+  CHECK(fixture.machine.masks_shown() == 3);
+  REQUIRE(fixture.layers.size() == 1);
+  CHECK(fixture.layers[0].exposure_parts == 2);
+  CHECK(fixture.layers[0].pictures == 2);
+  CHECK(fixture.layers[0].complete);
+  CHECK_FALSE(fixture.lit_wrongly);
+}
+
+TEST_CASE("A display that is lost in a split exposure interrupts it, with the late picture in the record") {
+  SimulatedPrinterConfig config = testing::small_printer();
+  config.display.lost_after_frames = 1;
+  LayeredPrintFixture fixture(config);
+  fixture.process.start(split_plan(1));
+  fixture.run_out();
+  CHECK(fixture.process.layered_state() == S::Paused);
+  CHECK(fixture.interruptions.size() == 1);
+  CHECK_FALSE(fixture.machine.light_is_on());
+  fixture.process.cancel();
+  fixture.run_out();
+  REQUIRE(fixture.layers.size() == 1);
+  CHECK_FALSE(fixture.layers[0].complete);
+  CHECK(fixture.layers[0].exposure_most < 300ms);
+  CHECK_FALSE(fixture.lit_wrongly);
 }

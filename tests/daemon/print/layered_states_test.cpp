@@ -44,6 +44,7 @@ light on sent -> exposing: time exposure (igniting)
 interrupted -> interrupting: light off, black now, await dark (igniting, exposing)
 cancelled -> interrupting: light off, black now, await dark (igniting, exposing, darkening, extinguishing)
 wait over -> darkening: light off, show black (exposing)
+picture due -> stay: show picture (exposing)
 screen black -> extinguishing: await dark (darkening)
 interrupted -> interrupting: light off, black now, record layer, await dark (darkening, extinguishing)
 light is off -> resting: record layer, wait to rest (extinguishing)
@@ -101,6 +102,14 @@ TEST_CASE_METHOD(LayeredTable, "An interruption turns the light off and never en
 TEST_CASE_METHOD(LayeredTable, "The light goes on only when the mask is on the screen") {
   for (const Transition& t : transitions()) {
     CHECK(has(t, F::LightOn) == (t.from == S::Showing && t.on == E::MaskShown));
+  }
+}
+
+TEST_CASE_METHOD(LayeredTable, "A later picture is shown only while a layer is exposed, which goes on") {
+  for (const Transition& t : transitions()) {
+    const bool is_due = t.from == S::Exposing && t.on == E::PictureDue;
+    CHECK(has(t, F::ShowPicture) == is_due);
+    if (is_due) CHECK(t.to == S::Exposing);
   }
 }
 

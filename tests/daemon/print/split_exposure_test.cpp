@@ -1,0 +1,95 @@
+#include "daemon/print/split_exposure.hpp"
+
+#include <chrono>
+#include <cmath>
+
+#include "tests/catch.hpp"
+
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr Duration kFrame = 10ms;
+
+// Returns a mask of one row with pixels that get a quarter, a half, three quarters and all of the light.
+Mask quarters() {
+  Mask light(Pixels{4}, Pixels{1});
+  for (std::size_t x = 0; x < 4; ++x)
+    light.row(0)[x] = static_cast<std::uint8_t>((x + 1) * 255 / 4);
+  return light;
+}
+
+// Returns the number of lit pixels, from the right.
+std::int64_t lit(const Mask& picture) {
+  return picture.lit_pixels();
+}
+
+// Returns the light after which the next picture is due, in quarters of a second, which are shares in 255ths.
+std::int64_t due_quarters(const SplitExposure& split) {
+  return std::lround(split.next_due().value() / std::chrono::duration<double, std::milli>(250));
+}
+
+}  // namespace
+
+TEST_CASE("The pictures of an exposure follow each other by the light that it has had") {
+  SplitExposure split({1, 1}, Pixels{4}, Pixels{1});
+  const Mask light = quarters();
+  CHECK(lit(split.begin(light, {1000ms, 0ms, kFrame})) == 4);
+  CHECK(split.pictures() == 4);
+  CHECK(split.light_error() < 0.003);  // 63 of 255 are not a quarter
+  for (const std::int64_t quarter : {1, 2, 3}) {
+    CHECK(due_quarters(split) == quarter);
+    CHECK(lit(split.next()) == 4 - quarter);
+    split.shown(250ms * quarter + 3ms);
+  }
+  CHECK_FALSE(split.next_due());
+}
+
+TEST_CASE("A picture that comes after the next one was due is followed by the last that is due") {
+  SplitExposure split({1, 1}, Pixels{4}, Pixels{1});
+  const Mask light = quarters();
+  split.begin(light, {1000ms, 0ms, kFrame});
+  split.shown(600ms);
+  CHECK(due_quarters(split) == 2);
+  CHECK(lit(split.next()) == 2);
+  split.shown(610ms);
+  CHECK(due_quarters(split) == 3);
+  CHECK(lit(split.next()) == 1);
+}
+
+TEST_CASE("The rest of an interrupted exposure begins with the picture of the light that it has had") {
+  SplitExposure split({1, 1}, Pixels{4}, Pixels{1});
+  const Mask light = quarters();
+  struct Rest {
+    Duration past;
+    std::int64_t lit, next;
+  };
+  // A picture that is due within half a refresh comes first.
+  for (const Rest& rest : {Rest{0ms, 4, 1}, {240ms, 4, 1}, {246ms, 3, 2}, {400ms, 3, 2}, {510ms, 2, 3}}) {
+    CAPTURE(rest.past.count());
+    CHECK(lit(split.begin(light, {1000ms, rest.past, kFrame})) == rest.lit);
+    CHECK(due_quarters(split) == rest.next);
+  }
+  CHECK(lit(split.begin(light, {1000ms, 900ms, kFrame})) == 1);
+  CHECK_FALSE(split.next_due());
+}
+
+TEST_CASE("An exposure of fewer refreshes than its pictures need has fewer pictures") {
+  SplitExposure split({1, 1}, Pixels{4}, Pixels{1});
+  const Mask light = quarters();
+  split.begin(light, {12 * kFrame, 0ms, kFrame});
+  CHECK(split.pictures() == 4);
+  split.begin(light, {12 * kFrame - 1ms, 0ms, kFrame});
+  CHECK(split.pictures() == 3);
+  CHECK(split.light_error() > 0.05);
+  split.begin(light, {5 * kFrame, 0ms, kFrame});
+  CHECK(split.pictures() == 1);
+}
+
+TEST_CASE("A mask without grey is one picture, which nothing follows") {
+  SplitExposure split({1, 1}, Pixels{4}, Pixels{1});
+  Mask light(Pixels{4}, Pixels{1});
+  light.row(0)[2] = 255;
+  CHECK(split.begin(light, {1000ms, 0ms, kFrame}) == light);
+  CHECK_FALSE(split.next_due());
+}
