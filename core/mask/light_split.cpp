@@ -49,9 +49,10 @@ std::array<bool, 256> values_of(const Mask& mask) {
 }
 
 // Replaces values. Dark and white stay, which most pixels are.
-void replace_values(const std::array<std::uint8_t, 256>& values, const Mask& from, Mask& to) {
+void replace_values(const std::array<std::uint8_t, 256>& values, const Mask& from,
+                    const LightSplit::Rows& rows, Mask& to) {
   const auto width = static_cast<std::size_t>(from.width().count());
-  for (std::int32_t y = 0; y < from.height().count(); ++y) {
+  for (std::int32_t y = rows.first; y < rows.end; ++y) {
     const std::uint8_t* const in = from.row(y).data();
     std::uint8_t* const out = to.row(y).data();
     std::size_t x = 0;
@@ -165,13 +166,14 @@ void LightSplit::sum(const Mask& light, Mask& to) const {
   Greys sums{};
   for (std::size_t value = 0; value < sums.size(); ++value)
     sums[value] = static_cast<std::uint8_t>(255 * division().given[value] + 0.5);
-  replace_values(sums, light, to);
+  replace_values(sums, light, {0, light.height().count()}, to);
 }
 
-void LightSplit::draw(std::size_t picture, const Mask& light, Mask& to) const {
+void LightSplit::draw(std::size_t picture, const Mask& light, const Rows& rows, Mask& to) const {
   expects(picture < pictures(), "the picture is one of the pictures");
   expects(are_alike(light, to), "two masks have one size");
-  replace_values(division().greys[begins_[picture]], light, to);
+  expects(0 <= rows.first && rows.end <= light.height().count(), "the masks have these rows");
+  replace_values(division().greys[begins_[picture]], light, rows, to);
 }
 
 const Mask& GivenLight::of(std::size_t layer, const Mask& light) {

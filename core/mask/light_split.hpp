@@ -47,9 +47,13 @@ class LightSplit {
 
   // Makes a mask of the light that the pictures give together, in 255ths. REQUIRES: as for draw().
   void sum(const Mask& light, Mask& to) const;
-  // Makes a picture: the grey values to send to the display. REQUIRES: picture < pictures(); both masks have
-  // one size and are two objects.
-  void draw(std::size_t picture, const Mask& light, Mask& to) const;
+  // Rows of a mask, up to the one before `end`.
+  struct Rows {
+    std::int32_t first, end;
+  };
+  // Makes rows of a picture: the grey values to send to the display. REQUIRES: picture < pictures(); both
+  // masks have one size, with these rows, and are two objects.
+  void draw(std::size_t picture, const Mask& light, const Rows& rows, Mask& to) const;
 
  private:
   using Greys = std::array<std::uint8_t, 256>;

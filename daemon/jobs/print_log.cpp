@@ -215,6 +215,11 @@ void PrintLog::warn_about_sections(const PrintReport& report) const {
   warn("empty", "nothing to expose", [&report](const LayerRecord& layer) {
     return layer.area_mm2 == 0 && layer.layer + 1 < report.summary.layers.count;
   });
+  const double light_error = split_figures(report.layers).light_error;
+  warn("coarse-light",
+       fmt::format("exposures too short for more pictures: pixels get their light to {:.1f} % of white's",
+                   100 * light_error),
+       [](const LayerRecord& layer) { return layer.light_error > LightSplit::kExactness; });
   warn("undersides", "undersides kept all their light, because they were not found within mask_budget_ms",
        [](const LayerRecord& layer) { return !layer.undersides_found; });
 }

@@ -371,8 +371,14 @@ void LayeredPrint::show_picture() {
         const Duration lit = *at - (light_end_ - record_.exposure_asked);
         record_.late_picture = std::max(record_.late_picture, lit - *plan_->split->next_due());
         plan_->split->shown(lit);
-        await_picture();
+        draw_picture();
       }));
+}
+
+// Draws the next picture in several turns of the event loop, so that light off need not wait for it.
+void LayeredPrint::draw_picture() {
+  if (!plan_->split->draw_some()) return await_picture();
+  picture_ = clock_.call_at(clock_.now(), [this] { draw_picture(); });
 }
 
 void LayeredPrint::turn_light_off() {

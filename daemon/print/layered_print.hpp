@@ -84,6 +84,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   void time_exposure();
   void await_picture();
   void show_picture();
+  void draw_picture();
   void turn_light_off();
   void note_late_picture();
   [[nodiscard]] bool light_went_off() const;

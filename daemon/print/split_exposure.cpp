@@ -1,6 +1,7 @@
 #include "daemon/print/split_exposure.hpp"
 
 #include <algorithm>
+#include <chrono>
 
 #include "core/contract/expects.hpp"
 
@@ -17,8 +18,10 @@ const Mask& SplitExposure::begin(const Mask& light, const Times& times) {
   light_ = &light;
   split_.plan(light, in_seconds(kShortestPicture * times.frame) / in_seconds(times.asked));
   const std::size_t first = picture_at(times.past);
-  split_.draw(first, light, pictures_[on_screen_]);
-  draw_after(first, times.past);
+  split_.draw(first, light, {0, height()}, pictures_[on_screen_]);
+  follow(first, times.past);
+  while (draw_some()) {
+  }
   return pictures_[on_screen_];
 }
 
@@ -34,11 +37,21 @@ std::size_t SplitExposure::picture_at(Duration lit) const {
   return picture;
 }
 
-void SplitExposure::draw_after(std::size_t picture, Duration lit) {
+// Makes the picture after this one the next one.
+void SplitExposure::follow(std::size_t picture, Duration lit) {
   next_.reset();
-  if (picture + 1 == split_.pictures()) return;
-  next_ = std::max(picture + 1, picture_at(lit));
-  split_.draw(*next_, *light_, pictures_[1 - on_screen_]);
+  drawn_rows_ = 0;
+  if (picture + 1 < split_.pictures()) next_ = std::max(picture + 1, picture_at(lit));
+}
+
+bool SplitExposure::draw_some() {
+  constexpr std::int32_t kPixels = 1 << 20;
+  if (!next_ || is_drawn()) return false;
+  const std::int32_t rows = std::max(1, kPixels / light_->width().count());
+  const std::int32_t end = std::min(drawn_rows_ + rows, height());
+  split_.draw(*next_, *light_, {drawn_rows_, end}, pictures_[1 - on_screen_]);
+  drawn_rows_ = end;
+  return !is_drawn();
 }
 
 std::optional<Duration> SplitExposure::next_due() const {
@@ -47,14 +60,14 @@ std::optional<Duration> SplitExposure::next_due() const {
 }
 
 const Mask& SplitExposure::next() const {
-  expects(next_.has_value(), "a picture follows");
+  expects(is_drawn(), "the next picture is drawn");
   return pictures_[1 - on_screen_];
 }
 
 void SplitExposure::shown(Duration lit) {
-  expects(next_.has_value(), "a picture follows");
+  expects(is_drawn(), "the next picture is drawn");
   on_screen_ = 1 - on_screen_;
-  draw_after(*next_, lit);
+  follow(*next_, lit);
 }
 
 }  // namespace contourd

@@ -1,7 +1,7 @@
 // An exposure in several pictures, for a display with few grey levels: which picture is on the screen, and
 // which one follows when. Pictures are drawn before they are due: the first two before the light goes on,
-// each later one when the picture before it is on the screen. Allocates in the constructor only. Event loop's
-// thread only.
+// each later one in parts when the picture before it is on the screen. Allocates in the constructor only.
+// Event loop's thread only.
 #pragma once
 
 #include <array>
@@ -45,21 +45,27 @@ class SplitExposure {
   // Returns the light, from the beginning of the whole exposure, after which the next picture is due; nullopt
   // if the last one is on the screen.
   [[nodiscard]] std::optional<Duration> next_due() const;
-  // Returns the next picture. Valid until shown() is called for the picture after it. REQUIRES: next_due().
-  [[nodiscard]] const Mask& next() const;
-  // Records that the next picture has been on the screen since this much light, and draws the one after it;
-  // if later ones are due by then, draws the last of these. REQUIRES: next_due().
+  // Records that the next picture has been on the screen since this much light. The one after it follows; if
+  // later ones are due by then, the last of these. REQUIRES: next_due(), and the picture is drawn.
   void shown(Duration lit);
+  // Draws a part of the next picture, in a few milliseconds. False if nothing is left to draw.
+  bool draw_some();
+  // Returns the next picture. Valid until shown() is called for the picture after it. REQUIRES: next_due(),
+  // and the picture is drawn.
+  [[nodiscard]] const Mask& next() const;
 
  private:
   [[nodiscard]] Duration due(std::size_t picture) const;
   [[nodiscard]] std::size_t picture_at(Duration lit) const;
-  void draw_after(std::size_t picture, Duration lit);
+  void follow(std::size_t picture, Duration lit);
+  [[nodiscard]] std::int32_t height() const { return light_->height().count(); }
+  [[nodiscard]] bool is_drawn() const { return next_ && drawn_rows_ == height(); }
 
   LightSplit split_;
   std::array<Mask, 2> pictures_;
   std::size_t on_screen_ = 0;        // of pictures_; the other one is the next picture
   std::optional<std::size_t> next_;  // its number
+  std::int32_t drawn_rows_ = 0;      // of the next picture
   const Mask* light_ = nullptr;
   Times times_{};
 };

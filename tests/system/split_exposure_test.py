@@ -1,9 +1,11 @@
 """Split exposures on the simulated printer: the light that the shown pictures give each pixel, summed by an independent computation."""
 
 import collections
+import itertools
+import json
 import unittest
 
-from harness import Daemon, FolderTest, binary_stl, box, contents, read_png
+from harness import OK, Daemon, FolderTest, binary_stl, box, contents, contourctl, read_png
 from screen_test import png
 
 WIDTH, HEIGHT, REFRESH_HZ = 80, 50, 60
@@ -19,13 +21,17 @@ Exposure = collections.namedtuple("Exposure", "pictures seconds light")
 
 
 class SplitExposureTest(FolderTest):
+    def setUp(self):
+        super().setUp()
+        self.numbers = itertools.count()
+
     def printed(self, resin=None, **display):
         """Prints the bridge, and returns its report and the exposures that the machine has recorded."""
-        config = {"display": {"width_px": WIDTH, "height_px": HEIGHT, "pixel_pitch_um": 100, "refresh_hz": REFRESH_HZ, **display}}
-        self.job = f"{len(display)}-keys"
+        config = {"display": {"refresh_hz": REFRESH_HZ, "width_px": WIDTH, "height_px": HEIGHT, "pixel_pitch_um": 100, **display}}
+        self.job = f"part-{next(self.numbers)}"
         daemon = Daemon(self, config, {**RESIN, **(resin or {})}, masks=True).start()
         self.report = daemon.printed(self.job + ".stl", BRIDGE)
-        self.log = daemon.log()
+        self.log, self.config = daemon.log(), daemon.config_path
         self.page = daemon.read("done", self.job + ".report.html")
         daemon.stop()
         self.assertEqual(self.report["layers_exposed"], LAYERS)
@@ -86,6 +92,39 @@ class SplitExposureTest(FolderTest):
         self.assertEqual(self.report["settings"]["grey_bits"], display["grey_bits"])
         self.assert_words(self.page, f"exposures split for {display['grey_bits']} bit", f"up to {most_pictures} a layer")
         self.assert_words(self.log, f"{most_pictures} pictures that give pixels their light to ")
+
+    def test_contourctl_slices_the_sum_of_the_pictures(self):
+        for bits in (1, 3):
+            display = {"grey_bits": bits, "gamma": GAMMA}
+            exposures = self.printed(**display)
+            model, folder = self.write("model.stl", BRIDGE), self.path(f"sliced-{bits}")
+            contourctl("slice", model, "--printer", self.config, "--masks", folder, expect=OK)
+            for layer, exposure in enumerate(exposures, start=1):
+                with self.subTest(bits=bits, layer=layer):
+                    mask = b"".join(read_png(f"{folder}/{layer:04}.png").rows)
+                    self.assert_same_light(exposure, Exposure(1, exposure.seconds, [grey / 255 for grey in mask]), 0)
+
+    def test_contourctl_cures_the_light_of_the_pictures(self):
+        model = self.write("model.stl", BRIDGE)
+
+        def undersides(**display):
+            daemon = Daemon(self, {"display": {"width_px": WIDTH, "height_px": HEIGHT, "pixel_pitch_um": 100, **display}}, RESIN)
+            return json.loads(contourctl("cure", model, "--printer", daemon.config_path, "--json", expect=OK).stdout)["undersides"]
+
+        exact = undersides()["p95_um"]
+        self.assertLess(exact, 5)
+        # One picture a second cannot give the darker layers their light.
+        self.assertGreater(undersides(grey_bits=1, refresh_hz=1)["p95_um"], 15)
+        for bits in (1, 3, 4):
+            # 1 % of white's light is 8 um of depth for a pixel that gets 19 %.
+            self.assertAlmostEqual(undersides(grey_bits=bits, gamma=GAMMA)["p95_um"], exact, delta=8)
+
+    def test_exposures_that_are_too_short_are_told(self):
+        self.printed(grey_bits=1, refresh_hz=5)
+        errors = [record["light_error_percent"] for record in self.report["layer_records"]]
+        self.assertGreater(max(errors), 1)
+        self.assert_words(self.log, "exposures too short for more pictures: pixels get their light to "
+                          f"{max(errors):.1f} % of white's")  # fmt: skip
 
     def test_a_panel_without_grey(self):
         self.assert_prints_the_masks_of_8_bits(24, grey_bits=1)

@@ -83,10 +83,14 @@ TEST_CASE("LightSplit requires a panel with few greys, one of its pictures, and 
   CHECK(contract_broken_by([] { LightSplit({1, 0}); }) == "gamma is 0.1 to 10");
   const LightSplit split({1, 1});
   Mask light(Pixels{4}, Pixels{3}), picture(Pixels{4}, Pixels{3}), other(Pixels{4}, Pixels{2});
-  CHECK(contract_broken_by([&] { split.draw(0, light, picture); }).empty());
-  CHECK(contract_broken_by([&] { split.draw(1, light, picture); }) == "the picture is one of the pictures");
-  CHECK(contract_broken_by([&] { split.draw(0, light, light); }) == "two masks have one size");
-  CHECK(contract_broken_by([&] { split.draw(0, light, other); }) == "two masks have one size");
+  CHECK(contract_broken_by([&] { split.draw(0, light, {0, 3}, picture); }).empty());
+  CHECK(contract_broken_by([&] {
+          split.draw(1, light, {0, 3}, picture);
+        }) == "the picture is one of the pictures");
+  CHECK(contract_broken_by([&] { split.draw(0, light, {0, 3}, light); }) == "two masks have one size");
+  CHECK(contract_broken_by([&] { split.draw(0, light, {0, 2}, other); }) == "two masks have one size");
+  for (const LightSplit::Rows& rows : {LightSplit::Rows{-1, 3}, LightSplit::Rows{0, 4}})
+    CHECK(contract_broken_by([&] { split.draw(0, light, rows, picture); }) == "the masks have these rows");
   CHECK(contract_broken_by([&] { split.sum(light, other); }) == "two masks have one size");
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "tests/allocation_counter.hpp"
 #include "tests/catch.hpp"
 
 namespace {
@@ -28,7 +29,7 @@ Mask all_values() {
 std::vector<Mask> pictures_of(const LightSplit& split, const Mask& light) {
   std::vector<Mask> pictures(split.pictures(), Mask(light.width(), light.height()));
   for (std::size_t i = 0; i < pictures.size(); ++i)
-    split.draw(i, light, pictures[i]);
+    split.draw(i, light, {0, light.height().count()}, pictures[i]);
   return pictures;
 }
 
@@ -123,16 +124,19 @@ TEST_CASE("A panel without grey needs two pictures for one share of the light, w
   CHECK(pictures[1] == row_of({0, 0, 0, 255, 0}));
 }
 
-TEST_CASE("Few grey levels need fewer pictures than none") {
-  const auto pictures = [](const PanelTone& panel) {
-    LightSplit split(panel);
-    split.plan(all_values(), 0.0167);  // 50 ms of 3 s
-    CHECK(split.error() <= LightSplit::kExactness);
-    return split.pictures();
-  };
-  CHECK(pictures({1, 3}) == 50);
-  CHECK(pictures({3, 3}) == 19);
-  CHECK(pictures({4, 3}) == 10);
+TEST_CASE(
+    "All greys need fewer pictures the more levels the panel has, and no more than exactness is worth") {
+  for (const double shortest : {0.0167, 0.001}) {  // 50 ms, 3 ms of 3 s
+    const auto pictures = [shortest](const PanelTone& panel) {
+      LightSplit split(panel);
+      split.plan(all_values(), shortest);
+      CHECK(split.error() <= LightSplit::kExactness);
+      return split.pictures();
+    };
+    CHECK(pictures({1, 3}) == 50);
+    CHECK(pictures({3, 3}) == 19);
+    CHECK(pictures({4, 3}) == 10);
+  }
 }
 
 TEST_CASE("An exposure too short for two pictures shows the nearest levels") {
@@ -162,4 +166,17 @@ TEST_CASE("The light that is given in a layer is the sum of its pictures") {
   CHECK(given.of(0, light) == row_of({0, 0, 0, 255, 255}));
   CHECK(given.of(1, light) == row_of({0, 64, 128, 191, 255}));
   CHECK(given.of(1, row_of({0, 255})) == row_of({0, 255}));
+}
+
+TEST_CASE("Planning an exposure and drawing its pictures allocates nothing") {
+  LightSplit split({1, 1});
+  const Mask light = all_values(), plain = row_of({0, 255});
+  Mask picture(light.width(), light.height());
+  const long before = testing::allocations();
+  split.plan(plain, 0.001);
+  split.plan(light, 0.001);
+  for (std::size_t i = 0; i < split.pictures(); ++i)
+    split.draw(i, light, {0, 1}, picture);
+  split.sum(light, picture);
+  CHECK(testing::allocations() == before);
 }

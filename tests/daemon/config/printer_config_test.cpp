@@ -371,6 +371,22 @@ TEST_CASE("gamma, threshold and the uniformity mask are read, and have no effect
   CHECK(folder.load().uniformity == even);
 }
 
+TEST_CASE("a panel's bits of grey are read, and exposures are split if they are fewer than 8, the default") {
+  CHECK(PrinterFolder().load().grey_bits == 8);
+  CHECK_FALSE(PrinterFolder().load().splits_exposures());
+  json printer = smallest_printer();
+  for (const int bits : {1, 7, 8}) {
+    printer["display"]["grey_bits"] = bits;
+    const PrinterConfig config = PrinterFolder(printer).load();
+    CHECK(config.grey_bits == bits);
+    CHECK(config.splits_exposures() == (bits < 8));
+  }
+  for (const int bits : {0, 9}) {
+    printer["display"]["grey_bits"] = bits;
+    CHECK(PrinterFolder(printer).complaints().size() == 1);
+  }
+}
+
 TEST_CASE("a resin is found by its name") {
   PrinterFolder folder;
   json tough = shipped("resins/standard.json");

@@ -124,6 +124,23 @@ TEST_CASE(
   CHECK(fixture.text.has("warning: part: 1 of 300 layers, from layer 299 to 299: nothing to expose"));
 }
 
+TEST_CASE(
+    "Layers whose exposures were too short for their pictures cause one warning, at the end of the print") {
+  PrintLogFixture fixture;
+  PrintReport report;
+  report.job = "part";
+  report.summary = fixture.summary;
+  for (const double error : {0.01, 0.05, 0.02, 0.0}) {
+    fixture.layer.light_error = error;
+    report.layers.push_back(fixture.layer);
+    ++fixture.layer.layer;
+  }
+  fixture.print.ended(report);
+  CHECK(fixture.text.has(
+      "warning: part: 2 of 4 layers, from layer 2 to 3: exposures too short for more pictures: "
+      "pixels get their light to 5.0 % of white's"));
+}
+
 TEST_CASE("Sound layers cause no warning at the end of the print") {
   PrintLogFixture fixture;
   PrintReport report;

@@ -72,6 +72,6 @@ TEST_CASE("SplitExposure requires a mask of the display's size, a time, and a pi
         }) == "the mask has the display's size");
   CHECK(contract_broken_by([&] { split.begin(light, {{}, {}, frame}); }) == "the exposure has a time");
   split.begin(light, {second, {}, frame});
-  CHECK(contract_broken_by([&] { (void)split.next(); }) == "a picture follows");
-  CHECK(contract_broken_by([&] { split.shown({}); }) == "a picture follows");
+  CHECK(contract_broken_by([&] { (void)split.next(); }) == "the next picture is drawn");
+  CHECK(contract_broken_by([&] { split.shown({}); }) == "the next picture is drawn");
 }

@@ -1,5 +1,6 @@
 #include "daemon/print/split_exposure.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -19,9 +20,16 @@ Mask quarters() {
   return light;
 }
 
-// Returns the number of lit pixels, from the right.
+// Returns the number of lit pixels.
 std::int64_t lit(const Mask& picture) {
   return picture.lit_pixels();
+}
+
+// Shows the next picture, and draws the one after it.
+void show(SplitExposure& split, Duration light) {
+  split.shown(light);
+  while (split.draw_some()) {
+  }
 }
 
 // Returns the light after which the next picture is due, in quarters of a second, which are shares in 255ths.
@@ -39,8 +47,10 @@ TEST_CASE("The pictures of an exposure follow each other by the light that it ha
   CHECK(split.light_error() < 0.003);  // 63 of 255 are not a quarter
   for (const std::int64_t quarter : {1, 2, 3}) {
     CHECK(due_quarters(split) == quarter);
-    CHECK(lit(split.next()) == 4 - quarter);
-    split.shown(250ms * quarter + 3ms);
+    const Mask& next = split.next();
+    CHECK(lit(next) == 4 - quarter);
+    show(split, 250ms * quarter + 3ms);
+    CHECK(lit(next) == 4 - quarter);  // now on the screen, beside the picture after it
   }
   CHECK_FALSE(split.next_due());
 }
@@ -49,12 +59,11 @@ TEST_CASE("A picture that comes after the next one was due is followed by the la
   SplitExposure split({1, 1}, Pixels{4}, Pixels{1});
   const Mask light = quarters();
   split.begin(light, {1000ms, 0ms, kFrame});
-  split.shown(600ms);
-  CHECK(due_quarters(split) == 2);
-  CHECK(lit(split.next()) == 2);
-  split.shown(610ms);
+  show(split, 760ms);
   CHECK(due_quarters(split) == 3);
   CHECK(lit(split.next()) == 1);
+  show(split, 770ms);
+  CHECK_FALSE(split.next_due());
 }
 
 TEST_CASE("The rest of an interrupted exposure begins with the picture of the light that it has had") {
@@ -92,4 +101,24 @@ TEST_CASE("A mask without grey is one picture, which nothing follows") {
   light.row(0)[2] = 255;
   CHECK(split.begin(light, {1000ms, 0ms, kFrame}) == light);
   CHECK_FALSE(split.next_due());
+}
+
+TEST_CASE("A large picture is drawn in parts, which together are the picture drawn at once") {
+  const Pixels width{1000}, height{2500};
+  SplitExposure split({1, 1}, width, height);
+  Mask light(width, height);
+  for (std::int32_t y = 0; y < height.count(); ++y)
+    std::ranges::fill(light.row(y), static_cast<std::uint8_t>(1 + y % 255));
+  split.begin(light, {1000ms, 0ms, kFrame});
+  REQUIRE(split.pictures() > 3);
+  LightSplit whole({1, 1});
+  whole.plan(light, 0.03);
+  REQUIRE(whole.pictures() == split.pictures());
+  split.shown(1ms);
+  CHECK(split.draw_some());
+  CHECK(split.draw_some());
+  CHECK_FALSE(split.draw_some());
+  Mask expected(width, height);
+  whole.draw(2, light, {0, height.count()}, expected);
+  CHECK(split.next() == expected);
 }
