@@ -123,6 +123,11 @@ void Verdict::check_split(const LayerRecord& record, const Layer& layer, TimePoi
                     "ms late",
                     in_ms(truly), in_ms(share), in_ms(error), in_ms(record.late_picture)),
         now);
+  if (latest_picture && record.late_picture > *latest_picture)
+    break_rule("k: pictures come in time",
+               fmt::format("one was {:.3f} ms late, at most {:.3f} ms are possible",
+                           in_ms(record.late_picture), in_ms(*latest_picture)),
+               now);
 }
 
 void Verdict::check_light_off(const Scene& scene) {

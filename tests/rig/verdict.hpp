@@ -66,6 +66,8 @@ class Verdict {
   std::optional<Duration> shortfall;
   // The display's refresh if exposures are split: of kPixels, half are to get kShare of the light, in 255ths.
   std::optional<Duration> frame;
+  // Latest that a picture may be; nullopt: unlimited.
+  std::optional<Duration> latest_picture;
   static constexpr std::int64_t kPixels = 100;
   static constexpr std::uint8_t kShare = 64;
   Figures figures;

@@ -59,6 +59,9 @@ World::World(const Scenario& scenario)
   if (scenario.light != LightKind::Serial && !scenario.has({Kind::LineRefuses, Kind::InputsHeldUp}))
     verdict_.shortfall = 1ms;
   if (scenario.splits) verdict_.frame = DisplayModel::kFrame;
+  if (!scenario.has({Kind::LoopHeldUp, Kind::LoopHeldUpInWrite, Kind::FlipEventLost, Kind::FlipLost,
+                     Kind::DisplayLost}))
+    verdict_.latest_picture = DisplayModel::kFrame / 2 + 1ms;
   if (scenario.undisturbed()) {
     const ProjectorTraits& traits = scenario.projector;
     // The gap, ten bytes at 9600 baud, and the projector's own delays.
