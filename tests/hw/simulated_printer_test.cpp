@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <string>
 
 #include "hw/png_file.hpp"
 #include "hw/virtual_clock.hpp"
@@ -217,6 +219,32 @@ TEST_CASE("A job's masks are saved as PNG files in its own folder") {
   };
   CHECK(content(*job / "0001.png") == encode_png(mask_of_grey(200)));
   CHECK(content(*job / "0002.png") == encode_png(mask_of_grey(100)));
+}
+
+TEST_CASE("The times at which masks and light of a job come and go are recorded beside its folder") {
+  const testing::TemporaryFolder folder;
+  SimulatedPrinterConfig config = small_display();
+  config.display.masks = folder.path();
+  SimulatedPrinterFixture fixture(config);
+  fixture.power_on();
+  (void)fixture.printer.begin_job("cube");
+  fixture.start_show(mask_of_grey(255));
+  fixture.run();
+  const TimePoint shown = *fixture.presented;
+  fixture.light_on();
+  const TimePoint lit = fixture.clock.now();
+  fixture.start_show(mask_of_grey(1));
+  fixture.run();
+  const TimePoint changed = *fixture.presented;
+  fixture.printer.projector().light_off();
+  fixture.printer.display().black_now();
+  std::ifstream file(folder.path() / "cube.shown.tsv");
+  const std::string record{std::istreambuf_iterator(file), {}};
+  const auto line = [](TimePoint at, const std::string& event) {
+    return std::to_string(at.time_since_epoch().count()) + "\t" + event + "\n";
+  };
+  CHECK(record == line(shown, "0001.png") + line(lit, "light on") + line(changed, "0002.png") +
+                      line(fixture.clock.now(), "light off") + line(fixture.clock.now(), "black"));
 }
 
 TEST_CASE("Each job counts its masks from one") {
