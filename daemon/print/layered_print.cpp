@@ -174,7 +174,9 @@ void LayeredPrint::fail(const std::string& reason) {
   handle(LayeredEvent::Failed);
 }
 
-void LayeredPrint::performed() {
+// A picture of many in an exposure is no news to the observer, whose work would delay the light's end.
+void LayeredPrint::performed(LayeredEvent event) {
+  if (event == LayeredEvent::PictureDue) return;
   if (is_in(LayeredState::Showing)) observer_.light_due();
   observer_.state_changed(state());
 }

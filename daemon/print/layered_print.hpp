@@ -50,7 +50,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
 
  private:
   void perform(LayeredEffect effect) override;
-  void performed() override;
+  void performed(LayeredEvent event) override;
   void effect_threw(const std::string& what) override;
   void settled() override;
   void wait(Duration duration);

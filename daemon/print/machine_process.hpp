@@ -81,8 +81,8 @@ class MachineProcess : protected StateTimers {
       : StateTimers(machine, clock), table_(table), state_(table.start) {}
 
   virtual void perform(Effect effect) = 0;
-  // Called after a row's effects. An exception counts as one of an effect.
-  virtual void performed() {}
+  // Called after the effects of an event's row. An exception counts as one of an effect.
+  virtual void performed(Event) {}
   // Called if an effect threw; the light has been turned off. May throw the exception again.
   virtual void effect_threw(const std::string& what) { fail(what); }
   // Called at the end of a transition without exceptions. May handle another event.
@@ -100,7 +100,7 @@ class MachineProcess : protected StateTimers {
     try {
       for (const Effect effect : row->done())
         perform(effect);
-      performed();
+      performed(event);
     } catch (const std::exception& error) {
       machine_.projector().light_off();
       return effect_threw(error.what());

@@ -1076,6 +1076,7 @@ TEST_CASE(
     REQUIRE(fixture.clock.run_next());
   CHECK(fixture.process.layered_state() == S::Exposing);
   CHECK(fixture.process.shown().mask->lit_pixels() * 2 == all);
+  CHECK(std::ranges::count(fixture.states, S::Exposing) == 1);  // the observer is not told of pictures
   const Duration due = std::chrono::seconds{1} * 64 / 255, half = fixture.machine.display().frame() / 2;
   CHECK(fixture.clock.now() - lit_at >= due - half - 25ms);
   fixture.run_out();
