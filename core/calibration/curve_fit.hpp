@@ -24,7 +24,7 @@ struct CuredWindow {
 struct CurveFit {
   Estimate penetration_depth_um;  // Dp
   Estimate critical_dose_mj_cm2;  // Ec
-  double correlation = 0;         // of the errors of the two: a steeper line begins later
+  double correlation = 0;         // between both errors: a steeper line begins later
   LineFit line;                   // thickness in um over ln(dose in mJ/cm2)
   [[nodiscard]] Micrometers thickness_of(MillijoulesPerCm2 dose) const;
 };

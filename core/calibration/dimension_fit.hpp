@@ -37,7 +37,7 @@ struct DimensionSettings {
 struct DimensionFit {
   std::optional<Estimate> shrinkage_x_percent, shrinkage_y_percent;  // of the axes that were measured
   Estimate growth_um;
-  double scatter_um = 0;               // of the lengths about those by scale and growth
+  double scatter_um = 0;               // lengths about those by scale and growth
   std::vector<Estimate> lengths_mm{};  // by scale and growth, in the order of the measured ones
 };
 

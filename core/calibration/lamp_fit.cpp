@@ -18,15 +18,15 @@ namespace {
 
 constexpr std::size_t kFewestReadings = 9, kFewestLines = 3;
 constexpr double kMostLight = 1e9;
-constexpr double kLeastExtent = 0.6;       // of the readings, as a share of the display's side
-constexpr double kMostScatterPercent = 6;  // of the mean light
-constexpr double kMostUnsurePercent = 5;   // of the light at a place
+constexpr double kLeastExtent = 0.6;       // distance of the readings, as a share of the display's side
+constexpr double kMostScatterPercent = 6;  // share of the mean light
+constexpr double kMostUnsurePercent = 5;   // share of the light at a place
 constexpr double kMostTimesDarkest = 5;    // brighter than that, a mask would have few steps
 constexpr int kPlaces = 65;                // along each side, where a surface is looked at
 constexpr double kMaskStepPercent = 100.0 / 255;
 constexpr std::array kDegrees{2, 3, 4};
 constexpr std::size_t kLeastFreedom = 3;  // readings more than terms
-constexpr double kClearlyBetter = 0.9;    // of the error of prediction of a lower degree
+constexpr double kClearlyBetter = 0.9;    // share of the error of prediction of a lower degree
 
 std::vector<double> terms_at(LampPlace place, int degree) {
   std::vector<double> terms;

@@ -13,9 +13,9 @@ constexpr std::size_t kSamples = 65536;
 constexpr double kWhite = kSamples - 1;
 constexpr std::uint16_t kNearlyWhite = 65'000;  // 253 of 255
 constexpr double kMostWhite = 0.001;            // share of a cell's pixels
-constexpr double kLeastLight = 0.05;            // of white, in the brightest cell
+constexpr double kLeastLight = 0.05;            // share of white, in the brightest cell
 constexpr std::int64_t kFewestPixels = 100;     // in a cell's middle
-constexpr double kMiddle = 0.5;                 // of a cell's width and height
+constexpr double kMiddle = 0.5;                 // share of a cell's width and height
 
 double light_of(double sample, PhotoEncoding encoding) {
   if (encoding == PhotoEncoding::Linear) return sample;

@@ -54,7 +54,7 @@ class LampPhoto {
 
   LampGrid grid_;
   std::array<double, 9> to_display_{};  // from the photo to the display's unit square, row by row
-  std::vector<float> light_of_;         // of each value of a sample
+  std::vector<float> light_of_;         // by value of a sample
   std::vector<Cell> cells_;
 };
 

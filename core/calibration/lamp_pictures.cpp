@@ -10,8 +10,8 @@
 namespace contourd {
 namespace {
 
-constexpr double kFieldShare = 0.6;      // of a cell's shorter side
-constexpr double kDotShare = 1.0 / 100;  // of the display's shorter side
+constexpr double kFieldShare = 0.6;      // share of a cell's shorter side
+constexpr double kDotShare = 1.0 / 100;  // share of the display's shorter side
 constexpr Pixels kLeastSide{100};
 
 void fill(Mask& mask, int left, int top, int side, std::uint8_t grey) {

@@ -17,7 +17,7 @@ struct LinearPoint {
 
 struct LinearFit {
   std::vector<double> factors;
-  std::vector<double> covariance;  // of the factors over the scatter's square, row by row
+  std::vector<double> covariance;  // over the scatter's square, row by row
   double scatter = 0;              // standard deviation of the values about the fit
 
   // Return the fitted value for terms, and the factor at an index, with their standard uncertainties.

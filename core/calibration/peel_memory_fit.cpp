@@ -16,7 +16,7 @@ namespace {
 constexpr std::ptrdiff_t kFewestBridges = 4;
 constexpr double kMostBridgeScatterUm = 40;
 constexpr double kMostUnsureUndersideUm = 15;  // of an underside
-constexpr double kMostUnsureCurve = 0.25;      // of a figure of the curve
+constexpr double kMostUnsureCurve = 0.25;      // error of a figure of the curve
 constexpr int kThickPart = 16;                 // layers
 
 // The squares of the thicknesses' differences, as a function of the memory.

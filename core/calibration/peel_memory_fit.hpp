@@ -37,12 +37,12 @@ inline constexpr int kMostBridgeLayers = 100;
 struct CurveUncertainty {
   Micrometers penetration_depth{};
   MillijoulesPerCm2 critical_dose{};
-  double correlation = 0;  // of the errors of the two, -1 to 1
+  double correlation = 0;  // between both errors, -1 to 1
 };
 
 // Standard uncertainties of a memory, by their causes.
 struct MemoryShares {
-  double scatter = 0;                               // of the thicknesses
+  double scatter = 0;                               // standard deviation of the thicknesses
   double penetration_depth = 0, critical_dose = 0;  // signed: what one standard deviation more changes
 };
 

@@ -31,7 +31,7 @@ std::uint8_t edge_between(std::uint8_t a, std::uint8_t b) {
 // each run of solid corners, with the solid to the right.
 void add_sides(std::uint8_t solid, const std::array<std::uint8_t, 4>& corners,
                std::array<std::uint8_t, kAxis * kAxes>& next) {
-  const auto is_solid = [&](std::size_t i) { return ((solid >> corners[i % 4]) & 1U) != 0; };
+  const auto is_solid = [&](std::size_t i) { return ((unsigned{solid} >> corners[i % 4]) & 1U) != 0; };
   for (std::size_t first = 0; first < 4; ++first) {
     if (!is_solid(first) || is_solid(first + 3)) continue;
     std::size_t end = first + 1;

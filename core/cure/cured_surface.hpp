@@ -73,9 +73,9 @@ class CuredSurface {
   bool turns_round_;  // columns, rows and heights are a left-handed system on the plate
   // Pixels of the nodes' lines; the first and the last are beside the window and dark.
   std::vector<std::int32_t> columns_, rows_;
-  double distance_mm_;               // of levels, at least; 0: both sides of all ends of layers are levels
-  Level above_;                      // the lowest level so far
-  std::vector<std::uint8_t> solid_;  // by node, at the lowest height so far
+  double distance_mm_;  // between levels, at least; 0: both sides of all ends of layers are levels
+  Level above_;         // the lowest level so far
+  std::vector<std::uint8_t> solid_;                   // by node, at the lowest height so far
   std::vector<float> first_bottom_mm_, last_top_mm_;  // by node, of solids beneath above_
   std::vector<std::uint8_t> column_;                  // solid corners of a cell's side, by column of nodes
 };

@@ -15,7 +15,7 @@ namespace {
 // Half a step of this many is kExactness of the light, even between black and white.
 constexpr std::size_t kMostSteps = 50;
 static_assert(1.0 / (2 * kMostSteps) <= LightSplit::kExactness);
-// These steps give a few shares exactly, in few pictures, if they are far enough apart.
+// With these steps, a few shares are exact in few pictures if they are far enough apart.
 constexpr std::size_t kFinestSteps = 255;
 constexpr double kRounding = 1e-12;
 

@@ -53,7 +53,7 @@ struct PrinterConfig {
   Nanometers travel;
   MillimetersPerSecond travel_speed, homing_speed;
   std::optional<MillimetersPerSecond> top_speed;
-  double stiffness_n_mm = 0;  // of plate, axis and vat together
+  double stiffness_n_mm = 0;  // stiffness of plate, axis and vat together
 
   Pixels display_width;
   Pixels display_height;

@@ -130,7 +130,8 @@ PrintedPart CuredPartWriter::cure(PrintToCure& print, const std::atomic<Stop>& s
                           if (why_not.empty() && stop != Stop::No) why_not = "the next print ended before";
                           if (why_not.empty()) why_not = limits.exceeded(0);
                           return !why_not.empty();
-                        }},
+                        },
+                    .given = print.given.get()},
                    kLongestCuredMask);
     std::optional<CuredPart> part =
         cure.compare(report.summary.supports ? &*report.summary.supports : nullptr);

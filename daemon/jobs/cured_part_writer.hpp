@@ -19,6 +19,7 @@ struct PrintToCure {
   PrintReport report;
   std::unique_ptr<ContourEngine> engine;
   std::unique_ptr<DimmedMasks> undersides;
+  std::unique_ptr<GivenLight> given;           // null: exposures were not split
   Spool::Folder folder = Spool::Folder::Done;  // of its report
 };
 

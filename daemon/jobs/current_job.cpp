@@ -50,6 +50,16 @@ std::string why_unaccepted(const PreparedJob& job, const std::vector<std::string
          "; put it into incoming again, and it waits for \"contourctl accept\"";
 }
 
+// Returns the light that a print's split exposures gave; null if none was split.
+std::unique_ptr<GivenLight> given_light(const PrintPlan& plan, const std::vector<LayerRecord>& layers,
+                                        Duration frame) {
+  if (!plan.split) return nullptr;
+  std::vector<double> shortest;
+  for (const LayerRecord& layer : layers)
+    shortest.push_back(SplitExposure::shortest_share(layer.exposure_asked, frame));
+  return std::make_unique<GivenLight>(plan.split->panel(), std::move(shortest));
+}
+
 // Returns the print's report; moves the record and the summary out of the job.
 PrintReport report_of(CurrentJob::State& job) {
   PrintReport report = job.record->take_report();
@@ -346,8 +356,10 @@ void CurrentJob::print_ended(PrintOutcome outcome, const std::string& reason, Pr
   job_->ended.figures = figures_of(report);
   const JobEnd end = job_end(job_->ended);
   archivist_.record(end);
-  job_->over = EndedPrint{job_->claimed.files, std::move(report), std::move(plan.engine),
-                          std::move(plan.undersides), end};
+  std::unique_ptr<GivenLight> given = given_light(plan, report.layers, context_.machine.display().frame());
+  job_->over = EndedPrint{
+      job_->claimed.files, std::move(report), std::move(plan.engine), std::move(plan.undersides), end,
+      std::move(given)};
   if (!job_->had_light) hold_.set_plate_occupant(job_->plate_before);
   // A fault of the machine would hit the next job too, which begins with a motion. A print that was stopped
   // with contourd has left its part in the way.

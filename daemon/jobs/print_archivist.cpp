@@ -98,7 +98,7 @@ void PrintArchivist::file(EndedPrint print, std::function<void(const FiledPrint&
       [&spool = spool_, shared = std::move(shared), to_cure] {
         FiledPrint filed = file_print(spool, *shared);
         *to_cure = {std::move(shared->report), std::move(shared->engine), std::move(shared->undersides),
-                    folder_for(shared->end)};
+                    std::move(shared->given), folder_for(shared->end)};
         return filed;
       },
       [this, done = std::move(done), to_cure](const FiledPrint& filed) mutable {

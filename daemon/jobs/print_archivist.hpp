@@ -24,6 +24,7 @@ struct EndedPrint {
   std::unique_ptr<ContourEngine> engine;
   std::unique_ptr<DimmedMasks> undersides;  // as in the print's plan
   JobEnd end;
+  std::unique_ptr<GivenLight> given{};  // null: exposures were not split
   std::shared_future<void> held{};  // ready when the hold of the queue is on the disk; filing waits for it
 };
 

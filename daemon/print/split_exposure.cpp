@@ -8,7 +8,7 @@
 namespace contourd {
 
 SplitExposure::SplitExposure(const PanelTone& panel, Pixels width, Pixels height)
-    : split_(panel), pictures_{Mask(width, height), Mask(width, height)} {}
+    : panel_(panel), split_(panel), pictures_{Mask(width, height), Mask(width, height)} {}
 
 const Mask& SplitExposure::begin(const Mask& light, const Times& times) {
   expects(light.width() == pictures_[0].width() && light.height() == pictures_[0].height(),
@@ -16,7 +16,7 @@ const Mask& SplitExposure::begin(const Mask& light, const Times& times) {
   expects(times.asked > Duration{0}, "the exposure has a time");
   times_ = times;
   light_ = &light;
-  split_.plan(light, in_seconds(kShortestPicture * times.frame) / in_seconds(times.asked));
+  split_.plan(light, shortest_share(times.asked, times.frame));
   const std::size_t first = picture_at(times.past);
   split_.draw(first, light, {0, height()}, pictures_[on_screen_]);
   follow(first, times.past);

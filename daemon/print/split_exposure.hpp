@@ -22,6 +22,11 @@ class SplitExposure {
   static constexpr int kShortestPicture = 3;
 
   SplitExposure(const PanelTone& panel, Pixels width, Pixels height);
+  [[nodiscard]] const PanelTone& panel() const { return panel_; }
+  // Returns the share of an exposure that a picture lasts at least.
+  [[nodiscard]] static double shortest_share(Duration exposure, Duration frame) {
+    return in_seconds(kShortestPicture * frame) / in_seconds(exposure);
+  }
   // Returns the memory in bytes.
   [[nodiscard]] static std::uint64_t memory(const DisplayGeometry& display) {
     return 2 * static_cast<std::uint64_t>(display.width.count()) *
@@ -61,6 +66,7 @@ class SplitExposure {
   [[nodiscard]] std::int32_t height() const { return light_->height().count(); }
   [[nodiscard]] bool is_drawn() const { return next_ && drawn_rows_ == height(); }
 
+  PanelTone panel_;
   LightSplit split_;
   std::array<Mask, 2> pictures_;
   std::size_t on_screen_ = 0;        // of pictures_; the other one is the next picture

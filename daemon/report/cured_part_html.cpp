@@ -17,7 +17,7 @@ namespace {
 
 using Stretch = CureSection::Stretch;
 
-// Of a section with more stretches than this, some columns are drawn, so that the page stays small.
+// A section with more stretches than this is drawn in some columns, so that the page stays small.
 constexpr std::size_t kMostStretches = 10'000;
 
 // A rectangle of the section, in millimetres.

@@ -118,10 +118,10 @@ PrintSubject subject_alone(const PrintArgs& args) {
 std::optional<SplitPrint> split_of(const PrintPlan& plan, const PrinterConfig& printer) {
   if (!printer.splits_exposures()) return std::nullopt;
   SplitPrint split{{printer.grey_bits, printer.tone.gamma}, {}};
-  const Duration shortest = SplitExposure::kShortestPicture * printer.simulated.display.frame;
   for (std::size_t i = 0; i < plan.expected_layers.size(); ++i)
-    split.shortest.push_back(in_seconds(shortest) / in_seconds(plan.exposure(static_cast<std::int32_t>(i),
-                                                                             plan.expected_layers[i])));
+    split.shortest.push_back(
+        SplitExposure::shortest_share(plan.exposure(static_cast<std::int32_t>(i), plan.expected_layers[i]),
+                                      printer.simulated.display.frame));
   return split;
 }
 
