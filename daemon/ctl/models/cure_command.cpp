@@ -127,7 +127,10 @@ CureResult compute(const PrintSubject& subject, const std::optional<RecordedPrin
                    const std::optional<std::filesystem::path>& stl) {
   const std::unique_ptr<UndersideDimming> undersides = subject.dimming();
   const std::unique_ptr<GivenLight> given = subject.given_light();
-  PrintLight light{subject.doses, cure_of(*subject.resin), {}, undersides.get(), given.get()};
+  PrintLight light{.layers = subject.doses,
+                   .cure = cure_of(*subject.resin),
+                   .undersides = undersides.get(),
+                   .given = given.get()};
   if (recorded) {
     if (recorded->light.layers.size() > subject.layers.size())
       throw ModelError(
