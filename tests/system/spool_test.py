@@ -219,7 +219,7 @@ class Refusal(RefusingTest):
         for name, data, ticket, *words in (
             ("wide", binary_stl(box((0, 0, 0), (97, 10, 10))), None, "97", "96"),
             ("deep", binary_stl(box((0, 0, 0), (10, 55, 10))), None, "55", "54"),
-            ("tall", binary_stl(box((0, 0, 0), (10, 10, 155))), None, "155", "154"),
+            ("tall", binary_stl(box((0, 0, 0), (10, 10, 157))), None, "157", "156.5"),
             ("beside", SLAB, {"position_mm": {"x": 44, "y": 0}}, "44"),
             ("many", binary_stl(box((0, 0, 0), (30, 30, 1))), {"copies": 100}, "100"),
             ("flat", binary_stl([((0, 0, 5), (9, 0, 5), (0, 9, 5))]), None, "flat"),

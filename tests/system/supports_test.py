@@ -100,7 +100,7 @@ class Supports(FolderTest):
         self.assertIn("/supports/tip_diameter_mm: 2 mm is more than pillar_diameter_mm, 1 mm", daemon.refused("wrong.stl", BALL, {"supports": {"tip_diameter_mm": 2}}))
 
     def test_a_model_that_is_too_high_on_its_supports_is_refused(self):
-        daemon = self.daemon(z_axis={"travel_mm": 18}, simulation={"start_height_mm": 0})
+        daemon = self.daemon(z_axis={"travel_mm": 15.5}, simulation={"start_height_mm": 0})
         self.assert_one_line(daemon.refused("ball.stl", BALL).encode(), "the model is 8.00 mm high and stands 5.00 mm above the plate, on supports: "
                              "13.00 mm, and the machine can print 12.00 mm")  # fmt: skip
         self.printed(daemon, "bare", BALL, {"supports": "off"})

@@ -93,10 +93,11 @@ def package_guest(upgrades, debian=None):
 
 
 def resin_profile(changes):
+    """Returns the shipped profile's text with changes; None removes a key."""
     profile = json.loads((SOURCE / "config" / "resins" / "standard.json").read_text())
     profile.pop("$schema")
     profile.pop("viscosity_mpa_s")  # the first layer would wait a minute until the plate has pressed out the resin
-    return json.dumps({**profile, **(changes or {})})
+    return json.dumps({key: value for key, value in {**profile, **(changes or {})}.items() if value is not None})
 
 
 @contextmanager

@@ -22,6 +22,8 @@ _STEP_NM = 1_250  # 800 microsteps per mm
 _RESIN = {"exposure_ms": 1000, "bottom_exposure_ms": 2000, "bottom_layers": 2, "fade_layers": 3, "lift_mm": 1,
           "settle_ms": 300, "rest_ms": 100}  # fmt: skip
 
+_DEPTH_MM, _CRITICAL_MJ_CM2 = 0.15, 8  # penetration depth and critical dose of a resin
+
 # The plate is 2.5 mm above a switch that bounces for 1.2 ms.
 _SCENARIO = f"""\
 . /lib.sh
@@ -35,8 +37,8 @@ stop_daemon || fail "the daemon ended with $?"
 """
 
 
-def _print(arch, layers, config=None, devices="load_devices", layer_nm=_LAYER_NM, model=models.twisted_star, **options):
-    resin = {**_RESIN, "layer_height_um": layer_nm / 1000}
+def _print(arch, layers, config=None, devices="load_devices", layer_nm=_LAYER_NM, model=models.twisted_star, resin=None, **options):
+    resin = {**_RESIN, "layer_height_um": layer_nm / 1000, **(resin or {})}
     guest = guests.printer_guest(arch, config or guests.real_config(), layers * layer_nm / 1e6, resin, model)
     guest.add_text("/scenario", _SCENARIO.format(devices=devices))
     with guests.written(guest) as initramfs:
@@ -106,6 +108,56 @@ def exact_print_with_supports():
     check(exposure_checks.all_checks(frames, edges, expected))
     check(motion_checks.all_checks(edges, MotionLimits()))
     return f"{held} of {layers} masks with supports"
+
+
+def _underside_mm(light, doses_mj_cm2, tops_mm, memory):
+    """Returns the height from which on resin solidifies above a pixel, by a sum over all layers at each micrometre. `light`:
+    the pixel's share of each layer's light."""
+    heights = numpy.arange(0.0005, tops_mm[-1], 0.001)
+    dose, greatest = numpy.zeros(len(heights)), numpy.zeros(len(heights))
+    for share, exposure, top in zip(light, doses_mj_cm2, tops_mm, strict=True):
+        depths = top - heights
+        dose = memory * dose + numpy.where(depths > 0, share * exposure * numpy.exp(-depths / _DEPTH_MM), 0)
+        greatest = numpy.maximum(greatest, dose)
+    return float(heights[greatest >= _CRITICAL_MJ_CM2][0])
+
+
+@vm_test("full")
+def exact_print_of_undersides():
+    """Forty layers of a slab that overhangs a post, undersides by dose, memories of 1 and 0.75: every picture is the dimmed mask
+    of contourctl slice, and the resin that the logged light cures at the logged heights, by a model of the light that shares no
+    code, begins within 15 um of the slab's underside."""
+    layers, worst_um = 40, 0
+    for memory in (1, 0.75):
+        curve = {"penetration_depth_um": _DEPTH_MM * 1000, "critical_energy_mj_cm2": _CRITICAL_MJ_CM2, "overcure_um": 50,
+                 "bottom_overcure_um": 50, "peel_memory": memory}  # fmt: skip
+        resin = {"exposure_ms": None, "bottom_exposure_ms": None, "working_curve": curve, "undersides": "dose",
+                 "bottom_layers": 0, "fade_layers": 0}  # fmt: skip
+        results = _print(ARM64, layers, model=models.table, resin=resin)
+        edges, frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
+        report = json.loads(results.text("spool/done/part.report.json"))
+        with tempfile.TemporaryDirectory() as folder:
+            model, profile = Path(folder, "model.stl"), Path(folder, "resin.json")
+            model.write_bytes(models.binary_stl(models.table(layers * _LAYER_NM / 1e6)))
+            profile.write_text(guests.resin_profile({**_RESIN, **resin}))
+            masks = core_masks.layers_of(model, _LAYER_NM, Path(folder, "masks"), "--resin", profile)
+        expected = [
+            ExpectedLayer(number, number * _LAYER_NM // _STEP_NM, core_masks.xrgb_crc(mask), round(layer["exposure_asked_ms"] * 1e6))
+            for number, (layer, mask) in enumerate(zip(report["layer_records"], masks, strict=True), 1)
+        ]
+        check(exposure_checks.all_checks(frames, edges, expected))
+        irradiance = guests.real_config()["projector"]["irradiance_mw_cm2"]
+        doses = [irradiance * (off - on) / 1e9 for on, off in edges.active(edges.lines.light)]
+        tops = [edges.position_at(picture.start_ns) * _STEP_NM / 1e6 for picture in frames.lit_pictures()]
+        drawn_mm = layers * _LAYER_NM / 1e6 - 1
+        slab = (masks[-1] == 255) & (masks[0] == 0)
+        assert slab.sum() > 10_000, "the slab has no underside"
+        columns = {tuple(int(mask[row, column]) for mask in masks) for row, column in numpy.argwhere(slab)[::97]}
+        for column in columns:
+            underside = _underside_mm([grey / 255 for grey in column], doses, tops, memory)
+            worst_um = max(worst_um, 1000 * abs(underside - drawn_mm), key=abs)
+    assert worst_um <= 15, f"the underside is off by {worst_um:.1f} um"
+    return f"undersides within {worst_um:.1f} um"
 
 
 @vm_test("full")
