@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <stdexcept>
@@ -153,18 +154,20 @@ void StateRecords::make_spares() const {
 
 bool StateRecords::write_over_spare(const std::string& text) const {
   if (text.size() > kSpareBytes) return false;
+  const std::string padded = text + std::string(kSpareBytes - text.size(), ' ');
   for (const char* const name : kSpares) {
     const FileDescriptor spare(::open((folder_ / name).c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW));
     if (!spare.valid()) continue;
-    // The file keeps its blocks until all of the text is in them.
-    const auto size = static_cast<off_t>(text.size());
-    if (::pwrite(spare.get(), text.data(), text.size(), 0) != size || ::ftruncate(spare.get(), size) != 0 ||
+    // The file keeps its blocks, and is a spare again once another one has taken its place. Readers ignore
+    // the padding, a text without its end.
+    if (::pwrite(spare.get(), padded.data(), padded.size(), 0) != static_cast<ssize_t>(padded.size()) ||
         ::fsync(spare.get()) != 0)
       continue;
-    std::error_code code;
-    fs::rename(folder_ / name, folder_ / kEnded, code);
+    const fs::path from = folder_ / name, to = folder_ / kEnded;
+    const bool replaced = ::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_EXCHANGE) == 0 ||
+                          ::rename(from.c_str(), to.c_str()) == 0;
     sync_folder(folder_);
-    return !code;
+    return replaced;
   }
   return false;
 }

@@ -48,7 +48,8 @@ class StateRecords {
   [[nodiscard]] std::vector<std::string> claim() const;
   void keep_claim(const std::vector<std::string>& fields) const;
 
-  // The fields of JobEndRecord. On a full disk they are written over a spare.
+  // The fields of JobEndRecord. On a full disk they are written over a spare, and the record before becomes
+  // one.
   [[nodiscard]] std::vector<std::string> job_ends() const;
   void keep_job_ends(const std::vector<std::string>& fields) const;
   // Makes the spares that do not exist, as far as the disk has room: one for the end of a print, one for the
