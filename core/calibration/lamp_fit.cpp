@@ -20,7 +20,7 @@ constexpr std::size_t kFewestReadings = 9, kFewestLines = 3;
 constexpr double kMostLight = 1e9;
 constexpr double kLeastExtent = 0.6;       // distance of the readings, as a share of the display's side
 constexpr double kMostScatterPercent = 6;  // share of the mean light
-constexpr double kMostUnsurePercent = 5;   // share of the light at a place
+constexpr double kMostUnevenPercent = 5;   // share of the light at a place
 constexpr double kMostTimesDarkest = 5;    // brighter than that, a mask would have few steps
 constexpr int kPlaces = 65;                // along each side, where a surface is looked at
 constexpr double kMaskStepPercent = 100.0 / 255;
@@ -132,11 +132,11 @@ void check_surface(const LampFit& lamp, std::span<const LampReading> readings) {
         "a "
         "mask cannot even it out; check the readings and the projector's optics",
         lamp.brightest.light, lamp.darkest.light, kMostTimesDarkest);
-  if (!(lamp.worst_percent <= kMostUnsurePercent))
+  if (!(lamp.worst_percent <= kMostUnevenPercent))
     refuse(
         "the light at the most uncertain place is known within %.3g %% (one standard deviation), %g %% are "
         "allowed: measure more places, and closer to the edges",
-        lamp.worst_percent, kMostUnsurePercent);
+        lamp.worst_percent, kMostUnevenPercent);
   if (!(lamp.spread_after_percent < lamp.spread_percent))
     refuse(
         "the lamp's light differs by %.3g %%, and with the mask of these readings it might still differ by "

@@ -20,6 +20,7 @@ constexpr float kNone = -1;  // no height above the plate
 // A corner's number: 1 for the next column, 2 for the next row, 4 for the upper plane. An edge joins two
 // corners that differ in one of these, its axis; it has the number of its first corner, and 8 times the axis.
 constexpr std::uint8_t kAxis = 8, kAxes = 3, kCorners = 8;
+constexpr std::size_t kEdges = 24;                     // numbers of edges
 using Loops = std::vector<std::vector<std::uint8_t>>;  // of edges
 
 std::uint8_t edge_between(std::uint8_t a, std::uint8_t b) {
@@ -30,7 +31,7 @@ std::uint8_t edge_between(std::uint8_t a, std::uint8_t b) {
 // Adds the facets' sides on one side of a cell, whose corners run counter-clockwise seen from outside: around
 // each run of solid corners, with the solid to the right.
 void add_sides(std::uint8_t solid, const std::array<std::uint8_t, 4>& corners,
-               std::array<std::uint8_t, kAxis * kAxes>& next) {
+               std::array<std::uint8_t, kEdges>& next) {
   const auto is_solid = [&](std::size_t i) { return ((unsigned{solid} >> corners[i % 4]) & 1U) != 0; };
   for (std::size_t first = 0; first < 4; ++first) {
     if (!is_solid(first) || is_solid(first + 3)) continue;
@@ -45,7 +46,7 @@ void add_sides(std::uint8_t solid, const std::array<std::uint8_t, 4>& corners,
 // Returns the loops of crossed edges around which the facets of a cell with these solid corners lie.
 Loops loops_of(std::uint8_t solid) {
   constexpr std::uint8_t kNoEdge = 0xFF;
-  std::array<std::uint8_t, kAxis * kAxes> next{};
+  std::array<std::uint8_t, kEdges> next{};
   next.fill(kNoEdge);
   for (unsigned axis = 0; axis < kAxes; ++axis) {
     const unsigned along = 1U << axis, right = 1U << ((axis + 1) % kAxes), up = 1U << ((axis + 2) % kAxes);
