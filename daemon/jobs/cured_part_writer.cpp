@@ -1,12 +1,14 @@
 #include "daemon/jobs/cured_part_writer.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <exception>
-#include <fstream>
-#include <iterator>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "daemon/report/job_picture.hpp"
@@ -14,6 +16,7 @@
 #include "daemon/report/print_report_json.hpp"
 #include "daemon/report/printed_light.hpp"
 #include "daemon/system/memory_room.hpp"
+#include "daemon/system/regular_file.hpp"
 
 namespace contourd {
 namespace {
@@ -58,9 +61,19 @@ std::uint64_t most_memory(const ContourEngine& engine, const DisplayGeometry& di
   return per_pixel * window_of(engine.models(), display, 1).pixels();
 }
 
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
+// True if a file still has this text. Throws UnreadableFile; never waits for a writer of the file.
+bool has_text(const std::filesystem::path& path, std::string_view text) {
+  const FileDescriptor file = open_regular_file(path, Links::Follow);
+  std::string found(text.size() + 1, '\0');
+  std::size_t size = 0;
+  while (size < found.size()) {
+    const ssize_t more = ::read(file.get(), found.data() + size, found.size() - size);
+    if (more < 0 && errno == EINTR) continue;
+    if (more <= 0) break;
+    size += static_cast<std::size_t>(more);
+  }
+  found.resize(size);
+  return found == text;
 }
 
 }  // namespace
@@ -100,7 +113,7 @@ void CuredPartWriter::write(const Spool& spool, PrintToCure& print, const std::a
   PrintedPart cured = cure(print, stop, memory_limit);
   if (stop == Stop::Contourd) return;
   const ReportFiles files = spool.reports_of(print.folder, report.job);
-  if (files.json.empty() || text_of(files.json) != filed) return;
+  if (files.json.empty() || !has_text(files.json, filed)) return;
   report.cured = std::move(cured);
   if (!files.html.empty())
     spool.write_beside(print.folder, report.job, "report.html", report_as_html(report));
@@ -145,7 +158,9 @@ PrintedPart CuredPartWriter::cure(PrintToCure& print, const std::atomic<Stop>& s
 
 std::optional<PrintedPart> part_to_come(const PrintReport& report) {
   if (!report.summary.resin.cure || report.layers.empty()) return std::nullopt;
-  return PrintedPart{{}, "contourd computes it after the report, and has not finished"};
+  return PrintedPart{{},
+                     "contourd computes it after the report, and has not finished; contourctl cure --report "
+                     "computes it, too"};
 }
 
 }  // namespace contourd
