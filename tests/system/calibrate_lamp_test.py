@@ -148,7 +148,7 @@ class Lamp(CalibrationTest):
         self.assertLess(max(abs(a - b) for old, new in zip(mask.rows, again.rows) for a, b in zip(old, new)), 4)
 
     def test_a_photo_gives_the_readings(self):
-        self.well(self.ctl("calibrate", "lamp", "--photo", "--seconds", "0.01", "--confirm", "--in-resin"), "white picture: 0.01 s", "--corners ?,?,?,?,?,?,?,?")
+        self.well(self.ctl("calibrate", "lamp", "--photo", "--seconds", "0.01", "--confirm", "--in-resin"), "white picture: 0.01 s", "\n\nUse a raw photo", "--corners ?,?,?,?,?,?,?,?")
         picture = self.shown()
         noise = random.Random(4)
         # The picture is 400 x 225 pixels in the photo, which was taken upside down.
@@ -184,7 +184,7 @@ class Lamp(CalibrationTest):
     def test_the_command_has_the_readings_that_were_typed_and_a_question_mark_for_others(self):
         answers = iter("31.5 32 33 34 x nan -1".split() + [""] + "36 37 38 39".split())
         self.assertEqual(self.measure(lambda field: next(answers), "--grid", "3x3"), "31.5 32 33 34 ? 36 37 38 39".split())
-        output = self.well(self.ctl("calibrate", "lamp", "--seconds", "0.01", "--confirm", "--in-resin"), "field 15 of 15, column 5, row 3: 15.1 mm to the right, 8.1 mm down")
+        output = self.well(self.ctl("calibrate", "lamp", "--seconds", "0.01", "--confirm", "--in-resin"), "field 15 of 15, column 5, row 3: 15.1 mm to the right, 8.1 mm down", "\n\nThen type the readings")
         self.assertIn("--grid 5x3" + " ?" * 15, " ".join(output.split()))
 
     def test_what_does_not_determine_the_light_is_refused_and_nothing_is_written(self):

@@ -60,7 +60,7 @@ class CalibrationTest(FolderTest):
 
     def measured_curve(self, daemon, seed=1):
         owner = Owner(seed)
-        output = self.well(self.run_ctl(daemon, "calibrate", "curve", "standard", "--confirm", "--in-resin"))
+        output = self.well(self.run_ctl(daemon, "calibrate", "curve", "standard", "--confirm", "--in-resin"), "\n\nWait a minute, pour the resin off")
         return [f"{dose:g}={owner.thickness_um(dose):.1f}" for dose in self.given(output)]
 
 

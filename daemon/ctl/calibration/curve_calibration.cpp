@@ -146,9 +146,10 @@ class WindowPrint {
       fmt::print("{:>6} {:>12.4g}\n", i + 1, given[i]);
       values += fmt::format(" {:.4g}=?", given[i]);
     }
+    fmt::print("\n");
     const Dialog dialog;
     dialog.say(
-        "\nWait a minute, pour the resin off, peel the windows off the film and wipe them; do not wash "
+        "Wait a minute, pour the resin off, peel the windows off the film and wipe them; do not wash "
         "or cure them. Measure the thickness of each with a micrometer that presses little, three "
         "times. Then type the mean in um instead of each question mark, and leave out windows that "
         "did not cure or tore:");

@@ -102,9 +102,10 @@ class LampPrint {
       if (const int code = shine(client_, picture, {seconds_, args_.in_resin}); code != kOk) return code;
       readings += fmt::format(" {}", asks() ? ask_reading() : kNotMeasured);
     }
+    fmt::print("\n");
     const Dialog dialog;
     dialog.say(
-        "\nThen type the readings instead of the question marks; leave those of fields that were not "
+        "Then type the readings instead of the question marks; leave those of fields that were not "
         "measured:");
     fmt::print("\ncontourctl fit lamp --printer {} --grid {}{}\n", printable(args_.printer.string()),
                printable(args_.grid), readings);
@@ -122,9 +123,10 @@ class LampPrint {
     std::fflush(stdout);
     const Mask picture = draw_lamp_photo(printer_.display_width, printer_.display_height);
     if (const int code = shine(client_, picture, {seconds_, args_.in_resin}); code != kOk) return code;
+    fmt::print("\n");
     const Dialog dialog;
     dialog.say(
-        "\nUse a raw photo that is not overexposed, converted into a PNG file of 16 bits in proportion to "
+        "Use a raw photo that is not overexposed, converted into a PNG file of 16 bits in proportion to "
         "the "
         "light (--encoding linear). A JPEG file, converted into PNG, has its camera's own curve, which "
         "--encoding "
