@@ -258,6 +258,9 @@ class CuredPart(FolderTest):
         found = self.recorded(report, self.BRIDGE, "part-plain-1", "--stl", self.path("cured.stl"))
         self.assertAlmostEqual(found["missing_mm3"], found["model_mm3"] - 2 * 4 * 1.5, delta=0.1)
         self.assertAlmostEqual(max(corner[2] for facet in facets_of(self.path("cured.stl")) for corner in facet), 1.5, delta=0.01)
+        one = self.write("one.json", json.dumps(report | {"layer_records": report["layer_records"][:1]}).encode())
+        result = contourctl("cure", self.path("model.stl"), "--resin", self.path("resins", "part-plain-1.json"), "--report", one, expect=OK)
+        self.assert_words(result.stdout.decode(), "part-plain-1, done, 1 layer with light\n")
 
     def reported(self, job, folder="done"):
         """Returns the cured part in a job's report, once it is computed."""

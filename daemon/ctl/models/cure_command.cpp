@@ -88,8 +88,8 @@ void print_text(const PrintSubject& subject, const std::optional<RecordedPrint>&
   const CureSettings cure = cure_of(*subject.resin);
   fmt::print("layers        {}\n", layers_text(subject.layers));
   if (recorded)
-    fmt::print("print         {}, {}, {} layers with light\n", printable(recorded->job),
-               printable(recorded->outcome), recorded->light.layers.size());
+    fmt::print("print         {}, {}, {} with light\n", printable(recorded->job),
+               printable(recorded->outcome), count_of(recorded->light.layers.size(), "layer", "layers"));
   fmt::print("resin         {}: Dp {:.4g} um, Ec {:.4g} mJ/cm², memory {:.3g}\n",
              printable(subject.resin->name), cure.curve.penetration_depth.count(),
              cure.curve.critical_dose.count(), cure.peel_memory);
