@@ -108,10 +108,12 @@ std::string histogram(const char* name, const SurfaceDistances& distances) {
   const double step = (kBarsWidth - kBarsLeft - kBarsRight) / static_cast<double>(bins.places.size());
   const double base = kBarsHeight - kBarsBottom, full = base - kBarsTop;
   std::string svg = fmt::format(
-      "<h2>{0}, um off</h2>\n<svg class=\"bars\" viewBox=\"0 0 {1} {2}\" role=\"img\" aria-label=\"{0} by "
+      "<h2>{0}, places by distance, um</h2>\n<svg class=\"bars\" viewBox=\"0 0 {1} {2}\" role=\"img\" "
+      "aria-label=\"{0} by "
       "their "
       "distance, um\">\n<line class=\"grid\" x1=\"{3}\" x2=\"{4}\" y1=\"{5}\" y2=\"{5}\"/>"
-      "<text x=\"{6}\" y=\"{7}\" text-anchor=\"end\">{8}</text>\n",
+      "<text x=\"{6}\" y=\"{7}\" text-anchor=\"end\">{8}</text>"
+      "<text x=\"{6}\" y=\"{5}\" text-anchor=\"end\">0</text>\n",
       name, kBarsWidth, kBarsHeight, kBarsLeft, kBarsWidth - kBarsRight, base, kBarsLeft - 8, kBarsTop + 8,
       most);
   const std::size_t labels = (bins.places.size() + 6) / 7;  // about seven

@@ -13,7 +13,7 @@ namespace contourd {
 inline constexpr std::string_view kCuredPartStyle = R"(
 .cured { display: block; max-height: 32rem; background: #fff; border-radius: 4px; box-shadow: 0 0 0 1px var(--line); }
 .cured .solid { fill: #aab2bd; } .cured .much, .swatch.much { fill: #d33f30; background: #d33f30; } .cured .lacks, .swatch.lacks { fill: #2673ad; background: #2673ad; }
-.swatch.solid { background: #aab2bd; } .cured rect { fill: none; stroke: #000; stroke-width: 1.5; vector-effect: non-scaling-stroke; }
+.cured-figures th { white-space: nowrap; } .swatch.solid { background: #aab2bd; } .cured rect { fill: none; stroke: #000; stroke-width: 1.5; vector-effect: non-scaling-stroke; }
 .bars rect { fill: var(--accent); } .sections { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 22rem), 1fr)); gap: 1rem; }
 )";
 

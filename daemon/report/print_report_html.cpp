@@ -330,7 +330,7 @@ std::string cured_part_section(const PrintReport& report) {
   const CuredPart& part = *report.cured->part;
   html +=
       "<p>By the light that the layers really had, this is the part that you should have in your hand: its "
-      "distance from the model, positive where it is too large.</p>\n<table>\n";
+      "distance from the model, positive where it is too large.</p>\n<table class=\"cured-figures\">\n";
   for (const CureLine& line : cured_part_lines(part))
     html += table_row(line.name, line.text);
   for (const std::string& warning : cured_part_warnings(part, report.summary.resin.peel_memory_measured))

@@ -99,7 +99,8 @@ class Lamp(CalibrationTest):
         self.assert_unchanged()
 
         self.well(self.ctl(*command, "--html", self.path("lamp.html")))
-        self.assert_page(self.path("lamp.html"), 15, "display/uniformity_mask", "data:image/png;base64,")
+        self.assert_page(self.path("lamp.html"), 15, "<th>figure</th><th>value</th><th>+-</th><th>now</th>", "display/uniformity_mask", "data:image/png;base64,",
+                         ".shot circle { fill: #fff; stroke: #000;")
         output = self.well(self.ctl(*command, "--lamp-hours", "120", "--accept"), "Written to ", "multiply exposure_ms and bottom_exposure_ms by", "profiles with fixed exposures: standard")
         expected = float(re.search(r"expected to differ by less than ([0-9.]+) %", output)[1])
         config = self.config()

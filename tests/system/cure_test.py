@@ -187,6 +187,7 @@ class Page(CureTest):
         for printer in ([], ["--display", "300x200"]):
             found, page = self.page(BRIDGE, "--resin", self.resin(peel_memory=1), *printer)
             self.assertIn("<td>median +239 um", page)
+            self.assertIn("<h2>Undersides, places by distance, um</h2>", page)
             for ring in ("worst underside: +239 um", "worst top:", "worst wall:"):
                 self.assertIn(ring, page)
             cured, model, both = self.areas(page)

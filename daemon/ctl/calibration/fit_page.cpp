@@ -8,10 +8,12 @@ namespace contourd::ctl {
 namespace {
 
 constexpr const char* kFitStyle =
-    ".figures td, .figures th { font-variant-numeric: tabular-nums; } .shot { max-width: 44rem; }\n";
+    ".figures td, .figures th { font-variant-numeric: tabular-nums; } .shot { max-width: 44rem; }\n"
+    ".shot circle { fill: #fff; stroke: #000; stroke-width: 1.5; }\n";
 
 std::string values_table(const FitResult& result, const nlohmann::ordered_json& before) {
-  std::string table = "<table class=\"figures\">\n<tr><th>value</th><th></th><th>+-</th><th>now</th></tr>\n";
+  std::string table =
+      "<table class=\"figures\">\n<tr><th>figure</th><th>value</th><th>+-</th><th>now</th></tr>\n";
   for (const CalibratedValue& each : result.values)
     table +=
         fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", escaped(each.key.substr(1)),

@@ -16,7 +16,7 @@ constexpr std::string_view kCurePageStyle = R"(
 body { max-width: 74rem; }
 .plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr)); gap: 0 2.5rem; }
 .plots svg text { font-size: 19px; } .part { width: min(100%, 34rem); margin-top: 1rem; }
-.top th { white-space: nowrap; } .shot .ring.closed { stroke: #4db8ff; }
+.shot .ring.closed { stroke: #4db8ff; }
 )";
 
 std::string ring(const Preview& drawing, const char* kind, const CurePlace& place, const std::string& title) {
@@ -49,15 +49,16 @@ std::string marked_picture(const PrintSubject& subject, const CureFigures& found
 std::string cure_page(const std::string& name, const PrintSubject& subject, const CuredPart& part,
                       const std::vector<std::string>& warnings) {
   std::string rows =
-      table_row("Layers", layers_text(subject.layers)) + table_row("Resin", subject.resin.value().name);
+      table_row("layers", layers_text(subject.layers)) + table_row("resin", subject.resin.value().name);
   for (const CureLine& line : cured_part_lines(part))
     rows += table_row(line.name, line.text);
   for (const std::string& warning : warnings)
     rows += table_row("warning", warning);
   return page_start(escaped(name) + ": cured part",
                     std::string(kCuredPartStyle) + std::string(kCurePageStyle)) +
-         fmt::format("<h1>{}</h1>\n<div class=\"top\">\n{}<table>\n{}</table>\n</div>\n", escaped(name),
-                     marked_picture(subject, part.figures), rows) +
+         fmt::format(
+             "<h1>{}</h1>\n<div class=\"top\">\n{}<table class=\"cured-figures\">\n{}</table>\n</div>\n",
+             escaped(name), marked_picture(subject, part.figures), rows) +
          cured_section(part.figures.section) + "<div class=\"plots\">\n" + distance_plots(part.figures) +
          "</div>\n</html>\n";
 }
