@@ -52,7 +52,8 @@ class Cells {
   std::vector<std::uint8_t> lit_;
 };
 
-// Returns the radius of the largest circle of lit cells, in cells. The distances are those of Borgefors's
+// Returns the radius of the largest circle of lit cells, in cells. Its middle is the middle of a cell, or a
+// corner of four cells where an even number of them lies side by side. The distances are those of Borgefors's
 // 3-4 chamfer (1986), within 6 percent of the Euclidean ones.
 double widest_radius(const Cells& cells) {
   constexpr int kStraight = 3, kDiagonal = 4;
@@ -61,7 +62,6 @@ double widest_radius(const Cells& cells) {
   const auto nearer = [&](std::size_t cell, std::size_t from, int step) {
     distance[cell] = static_cast<std::uint16_t>(std::min<int>(distance[cell], distance[from] + step));
   };
-  std::uint16_t widest = 0;
   for (std::size_t cell = columns + 1; cell + columns + 1 < cells.size(); ++cell) {
     if (!cells.is_lit(cell)) continue;
     distance[cell] = 0xffff;
@@ -70,19 +70,25 @@ double widest_radius(const Cells& cells) {
     nearer(cell, cell - columns - 1, kDiagonal);
     nearer(cell, cell - columns + 1, kDiagonal);
   }
+  double widest = 0;
   for (std::size_t cell = cells.size() - columns - 1; cell-- > columns + 1;) {
     if (!cells.is_lit(cell)) continue;
     nearer(cell, cell + 1, kStraight);
     nearer(cell, cell + columns, kStraight);
     nearer(cell, cell + columns + 1, kDiagonal);
     nearer(cell, cell + columns - 1, kDiagonal);
-    widest = std::max(widest, distance[cell]);
+    const std::uint16_t corner = std::min(
+        {distance[cell], distance[cell + 1], distance[cell + columns], distance[cell + columns + 1]});
+    // The middle of the last dark cell is half a cell beyond the rim, and that of a lit cell beside a corner
+    // half a cell nearer to the rim.
+    widest = std::max({widest, distance[cell] / double{kStraight} - 0.5, corner / double{kStraight}});
   }
-  // The middle of the last dark cell is half a cell beyond the rim.
-  return widest == 0 ? 0 : static_cast<double>(widest) / kStraight - 0.5;
+  return widest;
 }
 
-// Returns the sum of C^2 / P of all dark areas that lit ones enclose, in cells.
+// Returns the sum of C^2 / P of all dark areas that lit ones enclose, in cells. The rim's sides are stairs,
+// too long by up to 41 percent, and its cells as much too few: a third of the sides and two thirds of the
+// cells are its length to 6 percent, as by the 3-4 chamfer.
 double enclosed_areas(const Cells& cells) {
   const auto columns = static_cast<std::size_t>(cells.columns());
   std::vector<std::uint8_t> seen(cells.size());
@@ -90,10 +96,10 @@ double enclosed_areas(const Cells& cells) {
   double sum = 0;
   for (std::size_t first = 0; first < cells.size(); ++first) {
     if (seen[first] != 0 || cells.is_lit(first)) continue;
-    double area = 0, rim = 0;
+    double area = 0, sides = 0, rim_cells = 0;
     const auto visit = [&](std::size_t cell) {
       if (cells.is_lit(cell)) {
-        ++rim;
+        ++sides;
       } else if (seen[cell] == 0) {
         seen[cell] = 1;
         open.push_back(cell);
@@ -104,12 +110,14 @@ double enclosed_areas(const Cells& cells) {
       const std::size_t cell = open.back();
       open.pop_back();
       ++area;
+      const double sides_before = sides;
       if (cell % columns > 0) visit(cell - 1);
       if (cell % columns + 1 < columns) visit(cell + 1);
       if (cell >= columns) visit(cell - columns);
       if (cell + columns < cells.size()) visit(cell + columns);
+      if (sides > sides_before) ++rim_cells;
     }
-    if (first > 0) sum += area * area / rim;  // the first cell belongs to the outside
+    if (first > 0) sum += area * area * 3 / (sides + 2 * rim_cells);  // the first cell belongs to the outside
   }
   return sum;
 }

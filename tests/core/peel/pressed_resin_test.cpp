@@ -57,6 +57,33 @@ TEST_CASE("A long strip presses out resin as two parallel plates do") {
         Approx(4 * width * length * std::pow(width / 2, 2)).epsilon(0.15));  // its ends, and half a cell
 }
 
+TEST_CASE("Narrow strips count by their width, whether it is an even or an odd number of cells") {
+  const double length = 40;
+  for (int cells = 2; cells <= 10; ++cells) {
+    CAPTURE(cells);
+    // The middle of the mask is that of a cell.
+    const double width = 0.2 * cells, middle = cells % 2 == 0 ? 0.1 : 0;
+    CHECK(shape_of([&](double x, double y) {
+            return std::abs(x) < length / 2 && std::abs(y - middle) < width / 2;
+          }) == Approx(4 * width * length * std::pow(width / 2, 2)).epsilon(0.05));
+  }
+}
+
+TEST_CASE("The rims of enclosed areas count by their length in all directions") {
+  // Walls of 2 mm; in the corners of those around squares, a circle of a radius of 1.17 mm has room.
+  const auto within_walls = [&](const std::function<double(double x, double y)>& distance) {
+    return shape_of([&](double x, double y) { return 18 < distance(x, y) && distance(x, y) < 20; });
+  };
+  const double circle = within_walls([](double x, double y) { return std::hypot(x, y); });
+  const double rim = 36 * std::numbers::pi;
+  CHECK(circle == Approx(24 * 1 * std::pow(rim * 18 / 2, 2) / rim).epsilon(0.1));
+  const double square = within_walls([](double x, double y) { return std::max(std::abs(x), std::abs(y)); });
+  CHECK(square == Approx(24 * 1.17 * std::pow(36, 4) / (4 * 36)).epsilon(0.1));
+  const double turned =
+      within_walls([](double x, double y) { return 4 + (std::abs(x) + std::abs(y)) / std::numbers::sqrt2; });
+  CHECK(turned == Approx(24 * 1.17 * std::pow(28, 4) / (4 * 28)).epsilon(0.1));
+}
+
 TEST_CASE("Walls count by their width, and the area that they enclose by the gap below them") {
   const auto is_in_box = [](double x, double y, double half) {
     return std::max(std::abs(x), std::abs(y)) < half;
