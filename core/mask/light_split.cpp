@@ -17,7 +17,8 @@ constexpr std::size_t kMostSteps = 50;
 static_assert(1.0 / (2 * kMostSteps) <= LightSplit::kExactness);
 // With these steps, a few shares are exact in few pictures if they are far enough apart.
 constexpr std::size_t kFinestSteps = 255;
-constexpr double kRounding = 1e-12;
+// A refresh lasts whole nanoseconds, which its share of an exposure shows.
+constexpr double kRounding = 1e-6;
 
 using Eight = std::uint64_t;
 constexpr Eight kWhite = ~Eight{0};
@@ -128,7 +129,7 @@ bool LightSplit::list_begins(const Division& division, const Values& values, dou
   begins.assign(1, 0);
   for (std::size_t step = 1; step < steps; ++step)
     if (changes(step)) begins.push_back(step);
-  const double least_steps = shortest * static_cast<double>(steps) - kRounding;
+  const double least_steps = shortest * static_cast<double>(steps) * (1 - kRounding);
   for (std::size_t i = 0; i < begins.size() && begins.size() > 1; ++i) {
     const std::size_t end = i + 1 < begins.size() ? begins[i + 1] : steps;
     if (static_cast<double>(end - begins[i]) < least_steps) return false;

@@ -95,6 +95,19 @@ TEST_CASE("An exposure of fewer refreshes than its pictures need has fewer pictu
   CHECK(split.pictures() == 1);
 }
 
+TEST_CASE("An exposure of a few times three refreshes has as many pictures, whatever the refresh rate") {
+  SplitExposure split({1, 1}, Pixels{4}, Pixels{1});
+  const Mask light = quarters();
+  for (const double refresh_hz : {24.0, 30.0, 50.0, 59.94, 60.0, 75.0, 120.0, 144.0, 165.0, 240.0}) {
+    CAPTURE(refresh_hz);
+    const Duration frame{std::llround(1e9 / refresh_hz)}, exposure{std::llround(12e9 / refresh_hz)};
+    split.begin(light, {exposure, 0ms, frame});
+    CHECK(split.pictures() == 4);
+    split.begin(light, {exposure - 100us, 0ms, frame});
+    CHECK(split.pictures() == 3);
+  }
+}
+
 TEST_CASE("A mask without grey is one picture, which nothing follows") {
   SplitExposure split({1, 1}, Pixels{4}, Pixels{1});
   Mask light(Pixels{4}, Pixels{1});
