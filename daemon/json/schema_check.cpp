@@ -37,14 +37,16 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 // Returns ` mm` for ".../travel_mm", from the pointer's last key that ends in a unit; empty if there is none.
 std::string unit_of(std::string_view pointer) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 15> kUnits{{
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 17> kUnits{{
       // Longer endings first: mm/s before s.
+      {"_mpa_s", "mPa s"},
       {"_mw_cm2", "mW/cm²"},
       {"_mj_cm2", "mJ/cm²"},
       {"_per_mm", "per mm"},
       {"_mm_s2", "mm/s2"},
       {"_mm_s3", "mm/s3"},
       {"_mm_s", "mm/s"},
+      {"_n_mm", "N/mm"},
       {"_deg", "degrees"},
       {"_mm", "mm"},
       {"_um", "um"},

@@ -203,6 +203,31 @@ TEST_CASE("every property of every schema has a description, its unit and limits
   }
 }
 
+TEST_CASE("a complaint about a number has the unit of its description") {
+  int units = 0;
+  for (const auto schema : kAllSchemas) {
+    each_property(schema().root(), "", [&units](const std::string& place, const SchemaNode& property) {
+      if (!property.followed().maximum) return;
+      const std::string key = place.substr(place.rfind('/') + 1);
+      json alone = {{"type", "object"}, {"additionalProperties", false}};
+      alone["properties"][key] = {{"description", "A number."}, {"type", "number"}, {"maximum", 1}};
+      JsonDocument document = JsonDocument::from_text(json{{key, 2}}.dump(), "test.json");
+      JsonSchema(alone.dump()).check(document);
+      const std::string complaint = complaints_of([&] { document.throw_if_violated(); }).at(0);
+      const std::string limit = ": 2 is more than the limit, 1";
+      const std::string unit = complaint.substr(complaint.find(limit) + limit.size());
+      if (unit.empty() || unit == " px" || unit == " per mm") return;  // descriptions name these otherwise
+      ++units;
+      INFO(complaint);
+      const std::string description = property.description_here() + ".";
+      CHECK(std::ranges::any_of(std::string_view(".,;: "), [&](char after) {
+        return description.find("in" + unit + after) != std::string::npos;
+      }));
+    });
+  }
+  CHECK(units > 50);
+}
+
 TEST_CASE("every default in a schema satisfies that schema") {
   for (const auto schema : kAllSchemas) {
     each_property(schema().root(), "", [](const std::string& place, const SchemaNode& property) {
