@@ -93,12 +93,14 @@ void check_slow_retract(JsonDocument& document) {
 
 // Checks the speeds of the slow stages. The fast ones only save time: an axis moves no faster than it can.
 void check_speeds(JsonDocument& document, const ResinMachine& machine) {
-  for (const char* key : {"/lift_speed_mm_s", "/slow_retract_speed_mm_s"}) {
+  const auto check = [&](const char* key) {
     const auto speed = document.valid_number(key);
-    if (!speed || !machine.top_speed || *speed <= machine.top_speed->count()) continue;
+    if (!speed || !machine.top_speed || *speed <= machine.top_speed->count()) return;
     document.add_violation(key, decimal(*speed) + " is more than the printer's top speed, " +
                                     decimal(machine.top_speed->count()) + " mm/s");
-  }
+  };
+  check("/lift_speed_mm_s");
+  if (document.valid_number("/slow_retract_mm").value_or(0) > 0) check("/slow_retract_speed_mm_s");
 }
 
 void check_ticket_limits(JsonDocument& document, const ResinMachine& machine) {

@@ -262,6 +262,11 @@ TEST_CASE("no speed exceeds the top speed, not even the resin's, apart from thos
   CHECK(printer.complaints() ==
         Complaints{"/lift_speed_mm_s: 8 is more than the printer's top speed, 5 mm/s",
                    "/slow_retract_speed_mm_s: 5.5 is more than the printer's top speed, 5 mm/s"});
+  // No plate comes down at this speed.
+  resin["lift_speed_mm_s"] = 1;
+  resin["slow_retract_mm"] = 0;
+  printer.write("resins/standard.json", resin);
+  CHECK(printer.complaints().empty());
 }
 
 TEST_CASE(
