@@ -37,7 +37,7 @@ Duration print_duration(const PrintPlan& plan, const PrinterConfig& printer) {
   // For its first layer, the plate comes from the height after homing, not from a lift.
   const Duration approach = lowering_duration(plan.motion, plan.home_height - plan.expected_layers.front(),
                                               plan.travel_speed, move) -
-                            lowering_duration(plan.motion, move);
+                            lowering_duration(plan.motion, plan.expected_layers.front(), move);
   return plan.warm_up + homing_duration(plan, printer.travel, move) + approach +
          std::accumulate(layers.begin(), layers.end(), Duration{0}) + move(to_park, plan.travel_speed);
 }

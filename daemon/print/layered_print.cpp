@@ -558,7 +558,7 @@ Duration LayeredPrint::parking_duration(Nanometers from) const {
 Duration LayeredPrint::lowering_duration() const {
   const LayerMotion& motion = plan_->motion;
   const auto move = moves_of(machine_.z_axis());
-  if (layer_ > 0) return contourd::lowering_duration(motion, move);
+  if (layer_ > 0) return contourd::lowering_duration(motion, thickness_, move);
   return contourd::lowering_duration(motion, plan_->home_height - layer_top(), plan_->travel_speed, move);
 }
 

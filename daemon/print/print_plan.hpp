@@ -86,9 +86,11 @@ template <typename MoveDuration>
   if (slow == Nanometers{}) return first;
   return first + move_duration(-slow, motion.slow_retract_speed);
 }
+// Returns the duration of the move from a lift down to the next layer, of this thickness.
 template <typename MoveDuration>
-[[nodiscard]] Duration lowering_duration(const LayerMotion& motion, const MoveDuration& move_duration) {
-  return lowering_duration(motion, motion.whole_lift(), motion.retract_speed, move_duration);
+[[nodiscard]] Duration lowering_duration(const LayerMotion& motion, Nanometers thickness,
+                                         const MoveDuration& move_duration) {
+  return lowering_duration(motion, motion.whole_lift() - thickness, motion.retract_speed, move_duration);
 }
 
 // Returns the duration of an expected layer, exposure, peel, the move back down and the waits, on an axis
@@ -97,9 +99,9 @@ template <typename MoveDuration>
 [[nodiscard]] Duration layer_duration(const PrintPlan& plan, std::int32_t layer,
                                       const MoveDuration& move_duration) requires
     std::is_invocable_r_v<Duration, MoveDuration, Nanometers, MillimetersPerSecond> {
-  return plan.exposure(layer, plan.expected_layers[static_cast<std::size_t>(layer)]) +
-         expected_settling(plan, layer) + plan.motion.after_light() +
-         lift_duration(plan.motion, move_duration) + lowering_duration(plan.motion, move_duration);
+  const Nanometers thickness = plan.expected_layers[static_cast<std::size_t>(layer)];
+  return plan.exposure(layer, thickness) + expected_settling(plan, layer) + plan.motion.after_light() +
+         lift_duration(plan.motion, move_duration) + lowering_duration(plan.motion, thickness, move_duration);
 }
 
 // Returns the function that computes the duration of a move of this axis.
