@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <exception>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -30,6 +32,11 @@ constexpr std::chrono::seconds kLongestCuredMask{5};
 constexpr std::uint64_t kMemoryLeft = 100'000'000;
 // Bytes for each pixel of the models' box: doses, and lines through models and part.
 constexpr std::uint64_t kBytesPerPixel = 100;
+// Bytes for each crossing of a line with a surface: the crossing, its stretch, the distance there, and the
+// room that growing arrays leave unused.
+constexpr std::uint64_t kBytesPerCrossing = 60;
+// More crossings take many seconds to sort, in which the computation cannot be stopped.
+constexpr std::uint64_t kMostCrossings = 20'000'000;
 
 // Watches the limits of a computation.
 class CureLimits {
@@ -52,13 +59,38 @@ class CureLimits {
   SteadyClock::time_point end_ = SteadyClock::now() + kLongestCuring;
 };
 
+// Returns about how many crossings with the models' surfaces CureComparison finds: of vertical lines through
+// all pixels, and of lines along rows and columns of pixels.
+std::uint64_t crossings_of(std::span<const PlateModel> models, double pixel_mm) {
+  double crossings = 0;
+  for (const PlateModel& model : models) {
+    const Bounds& bounds = model.model->bounds();
+    const double height_mm = static_cast<double>(bounds.max_z) - static_cast<double>(bounds.min_z);
+    const double beside_mm2 = pixel_mm * height_mm / CureComparison::kWallLayers;
+    double of_copy = 0;
+    for (const Facet& facet : model.model->facets()) {
+      const Vertex &a = facet.vertices[0], &b = facet.vertices[1], &c = facet.vertices[2];
+      // The facet's area as seen from above, and along x and y.
+      const auto area = [&](float Vertex::*u, float Vertex::*v) {
+        return std::abs(static_cast<double>(b.*u - a.*u) * static_cast<double>(c.*v - a.*v) -
+                        static_cast<double>(b.*v - a.*v) * static_cast<double>(c.*u - a.*u)) /
+               2;
+      };
+      of_copy += area(&Vertex::x, &Vertex::y) / (pixel_mm * pixel_mm) +
+                 (area(&Vertex::y, &Vertex::z) + area(&Vertex::x, &Vertex::z)) / beside_mm2;
+    }
+    crossings += of_copy * static_cast<double>(model.copies.size());
+  }
+  return static_cast<std::uint64_t>(std::min(crossings, 1e15));
+}
+
 std::uint64_t most_memory(const ContourEngine& engine, const DisplayGeometry& display,
-                          const ResinProfile& resin, std::size_t layers) {
+                          const ResinProfile& resin, std::size_t layers, std::uint64_t crossings) {
   const bool remembers_all = resin.cure->peel_memory == 1 && resin.cure->oxygen_dose.count() == 0;
   constexpr std::size_t kMostLayers = 400;  // whose light reaches a layer
   const std::uint64_t per_pixel =
       kBytesPerPixel + (remembers_all ? 0 : sizeof(std::uint16_t) * std::min(layers, kMostLayers));
-  return per_pixel * window_of(engine.models(), display, 1).pixels();
+  return per_pixel * window_of(engine.models(), display, 1).pixels() + kBytesPerCrossing * crossings;
 }
 
 // True if a file still has this text. Throws UnreadableFile; never waits for a writer of the file.
@@ -128,9 +160,15 @@ PrintedPart CuredPartWriter::cure(PrintToCure& print, const std::atomic<Stop>& s
   ContourEngine& engine = *print.engine;
   const DisplayGeometry display =
       display_of(engine.models(), engine.coverage().width(), engine.coverage().height());
+  const std::uint64_t crossings = crossings_of(engine.models(), to_millimeters(display.pixel_pitch).count());
+  if (crossings > kMostCrossings)
+    return {{},
+            fmt::format("its surface is too large: {} million places would be compared, at most {} million "
+                        "are; contourctl cure --report has no such limit",
+                        crossings / 1'000'000, kMostCrossings / 1'000'000)};
   const CureLimits limits(memory_limit);
   std::string why_not =
-      limits.exceeded(most_memory(engine, display, report.summary.resin, light->layers.size()));
+      limits.exceeded(most_memory(engine, display, report.summary.resin, light->layers.size(), crossings));
   if (!why_not.empty()) return {{}, why_not};
   try {
     PrintCure cure(engine, display,

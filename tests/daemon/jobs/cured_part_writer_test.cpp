@@ -29,7 +29,7 @@ constexpr Nanometers kCuredLayer{50'000};
 // A spool with the report of a printed box of 3 x 2 x 0.5 mm in done/.
 class CuredPartFixture {
  public:
-  [[nodiscard]] std::shared_ptr<PrintToCure> printed(int first_layer = 0) const {
+  [[nodiscard]] std::shared_ptr<PrintToCure> printed(int first_layer = 0, std::size_t copies = 1) const {
     auto print = std::make_shared<PrintToCure>();
     PrintReport& report = print->report;
     report.job = "part";
@@ -50,7 +50,8 @@ class CuredPartFixture {
     }
     const StandingModel box{std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {3, 2, 0.5F})), {}};
     print->engine = std::make_unique<ContourEngine>(
-        std::vector{PlateModel{box, {PixelMap::true_scale(testing::kSmallDisplay, {1.5, 1})}}},
+        std::vector{PlateModel{
+            box, std::vector<PixelMap>(copies, PixelMap::true_scale(testing::kSmallDisplay, {1.5, 1}))}},
         EngineSettings{.display = testing::kSmallDisplay});
     report.cured = part_to_come(report);
     spool.write_beside(Spool::Folder::Done, "part", "report.json", report_as_json(report));
@@ -104,6 +105,14 @@ TEST_CASE_METHOD(CuredPartFixture, "A report says why the cured part was not com
     compute(printed(), 1'000'000);
     CHECK(why().starts_with("this needs more memory than there is"));
     CHECK(text("part.report.html").find("Not computed: this needs more memory") != std::string::npos);
+  }
+  SECTION("too little memory for the crossings of its surface") {
+    compute(printed(0, 1'700), 1'000'000'000);
+    CHECK(why().starts_with("this needs more memory than there is"));
+  }
+  SECTION("a surface that takes long to sort") {
+    compute(printed(0, 100'000));
+    CHECK(why().starts_with("its surface is too large: "));
   }
   SECTION("a record that begins in the middle") {
     compute(printed(3));
