@@ -21,9 +21,10 @@ constexpr std::int32_t kWallReach = 20;  // pixels in which the part's wall is l
 constexpr float kNotMeasured = 1e-3F;    // steepness of supports' surfaces
 
 std::vector<RayCrossing> all_crossings(std::span<const PlateModel> models,
-                                       std::span<const PlateModel> supports, const Rays& rays) {
-  std::vector<RayCrossing> crossings = cross_surface(models, rays);
-  for (RayCrossing crossing : cross_surface(supports, rays)) {
+                                       std::span<const PlateModel> supports, const Rays& rays,
+                                       StopCheck& check) {
+  std::vector<RayCrossing> crossings = cross_surface(models, rays, check);
+  for (RayCrossing crossing : cross_surface(supports, rays, check)) {
     crossing.steepness = std::copysign(kNotMeasured, crossing.steepness);
     crossings.push_back(crossing);
   }
@@ -31,8 +32,9 @@ std::vector<RayCrossing> all_crossings(std::span<const PlateModel> models,
 }
 
 std::vector<RayStretch> vertical_stretches(std::span<const PlateModel> models,
-                                           std::span<const PlateModel> supports, const PixelWindow& window) {
-  return stretches_within(all_crossings(models, supports, {RayAxis::Z, window, {}}));
+                                           std::span<const PlateModel> supports, const PixelWindow& window,
+                                           StopCheck& check) {
+  return stretches_within(all_crossings(models, supports, {RayAxis::Z, window, {}}, check), check);
 }
 
 // Returns numbers of layers at equal distances, rising.
@@ -48,12 +50,13 @@ std::vector<std::size_t> sample(std::size_t layers, std::size_t most) {
 
 CureComparison::CureComparison(std::span<const PlateModel> models, std::span<const PlateModel> supports,
                                const DisplayGeometry& display, const PixelWindow& window,
-                               std::span<const LayerDose> layers)
-    : display_(display),
+                               std::span<const LayerDose> layers, std::function<bool()> is_stopped)
+    : check_(std::move(is_stopped)),
+      display_(display),
       window_(window),
       pixel_mm_(to_millimeters(display.pixel_pitch).count()),
       layers_(layers.begin(), layers.end()),
-      model_(vertical_stretches(models, supports, window)),
+      model_(vertical_stretches(models, supports, window, check_)),
       wall_layers_(sample(layers.size(), kWallLayers)),
       layers_left_(layers.size()),
       solid_until_(window.pixels()) {
@@ -66,7 +69,7 @@ CureComparison::CureComparison(std::span<const PlateModel> models, std::span<con
   for (Walls& walls : walls_) {
     // The stretches' ends: surfaces within other bodies are no walls.
     for (const RayStretch& stretch :
-         stretches_within(all_crossings(models, supports, {walls.axis, window, heights}))) {
+         stretches_within(all_crossings(models, supports, {walls.axis, window, heights}, check_), check_)) {
       walls.crossings.push_back(stretch.from);
       walls.crossings.push_back(stretch.to);
     }
@@ -152,7 +155,8 @@ void CureComparison::measure_walls(Walls& walls, std::size_t height, const Cured
 
 CureFigures CureComparison::figures() {
   expects(layers_left_ == 0, "all layers were added");
-  std::ranges::sort(cured_, [](const Stretch& a, const Stretch& b) {
+  std::ranges::sort(cured_, [this](const Stretch& a, const Stretch& b) {
+    check_.spend(1);
     return std::pair(a.pixel, a.from) < std::pair(b.pixel, b.from);
   });
   auto model = model_.begin();
@@ -165,11 +169,13 @@ CureFigures CureComparison::figures() {
     const auto cured_end =
         std::find_if(cured, cured_.end(), [&](const Stretch& each) { return each.pixel != pixel; });
     compare_column({model, model_end}, {cured, cured_end});
+    check_.spend(static_cast<std::size_t>(model_end - model) *
+                 (1 + static_cast<std::size_t>(cured_end - cured)));
     model = model_end;
     cured = cured_end;
   }
-  figures_.undersides = summary(std::move(undersides_), missing_undersides_);
-  figures_.tops = summary(std::move(tops_), missing_tops_);
+  figures_.undersides = summary(std::move(undersides_.distances), undersides_.missing);
+  figures_.tops = summary(std::move(tops_.distances), tops_.missing);
   std::vector<Distance> walls = std::move(walls_[0].distances);
   std::ranges::move(walls_[1].distances, std::back_inserter(walls));
   figures_.walls = summary(std::move(walls), walls_[0].missing + walls_[1].missing);
@@ -202,15 +208,15 @@ void CureComparison::compare_column(std::span<const RayStretch> model, std::span
     }
     const bool measured = std::abs(stretch.from.steepness) >= kFacesUpOrDown && from > kOnPlateMm;
     if (lowest == nullptr) {
-      if (measured) ++missing_undersides_;
-      if (std::abs(stretch.to.steepness) >= kFacesUpOrDown) ++missing_tops_;
+      if (measured) ++undersides_.missing;
+      if (std::abs(stretch.to.steepness) >= kFacesUpOrDown) ++tops_.missing;
     } else {
       const bool closes = below && static_cast<double>(lowest->from) < *below;
       const double bottom = closes ? *below : static_cast<double>(lowest->from);
-      if (measured) compare_end(stretch.from, from - bottom, undersides_);
+      if (measured) compare_end(stretch.from, from - bottom, undersides_.distances);
       // A top below a closed gap is no surface of the part; its gap counts as closed.
       const bool is_closed = i + 1 < model.size() && highest->to > model[i + 1].from.at;
-      if (!is_closed) compare_end(stretch.to, static_cast<double>(highest->to) - to, tops_);
+      if (!is_closed) compare_end(stretch.to, static_cast<double>(highest->to) - to, tops_.distances);
       if (closes) {
         figures_.closed_mm2 += pixel_mm2;
         if (from - *below > figures_.tallest_closed_mm) {

@@ -10,10 +10,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "core/cure/cured_layers.hpp"
+#include "core/cure/stop_check.hpp"
 #include "core/cure/surface_rays.hpp"
 #include "core/engine/contour_engine.hpp"
 
@@ -77,10 +79,11 @@ class CureComparison {
  public:
   // Prepares the comparison with models on a display's window of pixels, for layers from the plate up. Walls
   // are measured on at most kWallLayers layers. `support` are supports, which belong to the model but are not
-  // measured. REQUIRES: no null pointers; rising layers.
+  // measured. Throws ComputationStopped, as figures() does, if `is_stopped`, which may be empty, returns
+  // true. REQUIRES: no null pointers; rising layers.
   CureComparison(std::span<const PlateModel> models, std::span<const PlateModel> supports,
-                 const DisplayGeometry& display, const PixelWindow& window,
-                 std::span<const LayerDose> layers);
+                 const DisplayGeometry& display, const PixelWindow& window, std::span<const LayerDose> layers,
+                 std::function<bool()> is_stopped = {});
 
   static constexpr std::size_t kWallLayers = 100;
 
@@ -101,6 +104,10 @@ class CureComparison {
     std::uint32_t pixel;
     float height_mm;
   };
+  struct Ends {
+    std::vector<Distance> distances;
+    std::uint64_t missing = 0;
+  };
   static DistanceBins bins_of(std::vector<Distance>& distances);
   struct Walls {
     RayAxis axis;
@@ -117,6 +124,7 @@ class CureComparison {
   [[nodiscard]] CureSection section(const SurfaceDistances& through) const;
   [[nodiscard]] CurePlace place(std::uint32_t pixel, double height_mm) const;
 
+  StopCheck check_;
   DisplayGeometry display_;
   PixelWindow window_;
   double pixel_mm_;
@@ -128,8 +136,7 @@ class CureComparison {
   std::vector<float>
       solid_until_;  // by pixel: top of the solid that reaches the last layer's bottom; 0: none
   std::vector<Stretch> cured_;
-  std::vector<Distance> undersides_, tops_;
-  std::uint64_t missing_undersides_ = 0, missing_tops_ = 0;
+  Ends undersides_, tops_;
   CureFigures figures_;
 };
 

@@ -160,15 +160,20 @@ std::int64_t PrintCure::cure_layers(Layer&& layer) {
 std::optional<CuredPart> PrintCure::compare(const Supports* supports) {
   if (is_stopped(light_)) return std::nullopt;
   const std::vector<PlateModel> support_models = as_models(supports, display_);
-  CureComparison comparison(engine_.models(), support_models, display_, window_, light_.layers);
   CuredPart part;
-  part.abandoned_layers =
-      cure_layers([&](std::size_t layer, const CuredLayers& cured, std::span<const float> dose) {
-        comparison.add_layer(layer, cured, dose);
-      });
-  if (is_stopped(light_)) return std::nullopt;
+  try {
+    CureComparison comparison(engine_.models(), support_models, display_, window_, light_.layers,
+                              light_.is_stopped);
+    part.abandoned_layers =
+        cure_layers([&](std::size_t layer, const CuredLayers& cured, std::span<const float> dose) {
+          comparison.add_layer(layer, cured, dose);
+        });
+    if (is_stopped(light_)) return std::nullopt;
+    part.figures = comparison.figures();
+  } catch (const ComputationStopped&) {
+    return std::nullopt;
+  }
   part.unfound_undersides = masks_.unfound();
-  part.figures = comparison.figures();
   find_weakest_bond(light_, part);
   return part;
 }

@@ -193,14 +193,18 @@ PixelWindow window_of(std::span<const PlateModel> models, const DisplayGeometry&
   return {window.column, window.row, end_column - window.column, end_row - window.row};
 }
 
-std::vector<RayCrossing> cross_surface(std::span<const PlateModel> models, const Rays& rays) {
+std::vector<RayCrossing> cross_surface(std::span<const PlateModel> models, const Rays& rays,
+                                       StopCheck& check) {
   Crossings crossings(lattice_of(rays));
   for (const PlateModel& model : models) {
     expects(model.model != nullptr, "no null pointers");
     for (const PixelMap& map : model.copies) {
       const Copy copy(model, map);
-      for (const Facet& facet : model.model->facets())
+      for (const Facet& facet : model.model->facets()) {
+        const std::size_t before = crossings.count();
         copy.cross(facet, normal_of(facet), crossings);
+        check.spend(10 + crossings.count() - before);
+      }
     }
   }
   return crossings.take();
@@ -241,8 +245,9 @@ std::vector<RayCrossing> entries_between(std::span<const PlateModel> models, con
   return crossings.take();
 }
 
-std::vector<RayStretch> stretches_within(std::vector<RayCrossing> crossings) {
-  std::ranges::sort(crossings, [](const RayCrossing& a, const RayCrossing& b) {
+std::vector<RayStretch> stretches_within(std::vector<RayCrossing> crossings, StopCheck& check) {
+  std::ranges::sort(crossings, [&check](const RayCrossing& a, const RayCrossing& b) {
+    check.spend(1);
     return std::tie(a.ray, a.at, a.steepness) < std::tie(b.ray, b.at, b.steepness);
   });
   std::vector<RayStretch> stretches;

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "core/cure/stop_check.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/geometry/mask_budget.hpp"
 
@@ -53,9 +54,10 @@ struct RayStretch {
   RayCrossing from, to;
 };
 
-// Returns the crossings of the facets of all models with the lines, in no order. REQUIRES: no null pointers,
-// fewer than 2^32 lines.
-[[nodiscard]] std::vector<RayCrossing> cross_surface(std::span<const PlateModel> models, const Rays& rays);
+// Returns the crossings of the facets of all models with the lines, in no order. Throws what `check` throws.
+// REQUIRES: no null pointers, fewer than 2^32 lines.
+[[nodiscard]] std::vector<RayCrossing> cross_surface(std::span<const PlateModel> models, const Rays& rays,
+                                                     StopCheck& check);
 
 // A range of heights above the plate on vertical lines.
 struct RayRange {
@@ -71,7 +73,7 @@ struct RayRange {
                                                        MaskBudget& budget);
 
 // Returns the stretches within the models, by ray and from low to high: where more surfaces were entered than
-// left. Stretches of no length are left out.
-[[nodiscard]] std::vector<RayStretch> stretches_within(std::vector<RayCrossing> crossings);
+// left. Stretches of no length are left out. Throws what `check` throws.
+[[nodiscard]] std::vector<RayStretch> stretches_within(std::vector<RayCrossing> crossings, StopCheck& check);
 
 }  // namespace contourd

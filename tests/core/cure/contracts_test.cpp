@@ -80,7 +80,8 @@ TEST_CASE("Lines through a surface require models that are not null") {
   PlateModel missing;
   missing.copies.push_back(PixelMap::true_scale(display, {0, 0}));
   CHECK(contract_broken_by([&] {
-          (void)cross_surface({&missing, 1}, {RayAxis::Z, {0, 0, 4, 4}, {}});
+          StopCheck never;
+          (void)cross_surface({&missing, 1}, {RayAxis::Z, {0, 0, 4, 4}, {}}, never);
         }) == "no null pointers");
 }
 

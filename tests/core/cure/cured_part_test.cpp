@@ -200,3 +200,23 @@ TEST_CASE("A computation that is stopped at any layer has no part") {
     CHECK(stopped_after(asked));
   CHECK_FALSE(stopped_after(1000));
 }
+
+TEST_CASE("A comparison with a model ends soon after it was stopped, wherever it is") {
+  const auto model = std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {20, 20, 0.1F}));
+  const DisplayGeometry display{Pixels{400}, Pixels{400}, Micrometers{50}};
+  const std::vector<PlateModel> models{{{model}, {PixelMap::true_scale(display, {10, 10})}}};
+  const std::vector<LayerDose> layers{{kLayer, kLayer, {}}, {kLayer * 2, kLayer, {}}};
+  int asked = 0;
+  const auto compare = [&](int stopped_at) {
+    asked = 0;
+    CureComparison comparison(models, {}, display, {0, 0, 400, 400}, layers,
+                              [&] { return ++asked == stopped_at; });
+  };
+  compare(0);
+  const int all = asked;
+  CHECK(all > 20);
+  for (const int stopped_at : {1, all / 2, all}) {
+    CHECK_THROWS_AS(compare(stopped_at), ComputationStopped);
+    CHECK(asked == stopped_at);
+  }
+}
