@@ -160,7 +160,8 @@ QUICK_RESIN = {
     "bottom_exposure_ms": 2000,
     "bottom_layers": 1,
     "fade_layers": 0,
-    "lift_mm": 1,
+    "lift_mm": 0.6,
+    "second_lift_mm": 0.4,
     "settle_ms": 200,
     "rest_ms": 100,
 }

@@ -19,8 +19,8 @@ from bed.registry import check, vm_test
 
 _LAYER_NM = 50_000
 _STEP_NM = 1_250  # 800 microsteps per mm
-_RESIN = {"exposure_ms": 1000, "bottom_exposure_ms": 2000, "bottom_layers": 2, "fade_layers": 3, "lift_mm": 1,
-          "settle_ms": 300, "rest_ms": 100}  # fmt: skip
+_RESIN = {"exposure_ms": 1000, "bottom_exposure_ms": 2000, "bottom_layers": 2, "fade_layers": 3, "lift_mm": 0.6,
+          "second_lift_mm": 0.4, "settle_ms": 300, "rest_ms": 100}  # fmt: skip
 
 _DEPTH_MM, _CRITICAL_MJ_CM2 = 0.15, 8  # penetration depth and critical dose of a resin
 
