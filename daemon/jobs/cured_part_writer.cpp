@@ -35,7 +35,7 @@ constexpr std::uint64_t kBytesPerPixel = 100;
 // Bytes for each crossing of a line with a surface: the crossing, its stretch, the distance there, and the
 // room that growing arrays leave unused.
 constexpr std::uint64_t kBytesPerCrossing = 60;
-// More crossings take many seconds to sort, in which the computation cannot be stopped.
+// More crossings take more than a gigabyte of memory beside the next print.
 constexpr std::uint64_t kMostCrossings = 20'000'000;
 
 // Watches the limits of a computation.

@@ -21,7 +21,7 @@ namespace {
 constexpr double kWidth = 860, kHeight = 420, kLeft = 84, kRight = 16, kTop = 16, kBottom = 64;
 constexpr double kBand = 2;       // standard uncertainties
 constexpr double kMargin = 0.05;  // around the points, as a share of their range
-constexpr double kTicks = 6;      // about so many on an axis
+constexpr double kTicks = 6;      // number on an axis, about
 constexpr int kMapSide = 192;     // pixels of the map's longer side
 constexpr std::array kColours{"--accent", "--good", "--bad", "--ink"};
 
