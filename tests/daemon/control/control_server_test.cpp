@@ -9,6 +9,7 @@
 
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
+#include "tests/time_limit.hpp"
 
 namespace {
 
@@ -203,7 +204,7 @@ class DeferredAnswerFixture {
   template <typename Condition>
   std::string run_until(Condition done) {
     std::string read;
-    const auto end = std::chrono::steady_clock::now() + 20s;
+    const auto end = std::chrono::steady_clock::now() + testing::kTimeLimit;
     const auto look = loop.when_idle("the test", [&] {
       char buffer[4096];
       const ssize_t bytes = ::recv(client.get(), buffer, sizeof buffer, MSG_DONTWAIT);

@@ -22,6 +22,7 @@
 #include "hw/virtual_clock.hpp"
 #include "tests/models/models.hpp"
 #include "tests/temporary_folder.hpp"
+#include "tests/time_limit.hpp"
 
 namespace contourd::testing {
 
@@ -72,12 +73,12 @@ class NoSpoolObserver : public SpoolObserver {
   void incoming_replaced() override {}
 };
 
-// Runs the loop until `so` returns true; returns false after 20 s. To be called once for a loop, because an
-// event loop does not run again.
+// Runs the loop until `so` returns true; returns false after kTimeLimit. To be called once for a loop,
+// because an event loop does not run again.
 inline bool run_loop_until(EventLoop& loop, const std::function<bool()>& so) {
   bool reached = false;
-  const auto given_up = loop.at(std::chrono::steady_clock::now() + std::chrono::seconds(20), "the test",
-                                [&loop] { loop.stop(); });
+  const auto given_up =
+      loop.at(std::chrono::steady_clock::now() + kTimeLimit, "the test", [&loop] { loop.stop(); });
   const auto looks = loop.when_idle("the test", [&] {
     reached = so();
     if (reached) loop.stop();
@@ -115,7 +116,7 @@ class PrinterFixture {
   }
 
   // Calls each step after the spool's thread has done what the last one wanted of it. To be called once, as
-  // run_until(); returns false if that takes longer than 20 s.
+  // run_until(); returns false if that takes longer than kTimeLimit.
   bool run_steps(const std::function<bool()>& saving, const std::vector<std::function<void()>>& steps) {
     std::size_t next = 0;
     return run_until([&] {

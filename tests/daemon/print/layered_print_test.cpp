@@ -10,6 +10,7 @@
 #include "tests/daemon/print/box_print.hpp"
 #include "tests/hw/plain_devices.hpp"
 #include "tests/models/models.hpp"
+#include "tests/time_limit.hpp"
 
 namespace {
 
@@ -129,7 +130,7 @@ PrintPlan slow_plan(int layers) {
 // Returns the plan for a box whose layers press resin out of the gap, 0.9 s long, and the plate for 2 s.
 PrintPlan pressing_plan(int layers) {
   PrintPlan plan = testing::box_plan(layers);
-  MaskBudget budget(MaskBudget::Clock::now() + 10s);
+  MaskBudget budget(MaskBudget::Clock::now() + testing::kTimeLimit);
   REQUIRE(plan.engine->mask_within(kBoxLayer / 2, budget) != nullptr);
   const double shape_mm4 = press_shape_mm4(plan.engine->coverage(), testing::kSmallDisplay.pixel_pitch);
   plan.pressed = PressedResin{0.9 / press_time({1, 1}, shape_mm4, kBoxLayer).count(), 1};

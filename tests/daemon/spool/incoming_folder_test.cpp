@@ -10,6 +10,7 @@
 
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
+#include "tests/time_limit.hpp"
 
 namespace fs = std::filesystem;
 
@@ -26,10 +27,10 @@ class IncomingFolderFixture : private IncomingFolderObserver {
     std::function<bool()> when;  // checked after each turn of the loop
     std::function<void()> then = [] {};
   };
-  // Runs the loop until the last step is done; false after 30 s. To be called once.
+  // Runs the loop until the last step is done; false after kTimeLimit. To be called once.
   bool run(std::deque<Step> steps) {
-    const auto limit = loop.at(std::chrono::steady_clock::now() + std::chrono::seconds{30}, "the limit",
-                               [this] { loop.stop(); });
+    const auto limit =
+        loop.at(std::chrono::steady_clock::now() + testing::kTimeLimit, "the limit", [this] { loop.stop(); });
     const auto begin = loop.at(std::chrono::steady_clock::now(), "the begin", [] {});
     loop.on_turn_over([&](const EventLoop::Turn&) {
       while (!steps.empty() && steps.front().when()) {

@@ -6,6 +6,7 @@
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/printer_fixture.hpp"
 #include "tests/daemon/spool/spool_fixture.hpp"
+#include "tests/time_limit.hpp"
 
 using Names = std::vector<std::string>;
 
@@ -17,13 +18,12 @@ class IncomingWatchFixture : public testing::NoSpoolObserver {
   // Runs the loop until incoming/`file` has arrived, and calls `when` for each file that arrives. To be
   // called once.
   bool run_until_arrived(const std::string& file, std::function<void(const std::string&)> when) {
-    using namespace std::chrono_literals;
     when_arrived_ = [this, file, when = std::move(when)](const std::string& each) {
       when(each);
       if (each == file) loop.stop();
     };
     const auto given_up =
-        loop.at(std::chrono::steady_clock::now() + 20s, "the test", [this] { loop.stop(); });
+        loop.at(std::chrono::steady_clock::now() + testing::kTimeLimit, "the test", [this] { loop.stop(); });
     loop.run();
     return !arrived.empty() && arrived.back() == file;
   }
