@@ -6,9 +6,24 @@
 #include <optional>
 #include <utility>
 
+#include "core/layers/layers.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd {
+
+namespace {
+
+// Limit of the heights at which a pause can be planned, beyond every print.
+constexpr double kMostHeight = 10'000;
+
+// Returns the lower side of the last layer, or the height that it does not exceed.
+Nanometers last_bottom(const JobSummary& summary) {
+  const LayerSummary& layers = summary.layers;
+  if (!layers.adaptive) return layers.thinnest * (static_cast<std::int64_t>(layers.count) - 1);
+  return to_nanometers(Millimeters{summary.height_mm}).value_or(Nanometers{}) - layers.thinnest;
+}
+
+}  // namespace
 
 using Json = PrinterControl::Json;
 
@@ -24,9 +39,14 @@ ControlMethods PrinterControl::methods() {
        {.description = "Reports the printer's current activity, the waiting jobs and the reasons.",
         .call = [this](const Json&, const ControlCaller&) { return status_.status(); }}},
       {"pause",
-       changes("Pauses the print after the current layer, or before the first one: the plate goes up "
-               "and the print waits.",
-               &PrinterControl::pause)},
+       {.description = "Pauses the print after the current layer, before the first one, or at the point that "
+                       "a parameter names: the plate goes up and the print waits.",
+        .parameters = {ControlParameter::whole_number("at_layer", 1, kMaxLayers,
+                                                      "the layer before which the print pauses, from 1"),
+                       ControlParameter::number("at_mm", 0, kMostHeight, "mm",
+                                                "the height of the part at which the print pauses")},
+        .call = [this](const Json& parameters, const ControlCaller&) { return pause(parameters); },
+        .changes = true}},
       {"resume", changes("Continues a paused or interrupted print, withdraws a requested pause that has not "
                          "begun, or releases a held queue.",
                          &PrinterControl::resume)},
@@ -42,12 +62,43 @@ ControlMethods PrinterControl::methods() {
         }}}};
 }
 
-Json PrinterControl::pause() {
+Json PrinterControl::pause(const Json& parameters) {
   require_print("pause");
   PrintMode& print = job_.print();
   if (print.next_pause().empty()) throw ControlRefusal(std::string(print.why_it_ends()));
-  print.pause();
+  if (parameters.empty()) {
+    print.pause();
+  } else {
+    print.pause_at(pause_point(parameters));
+  }
   return status_.status();
+}
+
+PausePoint PrinterControl::pause_point(const Json& parameters) const {
+  const auto layer = given_value<std::int32_t>(parameters, "at_layer");
+  const auto height_mm = given_value<double>(parameters, "at_mm");
+  if (layer && height_mm) throw InvalidParameters("give either at_layer or at_mm");
+  const PrintMode& print = job_.print();
+  const JobSummary& summary = job_.job()->prepared->summary;
+  const auto under_way = print.layer() + 1;
+  if (layer && *layer <= under_way)
+    throw ControlRefusal(fmt::format("a pause before layer {} comes too late: layer {} of {} is under way",
+                                     *layer, under_way, summary.layers.count));
+  if (layer && *layer > static_cast<std::int64_t>(summary.layers.count))
+    throw ControlRefusal(fmt::format("there is no layer {} to pause before: the print has {}", *layer,
+                                     count_of(summary.layers.count, "layer", "layers")));
+  if (layer) return *layer - 1;
+  const Nanometers height = to_nanometers(Millimeters{*height_mm}).value_or(Nanometers{});
+  const Nanometers reached = print.layer_top() - print.layer_thickness();
+  if (height <= reached)
+    throw ControlRefusal(
+        fmt::format("a pause at {:g} mm comes too late: the layer under way lies at {:.3f} mm", *height_mm,
+                    to_millimeters(reached).count()));
+  if (height > last_bottom(summary))
+    throw ControlRefusal(
+        fmt::format("there is no layer after a pause at {:g} mm: the last one lies at {:.3f} mm", *height_mm,
+                    to_millimeters(last_bottom(summary)).count()));
+  return height;
 }
 
 Json PrinterControl::resume() {

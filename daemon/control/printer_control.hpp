@@ -28,8 +28,8 @@ class PrinterControl {
 
   // The following methods return the status, and throw ControlRefusal.
   //
-  // Pauses the print after the current layer.
-  Json pause();
+  // Pauses the print after the current layer, or at the point that the parameters name.
+  Json pause(const Json& parameters);
   // Resumes the print, or the queue if it is held and nothing prints.
   Json resume();
   // Cancels the current job.
@@ -41,6 +41,7 @@ class PrinterControl {
  private:
   Json resume_queue();
   [[nodiscard]] bool has_unfinished_job() const;
+  [[nodiscard]] PausePoint pause_point(const Json& parameters) const;
   void require_print(std::string_view what) const;
   void require_ready(std::string_view what) const;
 

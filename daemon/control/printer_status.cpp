@@ -178,6 +178,7 @@ void PrinterStatus::add_print(Json& job) const {
   job["state_left_s"] = state_left ? Json(in_seconds(*state_left)) : Json();
   job["pause_pending"] = print.pause_pending();
   job["pause"] = print.pause_pending() ? Json(print.next_pause()) : Json();
+  job["planned_pause"] = print.planned_pause() ? Json(describe(*print.planned_pause())) : Json();
   job["interruption"] = or_null(print.interruption());
 }
 

@@ -69,6 +69,7 @@ void LayeredPrint::start(PrintPlan plan) {
   layer_ = 0;
   pressed_shape_mm4_ = plan_->plate_shape_mm4;
   pause_wanted_ = resume_wanted_ = canceled_ = false;
+  planned_pause_.reset();
   failure_.clear();
   interruption_.clear();
   begin_layer(Nanometers{});
@@ -96,8 +97,14 @@ void LayeredPrint::begin_layer(Nanometers bottom) {
 }
 
 void LayeredPrint::pause() {
+  planned_pause_.reset();
   resume_wanted_ = false;
   pause_wanted_ = !is_in(kUp) && !is_in(LayeredState::Held);
+}
+
+void LayeredPrint::pause_at(PausePoint point) {
+  expects(under_way(), "a print is under way");
+  planned_pause_ = point;
 }
 
 std::string_view LayeredPrint::next_pause() const {
@@ -125,6 +132,8 @@ std::string_view LayeredPrint::next_pause() const {
 }
 
 void LayeredPrint::resume() {
+  const bool stopped = is_in(kUp) || is_in(LayeredState::Held);
+  if (!stopped || planned_pause_due()) planned_pause_.reset();
   pause_wanted_ = false;
   resume_wanted_ = is_in(LayeredState::Raising);
   interruption_.clear();
@@ -132,7 +141,7 @@ void LayeredPrint::resume() {
 }
 
 bool LayeredPrint::can_resume() const {
-  return is_in(kUp) || is_in(LayeredState::Held) || pause_wanted_;
+  return is_in(kUp) || is_in(LayeredState::Held) || pause_wanted_ || planned_pause_;
 }
 
 bool LayeredPrint::can_cancel() const {
@@ -243,6 +252,7 @@ void LayeredPrint::perform(LayeredEffect effect) {
       ++layer_;
       return begin_layer(layer_top());
     case LayeredEffect::RaiseForALook:
+      if (planned_pause_due()) planned_pause_.reset();
       pause_wanted_ = false;
       return move_to({std::min(current_height() + kLook, machine_.z_axis().travel()), plan_->travel_speed});
     case LayeredEffect::Park:
@@ -327,7 +337,12 @@ LayeredEvent LayeredPrint::next_due() const {
                            : on_last_layer() ? LayeredEvent::LayersDone
                                              : LayeredEvent::LayerDue;
   const bool nothing_to_pause = due == LayeredEvent::LayersDone && interruption_.empty();
-  return pause_wanted_ && !nothing_to_pause ? LayeredEvent::PauseDue : due;
+  return (pause_wanted_ || planned_pause_due()) && !nothing_to_pause ? LayeredEvent::PauseDue : due;
+}
+
+// True if the planned pause comes after the layer under way, which has had all its light.
+bool LayeredPrint::planned_pause_due() const {
+  return planned_pause_ && has_all_light() && is_reached(*planned_pause_, layer_ + 1, layer_top());
 }
 
 // Interrupts the print; if the machine has reported the cause already, keeps its more detailed text.

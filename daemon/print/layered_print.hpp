@@ -26,6 +26,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
 
   void start(PrintPlan plan) override;
   void pause() override;
+  void pause_at(PausePoint point) override;
   void resume() override;
   void interrupt(const std::string& what) override;
   void cancel() override;
@@ -34,6 +35,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   [[nodiscard]] const PrintState& state() const override;
   [[nodiscard]] LayeredState layered_state() const { return MachineProcess::state(); }
   [[nodiscard]] bool pause_pending() const override { return pause_wanted_; }
+  [[nodiscard]] const std::optional<PausePoint>& planned_pause() const override { return planned_pause_; }
   [[nodiscard]] std::string_view next_pause() const override;
   [[nodiscard]] bool can_resume() const override;
   [[nodiscard]] bool can_cancel() const override;
@@ -96,12 +98,14 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   void display_lost();
   [[nodiscard]] LayeredEvent next_due() const;
   [[nodiscard]] bool has_all_light() const;
+  [[nodiscard]] bool planned_pause_due() const;
 
   PrintObserver& observer_;
   std::optional<PrintPlan> plan_;
   std::int32_t layer_ = 0;
   Nanometers bottom_{}, thickness_{};  // the layer under way
   bool pause_wanted_ = false;
+  std::optional<PausePoint> planned_pause_;
   bool resume_wanted_ = false;  // requested while the plate still moves up for a pause
   bool canceled_ = false;
   std::string failure_;

@@ -1,5 +1,7 @@
 #include "daemon/print/print_mode.hpp"
 
+#include <fmt/format.h>
+
 namespace contourd {
 
 std::string_view name_of(PrintActivity activity) {
@@ -16,6 +18,17 @@ std::string_view name_of(PrintActivity activity) {
       return "stopped";
   }
   return "?";
+}
+
+bool is_reached(const PausePoint& point, std::int32_t layer, Nanometers bottom) {
+  if (const auto* const height = std::get_if<Nanometers>(&point)) return bottom >= *height;
+  return layer >= std::get<std::int32_t>(point);
+}
+
+std::string describe(const PausePoint& point) {
+  if (const auto* const height = std::get_if<Nanometers>(&point))
+    return fmt::format("at {:.3f} mm", to_millimeters(*height).count());
+  return fmt::format("before layer {}", std::get<std::int32_t>(point) + 1);
 }
 
 std::string_view name_of(PrintOutcome outcome) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 
 #include "daemon/print/print_plan.hpp"
 #include "daemon/print/shown_mask.hpp"
@@ -29,6 +30,13 @@ struct PrintState {
 
   friend bool operator==(const PrintState&, const PrintState&) = default;
 };
+
+// The point of a pause planned ahead: before this layer, counted from 0, or at this height of the part.
+using PausePoint = std::variant<std::int32_t, Nanometers>;
+// True if a print pauses for the point before this layer, whose lower side has this height.
+[[nodiscard]] bool is_reached(const PausePoint& point, std::int32_t layer, Nanometers bottom);
+// Returns "before layer 12" or "at 3.500 mm".
+[[nodiscard]] std::string describe(const PausePoint& point);
 
 // The state while nothing prints.
 inline constexpr PrintState kIdle{.name = "idle"};
@@ -71,6 +79,9 @@ class PrintMode {
   // Requests a pause after the layer under way; if the plate already moves up for a pause, withdraws
   // resume().
   virtual void pause() = 0;
+  // Plans a pause between two layers, as soon as the point is reached. There is at most one such plan: a new
+  // one, pause(), or resume() while nothing has stopped the print, withdraws it. REQUIRES: under_way().
+  virtual void pause_at(PausePoint point) = 0;
   // Withdraws a pending pause, or continues a paused or interrupted print; an interrupted layer then gets the
   // light that it still lacks. Does not check that the machine is ready.
   virtual void resume() = 0;
@@ -87,6 +98,8 @@ class PrintMode {
   [[nodiscard]] virtual const PrintState& state() const = 0;
   [[nodiscard]] bool under_way() const { return state() != kIdle; }
   [[nodiscard]] virtual bool pause_pending() const = 0;
+  // Returns the pause planned ahead that has not been reached.
+  [[nodiscard]] virtual const std::optional<PausePoint>& planned_pause() const = 0;
   // Returns when a pause that is requested now takes effect, as a text for the user: "after this layer".
   // Empty if the print ends before. REQUIRES: under_way().
   [[nodiscard]] virtual std::string_view next_pause() const = 0;

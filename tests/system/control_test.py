@@ -360,6 +360,23 @@ class Commands(ControlTest):
         daemon.wait_state("exposing")
         self.assertEqual(daemon.rpc("pause")["result"]["job"]["pause"], "after this layer")
 
+    def test_a_planned_pause_begins_before_its_layer(self):
+        daemon = self.realtime({"exposure_ms": 1})
+        daemon.begin("part.stl", SLAB)
+        late = daemon.ctl("pause", "--at-layer", "1")
+        self.assertEqual((late.returncode, late.stdout), (FAILED, b""))
+        self.assertIn(b"a pause before layer 1 comes too late: layer 1 of 20 is under way", late.stderr)
+        self.assertIn(b"there is no layer 21 to pause before: the print has 20 layers", daemon.ctl("pause", "--at-layer", "21").stderr)
+        self.assertIn(b"the last one lies at 0.950 mm", daemon.ctl("pause", "--at-mm", "0.96").stderr)
+        self.assertIn(b"pause before layer 5", daemon.ctl("pause", "--at-layer", "5").stdout)
+        self.assertEqual(daemon.status()["job"]["planned_pause"], "before layer 5")
+        self.assertEqual(daemon.wait_state("paused")["job"]["layers_done"], 4)
+        self.assertIn(b"pause at 0.310 mm", daemon.ctl("pause", "--at-mm", "0.31").stdout)
+        daemon.rpc("resume")
+        self.assertEqual(daemon.wait_state("paused")["job"]["layers_done"], 7)
+        daemon.rpc("resume")
+        self.assertEqual(daemon.wait_done("part")["layers_exposed"], 20)
+
     def test_a_print_that_is_being_cancelled_cannot_be_paused(self):
         daemon = self.slow_to_move()
         daemon.begin("part.stl", SLAB)

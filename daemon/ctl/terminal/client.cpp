@@ -66,7 +66,8 @@ void print_status(const Json& status) {
   if (const Json& job = status["job"]; job.is_object()) {
     line("job       ", text_of(job, "name"));
     if (job.contains("layer")) {
-      const std::string pause = text_of(job, "pause");
+      std::string pause = text_of(job, "pause");
+      if (pause.empty()) pause = text_of(job, "planned_pause");
       line("layer     ",
            fmt::format("{} of {}, {:.3f} mm, {} left{}", job.value("layer", 0), job.value("layers", 0),
                        job.value("height_mm", 0.0), readable_seconds(job.value("time_left_s", 0.0)),

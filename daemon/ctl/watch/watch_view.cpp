@@ -250,7 +250,8 @@ class View {
     const auto append = [&next](const std::string& what) {
       if (!what.empty()) next += (next.empty() ? "" : "; ") + what;
     };
-    if (const std::string pause = text_of(job_, "pause"); !pause.empty()) append("a pause " + pause);
+    for (const char* pause : {"pause", "planned_pause"})
+      if (const std::string when = text_of(job_, pause); !when.empty()) append("a pause " + when);
     const Json& queue = part_of(printer_.queue, "queue");
     if (queue.is_array() && !queue.empty() && queue.front().is_string())
       append((next.empty() ? "" : "then ") + printable(queue.front().get<std::string>()));

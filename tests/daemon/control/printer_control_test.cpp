@@ -1,5 +1,7 @@
 #include "daemon/control/printer_control.hpp"
 
+#include <fmt/format.h>
+
 #include "tests/catch.hpp"
 #include "tests/daemon/control/control_fixture.hpp"
 #include "tests/message_of.hpp"
@@ -14,12 +16,12 @@ class PrinterControlFixture : public testing::ControlFixture {
     queue_observer.on_change = [this] { scheduler.run(); };
   }
   // Calls the method and returns why it is refused; empty if it is not. The reply may come later.
-  std::string refusal_of(const std::string& name) {
+  std::string refusal_of(const std::string& name, const Json& parameters = Json::object()) {
     const ControlMethod& method = methods.at(name);
     const auto later = [this](std::variant<Json, ControlRefusal> result) { reply = std::get<Json>(result); };
     return testing::message_of<ControlRefusal>([&] {
       if (method.call)
-        reply = method.call(Json::object(), {});
+        reply = method.call(method.check(name, parameters), {});
       else
         (void)method.call_later(Json::object(), {}, later);
     });
@@ -71,6 +73,35 @@ TEST_CASE_METHOD(
 TEST_CASE_METHOD(PrinterControlFixture, "The reply to a command is the resulting status") {
   CHECK(refusal_in("exposing", "pause").empty());
   CHECK(reply["job"]["pause_pending"] == true);
+}
+
+TEST_CASE_METHOD(PrinterControlFixture,
+                 "A planned pause is refused where the print has been, or never gets") {
+  CHECK(refusal_of("pause", {{"at_layer", 2}}) == "there is no print to pause");
+  REQUIRE(refusal_in("exposing", "status").empty());
+  const auto layers = reply["job"]["layers"].get<int>();
+  const std::string height = fmt::format("{:.3f}", 0.05 * (layers - 1));
+  CHECK(refusal_of("pause", {{"at_layer", 1}}) ==
+        fmt::format("a pause before layer 1 comes too late: layer 1 of {} is under way", layers));
+  CHECK(refusal_of("pause", {{"at_mm", 0}}) ==
+        "a pause at 0 mm comes too late: the layer under way lies at 0.000 mm");
+  CHECK(refusal_of("pause", {{"at_layer", layers + 1}}) ==
+        fmt::format("there is no layer {} to pause before: the print has {} layers", layers + 1, layers));
+  CHECK(refusal_of("pause", {{"at_mm", 50}}) ==
+        "there is no layer after a pause at 50 mm: the last one lies at " + height + " mm");
+  CHECK(refusal_of("pause", {{"at_layer", layers}}).empty());
+  CHECK(reply["job"]["planned_pause"] == fmt::format("before layer {}", layers));
+  CHECK(refusal_of("pause", {{"at_mm", 0.05}}).empty());
+  CHECK(reply["job"]["planned_pause"] == "at 0.050 mm");
+  CHECK(refusal_of("resume").empty());
+  CHECK(reply["job"]["planned_pause"].is_null());
+}
+
+TEST_CASE_METHOD(PrinterControlFixture, "A planned pause has one point") {
+  REQUIRE(refusal_in("exposing", "status").empty());
+  CHECK(testing::message_of<InvalidParameters>([&] {
+          refusal_of("pause", {{"at_layer", 2}, {"at_mm", 1}});
+        }) == "give either at_layer or at_mm");
 }
 
 TEST_CASE("A print that is not paused cannot be resumed") {

@@ -41,6 +41,8 @@ TEST_CASE("The functions of PrintMode for a print under way require that a print
   CHECK(contract_broken_by([&] { (void)process.next_pause(); }) == kPrint);
   CHECK(contract_broken_by([&] { (void)process.can_cancel(); }) == kPrint);
   CHECK(contract_broken_by([&] { (void)process.why_it_ends(); }) == kPrint);
+  testing::CurrentJobFixture other;
+  CHECK(contract_broken_by([&] { other.job.print().pause_at(1); }) == kPrint);
   CHECK(contract_broken_by([&] { (void)process.time_left(); }) == kPrint);
 }
 

@@ -481,6 +481,77 @@ TEST_CASE(
   CHECK(fixture.ends == std::vector{PrintOutcome::Done});
 }
 
+TEST_CASE(
+    "A planned pause begins before its layer, or at its height, and the print then goes on to its end") {
+  const auto layers_at_pause = [](PausePoint point) {
+    LayeredPrintFixture fixture;
+    fixture.start(5);
+    fixture.process.pause_at(point);
+    CHECK_FALSE(fixture.process.pause_pending());
+    CHECK(fixture.process.planned_pause() == point);
+    const bool paused = fixture.run_to(S::Paused);
+    CHECK_FALSE((paused && fixture.process.planned_pause()));
+    const std::size_t done = fixture.layers.size();
+    fixture.process.resume();
+    fixture.run_out();
+    CHECK(fixture.layers.size() == 5);
+    CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+    return done;
+  };
+  CHECK(layers_at_pause(1) == 1);
+  CHECK(layers_at_pause(3) == 3);
+  CHECK(layers_at_pause(4) == 4);
+  CHECK(layers_at_pause(5) == 5);  // beyond the last layer: the print ends
+  CHECK(layers_at_pause(kBoxLayer * 2) == 2);
+  CHECK(layers_at_pause(kBoxLayer * 2 + Nanometers{1}) == 3);
+}
+
+TEST_CASE("A planned pause is withdrawn by a resume of the running print or by another pause") {
+  LayeredPrintFixture fixture;
+  fixture.start(5);
+  REQUIRE(fixture.run_to(S::Exposing));
+  fixture.process.pause_at(2);
+  CHECK(fixture.process.can_resume());
+  fixture.process.resume();
+  CHECK_FALSE(fixture.process.planned_pause());
+  CHECK_FALSE(fixture.process.can_resume());
+  fixture.process.pause_at(2);
+  fixture.process.pause();
+  CHECK_FALSE(fixture.process.planned_pause());
+  REQUIRE(fixture.run_to(S::Paused));
+  CHECK(fixture.layers.size() == 1);
+  fixture.process.resume();
+  CHECK_FALSE(fixture.run_to(S::Paused));
+}
+
+TEST_CASE("A planned pause survives an interruption, and comes once if its layer was interrupted") {
+  LayeredPrintFixture fixture;
+  fixture.start(5);
+  fixture.process.pause_at(2);
+  for (const S state : {S::Exposing, S::Resting, S::Lifting, S::AwaitingDark}) {
+    CAPTURE(static_cast<int>(state));
+    REQUIRE(fixture.run_to(state));
+    fixture.process.interrupt("the lid was opened");
+    REQUIRE(fixture.run_to(S::Paused));
+    fixture.process.resume();
+    CHECK(fixture.process.planned_pause().has_value() == (fixture.layers.size() < 2));
+  }
+  fixture.run_out();
+  CHECK(fixture.layers.size() == 5);
+}
+
+TEST_CASE("A planned pause for the layer after which the print is paused already does not pause it again") {
+  LayeredPrintFixture fixture;
+  fixture.start(3);
+  REQUIRE(fixture.run_to(S::Exposing));
+  fixture.process.pause();
+  REQUIRE(fixture.run_to(S::Paused));
+  fixture.process.pause_at(1);
+  fixture.process.resume();
+  CHECK_FALSE(fixture.run_to(S::Paused));
+  CHECK(fixture.layers.size() == 3);
+}
+
 TEST_CASE("Every state reports when a pause takes effect, or none if the print ends before") {
   const auto next_pause_in = [](LayeredState state) {
     LayeredPrintFixture fixture;
