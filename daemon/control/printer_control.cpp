@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
 
 #include "core/layers/layers.hpp"
+#include "daemon/control/setting_bounds.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd {
@@ -19,7 +21,7 @@ constexpr double kMostHeight = 10'000;
 // Returns the lower side of the last layer, or the height that it does not exceed.
 Nanometers last_bottom(const JobSummary& summary) {
   const LayerSummary& layers = summary.layers;
-  if (!layers.adaptive) return layers.thinnest * (static_cast<std::int64_t>(layers.count) - 1);
+  if (!layers.adaptive) return layers.thinnest * (layers.count - 1);
   return to_nanometers(Millimeters{summary.height_mm}).value_or(Nanometers{}) - layers.thinnest;
 }
 
@@ -46,6 +48,18 @@ ControlMethods PrinterControl::methods() {
                        ControlParameter::number("at_mm", 0, kMostHeight, "mm",
                                                 "the height of the part at which the print pauses")},
         .call = [this](const Json& parameters, const ControlCaller&) { return pause(parameters); },
+        .changes = true}},
+      {"set",
+       {.description = "Changes a setting of the print from the next layer on.",
+        .parameters = {ControlParameter::one_of("setting", {kPrintSettings.begin(), kPrintSettings.end()},
+                                                "the setting")
+                           .needed(),
+                       ControlParameter::number("value", 0, 1'000'000, "",
+                                                "its value: `exposure` in percent of each layer's planned "
+                                                "exposure, `lift` in mm, speeds in mm/s, `rest` in ms")
+                           .needed()
+                           .described_as("a number from 0 to 1000000")},
+        .call = [this](const Json& parameters, const ControlCaller&) { return set(parameters); },
         .changes = true}},
       {"resume", changes("Continues a paused or interrupted print, withdraws a requested pause that has not "
                          "begun, or releases a held queue.",
@@ -74,6 +88,32 @@ Json PrinterControl::pause(const Json& parameters) {
   return status_.status();
 }
 
+Json PrinterControl::set(const Json& parameters) {
+  const PrintMode& print = job_.print();
+  if (!print.under_way())
+    throw ControlRefusal(
+        "nothing prints: settings can be changed only during a print; a job's ticket sets them before");
+  if (print.next_pause().empty()) throw ControlRefusal(std::string(print.why_it_ends()));
+  const JobSummary& summary = job_.job()->prepared->summary;
+  const std::int32_t next = print.layer() + 1;
+  if (next >= summary.layers.count) throw ControlRefusal("no layer follows: the last one is under way");
+  const auto wanted = parameters.at("setting").get<std::string>();
+  const std::string_view setting = *std::ranges::find(kPrintSettings, wanted);
+  const auto value = parameters.at("value").get<double>();
+  const Limits<double> bounds = setting_bounds(setting, summary, resin_machine(context_.config), next);
+  if (!bounds.contain(value))
+    throw ControlRefusal(fmt::format(
+        "{0} {1:g} {4} is not allowed: the resin's profile {5} and the machine "
+        "allow {2:g} to {3:g} {4}",
+        setting, value, bounds.least, bounds.most, unit_of(setting), printable(summary.resin.name)));
+  if (job_.job()->record->changes().size() >= PrintRecord::kMostChanges)
+    throw ControlRefusal(
+        fmt::format("this print's settings were changed {} times, and its report lists no more",
+                    PrintRecord::kMostChanges));
+  job_.set(setting, value);
+  return status_.status();
+}
+
 PausePoint PrinterControl::pause_point(const Json& parameters) const {
   const auto layer = given_value<std::int32_t>(parameters, "at_layer");
   const auto height_mm = given_value<double>(parameters, "at_mm");
@@ -84,9 +124,10 @@ PausePoint PrinterControl::pause_point(const Json& parameters) const {
   if (layer && *layer <= under_way)
     throw ControlRefusal(fmt::format("a pause before layer {} comes too late: layer {} of {} is under way",
                                      *layer, under_way, summary.layers.count));
-  if (layer && *layer > static_cast<std::int64_t>(summary.layers.count))
-    throw ControlRefusal(fmt::format("there is no layer {} to pause before: the print has {}", *layer,
-                                     count_of(summary.layers.count, "layer", "layers")));
+  if (layer && *layer > summary.layers.count)
+    throw ControlRefusal(
+        fmt::format("there is no layer {} to pause before: the print has {}", *layer,
+                    count_of(static_cast<std::uint64_t>(summary.layers.count), "layer", "layers")));
   if (layer) return *layer - 1;
   const Nanometers height = to_nanometers(Millimeters{*height_mm}).value_or(Nanometers{});
   const Nanometers reached = print.layer_top() - print.layer_thickness();

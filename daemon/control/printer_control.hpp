@@ -30,6 +30,8 @@ class PrinterControl {
   //
   // Pauses the print after the current layer, or at the point that the parameters name.
   Json pause(const Json& parameters);
+  // Changes a setting of the print from the next layer on.
+  Json set(const Json& parameters);
   // Resumes the print, or the queue if it is held and nothing prints.
   Json resume();
   // Cancels the current job.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -71,14 +72,15 @@ PrintReport report_of(CurrentJob::State& job) {
 
 // Returns the figures of a print under way. Its interruptions and late steps are known only at its end.
 JobFigures figures_of(const JobSummary& summary, const std::vector<LayerRecord>& layers,
-                      Duration print_time) {
-  JobFigures figures{.resin = summary.resin.name,
-                     .settings = describe_settings(summary),
-                     .warnings = summary.warnings,
-                     .height_mm = summary.height_mm,
-                     .layers = summary.layers.count,
-                     .layers_exposed = layers_exposed(layers),
-                     .print_time_s = in_seconds(print_time)};
+                      std::span<const SettingChange> changes, Duration print_time) {
+  JobFigures figures{
+      .resin = summary.resin.name,
+      .settings = describe_settings(summary) + (changes.empty() ? "" : "; " + describe(changes)),
+      .warnings = summary.warnings,
+      .height_mm = summary.height_mm,
+      .layers = summary.layers.count,
+      .layers_exposed = layers_exposed(layers),
+      .print_time_s = in_seconds(print_time)};
   Duration lit{}, asked{}, most_over{};
   double volume_mm3 = 0;
   for (const LayerRecord& layer : layers) {
@@ -98,7 +100,7 @@ JobFigures figures_of(const JobSummary& summary, const std::vector<LayerRecord>&
 
 // Returns the figures of a print that is over.
 JobFigures figures_of(const PrintReport& report) {
-  JobFigures figures = figures_of(report.summary, report.layers, report.print_time);
+  JobFigures figures = figures_of(report.summary, report.layers, report.changes, report.print_time);
   if (report.findings) {
     for (const std::string& warning : warnings_about(*report.findings))
       figures.warnings.push_back(warning);
@@ -308,6 +310,15 @@ void CurrentJob::analyzed(AnalyzedPrint print) {
   if (job_->over) file();
 }
 
+void CurrentJob::set(std::string_view setting, double value) {
+  expects(print_->under_way(), "a print is under way");
+  const PrintSettings settings = print_->settings();
+  const SettingChange change{print_->layer() + 1, setting, value, value_of(settings, setting)};
+  job_->record->add(change);
+  print_->set(with_value(settings, setting, value));
+  context_.log.info("set", fmt::format("{}: {}", printable(name()), describe(change)), job_fields(name()));
+}
+
 void CurrentJob::light_due() {
   job_->had_light = true;
 }
@@ -328,7 +339,8 @@ void CurrentJob::layer_done(const LayerRecord& layer) {
   log_.layer(name(), summary, layer, context_.machine.display().frame());
   context_.supervisor.status(
       fmt::format("Printing {}, layer {} of {}", printable(name()), layer.layer + 1, summary.layers.count));
-  history_.note([&] { return figures_of(summary, job_->record->layers(), job_->record->elapsed()); });
+  const PrintRecord& record = *job_->record;
+  history_.note([&] { return figures_of(summary, record.layers(), record.changes(), record.elapsed()); });
   observer_.job_changed("layer");
 }
 

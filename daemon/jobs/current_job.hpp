@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "core/contract/expects.hpp"
@@ -65,6 +66,9 @@ class CurrentJob final : private PrintObserver {
 
   // Reads the job, then prints it. REQUIRES: there is no current job.
   void begin(ClaimedJob job);
+  // Changes a setting of the print from the next layer on, and records this. REQUIRES: a print under way, one
+  // of kPrintSettings, and room in its record.
+  void set(std::string_view setting, double value);
   // Cancels its print, which must not be over, or prevents it from beginning. REQUIRES: a job.
   void cancel();
   // Ends a print under way: turns the light off and moves its files to failed/. Prevents the print of a job

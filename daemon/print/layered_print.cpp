@@ -72,7 +72,13 @@ void LayeredPrint::start(PrintPlan plan) {
   planned_pause_.reset();
   failure_.clear();
   interruption_.clear();
+  new_settings_.reset();
   begin_layer(Nanometers{});
+  expect_layers();
+  handle(LayeredEvent::Started);
+}
+
+void LayeredPrint::expect_layers() {
   const Nanometers top =
       std::accumulate(plan_->expected_layers.begin(), plan_->expected_layers.end(), Nanometers{});
   left_after_.assign(plan_->expected_layers.size() + 1, parking_duration(top + plan_->motion.whole_lift()));
@@ -80,7 +86,25 @@ void LayeredPrint::start(PrintPlan plan) {
     left_after_[i] = left_after_[i + 1] +
                      layer_duration(*plan_, static_cast<std::int32_t>(i), moves_of(machine_.z_axis()));
   }
-  handle(LayeredEvent::Started);
+}
+
+void LayeredPrint::set(const PrintSettings& settings) {
+  expects(under_way(), "a print is under way");
+  const PrintSettings of_layer{plan_->exposure_percent, plan_->motion};
+  take_settings(settings);
+  expect_layers();
+  take_settings(of_layer);
+  new_settings_ = settings;
+}
+
+PrintSettings LayeredPrint::settings() const {
+  expects(under_way(), "a print is under way");
+  return new_settings_.value_or(PrintSettings{plan_->exposure_percent, plan_->motion});
+}
+
+void LayeredPrint::take_settings(const PrintSettings& settings) {
+  plan_->exposure_percent = settings.exposure_percent;
+  plan_->motion = settings.motion;
 }
 
 void LayeredPrint::begin_layer(Nanometers bottom) {
@@ -93,7 +117,7 @@ void LayeredPrint::begin_layer(Nanometers bottom) {
   record_.layer = layer_;
   record_.bottom = bottom_;
   record_.thickness = thickness_;
-  record_.exposure_asked = plan_->exposure(layer_, thickness_);
+  record_.exposure_asked = exposure_of(*plan_, layer_, thickness_);
 }
 
 void LayeredPrint::pause() {
@@ -250,6 +274,7 @@ void LayeredPrint::perform(LayeredEffect effect) {
       return lift();
     case LayeredEffect::NextLayer:
       ++layer_;
+      if (new_settings_) take_settings(*std::exchange(new_settings_, std::nullopt));
       return begin_layer(layer_top());
     case LayeredEffect::RaiseForALook:
       if (planned_pause_due()) planned_pause_.reset();

@@ -28,6 +28,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   void pause() override;
   void pause_at(PausePoint point) override;
   void resume() override;
+  void set(const PrintSettings& settings) override;
   void interrupt(const std::string& what) override;
   void cancel() override;
   void fail(const std::string& reason) override;
@@ -36,6 +37,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   [[nodiscard]] LayeredState layered_state() const { return MachineProcess::state(); }
   [[nodiscard]] bool pause_pending() const override { return pause_wanted_; }
   [[nodiscard]] const std::optional<PausePoint>& planned_pause() const override { return planned_pause_; }
+  [[nodiscard]] PrintSettings settings() const override;
   [[nodiscard]] std::string_view next_pause() const override;
   [[nodiscard]] bool can_resume() const override;
   [[nodiscard]] bool can_cancel() const override;
@@ -81,6 +83,8 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   void after_move(LayeredState move_state, MoveResult result);
   [[nodiscard]] bool is_in(EnumSet<LayeredState> states) const { return states.contains(layered_state()); }
   [[nodiscard]] Nanometers current_height() const;
+  void expect_layers();
+  void take_settings(const PrintSettings& settings);
   void begin_layer(Nanometers bottom);
   void expose();
   void time_exposure();
@@ -110,8 +114,9 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   bool canceled_ = false;
   std::string failure_;
   std::string interruption_;
-  LayerRecord record_;            // the layer under way
-  double pressed_shape_mm4_ = 0;  // factor of the face that presses out resin next
+  std::optional<PrintSettings> new_settings_;  // from the next layer on
+  LayerRecord record_;                         // the layer under way
+  double pressed_shape_mm4_ = 0;               // factor of the face that presses out resin next
   ShownMask shown_;
   bool layer_exposed_ = false;         // the layer has had all its light
   bool layer_reported_ = false;        // the record has been passed to the observer

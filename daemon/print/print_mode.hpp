@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "daemon/print/print_plan.hpp"
+#include "daemon/print/print_settings.hpp"
 #include "daemon/print/shown_mask.hpp"
 #include "hw/clock.hpp"
 
@@ -85,6 +86,8 @@ class PrintMode {
   // Withdraws a pending pause, or continues a paused or interrupted print; an interrupted layer then gets the
   // light that it still lacks. Does not check that the machine is ready.
   virtual void resume() = 0;
+  // Sets the print's settings, from the next layer on. REQUIRES: under_way().
+  virtual void set(const PrintSettings& settings) = 0;
   // Turns the light off at once and moves the plate up; the print waits for resume(). `what` says why, in one
   // sentence. Does nothing while no print is under way.
   virtual void interrupt(const std::string& what) = 0;
@@ -100,6 +103,8 @@ class PrintMode {
   [[nodiscard]] virtual bool pause_pending() const = 0;
   // Returns the pause planned ahead that has not been reached.
   [[nodiscard]] virtual const std::optional<PausePoint>& planned_pause() const = 0;
+  // Returns the settings of the next layer. REQUIRES: under_way().
+  [[nodiscard]] virtual PrintSettings settings() const = 0;
   // Returns when a pause that is requested now takes effect, as a text for the user: "after this layer".
   // Empty if the print ends before. REQUIRES: under_way().
   [[nodiscard]] virtual std::string_view next_pause() const = 0;

@@ -32,6 +32,7 @@ struct PrintPlan {
   PrintLayers layers;                    // queried layer by layer during the print
   // Returns the exposure of a layer, counted from 0, of this thickness.
   std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure;
+  double exposure_percent = 100;                   // of these exposures, see PrintSettings
   std::vector<Nanometers> expected_layers;         // thicknesses, used only for the time left
   Duration mask_budget = std::chrono::seconds{1};  // time limit for one mask, computed on the event loop
   double pixel_area_mm2 = 0;
@@ -58,6 +59,13 @@ inline constexpr Duration kLongestSettling = std::chrono::seconds{60};
   const std::chrono::duration<double> pressed = press_time(*plan.pressed, shape_mm4, thickness);
   if (pressed >= kLongestSettling) return std::max(least, kLongestSettling);
   return std::max(least, std::chrono::duration_cast<Duration>(pressed));
+}
+
+// Returns the exposure of a layer by the print's settings.
+[[nodiscard]] inline Duration exposure_of(const PrintPlan& plan, std::int32_t layer, Nanometers thickness) {
+  const Duration planned = plan.exposure(layer, thickness);
+  if (plan.exposure_percent == 100) return planned;
+  return std::chrono::duration_cast<Duration>(planned * (plan.exposure_percent / 100));
 }
 
 // Returns the wait before the light of an expected layer.
@@ -100,7 +108,7 @@ template <typename MoveDuration>
                                       const MoveDuration& move_duration) requires
     std::is_invocable_r_v<Duration, MoveDuration, Nanometers, MillimetersPerSecond> {
   const Nanometers thickness = plan.expected_layers[static_cast<std::size_t>(layer)];
-  return plan.exposure(layer, thickness) + expected_settling(plan, layer) + plan.motion.after_light() +
+  return exposure_of(plan, layer, thickness) + expected_settling(plan, layer) + plan.motion.after_light() +
          lift_duration(plan.motion, move_duration) + lowering_duration(plan.motion, thickness, move_duration);
 }
 

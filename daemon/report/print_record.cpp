@@ -1,6 +1,9 @@
 #include "daemon/report/print_record.hpp"
 
+#include <algorithm>
 #include <utility>
+
+#include "core/contract/expects.hpp"
 
 namespace contourd {
 
@@ -36,6 +39,19 @@ void PrintRecord::add_interruption(std::int32_t layer, const std::string& what) 
   }
 }
 
+void PrintRecord::add(const SettingChange& change) {
+  expects(changes_.size() < kMostChanges, "there is room for a change");
+  const auto same = std::ranges::find_if(changes_, [&](const SettingChange& each) {
+    return each.layer == change.layer && each.setting == change.setting;
+  });
+  if (same != changes_.end()) {
+    same->value = change.value;
+    if (same->value == same->before) changes_.erase(same);
+  } else if (change.value != change.before) {
+    changes_.push_back(change);
+  }
+}
+
 void PrintRecord::add_lit_turn(const EventLoop::Turn& turn) {
   if (turn.busy > busiest_lit_.busy) busiest_lit_ = turn;
 }
@@ -45,6 +61,7 @@ PrintReport PrintRecord::take_report() {
   report.layers = std::move(layers_);
   enter(kIdle, 0);
   report.stops = std::move(stops_);
+  report.changes = std::move(changes_);
   report.print_time = states_.total();
   report.states = std::move(states_);
   report.started = started_at_;

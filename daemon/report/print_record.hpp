@@ -27,11 +27,16 @@ class PrintRecord {
   // Records that the print is in this state from now on, at this layer, counted from 0.
   void enter(const PrintState& state, std::int32_t layer);
   void add_interruption(std::int32_t layer, const std::string& what);
+  // Records a change, which replaces an earlier one of the same setting for the same layer. REQUIRES: there
+  // are fewer than kMostChanges.
+  void add(const SettingChange& change);
   // Records a turn of the event loop during which there was or may have been light; the longest is
   // kept.
   void add_lit_turn(const EventLoop::Turn& turn);
 
   [[nodiscard]] const std::vector<LayerRecord>& layers() const { return layers_; }
+  static constexpr std::size_t kMostChanges = 1000;
+  [[nodiscard]] const std::vector<SettingChange>& changes() const { return changes_; }
   // Returns the time since the print began, by the machine's clock.
   [[nodiscard]] Duration elapsed() const { return clock_.now() - started_; }
 
@@ -49,6 +54,7 @@ class PrintRecord {
   std::uint64_t late_steps_then_;  // the axis' count when the print began
   std::chrono::system_clock::time_point started_at_;
   std::vector<LayerRecord> layers_;
+  std::vector<SettingChange> changes_;
   StateTimes states_;
   PrintStops stops_;
   bool pause_known_ = false;       // the pause under way is the last of stops_.pauses

@@ -14,6 +14,7 @@
 #include "core/analysis/print_analysis.hpp"
 #include "core/cure/cured_part.hpp"
 #include "daemon/prepare/print_job.hpp"
+#include "daemon/print/print_settings.hpp"
 #include "daemon/report/job_picture.hpp"
 #include "daemon/report/state_times.hpp"
 #include "daemon/system/event_loop.hpp"
@@ -76,6 +77,7 @@ struct PrintReport {
   std::optional<PrintFindings> findings;  // nullopt if the print ended before its analysis
   std::vector<LayerRecord> layers;        // the exposed layers
   PrintStops stops;
+  std::vector<SettingChange> changes;  // settings that were changed while it printed
   StateTimes states;
   std::chrono::system_clock::time_point started,
       ended;                                   // wall-clock times, only to be read; durations are monotonic

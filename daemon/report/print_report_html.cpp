@@ -86,8 +86,10 @@ std::string thickness_of(const JobSummary& summary) {
                      to_millimeters(summary.layers.adaptive->cusp).count() * 1000);
 }
 
-std::string settings_rows(const JobSummary& summary) {
+std::string settings_rows(const PrintReport& report) {
+  const JobSummary& summary = report.summary;
   std::string rows = table_row("Resin", describe_settings(summary));
+  if (!report.changes.empty()) rows += table_row("Changed while printing", describe(report.changes));
   const std::string correction = describe_correction(summary);
   if (!correction.empty()) rows += table_row("Compensation", correction);
   return rows;
@@ -190,7 +192,7 @@ std::string facts(const PrintReport& report) {
                                           summary.layers.count, thickness_of(summary)));
   rows += resin_row(report) + models_rows(summary.models);
   if (summary.supports) rows += table_row("Supports", supports_line(counts_of(*summary.supports)));
-  rows += settings_rows(summary) + exposure_rows(report.layers) + trouble_rows(report);
+  rows += settings_rows(report) + exposure_rows(report.layers) + trouble_rows(report);
   rows += table_row("First mask",
                     fmt::format("{:.1f} ms after the job's turn came", in_ms(report.first_mask_after)));
   rows += mask_row(report.layers) + pictures_row(report.layers);

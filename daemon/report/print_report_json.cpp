@@ -125,6 +125,17 @@ void add_stops(const PrintReport& report, Json& json) {
   json["pause_count"] = stops.pauses.size() + stops.more_pauses;
 }
 
+Json changes_json(const PrintReport& report) {
+  Json list = Json::array();
+  for (const SettingChange& each : report.changes)
+    list.push_back({{"from_layer", each.layer + 1},
+                    {"setting", each.setting},
+                    {"value", each.value},
+                    {"before", each.before},
+                    {"unit", unit_of(each.setting)}});
+  return list;
+}
+
 Json cured_json(const PrintReport& report) {
   if (!report.cured) return {};
   if (!report.cured->part) return {{"not_computed", report.cured->why_not}};
@@ -188,6 +199,7 @@ std::string report_as_json(const PrintReport& report) {
            {"threshold", summary.tone.threshold}});
   if (summary.supports) json["settings"]["supports"] = support_settings_json(summary.resin.supports);
   json["overrides"] = overrides_json(summary.overridden);
+  json["changes"] = changes_json(report);
   json["supports"] = summary.supports ? supports_json(*summary.supports) : Json();
   add_layer_figures(summary.layers, json);
   json["layers_exposed"] = layers_exposed(report.layers);

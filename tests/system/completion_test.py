@@ -28,7 +28,7 @@ class Completion(FolderTest):
         return result.stdout.splitlines() if result.stdout.strip() else []
 
     def test_bash_offers_commands_and_their_options(self):
-        self.assertEqual(self.bash("s"), ["submit", "status", "support", "slice", "stop", "show", "switches", "setup"])
+        self.assertEqual(self.bash("s"), ["submit", "status", "set", "support", "slice", "stop", "show", "switches", "setup"])
         self.assertIn("plate-cleared", self.bash(""))
         self.assertIn("--copies", self.bash("submit", "--"))
         self.assertEqual(self.bash("light", "o"), ["on", "off"])
@@ -42,7 +42,7 @@ class Completion(FolderTest):
         self.assertEqual(self.bash("slice", "--unif"), ["--uniformity-mask"])
         self.assertEqual(self.bash("slice", "--aa", "o"), ["on", "off"])
         self.assertEqual(self.bash("history", "--outcome", ""), ["done", "failed", "cancelled"])
-        self.assertEqual(self.bash("help", "s"), ["submit", "status", "support", "slice", "stop", "show", "switches", "setup"])
+        self.assertEqual(self.bash("help", "s"), ["submit", "status", "set", "support", "slice", "stop", "show", "switches", "setup"])
         self.assertEqual(self.bash("offer", "--o"), ["--once"])
         self.assertEqual(self.bash("submit", "--up", "f"), ["fast"])
         # An option's value is no command, and the option after it is completed as usual.

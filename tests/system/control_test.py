@@ -363,19 +363,47 @@ class Commands(ControlTest):
     def test_a_planned_pause_begins_before_its_layer(self):
         daemon = self.realtime({"exposure_ms": 1})
         daemon.begin("part.stl", SLAB)
-        late = daemon.ctl("pause", "--at-layer", "1")
+        daemon.rpc("pause")
+        layer = daemon.wait_state("paused")["job"]["layer"]
+        late = daemon.ctl("pause", "--at-layer", str(layer))
         self.assertEqual((late.returncode, late.stdout), (FAILED, b""))
-        self.assertIn(b"a pause before layer 1 comes too late: layer 1 of 20 is under way", late.stderr)
+        self.assertIn(f"a pause before layer {layer} comes too late: layer {layer} of 20 is under way".encode(), late.stderr)
         self.assertIn(b"there is no layer 21 to pause before: the print has 20 layers", daemon.ctl("pause", "--at-layer", "21").stderr)
         self.assertIn(b"the last one lies at 0.950 mm", daemon.ctl("pause", "--at-mm", "0.96").stderr)
-        self.assertIn(b"pause before layer 5", daemon.ctl("pause", "--at-layer", "5").stdout)
-        self.assertEqual(daemon.status()["job"]["planned_pause"], "before layer 5")
-        self.assertEqual(daemon.wait_state("paused")["job"]["layers_done"], 4)
-        self.assertIn(b"pause at 0.310 mm", daemon.ctl("pause", "--at-mm", "0.31").stdout)
+        self.assertIn(f"pause before layer {layer + 3}".encode(), daemon.ctl("pause", "--at-layer", str(layer + 3)).stdout)
+        self.assertEqual(daemon.status()["job"]["planned_pause"], f"before layer {layer + 3}")
         daemon.rpc("resume")
-        self.assertEqual(daemon.wait_state("paused")["job"]["layers_done"], 7)
+        self.assertEqual(daemon.wait_state("paused")["job"]["layers_done"], layer + 2)
+        self.assertIn(b"pause at 0.910 mm", daemon.ctl("pause", "--at-mm", "0.91").stdout)
+        daemon.rpc("resume")
+        self.assertEqual(daemon.wait_state("paused")["job"]["layers_done"], 19)
         daemon.rpc("resume")
         self.assertEqual(daemon.wait_done("part")["layers_exposed"], 20)
+
+    def test_set_changes_the_layers_to_come_and_is_reported(self):
+        daemon = self.slow_to_move()
+        refused = daemon.ctl("set", "rest", "700")
+        self.assertEqual((refused.returncode, refused.stdout), (FAILED, b""))
+        self.assertIn(b"nothing prints: ", refused.stderr)
+        daemon.begin("part.stl", SLAB)
+        daemon.rpc("pause")
+        next_layer = daemon.wait_state("paused")["job"]["layer"] + 1
+        before = daemon.status()["job"]["time_left_s"]
+        self.assertEqual(daemon.ctl("set", "exposure", "300%").returncode, OK)
+        self.assertEqual(daemon.ctl("set", "rest", "20").returncode, OK)
+        self.assertIn(b"allow 0.01 to 50 mm/s", daemon.ctl("set", "lift-speed", "60").stderr)
+        self.assertEqual(daemon.ctl("set", "lift", "far").returncode, BAD_USAGE)
+        self.assertGreater(daemon.status()["job"]["time_left_s"], before)
+        daemon.rpc("resume")
+        report = daemon.wait_done("part")
+        asked = [layer["exposure_asked_ms"] for layer in report["layer_records"]]
+        self.assertEqual(asked[next_layer - 1:], [3] * (20 - next_layer + 1))
+        self.assertEqual(asked[:next_layer - 1], [1] * (next_layer - 1))
+        self.assertEqual([(each["from_layer"], each["setting"], each["value"]) for each in report["changes"]],
+                         [(next_layer, "exposure", 300), (next_layer, "rest", 20)])
+        text = f"from layer {next_layer} on exposure 300 % instead of 100 %"
+        self.assertIn(text, daemon.read("done", "part.report.html"))
+        self.assertIn(text, daemon.rpc("history")["result"]["ended"][-1]["settings"])
 
     def test_a_print_that_is_being_cancelled_cannot_be_paused(self):
         daemon = self.slow_to_move()

@@ -7,7 +7,6 @@
 #include <string>
 #include <string_view>
 
-#include "core/layers/layers.hpp"
 #include "daemon/client/daemon_connection.hpp"
 #include "daemon/ctl/terminal/client.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
@@ -170,39 +169,8 @@ void add_queue(Command& program) {
   program.commands.back().options.front().suggests(unaccepted_jobs);
 }
 
-namespace {
-
-struct PauseArgs {
-  std::optional<int> at_layer;
-  std::optional<double> at_mm;
-};
-
-void add_pause(Command& program) {
-  Command& command = program.add("pause", "Pause the print after the current layer, or later");
-  auto& args = command.arguments<PauseArgs>();
-  const Option& layer =
-      command.option("--at-layer", args.at_layer, "Pause before layer N").from_to(1, kMaxLayers);
-  command.option("--at-mm", args.at_mm, "Pause when the part is this high, mm").excludes(layer);
-  const ClientOptions& client = add_client_options(command);
-  command.run = [&client, &args] {
-    Json parameters = Json::object();
-    if (args.at_layer) parameters["at_layer"] = *args.at_layer;
-    if (args.at_mm) parameters["at_mm"] = *args.at_mm;
-    return request(client, {"pause", parameters}, print_status);
-  };
-}
-
-}  // namespace
-
 void add_status(Command& program) {
   add_request(program, "status", "Show the current activity of the printer", "status");
-}
-
-void add_print_control(Command& program) {
-  add_pause(program);
-  add_request(program, "resume", "Continue after a pause, or release the queue after a failure", "resume");
-  add_request(program, "cancel", "Cancel the current print: light off, plate up", "cancel");
-  add_request(program, "plate-cleared", "Confirm that the plate is free for the next job", "plate_cleared");
 }
 
 }  // namespace contourd::ctl

@@ -104,6 +104,24 @@ TEST_CASE_METHOD(PrinterControlFixture, "A planned pause has one point") {
         }) == "give either at_layer or at_mm");
 }
 
+TEST_CASE_METHOD(PrinterControlFixture, "A setting is changed within bounds, which its refusal names") {
+  const auto set = [&](const std::string& setting, double value) {
+    return refusal_of("set", {{"setting", setting}, {"value", value}});
+  };
+  CHECK(set("rest", 1).starts_with("nothing prints: "));
+  REQUIRE(refusal_in("exposing", "status").empty());
+  CHECK(set("lift", 0.05).starts_with("lift 0.05 mm is not allowed: the resin's profile "));
+  CHECK(set("rest", 60'001).ends_with(" and the machine allow 0 to 60000 ms"));
+  CHECK(set("lift-speed", 51).ends_with(" and the machine allow 0.01 to 50 mm/s"));
+  CHECK(set("exposure", 0).find(" % is not allowed") != std::string::npos);
+  CHECK(set("exposure", 90).empty());
+  CHECK(set("retract-speed", 4).empty());
+  CHECK(job.print().settings().exposure_percent == 90);
+  REQUIRE(job.job()->record->changes().size() == 2);
+  CHECK(job.job()->record->changes()[0] == SettingChange{1, "exposure", 90, 100});
+  CHECK(log.has("info: part: from layer 2 on exposure 90 % instead of 100 %"));
+}
+
 TEST_CASE("A print that is not paused cannot be resumed") {
   CHECK(PrinterControlFixture().refusal_in("exposing", "resume") == "the print is not paused");
 }

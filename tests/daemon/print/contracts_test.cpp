@@ -28,6 +28,10 @@ TEST_CASE("PrintMode::start requires a plan with layers and exposures, and that 
   CHECK(contract_broken_by([&] { (void)process.time_left(); }).empty());
 }
 
+TEST_CASE("A setting of a print is one of those that can be changed") {
+  CHECK(contract_broken_by([] { (void)unit_of("colour"); }) == "a print has this setting");
+}
+
 TEST_CASE("The duration of a print requires a layer") {
   CHECK(contract_broken_by([] { (void)print_duration({}, {}); }) == "a print has a layer");
 }
@@ -43,6 +47,9 @@ TEST_CASE("The functions of PrintMode for a print under way require that a print
   CHECK(contract_broken_by([&] { (void)process.why_it_ends(); }) == kPrint);
   testing::CurrentJobFixture other;
   CHECK(contract_broken_by([&] { other.job.print().pause_at(1); }) == kPrint);
+  CHECK(contract_broken_by([&] { other.job.print().set({}); }) == kPrint);
+  CHECK(contract_broken_by([&] { other.job.set("rest", 1); }) == kPrint);
+  CHECK(contract_broken_by([&] { (void)process.settings(); }) == kPrint);
   CHECK(contract_broken_by([&] { (void)process.time_left(); }) == kPrint);
 }
 

@@ -552,6 +552,56 @@ TEST_CASE("A planned pause for the layer after which the print is paused already
   CHECK(fixture.layers.size() == 3);
 }
 
+TEST_CASE("Changed settings hold from the next layer on, and the time left follows them") {
+  LayeredPrintFixture fixture;
+  fixture.start(4);
+  REQUIRE(fixture.run_to(S::Exposing));
+  const Duration before = fixture.process.time_left();
+  PrintSettings settings = fixture.process.settings();
+  CHECK(settings.exposure_percent == 100);
+  settings = with_value(with_value(settings, "exposure", 50), "rest", 1300);
+  fixture.process.set(settings);
+  CHECK(fixture.process.settings().motion.rest == std::chrono::milliseconds{1300});
+  // Three layers rest a second longer, and have half of 1.1, 1.2 and 1.3 s of light.
+  CHECK(before - fixture.process.time_left() == std::chrono::milliseconds{1800 - 3000});
+  const auto at_set = fixture.clock.now();
+  const Duration expected = fixture.process.time_left();
+  fixture.run_out();
+  REQUIRE(fixture.layers.size() == 4);
+  CHECK(fixture.layers[0].exposure_asked == std::chrono::milliseconds{1000});
+  CHECK(fixture.layers[1].exposure_asked == std::chrono::milliseconds{550});
+  CHECK(fixture.layers[3].exposure_most == std::chrono::milliseconds{650});
+  CHECK(std::chrono::abs(fixture.clock.now() - at_set - expected) < std::chrono::milliseconds{200});
+}
+
+TEST_CASE("Settings changed in an interrupted layer leave the rest of its light as planned") {
+  LayeredPrintFixture fixture;
+  fixture.start(2);
+  REQUIRE(fixture.run_to(S::Exposing));
+  fixture.process.interrupt("the lid was opened");
+  REQUIRE(fixture.run_to(S::Paused));
+  fixture.process.set(with_value(fixture.process.settings(), "exposure", 200));
+  fixture.process.resume();
+  fixture.run_out();
+  REQUIRE(fixture.layers.size() == 2);
+  CHECK(fixture.layers[0].exposure_asked == std::chrono::milliseconds{1000});
+  CHECK(fixture.layers[0].exposure_most >= std::chrono::milliseconds{1000});
+  CHECK(fixture.layers[0].exposure_most < std::chrono::milliseconds{1100});
+  CHECK(fixture.layers[1].exposure_asked == std::chrono::milliseconds{2200});
+}
+
+TEST_CASE("A changed lift moves the plate as far as it says") {
+  LayeredPrintFixture fixture;
+  fixture.start(3);
+  REQUIRE(fixture.run_to(S::Exposing));
+  fixture.process.set(with_value(fixture.process.settings(), "lift", 3));
+  REQUIRE(fixture.run_to(S::AwaitingDark));
+  CHECK(fixture.machine.z_axis().height() == Nanometers{6'050'000});
+  REQUIRE(fixture.run_to(S::Lowering));
+  REQUIRE(fixture.run_to(S::AwaitingDark));
+  CHECK(fixture.machine.z_axis().height() == Nanometers{3'100'000});
+}
+
 TEST_CASE("Every state reports when a pause takes effect, or none if the print ends before") {
   const auto next_pause_in = [](LayeredState state) {
     LayeredPrintFixture fixture;

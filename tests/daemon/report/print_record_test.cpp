@@ -49,6 +49,21 @@ TEST_CASE_METHOD(PrintRecordFixture, "A record keeps the longest turn of the eve
   CHECK(report.busiest_lit.busy == 9ms);
 }
 
+TEST_CASE_METHOD(PrintRecordFixture,
+                 "A record lists a layer's change of a setting once, unless it was taken back") {
+  PrintRecord record = begin();
+  record.add(SettingChange{3, "rest", 700, 500});
+  record.add(SettingChange{3, "rest", 800, 700});
+  record.add(SettingChange{3, "lift", 5, 6});
+  record.add(SettingChange{4, "rest", 900, 800});
+  record.add(SettingChange{3, "lift", 6, 5});
+  record.add(SettingChange{5, "rest", 900, 900});
+  const std::vector<SettingChange> changes = record.take_report().changes;
+  CHECK(changes == std::vector<SettingChange>{{3, "rest", 800, 500}, {4, "rest", 900, 800}});
+  CHECK(describe(changes) ==
+        "from layer 4 on rest 800 ms instead of 500 ms; from layer 5 on rest 900 ms instead of 800 ms");
+}
+
 TEST_CASE_METHOD(PrintRecordFixture, "A record keeps layers and interruptions in order") {
   PrintRecord record = begin();
   record.add(layer(0));

@@ -1,0 +1,81 @@
+#include <fmt/format.h>
+
+#include <charconv>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include "core/layers/layers.hpp"
+#include "daemon/client/daemon_connection.hpp"
+#include "daemon/ctl/commands/commands.hpp"
+#include "daemon/ctl/terminal/client.hpp"
+#include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/print/print_settings.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = DaemonConnection::Json;
+
+struct PauseArgs {
+  std::optional<int> at_layer;
+  std::optional<double> at_mm;
+};
+
+void add_pause(Command& program) {
+  Command& command = program.add("pause", "Pause the print after the current layer, or later");
+  auto& args = command.arguments<PauseArgs>();
+  const Option& layer =
+      command.option("--at-layer", args.at_layer, "Pause before layer N").from_to(1, kMaxLayers);
+  command.option("--at-mm", args.at_mm, "Pause when the part is this high, mm").excludes(layer);
+  const ClientOptions& client = add_client_options(command);
+  command.run = [&client, &args] {
+    Json parameters = Json::object();
+    if (args.at_layer) parameters["at_layer"] = *args.at_layer;
+    if (args.at_mm) parameters["at_mm"] = *args.at_mm;
+    return request(client, {"pause", parameters}, print_status);
+  };
+}
+
+struct SetArgs {
+  std::string setting, value;
+};
+
+// Returns the number, which may have the unit %; a mistake is a usage error.
+double number_of(const SetArgs& args) {
+  const bool percent = args.setting == "exposure" && args.value.ends_with('%');
+  const std::string_view digits =
+      std::string_view(args.value).substr(0, args.value.size() - (percent ? 1 : 0));
+  double number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error != std::errc{} || end != digits.data() + digits.size())
+    throw UsageError(fmt::format("VALUE {}: expected a number, such as 110", printable(args.value)));
+  return number;
+}
+
+void add_set(Command& program) {
+  Command& command = program.add("set", "Change a setting of the print from the next layer on");
+  auto& args = command.arguments<SetArgs>();
+  command.option("SETTING", args.setting, "exposure, lift, lift-speed, retract-speed or rest")
+      .required()
+      .one_of({kPrintSettings.begin(), kPrintSettings.end()});
+  command.option("VALUE", args.value, "exposure in % of the planned ones, mm, mm/s, rest in ms").required();
+  const ClientOptions& client = add_client_options(command);
+  command.run = [&client, &args] {
+    return request(client, {"set", {{"setting", args.setting}, {"value", number_of(args)}}}, print_status);
+  };
+}
+
+}  // namespace
+
+void add_print_control(Command& program) {
+  add_pause(program);
+  add_set(program);
+  add_request(program, "resume", "Continue after a pause, or release the queue after a failure", "resume");
+  add_request(program, "cancel", "Cancel the current print: light off, plate up", "cancel");
+  add_request(program, "plate-cleared", "Confirm that the plate is free for the next job", "plate_cleared");
+}
+
+}  // namespace contourd::ctl
