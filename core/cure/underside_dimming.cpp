@@ -206,6 +206,15 @@ std::span<const DimmedPixel> UndersideDimming::dimmed(std::size_t layer) {
   return dimmed_;
 }
 
+void UndersideDimming::exclude(std::size_t model, std::size_t copy,
+                               std::shared_ptr<const SectionSource> supports, std::size_t layer) {
+  expects(layer < layers_.size(), "the layer is one of the print's");
+  const Nanometers from = layers_[layer].top - layers_[layer].thickness;
+  models_.engine().darken(model, copy, from);
+  if (supports_ && supports) supports_->engine().replace_beside(std::move(supports), from);
+  restart_before(layer);
+}
+
 // Goes to a layer from which on all solids are found that are dimmed in `layer`.
 void UndersideDimming::restart_before(std::size_t layer) {
   layer_ = layer > most_ahead_ ? layer - most_ahead_ : 0;

@@ -51,6 +51,7 @@ class LayerPictures {
       : engine_(std::move(engine)), window_(window), budget_(budget) {}
 
   [[nodiscard]] std::span<const PlateModel> models() const { return engine_.models(); }
+  [[nodiscard]] ContourEngine& engine() { return engine_; }
   // Returns the budget of a mask that is begun now.
   [[nodiscard]] MaskBudget budget() const { return MaskBudget(MaskBudget::Clock::now() + budget_); }
   // Returns the coverage of a layer, without what the threshold leaves dark; empty if it overran its budget.
@@ -140,6 +141,11 @@ class UndersideDimming {
   // there are layers ahead. A solid counts as far up as its masks ahead were computed within their budgets.
   // REQUIRES: a layer of the print.
   [[nodiscard]] std::span<const DimmedPixel> dimmed(std::size_t layer);
+  // Leaves a copy dark from a layer on (ContourEngine::darken()), and replaces the supports there, unless
+  // `supports` is null. The next call of dimmed() looks ahead again. REQUIRES: a layer of the print, and such
+  // a copy.
+  void exclude(std::size_t model, std::size_t copy, std::shared_ptr<const SectionSource> supports,
+               std::size_t layer);
   // False if undersides in this layer, the last one for which dimmed() was called, keep their light because a
   // budget was overrun: that to find them, or that of a mask of this layer or the one beneath.
   [[nodiscard]] bool are_found(std::size_t layer) const { return layer != layer_ || are_found_; }

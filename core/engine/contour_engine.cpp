@@ -1,11 +1,14 @@
 #include "core/engine/contour_engine.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
 namespace contourd {
 namespace {
+
+constexpr Nanometers kNever{std::numeric_limits<std::int64_t>::max()};
 
 // Returns the mask of a call without a time limit; throws if it was abandoned.
 const Mask& sound(const Mask* mask) {
@@ -31,8 +34,7 @@ ContourEngine::ContourEngine(std::vector<PlateModel> models, const EngineSetting
       join_tolerance_(to_millimeters(settings.display.pixel_pitch)),
       compensation_(settings.compensation),
       correction_(settings.tone, settings.uniformity),
-      sections_(models_.size()),
-      holes_(models_.size()),
+      cuts_(models_.size()),
       rasterizer_(settings.display.width, settings.display.height, settings.anti_aliasing) {
   expects(std::ranges::all_of(models_, [](const PlateModel& each) { return each.model != nullptr; }),
           "no model is null");
@@ -48,7 +50,28 @@ ContourEngine::ContourEngine(HeightIndex model, const EngineSettings& settings, 
     : ContourEngine({PlateModel{{std::make_shared<const HeightIndex>(std::move(model))}, std::move(copies)}},
                     settings) {}
 
-void ContourEngine::begin_section() {
+void ContourEngine::darken(std::size_t model, std::size_t copy, Nanometers from) {
+  expects(model < models_.size() && copy < models_[model].copies.size(), "there is such a copy");
+  std::vector<Nanometers>& dark_from = cuts_[model].dark_from;
+  dark_from.resize(models_[model].copies.size(), kNever);
+  dark_from[copy] = std::min(dark_from[copy], from);
+}
+
+void ContourEngine::replace_beside(std::shared_ptr<const SectionSource> beside, Nanometers from) {
+  expects(beside != nullptr && (beside_.later.empty() || beside_.later.back().first <= from),
+          "sections replace those beneath them");
+  if (beside_.source) beside_.later.emplace_back(from, std::move(beside));
+}
+
+const SectionSource& ContourEngine::Beside::at(Nanometers height) const {
+  const SectionSource* found = source.get();
+  for (const auto& [from, each] : later)
+    if (from <= height) found = each.get();
+  return *found;
+}
+
+void ContourEngine::begin_section(std::optional<Nanometers> height) {
+  section_height_ = height.value_or(Nanometers{std::numeric_limits<std::int64_t>::min()});
   figures_ = Figures{};
   beside_.conics.clear();
   beside_.contours.points.clear();
@@ -58,19 +81,19 @@ void ContourEngine::begin_section() {
 bool ContourEngine::cut_holes(std::size_t model, Millimeters z, MaskBudget& budget) {
   const auto& source = models_[model].holes;
   if (!source) return true;
-  Contours& holes = holes_[model];
+  Contours& holes = cuts_[model].holes;
   source->section_at(to_nanometers(z).value_or(Nanometers{}), holes);
   return budget.can_hold(holes.points.size()) && budget.spend(holes.points.size());
 }
 
 void ContourEngine::slice(std::size_t model, Millimeters z) {
-  slice_at(*models_[model].model, z, sections_[model]);
-  figures_.intersecting_facets += sections_[model].intersecting_facets;
+  slice_at(*models_[model].model, z, cuts_[model].section);
+  figures_.intersecting_facets += cuts_[model].section.intersecting_facets;
 }
 
 void ContourEngine::link(std::size_t model, MaskBudget& budget) {
-  linker_.link(sections_[model].segments, join_tolerance_, contours_, budget);
-  sections_[model].segments.clear();
+  linker_.link(cuts_[model].section.segments, join_tolerance_, contours_, budget);
+  cuts_[model].section.segments.clear();
   figures_.loops += static_cast<std::uint32_t>(contours_.loops.size());
   figures_.cracks += contours_.cracks;
 }
@@ -78,11 +101,11 @@ void ContourEngine::link(std::size_t model, MaskBudget& budget) {
 bool ContourEngine::add_to_mask(std::size_t model, Millimeters z, Millimeters offset, MaskBudget& budget) {
   slice(model, z);
   if (!cut_holes(model, z, budget)) return false;
-  Section& section = sections_[model];
+  Section& section = cuts_[model].section;
   if (!budget.spend(section.segments.size()) || !budget.can_hold(section.segments.size())) return false;
   if (offset != Millimeters{}) {
     link(model, budget);
-    return add_moved(models_[model], offset, budget);
+    return add_moved(model, offset, budget);
   }
   // Balanced segments form closed polygons, in any order.
   const bool open = !section.balanced;
@@ -92,25 +115,24 @@ bool ContourEngine::add_to_mask(std::size_t model, Millimeters z, Millimeters of
     figures_.loops += static_cast<std::uint32_t>(contours_.loops.size());
     figures_.cracks += contours_.cracks;
   }
-  for (const PixelMap& copy : models_[model].copies) {
+  for_copies(model, [&](const PixelMap& copy) {
     rasterizer_.add_segments(section.segments, copy);
     if (open) rasterizer_.add_loops(contours_, copy);
-  }
+  });
   return true;
 }
 
-bool ContourEngine::add_moved(const PlateModel& model, Millimeters offset, MaskBudget& budget) {
+bool ContourEngine::add_moved(std::size_t model, Millimeters offset, MaskBudget& budget) {
   if (!budget.look_at_the_clock()) return false;
   if (!offset_.offset(contours_, offset, moved_, budget)) return false;
-  for (const PixelMap& copy : model.copies)
-    rasterizer_.add_loops(moved_, copy);
+  for_copies(model, [&](const PixelMap& copy) { rasterizer_.add_loops(moved_, copy); });
   return true;
 }
 
 bool ContourEngine::cut_beside(Nanometers height, MaskBudget& budget) {
   if (!beside_.source) return true;
-  if (!beside_.source->conics_at(height, beside_.conics))
-    beside_.source->section_at(height, beside_.contours);
+  const SectionSource& source = beside_.at(height);
+  if (!source.conics_at(height, beside_.conics)) source.section_at(height, beside_.contours);
   const std::size_t sides = beside_.conics.size() + beside_.contours.points.size();
   return budget.can_hold(sides) && budget.spend(sides);
 }
@@ -121,8 +143,7 @@ bool ContourEngine::cut_beside(Nanometers height, MaskBudget& budget) {
 const Mask* ContourEngine::paint(MaskBudget& budget) {
   if (!rasterizer_.paint(budget)) return nullptr;
   for (std::size_t i = 0; i < models_.size(); ++i) {
-    for (const PixelMap& copy : models_[i].copies)
-      rasterizer_.darken(holes_[i], copy);
+    for_copies(i, [&](const PixelMap& copy) { rasterizer_.darken(cuts_[i].holes, copy); });
   }
   rasterizer_.light(beside_.conics, beside_.map);
   rasterizer_.light(beside_.contours, beside_.map);
@@ -132,7 +153,7 @@ const Mask* ContourEngine::paint(MaskBudget& budget) {
 }
 
 const Mask* ContourEngine::mask_within(Nanometers height, MaskBudget& budget) {
-  begin_section();
+  begin_section(height);
   const Millimeters offset = to_millimeters(compensation_.offset_at(height));
   for (std::size_t i = 0; i < models_.size(); ++i) {
     if (!add_to_mask(i, models_[i].z_at(height), offset, budget)) return abandon();
@@ -153,16 +174,16 @@ const Mask& ContourEngine::mask_at(Nanometers height) {
 const Mask& ContourEngine::mask_at_z(Millimeters z) {
   expects(models_.size() == 1, "there is one model");
   MaskBudget unlimited;
-  begin_section();
   const PlateModel& model = models_.front();
   const std::optional<Nanometers> height = model.elevation.height_at(z, model.model->bounds());
+  begin_section(height);
   const Millimeters offset = height ? to_millimeters(compensation_.offset_at(*height)) : Millimeters{};
   const bool added = add_to_mask(0, z, offset, unlimited) && (!height || cut_beside(*height, unlimited));
   return sound(added ? paint(unlimited) : abandon());
 }
 
 const Contours& ContourEngine::contours_at(Nanometers height) {
-  begin_section();
+  begin_section(height);
   plate_contours_.points.clear();
   plate_contours_.loops.clear();
   plate_contours_.cracks = LayerCracks{};

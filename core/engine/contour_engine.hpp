@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/contour/contour_loops.hpp"
@@ -57,6 +58,13 @@ class ContourEngine {
   ContourEngine(HeightIndex model, const EngineSettings& settings, std::vector<PixelMap> copies);
 
   [[nodiscard]] std::span<const PlateModel> models() const { return models_; }
+  // Leaves a model's copy dark at this height and above, by their numbers from 0; models() keeps it.
+  // REQUIRES: there is such a copy.
+  void darken(std::size_t model, std::size_t copy, Nanometers from);
+  // Exposes the sections of `beside` instead of those given before, at this height and above. Does nothing in
+  // an engine that was made without any. REQUIRES: no null pointer, and a height not below those given
+  // before.
+  void replace_beside(std::shared_ptr<const SectionSource> beside, Nanometers from);
   // Returns the only model. REQUIRES: one model.
   [[nodiscard]] const HeightIndex& model() const {
     expects(models_.size() == 1, "there is one model");
@@ -105,15 +113,32 @@ class ContourEngine {
     std::uint32_t loops = 0;  // loops linked so far
     LayerCracks cracks;
   };
+  // The cut of a model.
+  struct Cut {
+    Section section{};  // segments that are not linked
+    Contours holes{};
+    std::vector<Nanometers> dark_from{};  // heights from which on copies are dark, by copy; empty: none is
+  };
   // The sections exposed beside the models.
   struct Beside {
     std::shared_ptr<const SectionSource> source;  // null: none
     PixelMap map;                                 // map of the plate
     std::vector<ConicCut> conics{};               // if the source has none, its contours are used
     Contours contours{};
+    // Sources by the height from which on they replace those before, rising.
+    std::vector<std::pair<Nanometers, std::shared_ptr<const SectionSource>>> later{};
+
+    [[nodiscard]] const SectionSource& at(Nanometers height) const;
   };
 
-  void begin_section();
+  void begin_section(std::optional<Nanometers> height);
+  // Calls `draw` with the map of each of a model's copies that is lit at the section's height.
+  template <typename Draw>
+  void for_copies(std::size_t model, const Draw& draw) {
+    for (std::size_t copy = 0; copy < models_[model].copies.size(); ++copy)
+      if (cuts_[model].dark_from.empty() || section_height_ < cuts_[model].dark_from[copy])
+        draw(models_[model].copies[copy]);
+  }
   // Cuts a model's holes, for paint(). False if the budget was overrun.
   [[nodiscard]] bool cut_holes(std::size_t model, Millimeters z, MaskBudget& budget);
   // Slice or link a model, by its number.
@@ -122,7 +147,7 @@ class ContourEngine {
   // Cuts a model at its z, moves the contours outwards and adds them to the mask. False if the budget was
   // overrun.
   [[nodiscard]] bool add_to_mask(std::size_t model, Millimeters z, Millimeters offset, MaskBudget& budget);
-  [[nodiscard]] bool add_moved(const PlateModel& model, Millimeters offset, MaskBudget& budget);
+  [[nodiscard]] bool add_moved(std::size_t model, Millimeters offset, MaskBudget& budget);
   // Cuts the sections beside the models, for paint(). False if the budget was overrun.
   [[nodiscard]] bool cut_beside(Nanometers height, MaskBudget& budget);
   // Paints the mask. Null if the budget was overrun.
@@ -136,8 +161,8 @@ class ContourEngine {
   Compensation compensation_;
   ExposureCorrection correction_;
   Figures figures_;
-  std::vector<Section> sections_;  // by model: segments of its cut that are not linked
-  std::vector<Contours> holes_;    // by model
+  std::vector<Cut> cuts_;  // by model
+  Nanometers section_height_{};
   ContourLinker linker_;
   Contours contours_;  // contours of one model
   ContourOffset offset_;

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <memory>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "core/layers/layers.hpp"
 #include "daemon/control/setting_bounds.hpp"
+#include "daemon/report/plate_copies.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd {
@@ -17,6 +20,27 @@ namespace {
 
 // Limit of the heights at which a pause can be planned, beyond every print.
 constexpr double kMostHeight = 10'000;
+
+constexpr std::size_t kMostCopies = 1000;  // that are listed
+
+// Returns the place of the copy with this number or name. Throws ControlRefusal if there is not exactly one.
+std::size_t number_of(const std::string& wanted, const std::vector<PlateCopy>& copies) {
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+  if (error == std::errc{} && end == wanted.data() + wanted.size() && number >= 1 && number <= copies.size())
+    return number - 1;
+  const auto is_meant = [&](const PlateCopy& copy) {
+    return copy.name == wanted || printable(copy.name) == wanted;
+  };
+  const auto found = std::ranges::find_if(copies, is_meant);
+  if (found == copies.end())
+    throw ControlRefusal(
+        fmt::format("there is no copy {} on the plate: give a number from 1 to {}, or a name such as {}",
+                    in_quotes(wanted), copies.size(), in_quotes(copies.front().name)));
+  if (std::find_if(found + 1, copies.end(), is_meant) != copies.end())
+    throw ControlRefusal(fmt::format("more than one copy is called {}: give its number", in_quotes(wanted)));
+  return static_cast<std::size_t>(found - copies.begin());
+}
 
 // Returns the lower side of the last layer, or the height that it does not exceed.
 Nanometers last_bottom(const JobSummary& summary) {
@@ -61,6 +85,15 @@ ControlMethods PrinterControl::methods() {
                            .described_as("a number from 0 to 1000000")},
         .call = [this](const Json& parameters, const ControlCaller&) { return set(parameters); },
         .changes = true}},
+      {"copies",
+       {.description = "Lists the copies of models on the plate of the print under way.",
+        .call = [this](const Json&, const ControlCaller&) { return copies(); }}},
+      {"exclude",
+       {.description =
+            "Leaves a copy of a model dark from the next layer on; the others are printed as before.",
+        .parameters = {ControlParameter::text("copy", "the copy's number or name, see `copies`").needed()},
+        .call = [this](const Json& parameters, const ControlCaller&) { return exclude(parameters); },
+        .changes = true}},
       {"resume", changes("Continues a paused or interrupted print, withdraws a requested pause that has not "
                          "begun, or releases a held queue.",
                          &PrinterControl::resume)},
@@ -93,10 +126,8 @@ Json PrinterControl::set(const Json& parameters) {
   if (!print.under_way())
     throw ControlRefusal(
         "nothing prints: settings can be changed only during a print; a job's ticket sets them before");
-  if (print.next_pause().empty()) throw ControlRefusal(std::string(print.why_it_ends()));
+  const std::int32_t next = next_layer();
   const JobSummary& summary = job_.job()->prepared->summary;
-  const std::int32_t next = print.layer() + 1;
-  if (next >= summary.layers.count) throw ControlRefusal("no layer follows: the last one is under way");
   const auto wanted = parameters.at("setting").get<std::string>();
   const std::string_view setting = *std::ranges::find(kPrintSettings, wanted);
   const auto value = parameters.at("value").get<double>();
@@ -112,6 +143,46 @@ Json PrinterControl::set(const Json& parameters) {
                     PrintRecord::kMostChanges));
   job_.set(setting, value);
   return status_.status();
+}
+
+std::int32_t PrinterControl::next_layer() const {
+  const PrintMode& print = job_.print();
+  if (print.next_pause().empty()) throw ControlRefusal(std::string(print.why_it_ends()));
+  const std::int32_t next = print.layer() + 1;
+  if (next >= job_.job()->prepared->summary.layers.count)
+    throw ControlRefusal("no layer follows: the last one is under way");
+  return next;
+}
+
+Json PrinterControl::exclude(const Json& parameters) {
+  require_print("exclude a copy from");
+  (void)next_layer();
+  const std::vector<PlateCopy> copies = copies_of(job_.job()->prepared->summary, job_.name());
+  const std::size_t number = number_of(parameters.at("copy").get<std::string>(), copies);
+  const std::string name = printable(copies[number].name);
+  const auto& excluded = job_.job()->record->exclusions();
+  const auto known = std::ranges::find(excluded, number, &Exclusion::number);
+  if (known != excluded.end())
+    throw ControlRefusal(fmt::format("{} is dark from layer {} on already", name, known->layer + 1));
+  if (excluded.size() + 1 == copies.size())
+    throw ControlRefusal(fmt::format("{} is the last copy that is printed: cancel ends the print", name));
+  job_.exclude(number);
+  return status_.status();
+}
+
+Json PrinterControl::copies() const {
+  require_print("list the copies of");
+  const auto& excluded = job_.job()->record->exclusions();
+  Json list = Json::array();
+  const std::vector<PlateCopy> copies = copies_of(job_.job()->prepared->summary, job_.name());
+  for (std::size_t i = 0; i < std::min(copies.size(), kMostCopies); ++i) {
+    const auto known = std::ranges::find(excluded, i, &Exclusion::number);
+    list.push_back({{"number", i + 1},
+                    {"name", copies[i].name},
+                    {"position_mm", {copies[i].center.x, copies[i].center.y}},
+                    {"excluded_from", known == excluded.end() ? Json() : Json(known->layer + 1)}});
+  }
+  return {{"copies", list}, {"more", copies.size() - list.size()}};
 }
 
 PausePoint PrinterControl::pause_point(const Json& parameters) const {

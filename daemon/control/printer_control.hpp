@@ -32,6 +32,10 @@ class PrinterControl {
   Json pause(const Json& parameters);
   // Changes a setting of the print from the next layer on.
   Json set(const Json& parameters);
+  // Leaves a copy dark from the next layer on.
+  Json exclude(const Json& parameters);
+  // Returns the copies on the plate.
+  [[nodiscard]] Json copies() const;
   // Resumes the print, or the queue if it is held and nothing prints.
   Json resume();
   // Cancels the current job.
@@ -44,6 +48,8 @@ class PrinterControl {
   Json resume_queue();
   [[nodiscard]] bool has_unfinished_job() const;
   [[nodiscard]] PausePoint pause_point(const Json& parameters) const;
+  // Returns the layer from which on a change holds, from 0; throws ControlRefusal if no layer follows.
+  [[nodiscard]] std::int32_t next_layer() const;
   void require_print(std::string_view what) const;
   void require_ready(std::string_view what) const;
 

@@ -179,6 +179,9 @@ void PrinterStatus::add_print(Json& job) const {
   job["pause_pending"] = print.pause_pending();
   job["pause"] = print.pause_pending() ? Json(print.next_pause()) : Json();
   job["planned_pause"] = print.planned_pause() ? Json(describe(*print.planned_pause())) : Json();
+  job["excluded"] = Json::array();
+  for_first(record.exclusions(), kMaxDetailed,
+            [&](const Exclusion& each) { job["excluded"].push_back(each.copy); });
   job["interruption"] = or_null(print.interruption());
 }
 

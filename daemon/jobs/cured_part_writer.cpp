@@ -157,6 +157,8 @@ PrintedPart CuredPartWriter::cure(PrintToCure& print, const std::atomic<Stop>& s
   const PrintReport& report = print.report;
   const std::optional<PrintedLight> light = printed_light(report.layers, report.summary.irradiance_mw_cm2);
   if (!light) return {{}, "its layers do not lie one upon another from the first one on"};
+  if (!report.exclusions.empty())
+    return {{}, "copies were excluded while it printed, and have no end to compare"};
   ContourEngine& engine = *print.engine;
   const DisplayGeometry display =
       display_of(engine.models(), engine.coverage().width(), engine.coverage().height());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <set>
 #include <span>
 #include <system_error>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/print/print_modes.hpp"
+#include "daemon/report/plate_copies.hpp"
 #include "daemon/spool/job_filing.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -70,17 +72,26 @@ PrintReport report_of(CurrentJob::State& job) {
   return report;
 }
 
+// Returns what users changed in a print while it printed; empty if that is nothing.
+std::string changes_of(std::span<const SettingChange> changes, std::span<const Exclusion> exclusions) {
+  std::string text = describe(changes);
+  constexpr std::size_t kMost = 20;
+  for (const Exclusion& each : exclusions.first(std::min(exclusions.size(), kMost)))
+    text += (text.empty() ? "" : "; ") + describe(each);
+  if (exclusions.size() > kMost) text += fmt::format("; and {} more", exclusions.size() - kMost);
+  return text;
+}
+
 // Returns the figures of a print under way. Its interruptions and late steps are known only at its end.
 JobFigures figures_of(const JobSummary& summary, const std::vector<LayerRecord>& layers,
-                      std::span<const SettingChange> changes, Duration print_time) {
-  JobFigures figures{
-      .resin = summary.resin.name,
-      .settings = describe_settings(summary) + (changes.empty() ? "" : "; " + describe(changes)),
-      .warnings = summary.warnings,
-      .height_mm = summary.height_mm,
-      .layers = summary.layers.count,
-      .layers_exposed = layers_exposed(layers),
-      .print_time_s = in_seconds(print_time)};
+                      const std::string& changes, Duration print_time) {
+  JobFigures figures{.resin = summary.resin.name,
+                     .settings = describe_settings(summary) + (changes.empty() ? "" : "; " + changes),
+                     .warnings = summary.warnings,
+                     .height_mm = summary.height_mm,
+                     .layers = summary.layers.count,
+                     .layers_exposed = layers_exposed(layers),
+                     .print_time_s = in_seconds(print_time)};
   Duration lit{}, asked{}, most_over{};
   double volume_mm3 = 0;
   for (const LayerRecord& layer : layers) {
@@ -100,7 +111,8 @@ JobFigures figures_of(const JobSummary& summary, const std::vector<LayerRecord>&
 
 // Returns the figures of a print that is over.
 JobFigures figures_of(const PrintReport& report) {
-  JobFigures figures = figures_of(report.summary, report.layers, report.changes, report.print_time);
+  JobFigures figures = figures_of(report.summary, report.layers,
+                                  changes_of(report.changes, report.exclusions), report.print_time);
   if (report.findings) {
     for (const std::string& warning : warnings_about(*report.findings))
       figures.warnings.push_back(warning);
@@ -319,6 +331,22 @@ void CurrentJob::set(std::string_view setting, double value) {
   context_.log.info("set", fmt::format("{}: {}", printable(name()), describe(change)), job_fields(name()));
 }
 
+void CurrentJob::exclude(std::size_t number) {
+  expects(print_->under_way(), "a print is under way");
+  const JobSummary& summary = job_->prepared->summary;
+  const std::vector<PlateCopy> copies = copies_of(summary, name());
+  expects(number < copies.size(), "there is such a copy");
+  std::set<std::size_t> excluded{number};
+  for (const Exclusion& each : job_->record->exclusions())
+    excluded.insert(each.number);
+  const PlateCopy& copy = copies[number];
+  const Exclusion exclusion{number, copy.name, print_->layer() + 1};
+  job_->record->add(exclusion);
+  print_->exclude({copy.model, copy.copy, supports_left(summary, excluded)});
+  context_.log.info("exclude", fmt::format("{}: {}", printable(name()), describe(exclusion)),
+                    job_fields(name()));
+}
+
 void CurrentJob::light_due() {
   job_->had_light = true;
 }
@@ -340,7 +368,10 @@ void CurrentJob::layer_done(const LayerRecord& layer) {
   context_.supervisor.status(
       fmt::format("Printing {}, layer {} of {}", printable(name()), layer.layer + 1, summary.layers.count));
   const PrintRecord& record = *job_->record;
-  history_.note([&] { return figures_of(summary, record.layers(), record.changes(), record.elapsed()); });
+  history_.note([&] {
+    return figures_of(summary, record.layers(), changes_of(record.changes(), record.exclusions()),
+                      record.elapsed());
+  });
   observer_.job_changed("layer");
 }
 

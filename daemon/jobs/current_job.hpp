@@ -2,6 +2,7 @@
 // also in the history, and has it filed. Event loop's thread only.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -69,6 +70,9 @@ class CurrentJob final : private PrintObserver {
   // Changes a setting of the print from the next layer on, and records this. REQUIRES: a print under way, one
   // of kPrintSettings, and room in its record.
   void set(std::string_view setting, double value);
+  // Leaves a copy dark from the next layer on, and records this. `number` is its place in copies_of(), from
+  // 0. REQUIRES: a print under way, and such a copy.
+  void exclude(std::size_t number);
   // Cancels its print, which must not be over, or prevents it from beginning. REQUIRES: a job.
   void cancel();
   // Ends a print under way: turns the light off and moves its files to failed/. Prevents the print of a job

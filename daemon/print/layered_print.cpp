@@ -73,6 +73,7 @@ void LayeredPrint::start(PrintPlan plan) {
   failure_.clear();
   interruption_.clear();
   new_settings_.reset();
+  new_exclusions_.clear();
   begin_layer(Nanometers{});
   expect_layers();
   handle(LayeredEvent::Started);
@@ -102,6 +103,20 @@ PrintSettings LayeredPrint::settings() const {
   return new_settings_.value_or(PrintSettings{plan_->exposure_percent, plan_->motion});
 }
 
+void LayeredPrint::exclude(ExcludedCopy copy) {
+  expects(under_way(), "a print is under way");
+  new_exclusions_.push_back(std::move(copy));
+}
+
+// Leaves the copy dark from the layer on that begins.
+void LayeredPrint::leave_dark(const ExcludedCopy& copy) {
+  const auto supports = copy.supports_left ? copy.supports_left() : nullptr;
+  plan_->engine->darken(copy.model, copy.copy, bottom_);
+  if (supports) plan_->engine->replace_beside(supports, bottom_);
+  if (plan_->undersides)
+    plan_->undersides->dimming().exclude(copy.model, copy.copy, supports, static_cast<std::size_t>(layer_));
+}
+
 void LayeredPrint::take_settings(const PrintSettings& settings) {
   plan_->exposure_percent = settings.exposure_percent;
   plan_->motion = settings.motion;
@@ -118,6 +133,14 @@ void LayeredPrint::begin_layer(Nanometers bottom) {
   record_.bottom = bottom_;
   record_.thickness = thickness_;
   record_.exposure_asked = exposure_of(*plan_, layer_, thickness_);
+}
+
+void LayeredPrint::next_layer() {
+  ++layer_;
+  if (new_settings_) take_settings(*std::exchange(new_settings_, std::nullopt));
+  begin_layer(layer_top());
+  for (const ExcludedCopy& copy : std::exchange(new_exclusions_, {}))
+    leave_dark(copy);
 }
 
 void LayeredPrint::pause() {
@@ -273,9 +296,7 @@ void LayeredPrint::perform(LayeredEffect effect) {
     case LayeredEffect::Lift:
       return lift();
     case LayeredEffect::NextLayer:
-      ++layer_;
-      if (new_settings_) take_settings(*std::exchange(new_settings_, std::nullopt));
-      return begin_layer(layer_top());
+      return next_layer();
     case LayeredEffect::RaiseForALook:
       if (planned_pause_due()) planned_pause_.reset();
       pause_wanted_ = false;

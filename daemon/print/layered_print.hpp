@@ -29,6 +29,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   void pause_at(PausePoint point) override;
   void resume() override;
   void set(const PrintSettings& settings) override;
+  void exclude(ExcludedCopy copy) override;
   void interrupt(const std::string& what) override;
   void cancel() override;
   void fail(const std::string& reason) override;
@@ -84,7 +85,9 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   [[nodiscard]] bool is_in(EnumSet<LayeredState> states) const { return states.contains(layered_state()); }
   [[nodiscard]] Nanometers current_height() const;
   void expect_layers();
+  void leave_dark(const ExcludedCopy& copy);
   void take_settings(const PrintSettings& settings);
+  void next_layer();
   void begin_layer(Nanometers bottom);
   void expose();
   void time_exposure();
@@ -115,6 +118,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   std::string failure_;
   std::string interruption_;
   std::optional<PrintSettings> new_settings_;  // from the next layer on
+  std::vector<ExcludedCopy> new_exclusions_;   // from the next layer on
   LayerRecord record_;                         // the layer under way
   double pressed_shape_mm4_ = 0;               // factor of the face that presses out resin next
   ShownMask shown_;

@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -38,6 +40,13 @@ using PausePoint = std::variant<std::int32_t, Nanometers>;
 [[nodiscard]] bool is_reached(const PausePoint& point, std::int32_t layer, Nanometers bottom);
 // Returns "before layer 12" or "at 3.500 mm".
 [[nodiscard]] std::string describe(const PausePoint& point);
+
+// A copy of a model that is to stay dark, by the numbers in the plan's engine.
+struct ExcludedCopy {
+  std::size_t model = 0, copy = 0;
+  // Returns the supports of the other copies; empty if the print has no supports. Called in the dark.
+  std::function<std::shared_ptr<const SectionSource>()> supports_left{};
+};
 
 // The state while nothing prints.
 inline constexpr PrintState kIdle{.name = "idle"};
@@ -88,6 +97,8 @@ class PrintMode {
   virtual void resume() = 0;
   // Sets the print's settings, from the next layer on. REQUIRES: under_way().
   virtual void set(const PrintSettings& settings) = 0;
+  // Leaves a copy dark from the next layer on. REQUIRES: under_way(), and such a copy.
+  virtual void exclude(ExcludedCopy copy) = 0;
   // Turns the light off at once and moves the plate up; the print waits for resume(). `what` says why, in one
   // sentence. Does nothing while no print is under way.
   virtual void interrupt(const std::string& what) = 0;

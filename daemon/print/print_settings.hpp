@@ -20,7 +20,8 @@ struct PrintSettings {
 inline constexpr std::array<std::string_view, 5> kPrintSettings{"exposure", "lift", "lift-speed",
                                                                 "retract-speed", "rest"};
 
-// Return a setting's value, its unit, and the settings with another value. REQUIRES: one of kPrintSettings.
+// Return a setting's value, its unit, and the settings with another value. `setting` is
+// one of kPrintSettings.
 [[nodiscard]] double value_of(const PrintSettings& settings, std::string_view setting);
 [[nodiscard]] std::string_view unit_of(std::string_view setting);
 [[nodiscard]] PrintSettings with_value(PrintSettings settings, std::string_view setting, double value);

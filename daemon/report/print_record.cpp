@@ -1,11 +1,18 @@
 #include "daemon/report/print_record.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
 #include "core/contract/expects.hpp"
+#include "daemon/system/readable.hpp"
 
 namespace contourd {
+
+std::string describe(const Exclusion& exclusion) {
+  return fmt::format("{} dark from layer {} on", printable(exclusion.copy), exclusion.layer + 1);
+}
 
 PrintRecord::PrintRecord(Machine& machine, Clock& clock, std::optional<std::filesystem::path> masks)
     : machine_(machine),
@@ -62,6 +69,7 @@ PrintReport PrintRecord::take_report() {
   enter(kIdle, 0);
   report.stops = std::move(stops_);
   report.changes = std::move(changes_);
+  report.exclusions = std::move(exclusions_);
   report.print_time = states_.total();
   report.states = std::move(states_);
   report.started = started_at_;

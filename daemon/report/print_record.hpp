@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/print/print_mode.hpp"
@@ -30,6 +31,7 @@ class PrintRecord {
   // Records a change, which replaces an earlier one of the same setting for the same layer. REQUIRES: there
   // are fewer than kMostChanges.
   void add(const SettingChange& change);
+  void add(Exclusion exclusion) { exclusions_.push_back(std::move(exclusion)); }
   // Records a turn of the event loop during which there was or may have been light; the longest is
   // kept.
   void add_lit_turn(const EventLoop::Turn& turn);
@@ -37,6 +39,7 @@ class PrintRecord {
   [[nodiscard]] const std::vector<LayerRecord>& layers() const { return layers_; }
   static constexpr std::size_t kMostChanges = 1000;
   [[nodiscard]] const std::vector<SettingChange>& changes() const { return changes_; }
+  [[nodiscard]] const std::vector<Exclusion>& exclusions() const { return exclusions_; }
   // Returns the time since the print began, by the machine's clock.
   [[nodiscard]] Duration elapsed() const { return clock_.now() - started_; }
 
@@ -55,6 +58,7 @@ class PrintRecord {
   std::chrono::system_clock::time_point started_at_;
   std::vector<LayerRecord> layers_;
   std::vector<SettingChange> changes_;
+  std::vector<Exclusion> exclusions_;
   StateTimes states_;
   PrintStops stops_;
   bool pause_known_ = false;       // the pause under way is the last of stops_.pauses

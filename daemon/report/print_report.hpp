@@ -62,6 +62,16 @@ struct PrintStops {
   std::uint64_t more_interruptions = 0, more_pauses = 0;  // beyond kMost
 };
 
+// A copy that was excluded from the rest of a print.
+struct Exclusion {
+  std::size_t number = 0;  // of the plate's copies, from 0
+  std::string copy;        // its name
+  std::int32_t layer = 0;  // the first layer without it, from 0
+};
+
+// Returns "tower.stl (copy 2) dark from layer 12 on"; printable.
+[[nodiscard]] std::string describe(const Exclusion& exclusion);
+
 // The part that a print's light cured.
 struct PrintedPart {
   std::optional<CuredPart> part;
@@ -78,6 +88,7 @@ struct PrintReport {
   std::vector<LayerRecord> layers;        // the exposed layers
   PrintStops stops;
   std::vector<SettingChange> changes;  // settings that were changed while it printed
+  std::vector<Exclusion> exclusions;
   StateTimes states;
   std::chrono::system_clock::time_point started,
       ended;                                   // wall-clock times, only to be read; durations are monotonic

@@ -89,6 +89,8 @@ std::string thickness_of(const JobSummary& summary) {
 std::string settings_rows(const PrintReport& report) {
   const JobSummary& summary = report.summary;
   std::string rows = table_row("Resin", describe_settings(summary));
+  for (const Exclusion& each : first_items(report.exclusions, kMaxItems))
+    rows += table_row("Excluded", describe(each));
   if (!report.changes.empty()) rows += table_row("Changed while printing", describe(report.changes));
   const std::string correction = describe_correction(summary);
   if (!correction.empty()) rows += table_row("Compensation", correction);

@@ -136,6 +136,13 @@ Json changes_json(const PrintReport& report) {
   return list;
 }
 
+Json exclusions_json(const PrintReport& report) {
+  Json list = Json::array();
+  for (const Exclusion& each : report.exclusions)
+    list.push_back({{"copy", each.copy}, {"number", each.number + 1}, {"from_layer", each.layer + 1}});
+  return list;
+}
+
 Json cured_json(const PrintReport& report) {
   if (!report.cured) return {};
   if (!report.cured->part) return {{"not_computed", report.cured->why_not}};
@@ -200,6 +207,7 @@ std::string report_as_json(const PrintReport& report) {
   if (summary.supports) json["settings"]["supports"] = support_settings_json(summary.resin.supports);
   json["overrides"] = overrides_json(summary.overridden);
   json["changes"] = changes_json(report);
+  json["excluded"] = exclusions_json(report);
   json["supports"] = summary.supports ? supports_json(*summary.supports) : Json();
   add_layer_figures(summary.layers, json);
   json["layers_exposed"] = layers_exposed(report.layers);

@@ -84,7 +84,7 @@ class ControlApiTest(FolderTest):
     def printing(self, simulation=None, **more):
         """Starts a daemon whose print stays in its first exposure."""
         resin = {**ENDLESS, "ticket_limits": {"settle_ms": [0, 100]}}
-        return FolderTest.printing(self, "part.stl", SMALL, resin, simulation=simulation or {}, **more)
+        return FolderTest.printing(self, "part.stl", SMALL, resin, {"copies": 2}, simulation=simulation or {}, **more)
 
     def assert_fields(self, value, table, without=()):
         expected = [name for name, *_ in table if name not in without]
@@ -168,7 +168,8 @@ class ControlApiTest(FolderTest):
             daemon.drop(f"{name}.stl", model, {"settle_ms": 10})
         wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["ready", "unaccepted"], "both jobs to be checked")
         parameters_of = {"queue_move": {"job": "two", "to": 1}, "accept": {"job": "two"}, "queue_remove": {"job": "one"}, "replaced": {"part": "film"}, "set": {"setting": "rest", "value": 300}}
-        for method in ("watch", "status", "queue", "history", "usage", "replaced", "queue_move", "accept", "queue_remove", "pause", "resume", "set", "cancel"):
+        self.assert_fields(daemon.rpc("copies")["result"]["copies"][0], rows("### A copy"))
+        for method in ("watch", "status", "queue", "history", "usage", "replaced", "queue_move", "accept", "queue_remove", "pause", "resume", "set", "copies", "exclude", "cancel"):
             answers[method] = daemon.client().call(method, **parameters_of.get(method, {}))
         daemon.rpc("queue_remove", job="two")
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")

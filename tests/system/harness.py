@@ -290,10 +290,10 @@ class FolderTest(unittest.TestCase):
     def path(self, *parts):
         return os.path.join(self.folder, *parts)
 
-    def printing(self, name="part.stl", model=None, resin=None, **config):
+    def printing(self, name="part.stl", model=None, resin=None, ticket=None, **config):
         """Starts a daemon in real time, and returns it when it exposes the first layer of a print, by default until the test ends it."""
         daemon = Daemon(self, realtime(**config), {**NIMBLE_RESIN, **(ENDLESS if resin is None else resin)}).start()
-        daemon.begin(name, model or SLAB)
+        daemon.begin(name, model or SLAB, ticket)
         return daemon
 
     def reachable(self, program):

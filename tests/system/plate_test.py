@@ -4,7 +4,7 @@ import json
 import os
 import signal
 
-from harness import WAITS, Daemon, FolderTest, binary_stl, box, contourctl, read_png, wait_until
+from harness import NIMBLE_RESIN, OK, WAITS, Daemon, FolderTest, binary_stl, box, contourctl, read_png, realtime, wait_until
 
 CUBE = binary_stl(box((0, 0, 0), (10, 10, 1)))  # 20 layers
 POST = binary_stl(box((50, 50, 50), (54, 52, 52)))  # 40 layers
@@ -103,6 +103,53 @@ class Printing(PlateTest):
         self.assertEqual(report["adaptive_layers"], {"cusp_um": 28, "min_um": 25, "max_um": 100})
         # After the fade, Jacobs' working curve applies: exp((thickness + overcure) / Dp) Ec / irradiance.
         self.assertAlmostEqual(records[-20]["exposure_asked_ms"], 9 / 5 * 2.718281828459045 ** ((30 + 60) / 150) * 1000, delta=0.01)
+
+
+class Exclusion(PlateTest):
+    def masks_of(self, report):
+        folder = report["masks_folder"]
+        return [read_png(os.path.join(folder, name)).rows for name in sorted(os.listdir(folder)) if name.endswith(".png")]
+
+    def test_an_excluded_copy_goes_dark_with_its_supports_and_the_others_keep_every_pixel(self):
+        table = binary_stl(box((1, 1, 0), (3, 3, 1)) + box((0, 0, 1), (6, 6, 2)))  # needs supports
+        # Two copies, and the same copies from a print in which none is excluded.
+        ticket = {"supports": "on", "models": [{"file": "table.stl", "position_mm": {"x": -12}}, {"file": "post.stl", "position_mm": {"x": 12}}]}
+        files = {"table.stl": table, "post.stl": POST}
+        plain = self.daemon(masks=True).start()
+        self.drop_plate(plain, "both", ticket, files)
+        report = plain.wait_done("both")
+        self.assertGreater(report["supports"]["contacts"], 0)
+        whole = self.masks_of(report)
+        plain.stop()
+        config = realtime(simulation={"start_height_mm": 10})
+        daemon = self.daemon(config, {**NIMBLE_RESIN, "exposure_ms": 1}, masks=True).start()
+        self.drop_plate(daemon, "again", ticket, files)
+        daemon.wait_state("exposing")
+        daemon.rpc("pause", at_layer=9)
+        layer = daemon.wait_state("paused")["job"]["layer"] + 1
+        self.assertEqual(layer, 9)
+        listed = daemon.ctl("exclude").stdout.decode()
+        self.assert_words(listed, "  1  table.stl, at -12.0, 0.0 mm", "  2  post.stl, at 12.0, 0.0 mm")
+        self.assertEqual(daemon.ctl("exclude", "table.stl").returncode, OK)
+        self.assertEqual(daemon.status()["job"]["excluded"], ["table.stl"])
+        self.assertIn(b"dark from layer 9 on already", daemon.ctl("exclude", "1").stderr)
+        self.assertIn(b"post.stl is the last copy that is printed", daemon.ctl("exclude", "2").stderr)
+        daemon.rpc("resume")
+        report = daemon.wait_done("again")
+        self.assertEqual(report["excluded"], [{"copy": "table.stl", "number": 1, "from_layer": 9}])
+        self.assertIn("table.stl dark from layer 9 on", daemon.read("done", "again.report.html"))
+        self.assertIn("table.stl dark from layer 9 on", daemon.rpc("history")["result"]["ended"][-1]["settings"])
+        masks = self.masks_of(report)
+        self.assertEqual(len(masks), len(whole))
+        middle = len(whole[0][0]) // 2
+        for number, (mask, before) in enumerate(zip(masks, whole)):
+            self.assertEqual([row[middle:] for row in mask], [row[middle:] for row in before])
+            left = [row[:middle] for row in mask]
+            if number < 8:
+                self.assertTrue(any(any(row) for row in left))
+                self.assertEqual(left, [row[:middle] for row in before])
+            else:
+                self.assertFalse(any(any(row) for row in left), f"layer {number + 1}")
 
 
 class Arrival(PlateTest):

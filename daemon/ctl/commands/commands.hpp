@@ -14,7 +14,7 @@ void add_status(Command& program);
 void add_queue(Command& program);
 // Adds history, usage and replaced.
 void add_history(Command& program);
-// Adds pause, set, resume, cancel and plate-cleared.
+// Adds pause, set, exclude, resume, cancel and plate-cleared.
 void add_print_control(Command& program);
 // Shows contourd's lines in the journal.
 void add_logs(Command& program);

@@ -68,11 +68,33 @@ void add_set(Command& program) {
   };
 }
 
+void print_copies(const Json& result) {
+  for (const Json& copy : result["copies"]) {
+    const Json& from = copy["excluded_from"];
+    fmt::print("{:>3}  {}, at {:.1f}, {:.1f} mm{}\n", copy.value("number", 0), text_of(copy, "name"),
+               copy["position_mm"][0].get<double>(), copy["position_mm"][1].get<double>(),
+               from.is_number() ? fmt::format(", dark from layer {} on", from.get<int>()) : "");
+  }
+  if (const auto more = result.value("more", std::size_t{0}); more > 0) fmt::print("and {} more\n", more);
+}
+
+void add_exclude(Command& program) {
+  Command& command = program.add("exclude", "Leave a failed copy dark from the next layer on, or list all");
+  auto& copy = command.arguments<std::string>();
+  command.option("COPY", copy, "Number or name of the copy; without it, the copies are listed");
+  const ClientOptions& client = add_client_options(command);
+  command.run = [&client, &copy] {
+    if (copy.empty()) return request(client, {"copies"}, print_copies);
+    return request(client, {"exclude", {{"copy", copy}}}, print_status);
+  };
+}
+
 }  // namespace
 
 void add_print_control(Command& program) {
   add_pause(program);
   add_set(program);
+  add_exclude(program);
   add_request(program, "resume", "Continue after a pause, or release the queue after a failure", "resume");
   add_request(program, "cancel", "Cancel the current print: light off, plate up", "cancel");
   add_request(program, "plate-cleared", "Confirm that the plate is free for the next job", "plate_cleared");

@@ -64,6 +64,8 @@ RecordedPrint recorded_print(const Json& report) {
   print.undersides =
       settings.at("undersides").get<std::string>() == "dose" ? Undersides::Dose : Undersides::Plain;
   print.unfound_undersides = report.at("unfound_undersides").get<std::int64_t>();
+  if (!report.value("excluded", Json::array()).empty())
+    throw ModelError("copies were excluded while it printed, and have no end to compare");
   std::vector<LayerRecord> records;
   for (const Json& layer : report.at("layer_records")) {
     LayerRecord& record = records.emplace_back();

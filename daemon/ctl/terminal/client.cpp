@@ -72,6 +72,8 @@ void print_status(const Json& status) {
            fmt::format("{} of {}, {:.3f} mm, {} left{}", job.value("layer", 0), job.value("layers", 0),
                        job.value("height_mm", 0.0), readable_seconds(job.value("time_left_s", 0.0)),
                        pause.empty() ? "" : ", pause " + pause));
+      for (const Json& copy : job.value("excluded", Json::array()))
+        line("excluded  ", printable(copy.get<std::string>()));
       line("stopped   ", text_of(job, "interruption"));
     }
     const Json supports = job.value("supports", Json());

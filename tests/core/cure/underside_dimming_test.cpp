@@ -232,6 +232,38 @@ TEST_CASE("The rim of an underside is not lit before the underside beside it") {
   }
 }
 
+TEST_CASE("After one of two copies is excluded, the other's light is that of a print of its own") {
+  const auto model = std::make_shared<const HeightIndex>(table(1, 2));
+  const EngineSettings settings{.display = kScreen};
+  const PixelMap left = PixelMap::true_scale(kScreen, {3.5, 0}),
+                 right = PixelMap::true_scale(kScreen, {-3.5, 0});
+  UndersideCure cure{.layers = {}, .resin = {.curve = kResin}, .mask_budget = kBudget};
+  for (int layer = 0; layer < 60; ++layer)
+    cure.layers.push_back({kHeight * (layer + 1), kHeight, kResin.dose_for(Micrometers{100})});
+  const std::vector<PlateModel> two{{{model}, {left, right}}}, one{{{model}, {right}}};
+  UndersideDimming both(two, nullptr, settings, cure), alone(one, nullptr, settings, cure);
+  ContourEngine engine_of_two(two, settings), engine_of_one(one, settings);
+  const auto light_of = [&](ContourEngine& engine, UndersideDimming& undersides, std::size_t layer) {
+    Mask light = engine.mask_at(cure.layers[layer].top - kHeight / 2);
+    dim(undersides.dimmed(layer), light);
+    return light;
+  };
+  constexpr std::size_t kExcluded = 41;  // among the layers of the slabs' undersides
+  bool dimmed = false;
+  for (std::size_t layer = 1; layer < cure.layers.size(); ++layer) {
+    if (layer == kExcluded) {
+      both.exclude(0, 0, nullptr, layer);
+      engine_of_two.darken(0, 0, cure.layers[layer].top - kHeight);
+    }
+    const Mask light = light_of(engine_of_two, both, layer), other = light_of(engine_of_one, alone, layer);
+    CHECK((layer < kExcluded) == (light != other));
+    if (layer >= kExcluded) dimmed = dimmed || !both.dimmed(layer).empty();
+    for (const DimmedPixel& each : layer < kExcluded ? std::span<const DimmedPixel>() : both.dimmed(layer))
+      CHECK(each.pixel % 300 >= 150);
+  }
+  CHECK(dimmed);
+}
+
 TEST_CASE("An underside is dimmed as far as its mask is moved outwards") {
   DimmedPrint print(table(3), 1, kResin, {.compensation = {.growth = Micrometers{500}}});
   const Mask light = print.light(60);

@@ -1,5 +1,6 @@
 #include "core/engine/contour_engine.hpp"
 
+#include "core/support/support_structure.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/engine_fixture.hpp"
 #include "tests/core/near.hpp"
@@ -110,6 +111,50 @@ TEST_CASE("Every copy of a model is lit at its place") {
     if (both.pixels()[i] != one.pixels()[i] + other.pixels()[i]) FAIL("pixel " << i);
   }
   CHECK(mask_with({}).lit_pixels() == 0);
+}
+
+TEST_CASE("A darkened copy is dark from its height on, and the others keep every pixel") {
+  models::Facets facets = models::sphere(1, 24);
+  models::translate(facets, 1, 1, 1);
+  const PixelMap left = PixelMap::true_scale(kFineDisplay, {6, 1}),
+                 right = PixelMap::true_scale(kFineDisplay, {-4, 1});
+  const auto hole = std::make_shared<const SupportStructure>(
+      std::vector<SupportPrimitive>{Frustum{{1, 1, 0}, {1, 1, 2}, 0.2, 0.2}});
+  for (const double growth_um : {0.0, 120.0}) {
+    const EngineSettings settings{.display = kFineDisplay,
+                                  .compensation = {.growth = Micrometers{growth_um}}};
+    const auto engine_of = [&](std::vector<PixelMap> copies) {
+      return ContourEngine({PlateModel{{shared_index(facets)}, std::move(copies), hole}}, settings);
+    };
+    ContourEngine both = engine_of({left, right}), changed = engine_of({left, right}),
+                  one = engine_of({right});
+    changed.darken(0, 0, mm(1));
+    CHECK(changed.models().front().copies.size() == 2);
+    for (const std::int64_t um : {50, 990, 999, 1000, 1500, 1990}) {
+      const Nanometers height{um * 1000};
+      CHECK(changed.mask_at(height) == (um < 1000 ? both : one).mask_at(height));
+    }
+  }
+}
+
+TEST_CASE("Sections beside the models are replaced from a height on") {
+  const auto pillar = [](double x) {
+    return std::make_shared<const SupportStructure>(
+        std::vector<SupportPrimitive>{Frustum{{x, 0, 0}, {x, 0, 9}, 1, 1}});
+  };
+  const std::vector<PlateModel> post{plate_model(models::box({0, 0, 0}, {1, 1, 5}))};
+  const EngineSettings settings{.display = kCoarseDisplay};
+  ContourEngine changed(post, settings, pillar(-5)), left(post, settings, pillar(-5)),
+      right(post, settings, pillar(5)), middle(post, settings, pillar(0)), none(post, settings);
+  changed.replace_beside(pillar(0), mm(2));
+  changed.replace_beside(pillar(5), mm(2));
+  CHECK(changed.mask_at(mm(2) - Nanometers{1}) == left.mask_at(mm(1)));
+  CHECK(changed.mask_at(mm(2)) == right.mask_at(mm(2)));
+  changed.replace_beside(pillar(0), mm(3));
+  CHECK(changed.mask_at(mm(4)) == middle.mask_at(mm(4)));
+  const Mask bare = none.mask_at(mm(4));
+  none.replace_beside(pillar(0), mm(3));
+  CHECK(none.mask_at(mm(4)) == bare);
 }
 
 TEST_CASE("The copies of a cracked model are lit alike") {

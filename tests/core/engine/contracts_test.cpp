@@ -20,6 +20,14 @@ TEST_CASE("ContourEngine requires models that are not null") {
         }) == "no model is null");
 }
 
+TEST_CASE("ContourEngine darkens copies that it has, and replaces sections upwards") {
+  ContourEngine engine({unit_box_model()}, kEngineSettings);
+  const std::string no_copy = "there is such a copy", no_order = "sections replace those beneath them";
+  CHECK(contract_broken_by([&] { engine.darken(0, 0, Nanometers{}); }) == no_copy);
+  CHECK(contract_broken_by([&] { engine.darken(1, 0, Nanometers{}); }) == no_copy);
+  CHECK(contract_broken_by([&] { engine.replace_beside(nullptr, Nanometers{}); }) == no_order);
+}
+
 TEST_CASE("ContourEngine returns the model, and cuts at its z, if there is only one") {
   for (const std::size_t models : {std::size_t{0}, std::size_t{2}}) {
     ContourEngine engine(std::vector(models, unit_box_model()), kEngineSettings);

@@ -122,6 +122,19 @@ TEST_CASE_METHOD(PrinterControlFixture, "A setting is changed within bounds, whi
   CHECK(log.has("info: part: from layer 2 on exposure 90 % instead of 100 %"));
 }
 
+TEST_CASE_METHOD(PrinterControlFixture,
+                 "The last copy of a print cannot be excluded, nor one that is not there") {
+  const auto exclude = [&](const std::string& copy) { return refusal_of("exclude", {{"copy", copy}}); };
+  CHECK(exclude("1") == "there is no print to exclude a copy from");
+  REQUIRE(refusal_in("exposing", "copies").empty());
+  REQUIRE(reply["copies"].size() == 1);
+  CHECK(reply["copies"][0]["name"] == "part");
+  CHECK(exclude("1") == "part is the last copy that is printed: cancel ends the print");
+  CHECK(exclude("part") == "part is the last copy that is printed: cancel ends the print");
+  CHECK(exclude("2") ==
+        "there is no copy \"2\" on the plate: give a number from 1 to 1, or a name such as \"part\"");
+}
+
 TEST_CASE("A print that is not paused cannot be resumed") {
   CHECK(PrinterControlFixture().refusal_in("exposing", "resume") == "the print is not paused");
 }
@@ -178,7 +191,7 @@ TEST_CASE_METHOD(PrinterControlFixture, "A cleared plate releases the queue, and
 TEST_CASE_METHOD(PrinterControlFixture, "Only methods that change something are logged") {
   for (const auto& [name, method] : methods) {
     CAPTURE(name);
-    const bool asks = name == "status";
+    const bool asks = name == "status" || name == "copies";
     CHECK(method.changes != asks);
   }
 }

@@ -49,6 +49,8 @@ TEST_CASE("The functions of PrintMode for a print under way require that a print
   CHECK(contract_broken_by([&] { other.job.print().pause_at(1); }) == kPrint);
   CHECK(contract_broken_by([&] { other.job.print().set({}); }) == kPrint);
   CHECK(contract_broken_by([&] { other.job.set("rest", 1); }) == kPrint);
+  CHECK(contract_broken_by([&] { other.job.print().exclude({}); }) == kPrint);
+  CHECK(contract_broken_by([&] { other.job.exclude(0); }) == kPrint);
   CHECK(contract_broken_by([&] { (void)process.settings(); }) == kPrint);
   CHECK(contract_broken_by([&] { (void)process.time_left(); }) == kPrint);
 }

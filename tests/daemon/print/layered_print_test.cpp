@@ -602,6 +602,27 @@ TEST_CASE("A changed lift moves the plate as far as it says") {
   CHECK(fixture.machine.z_axis().height() == Nanometers{3'100'000});
 }
 
+TEST_CASE("An excluded copy is dark from the next layer on, and its area is no longer exposed") {
+  LayeredPrintFixture fixture;
+  PrintPlan plan = testing::box_plan(4);
+  const auto model = std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {1, 1, 0.2F}));
+  const DisplayGeometry& display = testing::kSmallDisplay;
+  plan.engine = std::make_unique<ContourEngine>(
+      std::vector{PlateModel{
+          {model}, {PixelMap::true_scale(display, {2, 0.5}), PixelMap::true_scale(display, {-1, 0.5})}}},
+      EngineSettings{.display = display});
+  fixture.process.start(std::move(plan));
+  REQUIRE(fixture.run_to(S::Exposing));
+  REQUIRE(fixture.run_to(S::Lifting));
+  REQUIRE(fixture.run_to(S::Exposing));
+  fixture.process.exclude({0, 1, {}});
+  fixture.run_out();
+  REQUIRE(fixture.layers.size() == 4);
+  for (const LayerRecord& layer : fixture.layers)
+    CHECK(layer.area_mm2 == Approx(layer.layer < 2 ? 2 : 1));
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+}
+
 TEST_CASE("Every state reports when a pause takes effect, or none if the print ends before") {
   const auto next_pause_in = [](LayeredState state) {
     LayeredPrintFixture fixture;
