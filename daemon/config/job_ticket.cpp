@@ -216,6 +216,7 @@ JobTicket read_job(const JsonSection& root) {
   if (root.has("undersides")) ticket.undersides = undersides_of(root.text("undersides"));
   if (root.has("cracks"))
     ticket.cracks = root.text("cracks") == "refuse" ? CrackPolicy::Refuse : CrackPolicy::Repair;
+  ticket.dry = root.boolean("dry");
   if (root.has("supports")) ticket.supports = read_supports(root);
   return ticket;
 }

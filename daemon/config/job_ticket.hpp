@@ -98,6 +98,7 @@ struct JobTicket {
   TicketOverrides overrides{};                     // not yet checked against the resin's limits
   std::optional<Undersides> undersides{};          // without it, the resin's setting
   std::optional<CrackPolicy> cracks{};             // without it, repair, but wide gaps need confirmation
+  bool dry = false;                                // all moves and masks, but no light
   std::optional<SupportTicket> supports{};         // without it, the printer's setting
   std::vector<ModelTicket> models{ModelTicket{}};  // exactly one in a model's own ticket
   bool operator==(const JobTicket&) const = default;

@@ -197,7 +197,7 @@ PrintedPart CuredPartWriter::cure(PrintToCure& print, const std::atomic<Stop>& s
 }
 
 std::optional<PrintedPart> part_to_come(const PrintReport& report) {
-  if (!report.summary.resin.cure || report.layers.empty()) return std::nullopt;
+  if (!report.summary.resin.cure || report.layers.empty() || report.summary.dry) return std::nullopt;
   return PrintedPart{{},
                      "contourd computes it after the report, and has not finished; contourctl cure --report "
                      "computes it, too"};

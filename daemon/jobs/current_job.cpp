@@ -93,13 +93,12 @@ JobFigures figures_of(const JobSummary& summary, const std::vector<LayerRecord>&
                      .layers_exposed = layers_exposed(layers),
                      .print_time_s = in_seconds(print_time)};
   Duration lit{}, asked{}, most_over{};
-  double volume_mm3 = 0;
   for (const LayerRecord& layer : layers) {
     lit += layer.exposure_most;
     asked += layer.exposure_asked;
     most_over = std::max(most_over, layer.exposure_most - layer.exposure_asked);
-    volume_mm3 += layer.area_mm2 * to_millimeters(layer.thickness).count();
   }
+  const double volume_mm3 = exposed_volume_mm3(layers);
   constexpr double kMm3PerMl = 1000;
   if (!layers.empty()) figures.layer_height_um = to_millimeters(layers.front().thickness).count() * 1000;
   figures.lit_s = in_seconds(lit);
@@ -348,7 +347,7 @@ void CurrentJob::exclude(std::size_t number) {
 }
 
 void CurrentJob::light_due() {
-  job_->had_light = true;
+  job_->had_light = !job_->prepared->summary.dry;
 }
 
 void CurrentJob::state_changed(const PrintState& state) {

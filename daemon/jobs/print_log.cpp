@@ -147,7 +147,7 @@ void PrintLog::layer(const std::string& job, const JobSummary& summary, const La
       fmt::format("layer {} of {}: height {:.4f} mm, {:.2f} mm², {} loops, mask {:.2f} ms, light {}{}{}",
                   layer.layer + 1, summary.layers.count, to_millimeters(layer.plate_height).count(),
                   layer.area_mm2, layer.loops, milliseconds(layer.mask_time), light_of(layer),
-                  pictures_of(layer), layer.complete ? "" : ", not finished"),
+                  pictures_of(layer), layer.complete || summary.dry ? "" : ", not finished"),
       fields);
   warn_about_light(summary, layer, frame, fields);
 }

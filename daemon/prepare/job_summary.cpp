@@ -90,6 +90,7 @@ std::string describe_settings(const JobSummary& summary) {
   if (const auto& followed = summary.temperature)
     text += fmt::format("; light for resin of {:.1f} degrees C, {:.3g} of that at {:g} degrees",
                         followed->resin_c, followed->light, followed->curve_c);
+  if (summary.dry) text += "; dry run, without light";
   if (resin.undersides == Undersides::Dose) text += "; undersides by dose";
   if (!summary.overridden.empty()) text += "; by its ticket: " + describe_overrides(summary.overridden);
   return text;

@@ -55,6 +55,7 @@ struct FollowedTemperature {
 struct JobSummary {
   std::vector<ModelSummary> models;  // at least one
   bool plate = false;
+  bool dry = false;                                // printed without light
   double height_mm = 0;                            // top of the highest model above the plate
   ResinProfile resin;                              // as the job is printed
   OverriddenSettings overridden;                   // values of `resin` that the ticket sets

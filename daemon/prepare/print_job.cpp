@@ -102,6 +102,7 @@ class Preparation {
     job_.settings = settings_;
     job_.display = volume_.display;
     job_.plan.job = files_.name;
+    job_.plan.dry = summary_.dry = settings_.ticket.dry;
     summary_.plate = files_.plate;
     summary_.resin = settings_.resin;
     summary_.resin.supports.closed_gap = closed_gap(settings_.ticket, settings_.resin);

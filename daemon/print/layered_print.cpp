@@ -401,6 +401,10 @@ void LayeredPrint::display_lost() {
 // The exposure does not wait for the reply to light on, and may be over by then.
 void LayeredPrint::expose() {
   light_.reset();
+  if (plan_->dry) {
+    light_end_ = clock_.now() + exposure_left();
+    return handle_at(clock_.now(), LayeredEvent::LightOnSent);
+  }
   light_on_for(exposure_left(), [this](ProjectorReply reply, const std::string& problem) {
     reply == ProjectorReply::Refused ? fail(problem) : interrupt(problem);
   });
@@ -463,6 +467,7 @@ void LayeredPrint::note_late_picture() {
 
 // True if something else turned the light off before the end of the exposure, so that the layer lacks light.
 bool LayeredPrint::light_went_off() const {
+  if (plan_->dry) return false;
   const std::optional<LightSpan> light = machine_.projector().last_light();
   return light && light->off_earliest && *light->off_earliest < light_end_;
 }
@@ -499,7 +504,7 @@ bool LayeredPrint::has_all_light() const {
 // Reports the layer to the observer. Called in the dark, since counting the mask's loops takes time.
 void LayeredPrint::report_layer() {
   layer_reported_ = true;
-  record_.complete = layer_exposed_;
+  record_.complete = layer_exposed_ && !plan_->dry;
   if (layer_exposed_) {
     record_.loops = plan_->engine->count_loops();
     if (plan_->pressed)

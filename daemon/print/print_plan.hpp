@@ -24,6 +24,7 @@ namespace contourd {
 // The plan of a print: everything that is decided before it starts.
 struct PrintPlan {
   std::string job;
+  bool dry = false;  // all moves and masks, but no light
   std::unique_ptr<ContourEngine> engine;
   std::unique_ptr<DimmedMasks>
       undersides;                        // makes the masks from the engine's coverage; null: none are dimmed

@@ -106,7 +106,8 @@ struct PrintReport {
 [[nodiscard]] inline double exposed_volume_mm3(std::span<const LayerRecord> layers) {
   double volume_mm3 = 0;
   for (const LayerRecord& layer : layers)
-    volume_mm3 += layer.area_mm2 * to_millimeters(layer.thickness).count();
+    if (layer.exposure_most > Duration{0})
+      volume_mm3 += layer.area_mm2 * to_millimeters(layer.thickness).count();
   return volume_mm3;
 }
 

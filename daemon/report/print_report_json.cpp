@@ -188,6 +188,7 @@ std::string report_as_json(const PrintReport& report) {
   json["ended"] = iso_time(report.ended);
   json["print_time_s"] = in_ms(report.print_time) / 1000;
   add_models(summary, json);
+  json["dry"] = summary.dry;
   json["resin"] = summary.resin.name;
   json["settings"] = exposure_json(summary);
   for (const auto& [key, value] : motion_figures(summary.resin.motion))

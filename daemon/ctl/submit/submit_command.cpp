@@ -40,7 +40,7 @@ struct SubmitOptions {
   std::optional<double> exposure_ms, bottom_exposure_ms, lift_mm, settle_ms, rest_ms;
   std::optional<int> copies;
   std::optional<std::string> up;
-  bool fit = false;
+  bool fit = false, dry = false;
   // Ticket instead of the keys above.
   std::optional<std::filesystem::path> ticket;
   std::optional<std::filesystem::path> spool;  // nullopt: ask contourd
@@ -80,6 +80,7 @@ std::string ticket_of(const SubmitOptions& options) {
   if (options.undersides) ticket["undersides"] = *options.undersides;
   if (options.scale) ticket["scale"] = *options.scale;
   if (options.fit) ticket["fit"] = true;
+  if (options.dry) ticket["dry"] = true;
   if (options.copies) ticket["copies"] = *options.copies;
   if (ticket.empty()) return "";
   std::string text = ticket.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -206,6 +207,7 @@ void add_submit(Command& program) {
   add("--rest-ms", options.rest_ms, "Wait after the exposure, ms, within the resin's ticket_limits");
   add("--undersides", options.undersides, kUndersidesHelp).one_of({"plain", "dose"});
   add("--copies", options.copies, "Number of copies of each model");
+  add("--dry", options.dry, "Dry run: all moves and masks, but no light");
   add("--up", options.up, kUpHelp).suggests(up_presets);
   add("--supports", options.supports, "Generate supports: auto, on or off (default: as configured)")
       .one_of({"auto", "on", "off"});

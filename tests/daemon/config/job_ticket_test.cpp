@@ -49,6 +49,13 @@ TEST_CASE("a ticket without a policy for cracks has none") {
   CHECK(load_plate(R"({"cracks": "refuse", "models": [{"file": "a.stl"}]})").cracks == CrackPolicy::Refuse);
 }
 
+TEST_CASE("a ticket or a plate asks for a dry run, or does not") {
+  CHECK_FALSE(load_ticket("{}").dry);
+  CHECK(load_ticket(R"({"dry": true})").dry);
+  CHECK(load_plate(R"({"dry": true, "models": [{"file": "a.stl"}]})").dry);
+  CHECK(ticket_complaints(R"({"dry": "yes"})").size() == 1);
+}
+
 TEST_CASE("a ticket's undersides are plain or by dose, or not its business") {
   CHECK_FALSE(load_ticket("{}").undersides);
   CHECK(load_ticket(R"({"undersides": "dose"})").undersides == Undersides::Dose);

@@ -1,6 +1,7 @@
 #include "daemon/print/layered_print.hpp"
 
 #include <filesystem>
+#include <tuple>
 
 #include "daemon/print/layer_durations.hpp"
 #include "hw/simulated_printer.hpp"
@@ -621,6 +622,51 @@ TEST_CASE("An excluded copy is dark from the next layer on, and its area is no l
   for (const LayerRecord& layer : fixture.layers)
     CHECK(layer.area_mm2 == Approx(layer.layer < 2 ? 2 : 1));
   CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+}
+
+TEST_CASE("A dry run makes all moves and masks in the time of the print, and never turns the light on") {
+  const auto run = [](bool dry) {
+    LayeredPrintFixture fixture;
+    PrintPlan plan = testing::box_plan(3);
+    plan.dry = dry;
+    fixture.process.start(std::move(plan));
+    std::size_t masks = 0;
+    const bool lit = fixture.run_to_light();
+    fixture.run_out();
+    CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+    const TimePoint end = fixture.clock.now();
+    REQUIRE(fixture.layers.size() == 3);
+    for (const LayerRecord& layer : fixture.layers) {
+      CHECK(layer.complete == !dry);
+      CHECK((layer.exposure_most == Duration{0}) == dry);
+      CHECK(layer.area_mm2 > 5);
+      masks += layer.shown_at > TimePoint{} ? 1U : 0U;
+    }
+    CHECK(masks == 3);
+    return std::tuple(lit, end, fixture.states);
+  };
+  const auto [lit, end, states] = run(false);
+  const auto [dry_lit, dry_end, dry_states] = run(true);
+  CHECK(lit);
+  CHECK_FALSE(dry_lit);
+  CHECK(std::chrono::abs(end - dry_end) <
+        std::chrono::milliseconds{500});  // refreshes and the lamp's replies
+  CHECK(states == dry_states);
+}
+
+TEST_CASE("A dry run can be interrupted in an exposure, resumed and cancelled, in the dark") {
+  LayeredPrintFixture fixture;
+  PrintPlan plan = testing::box_plan(3);
+  plan.dry = true;
+  fixture.process.start(std::move(plan));
+  REQUIRE(fixture.run_to(S::Exposing));
+  fixture.process.interrupt("the lid was opened");
+  REQUIRE(fixture.run_to(S::Paused));
+  fixture.process.resume();
+  REQUIRE(fixture.run_to(S::Resting));
+  fixture.process.cancel();
+  CHECK_FALSE(fixture.run_to_light());
+  CHECK(fixture.ends == std::vector{PrintOutcome::Canceled});
 }
 
 TEST_CASE("Every state reports when a pause takes effect, or none if the print ends before") {
