@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <optional>
 #include <utility>
 
@@ -32,6 +33,7 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       spool_(config.spool_folder, loop, incoming_router_),
       reader_(config, spool_, loop),
       hold_(context_, spool_, *this),
+      vat_(spool_),
       queue_(config, reader_, *this, log),
       history_worker_(loop, log, state_folder_path(config.spool_folder) / "history.sqlite", spool_.ends()),
       job_(context_, spool_, reader_, hold_, history_worker_, *this),
@@ -48,6 +50,8 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       picture_worker_(loop, "contourd-picture", kPictureNiceness),
       manual_control_(context_, {hold_, job_, scheduler_, status_}, manual_, picture_worker_),
       history_control_(history_worker_, history_, reminders_, [this](WearPart part) { part_replaced(part); }),
+      preflight_control_(context_,
+                         {spool_, vat_, queue_, queue_control_, hold_, history_worker_, reminders_}),
       screen_control_(loop, picture_worker_, job_, manual_) {}
 
 // --- the use of the printer
@@ -65,6 +69,7 @@ void PrinterService::start() {
   if (const std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty())
     log.error("machine", fmt::format("the printer cannot print: {}", printable(not_ready)));
   hold_.load();
+  vat_.load();
   if (const std::string trouble = spool_.trouble(); !trouble.empty()) log.error("spool", printable(trouble));
   adopt_left_jobs();
   if (hold_.reason()) log.warning("held", hold_.sentence());
@@ -91,6 +96,7 @@ ControlMethods PrinterService::control_methods() {
   methods.merge(queue_control_.methods());
   methods.merge(manual_control_.methods());
   methods.merge(history_control_.methods());
+  methods.merge(preflight_control_.methods());
   methods.merge(screen_control_.methods());
   return methods;
 }
@@ -174,7 +180,33 @@ void PrinterService::print_state_changed(const PrintState& state) {
   if (printing_) printing_(state != kIdle);
 }
 
+void PrinterService::job_changed(const std::string& what) {
+  if (what == "analysis") compare_with_vat();
+  notify(what, ControlServer::Delivery::Lossy);
+}
+
+void PrinterService::compare_with_vat() {
+  const CurrentJob::State& job = *job_.job();
+  if (!vat_.ml() || !job.analysis.is_object() || !job.record) return;
+  const double used_ml = exposed_volume_mm3(job.record->layers()) / 1000;
+  const double needed_ml = job.analysis.value("resin_ml", 0.0) - used_ml;
+  if (job.prepared->summary.dry || needed_ml <= *vat_.ml()) return;
+  context_.log.warning("resin",
+                       fmt::format("{}: needs {:.1f} ml of resin from now on, the vat holds about {:.1f} ml",
+                                   printable(job_.name()), needed_ml, *vat_.ml()),
+                       job_fields(job_.name()));
+}
+
+// Interrupts the print in a turn of its own, because the print mode reports the resin from within.
+void PrinterService::resin_used(double ml) {
+  const std::string low = vat_.use(ml);
+  if (low.empty()) return;
+  low_resin_timer_ = context_.loop.at(std::chrono::steady_clock::now(), "the resin in the vat",
+                                      [this, low] { job_.print().interrupt(low); });
+}
+
 void PrinterService::job_ended(EndedJob job) {
+  vat_.save();
   queue_.questions().ended();
   const bool was_printed = job.figures.layers > 0;
   if (was_printed) queue_.check_postponed();

@@ -14,6 +14,7 @@
 #include "daemon/control/control_server.hpp"
 #include "daemon/control/history_control.hpp"
 #include "daemon/control/manual_control.hpp"
+#include "daemon/control/preflight_control.hpp"
 #include "daemon/control/printer_control.hpp"
 #include "daemon/control/printer_metrics.hpp"
 #include "daemon/control/printer_status.hpp"
@@ -23,6 +24,7 @@
 #include "daemon/history/history_worker.hpp"
 #include "daemon/history/job_history.hpp"
 #include "daemon/history/reminders.hpp"
+#include "daemon/history/vat.hpp"
 #include "daemon/jobs/current_job.hpp"
 #include "daemon/jobs/incoming_router.hpp"
 #include "daemon/jobs/job_reader.hpp"
@@ -61,7 +63,8 @@ class PrinterService final : private JobObserver, private QueueObserver, private
 
  private:
   void print_state_changed(const PrintState& state) override;
-  void job_changed(const std::string& what) override { notify(what, ControlServer::Delivery::Lossy); }
+  void job_changed(const std::string& what) override;
+  void resin_used(double ml) override;
   void job_ended(EndedJob job) override;
   void may_stop() override { stop_.try_to_stop(); }
   void hold_changed() override { scheduler_.hold_changed(); }
@@ -77,6 +80,8 @@ class PrinterService final : private JobObserver, private QueueObserver, private
 
   [[nodiscard]] ControlMethods control_methods();
   void manual_changed();
+  // Warns if the analyzed print needs more resin than the vat holds.
+  void compare_with_vat();
   // Returns the text of the service manager's status line.
   [[nodiscard]] std::string readiness() const;
   // Passes the jobs that the previous process left, and its last end, to the history.
@@ -95,6 +100,7 @@ class PrinterService final : private JobObserver, private QueueObserver, private
   Spool spool_;
   JobReader reader_;
   QueueHold hold_;
+  Vat vat_;
   PrintQueue queue_;
   HistoryWorker history_worker_;
   CurrentJob job_;
@@ -111,11 +117,13 @@ class PrinterService final : private JobObserver, private QueueObserver, private
   Worker picture_worker_;
   ManualControl manual_control_;
   HistoryControl history_control_;
+  PreflightControl preflight_control_;
   ScreenControl screen_control_;
   std::unique_ptr<ControlServer> server_;
   std::optional<MetricsFile> metrics_file_;
   std::uint64_t manual_operations_logged_ = 0;
   std::function<void(bool)> printing_;
+  EventLoop::SourcePtr low_resin_timer_;
 };
 
 }  // namespace contourd

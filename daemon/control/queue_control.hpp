@@ -22,6 +22,8 @@ class QueueControl {
 
   // Returns all methods by name. The control must outlive them.
   [[nodiscard]] ControlMethods methods();
+  // Returns the index of the named job. Throws ControlRefusal if it does not wait.
+  [[nodiscard]] std::size_t number_of(const std::string& job) const;
 
  private:
   // The following methods return the queue, and throw ControlRefusal and InvalidParameters.
@@ -32,8 +34,6 @@ class QueueControl {
   // Returns the index of the named job; nullopt if no job of that name waits. Throws ControlRefusal if
   // several jobs match.
   [[nodiscard]] std::optional<std::size_t> find(const std::string& job) const;
-  // Returns the index of the named job. Throws ControlRefusal if it does not wait.
-  [[nodiscard]] std::size_t number_of(const std::string& job) const;
   // Throws the ControlRefusal for a job that is not in the queue.
   [[noreturn]] void refuse_to_accept(const std::string& job) const;
 

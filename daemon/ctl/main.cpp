@@ -38,7 +38,7 @@ void add_commands(Command& program) {
       {"Printing", {add_submit, add_status, add_watch, add_queue, add_print_control, add_mask, add_offer}},
       {"Models", {add_inspect, add_preview, add_analyze, add_cure, add_orient, add_support, add_slice}},
       {"Calibration", {add_calibrate, add_fit}},
-      {"History and wear", {add_history}},
+      {"History and wear", {add_history, add_vat}},
       {"By hand", {add_manual, add_jog, add_switches}},
       {"Setup and diagnosis", {add_setup, add_level, add_config, add_diagnose, add_logs}},
       {"Help", {add_help, add_description}}};

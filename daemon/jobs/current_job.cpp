@@ -27,6 +27,7 @@ using namespace std::chrono_literals;
 // The memory of a print returns to the system some moments after its end, so a job that finds too little is
 // read again: this many attempts in all, with this time between two of them.
 constexpr int kMaxReadings = 5;
+constexpr double kMm3PerMl = 1000;
 constexpr Duration kReadingInterval = 1s;
 
 // Returns the task of the job's analysis, and moves the analysis engine into it.
@@ -99,7 +100,6 @@ JobFigures figures_of(const JobSummary& summary, const std::vector<LayerRecord>&
     most_over = std::max(most_over, layer.exposure_most - layer.exposure_asked);
   }
   const double volume_mm3 = exposed_volume_mm3(layers);
-  constexpr double kMm3PerMl = 1000;
   if (!layers.empty()) figures.layer_height_um = to_millimeters(layers.front().thickness).count() * 1000;
   figures.lit_s = in_seconds(lit);
   figures.light_asked_s = in_seconds(asked);
@@ -362,6 +362,7 @@ void CurrentJob::state_changed(const PrintState& state) {
 void CurrentJob::layer_done(const LayerRecord& layer) {
   job_->record->add(layer);
   lit_ += layer.exposure_most;
+  observer_.resin_used(exposed_volume_mm3({&layer, 1}) / kMm3PerMl);
   const JobSummary& summary = job_->prepared->summary;
   log_.layer(name(), summary, layer, context_.machine.display().frame());
   context_.supervisor.status(

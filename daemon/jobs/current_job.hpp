@@ -34,6 +34,8 @@ class JobObserver {
   virtual void print_state_changed(const PrintState& state) = 0;
   // Reports a change that a client may want to know: "state", "layer" or "analysis".
   virtual void job_changed(const std::string& what) = 0;
+  // Reports that a layer has cured this much resin.
+  virtual void resin_used(double /*ml*/) {}
   // Reports that the job has ended, its memory is freed, and another may begin.
   virtual void job_ended(EndedJob job) = 0;
   // Reports that a stop of contourd may have nothing more to wait for.

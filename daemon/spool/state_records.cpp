@@ -29,6 +29,7 @@ constexpr const char* kEnded = "ended-jobs";
 constexpr std::array kSpares{"ended-jobs.spare-1", "ended-jobs.spare-2"};
 constexpr std::size_t kSpareBytes = 16'384;
 constexpr const char* kOrder = "queue-order";
+constexpr const char* kVat = "vat";
 constexpr const char* kAccepted = "accepted";
 
 [[noreturn]] void refuse(const std::filesystem::path& folder, const std::string& why) {
@@ -102,6 +103,13 @@ std::optional<std::string> StateRecords::hold() const {
 }
 void StateRecords::set_hold(const std::optional<std::string>& why) const {
   keep_line(kHeld, why);
+}
+
+std::optional<std::string> StateRecords::vat() const {
+  return first_line_of(kVat);
+}
+void StateRecords::set_vat(const std::string& ml) const {
+  keep_line(kVat, ml);
 }
 
 std::vector<std::string> StateRecords::texts_of(const char* name, char end) const {

@@ -10,6 +10,7 @@
 //   claim            the job that was moved to printing/ last under another name: fields as in ended-jobs
 //   queue-order      the waiting jobs in an order that a user has set: file names in incoming/, each followed
 //                    by a zero byte
+//   vat              one line: the resin in the vat, in ml
 //   accepted         the findings that users have accepted, one line each (acceptances.hpp)
 //
 // A setter syncs the record to the disk before it returns, and does not write a line that is unchanged.
@@ -42,6 +43,10 @@ class StateRecords {
   // Returns why no job may begin until a user confirms it, or nullopt.
   [[nodiscard]] std::optional<std::string> hold() const;
   void set_hold(const std::optional<std::string>& why) const;
+
+  // Returns the text that was kept last about the resin in the vat, or nullopt.
+  [[nodiscard]] std::optional<std::string> vat() const;
+  void set_vat(const std::string& ml) const;
 
   // The file in incoming/, the model's name in printing/ and the mark of the last job that was claimed under
   // another name.

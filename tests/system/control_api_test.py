@@ -167,8 +167,12 @@ class ControlApiTest(FolderTest):
         for name, model in (("one", SMALL), ("two", ISLAND)):
             daemon.drop(f"{name}.stl", model, {"settle_ms": 10})
         wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["ready", "unaccepted"], "both jobs to be checked")
-        parameters_of = {"queue_move": {"job": "two", "to": 1}, "accept": {"job": "two"}, "queue_remove": {"job": "one"}, "replaced": {"part": "film"}, "set": {"setting": "rest", "value": 300}}
+        parameters_of = {"queue_move": {"job": "two", "to": 1}, "accept": {"job": "two"}, "queue_remove": {"job": "one"}, "replaced": {"part": "film"}, "set": {"setting": "rest", "value": 300},
+                         "exclude": {"copy": "2"}}
         self.assert_fields(daemon.rpc("copies")["result"]["copies"][0], rows("### A copy"))
+        answers["preflight"] = daemon.client().call("preflight", job="two")
+        for each in answers["preflight"]["result"]["checks"]:
+            self.assert_fields(each, rows("### A preflight check"))
         for method in ("watch", "status", "queue", "history", "usage", "replaced", "queue_move", "accept", "queue_remove", "pause", "resume", "set", "copies", "exclude", "cancel"):
             answers[method] = daemon.client().call(method, **parameters_of.get(method, {}))
         daemon.rpc("queue_remove", job="two")

@@ -14,8 +14,10 @@ void add_status(Command& program);
 void add_queue(Command& program);
 // Adds history, usage and replaced.
 void add_history(Command& program);
-// Adds pause, set, exclude, resume, cancel and plate-cleared.
+// Adds preflight, pause, set, exclude, resume, cancel and plate-cleared.
 void add_print_control(Command& program);
+// Adds vat and vat filled.
+void add_vat(Command& program);
 // Shows contourd's lines in the journal.
 void add_logs(Command& program);
 // Adds the commands that check and show a printer's configuration.

@@ -11,6 +11,8 @@
 #include "daemon/ctl/commands/commands.hpp"
 #include "daemon/ctl/terminal/client.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/ctl/terminal/suggestions.hpp"
+#include "daemon/ctl/terminal/terminal.hpp"
 #include "daemon/print/print_settings.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -89,15 +91,48 @@ void add_exclude(Command& program) {
   };
 }
 
+void print_vat(const Json& result) {
+  if (result["ml"].is_number())
+    fmt::print("the vat holds about {:.0f} ml of resin\n", result["ml"].get<double>());
+  else
+    fmt::print("what the vat holds is not known: contourctl vat filled ML\n");
+}
+
+void print_preflight(const Json& result) {
+  for (const Json& check : result["checks"])
+    print_wrapped(fmt::format("{:<7} {:<12}", text_of(check, "verdict"), text_of(check, "check")),
+                  text_of(check, "text"));
+}
+
+void add_preflight(Command& program) {
+  Command& command = program.add("preflight", "Check the printer and a waiting job before its first light");
+  auto& job = command.arguments<std::string>();
+  command.option("JOB", job, kJobHelp).required().suggests(waiting_jobs);
+  const ClientOptions& client = add_client_options(command);
+  command.run = [&client, &job] { return request(client, {"preflight", {{"job", job}}}, print_preflight); };
+}
+
 }  // namespace
 
 void add_print_control(Command& program) {
+  add_preflight(program);
   add_pause(program);
   add_set(program);
   add_exclude(program);
   add_request(program, "resume", "Continue after a pause, or release the queue after a failure", "resume");
   add_request(program, "cancel", "Cancel the current print: light off, plate up", "cancel");
   add_request(program, "plate-cleared", "Confirm that the plate is free for the next job", "plate_cleared");
+}
+
+void add_vat(Command& program) {
+  Command& vat = program.add("vat", "Show how much resin the vat holds, or record that it was filled");
+  ClientOptions& client = add_client_options(vat);
+  vat.run = [&client] { return request(client, {"vat"}, print_vat); };
+  Command& filled = vat.add("filled", "Record what the vat holds now that it was filled");
+  auto& ml = filled.arguments<double>();
+  filled.option("ML", ml, "Resin in the vat, ml").required();
+  add_client_options(filled, client);
+  filled.run = [&client, &ml] { return request(client, {"vat", {{"filled_ml", ml}}}, print_vat); };
 }
 
 }  // namespace contourd::ctl
