@@ -29,8 +29,9 @@ std::string Vat::use(double ml) {
   const double before = *ml_;
   ml_ = std::max(before - ml, 0.0);
   if (std::abs(*ml_ - recorded_ml_) >= kRecordedMl) save();
-  const bool is_low = before >= kLowMl && *ml_<kLowMl, is_empty = before> 0 && *ml_ == 0;
-  if (!is_low && !is_empty) return "";
+  const bool falls_low = before >= kLowMl && *ml_ < kLowMl;
+  const bool falls_empty = before > 0 && *ml_ == 0;
+  if (!falls_low && !falls_empty) return "";
   return fmt::format(
       "the vat holds about {:.0f} ml of resin: fill it, run \"contourctl vat filled ML\", then \"contourctl "
       "resume\"",
