@@ -1,0 +1,49 @@
+#include "core/continuous/rise_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <vector>
+
+#include "core/contract/expects.hpp"
+
+namespace contourd {
+namespace {
+
+// True if the points are those of a plan.
+bool is_plan(const RisePlan& plan) {
+  const std::vector<RisePoint>& points = plan.points;
+  if (points.empty()) return true;
+  if (points.size() < 3 || points.front().speed.count() != 0 || points.back().speed.count() != 0)
+    return false;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    if (points[i].height <= points[i - 1].height) return false;
+    if (i + 1 < points.size() && !(points[i].speed.count() > 0)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::chrono::duration<double> duration(const RisePlan& plan) {
+  expects(is_plan(plan), "a plan rises from rest to rest");
+  double seconds = 0;
+  for (std::size_t i = 1; i < plan.points.size(); ++i) {
+    const RisePoint &from = plan.points[i - 1], &to = plan.points[i];
+    // The mean speed of a constant acceleration is the mean of its ends' speeds.
+    seconds += 2 * in_mm(to.height - from.height) / (from.speed + to.speed).count();
+  }
+  return std::chrono::duration<double>(seconds);
+}
+
+MillimetersPerSecond speed_at(const RisePlan& plan, Nanometers height) {
+  const auto above = std::ranges::upper_bound(plan.points, height, {}, &RisePoint::height);
+  if (above == plan.points.begin() || above == plan.points.end()) return MillimetersPerSecond{};
+  const RisePoint &from = *std::prev(above), &to = *above;
+  const double part = in_mm(height - from.height) / in_mm(to.height - from.height);
+  const double low = from.speed.count() * from.speed.count(), high = to.speed.count() * to.speed.count();
+  return MillimetersPerSecond{std::sqrt(low + (high - low) * part)};
+}
+
+}  // namespace contourd

@@ -1,0 +1,40 @@
+#include "core/continuous/rise_plan.hpp"
+
+#include <cmath>
+
+#include "tests/catch.hpp"
+#include "tests/core/near.hpp"
+
+namespace {
+
+using contourd::testing::near;
+
+RisePoint point(double height_mm, double speed_mm_s, RiseLimit limit = RiseLimit::Cure) {
+  return {*to_nanometers(Millimeters{height_mm}), MillimetersPerSecond{speed_mm_s}, limit};
+}
+
+// To 2 mm/s at 2 mm/s^2 within a millimetre, a millimetre at that speed, and to rest within another.
+RisePlan trapezoid() {
+  return {{point(10, 0), point(11, 2), point(12, 2), point(13, 0)}};
+}
+
+}  // namespace
+
+TEST_CASE("A rise with constant acceleration between its points takes their distance over the mean speed") {
+  CHECK(duration(trapezoid()).count() == near(1 + 0.5 + 1));
+  CHECK(duration({}).count() == 0);
+}
+
+TEST_CASE("The square of the speed is linear in height") {
+  const auto at = [](double height_mm) {
+    return speed_at(trapezoid(), *to_nanometers(Millimeters{height_mm})).count();
+  };
+  CHECK(at(9) == 0);
+  CHECK(at(10) == 0);
+  CHECK(at(10.25) == near(1));
+  CHECK(at(11) == near(2));
+  CHECK(at(11.5) == near(2));
+  CHECK(at(12.5) == near(std::sqrt(2.0)));
+  CHECK(at(13) == 0);
+  CHECK(at(14) == 0);
+}
