@@ -3,11 +3,10 @@
 #include <cmath>
 
 #include "tests/catch.hpp"
-#include "tests/core/near.hpp"
 
 namespace {
 
-using contourd::testing::near;
+using contourd::testing::Approx;
 
 RisePoint point(double height_mm, double speed_mm_s, RiseLimit limit = RiseLimit::Cure) {
   return {*to_nanometers(Millimeters{height_mm}), MillimetersPerSecond{speed_mm_s}, limit};
@@ -21,7 +20,7 @@ RisePlan trapezoid() {
 }  // namespace
 
 TEST_CASE("A rise with constant acceleration between its points takes their distance over the mean speed") {
-  CHECK(duration(trapezoid()).count() == near(1 + 0.5 + 1));
+  CHECK(duration(trapezoid()).count() == Approx(1 + 0.5 + 1));
   CHECK(duration({}).count() == 0);
 }
 
@@ -31,10 +30,10 @@ TEST_CASE("The square of the speed is linear in height") {
   };
   CHECK(at(9) == 0);
   CHECK(at(10) == 0);
-  CHECK(at(10.25) == near(1));
-  CHECK(at(11) == near(2));
-  CHECK(at(11.5) == near(2));
-  CHECK(at(12.5) == near(std::sqrt(2.0)));
+  CHECK(at(10.25) == Approx(1));
+  CHECK(at(11) == Approx(2));
+  CHECK(at(11.5) == Approx(2));
+  CHECK(at(12.5) == Approx(std::sqrt(2.0)));
   CHECK(at(13) == 0);
   CHECK(at(14) == 0);
 }
