@@ -26,15 +26,17 @@ bool is_plan(const RisePlan& plan) {
 
 }  // namespace
 
+std::chrono::duration<double> duration(const RisePoint& from, const RisePoint& to) {
+  // The mean speed of a constant acceleration is the mean of its ends' speeds.
+  return std::chrono::duration<double>(2 * in_mm(to.height - from.height) / (from.speed + to.speed).count());
+}
+
 std::chrono::duration<double> duration(const RisePlan& plan) {
   expects(is_plan(plan), "a plan rises from rest to rest");
-  double seconds = 0;
-  for (std::size_t i = 1; i < plan.points.size(); ++i) {
-    const RisePoint &from = plan.points[i - 1], &to = plan.points[i];
-    // The mean speed of a constant acceleration is the mean of its ends' speeds.
-    seconds += 2 * in_mm(to.height - from.height) / (from.speed + to.speed).count();
-  }
-  return std::chrono::duration<double>(seconds);
+  std::chrono::duration<double> sum{};
+  for (std::size_t i = 1; i < plan.points.size(); ++i)
+    sum += duration(plan.points[i - 1], plan.points[i]);
+  return sum;
 }
 
 MillimetersPerSecond speed_at(const RisePlan& plan, Nanometers height) {

@@ -26,6 +26,9 @@ struct RisePlan {
   bool operator==(const RisePlan&) const = default;
 };
 
+// Returns the time between two points that follow each other.
+[[nodiscard]] std::chrono::duration<double> duration(const RisePoint& from, const RisePoint& to);
+
 // Returns the time that the rise takes. REQUIRES: a plan as described above.
 [[nodiscard]] std::chrono::duration<double> duration(const RisePlan& plan);
 

@@ -4,14 +4,11 @@
 #include <numbers>
 
 #include "tests/catch.hpp"
+#include "tests/core/continuous/rise_fixture.hpp"
 
 namespace {
 
 using contourd::testing::Approx;
-
-double mm_h(MillimetersPerSecond speed) {
-  return speed.count() * 3600;
-}
 
 LitResin lit_resin(double irradiance, double depth_um, double dose, double dead_zone_um = 30) {
   return {{Micrometers{depth_um}, MillijoulesPerCm2{dose}},

@@ -1,0 +1,39 @@
+// Plans the rises of a whole print. Pure functions; thread-safe.
+#pragma once
+
+#include <chrono>
+#include <span>
+#include <vector>
+
+#include "core/continuous/rise_laws.hpp"
+#include "core/continuous/rise_plan.hpp"
+#include "core/continuous/slab_sweep.hpp"
+#include "core/geometry/units.hpp"
+
+namespace contourd {
+
+// What bounds the speed of a print's rises.
+struct RiseBounds {
+  LitResin lit{};
+  double margin = 0;  // at least, of the dose
+  RefillingResin refill{};
+  MillimetersPerSecond fastest{};  // of the machine
+  MillimetersPerSecond slowest{};  // where the laws ask for less, the print is layered
+  MillimetersPerSecondSquared acceleration{};
+  std::chrono::duration<double> window{};  // light at a time, after which the window's oxygen is used up
+};
+
+// Returns the rises of a print from a height on, from the plate up. Between the top of one and the bottom of
+// the next the print is layered; where they are at the same height, the plate rests in the dark until the
+// window has its oxygen again. Rises are at least a millimetre high, unless such a rest makes them lower, and
+// begin and end between slabs.
+//
+// Each slab is passed at the speed of the strictest law in it. With light that is always on, the gap that
+// resin flows through depends on the speeds since resin entered it, which is less than a slab ago: faster
+// than before, resin has to flow through the narrow gap of the slower speed. So a rise starts as the dead
+// zone alone allows, and speeds up from slab to slab. REQUIRES: slabs of sweep_slabs() at least as thick as
+// gel_gap() at the margin, and the last of 1 um; bounds of positive values, margin > 1.
+[[nodiscard]] std::vector<RisePlan> plan_rises(std::span<const RiseSlab> slabs, Nanometers from,
+                                               const RiseBounds& bounds);
+
+}  // namespace contourd
