@@ -149,6 +149,7 @@ void check_rules(JsonDocument& document, const ResinMachine& machine) {
   check_slow_retract(document);
   check_speeds(document, machine);
   check_ticket_limits(document, machine);
+  check_continuous(document);
 }
 
 // Checks the ticket limits against the working curve's exposures, which are known only after the profile has
@@ -292,6 +293,7 @@ ResinProfile read_profile(const JsonSection& profile, std::string name) {
       .orientation = read_orientation_weights(profile),
       .motion = read_motion(profile),
       .viscosity_mpa_s = profile.find("viscosity_mpa_s", &JsonSection::number),
+      .continuous = read_continuous(profile),
       .tolerance = {.bounds = profile.duration("exposure_tolerance_ms"),
                     .policy = profile.text("exposure_doubt") == "interrupt"
                                   ? ExposureTolerance::Policy::Interrupt
@@ -363,6 +365,20 @@ std::string missing_for_dimming(const ResinProfile& resin) {
   if (resin.peel_memory_measured) return "";
   return "the working_curve of the resin " + resin.name +
          " has no peel_memory, and with a wrong one a part of the model would be missing";
+}
+
+std::string missing_for_continuous(const ResinProfile& resin) {
+  std::string lacks;
+  const auto need = [&](bool there, std::string_view key) {
+    if (!there) lacks += (lacks.empty() ? "" : ", ") + std::string(key);
+  };
+  need(resin.cure.has_value(), "working_curve");
+  need(resin.cure && resin.cure->dead_zone > Micrometers{}, "working_curve/dead_zone_um above 0");
+  need(resin.viscosity_mpa_s.has_value(), "viscosity_mpa_s");
+  need(resin.continuous.has_value(), "continuous");
+  if (lacks.empty()) return "";
+  return "the profile of the resin " + resin.name + " lacks what continuous printing needs: " + lacks +
+         "; add it to the profile, or print in layers";
 }
 
 std::string settle_undersides(ResinProfile& resin) {

@@ -19,6 +19,7 @@
 #include "core/model/placement.hpp"
 #include "core/orientation/orientation_figures.hpp"
 #include "core/support/support_settings.hpp"
+#include "daemon/config/continuous_resin.hpp"
 #include "daemon/config/ticket_limits.hpp"
 #include "hw/clock.hpp"
 
@@ -92,7 +93,8 @@ struct ResinProfile {
   SupportSettings supports;
   OrientationWeights orientation;  // for models whose orientation contourd chooses
   LayerMotion motion;
-  std::optional<double> viscosity_mpa_s;  // lengthens the wait before the light by the area of layers
+  std::optional<double> viscosity_mpa_s;      // lengthens the wait before the light by the area of layers
+  std::optional<ContinuousResin> continuous;  // if the vat's window lets oxygen through
   ExposureTolerance tolerance;
   TicketLimits limits;
   bool operator==(const ResinProfile&) const = default;
@@ -127,6 +129,10 @@ struct ResinMachine {
 
 // Returns, as a clause, what the profile lacks to expose undersides by dose; empty if it lacks nothing.
 [[nodiscard]] std::string missing_for_dimming(const ResinProfile& resin);
+
+// Returns a sentence with everything that the profile lacks for continuous printing; empty if it lacks
+// nothing.
+[[nodiscard]] std::string missing_for_continuous(const ResinProfile& resin);
 
 // Makes the undersides plain if the profile lacks something to expose them by dose, and returns a sentence
 // with the reason; empty if it lacks nothing.

@@ -145,6 +145,39 @@ class WithPrinter(AnalyzeTest):
         further = sum(2 / resin[key] + resin[key] / acceleration for key in ("retract_speed_mm_s", "slow_retract_speed_mm_s"))
         self.assertAlmostEqual(layer_time(backlash_um=1000) - plain, layers * further, delta=0.001)
 
+    def continuous_printer(self, **changes):
+        resin = {**source_json("resins", "standard.json"), "continuous": {"window_s": 3600, "recovery_s": 60, "layered_mm": 0.5}}
+        curve = {"penetration_depth_um": 150, "critical_energy_mj_cm2": 8, "overcure_um": 50, "bottom_overcure_um": 150, "dead_zone_um": 30}
+        resin = {key: resin[key] for key in resin if key not in ("exposure_ms", "bottom_exposure_ms", "ticket_limits")}
+        resin = {**resin, "working_curve": curve, **changes}
+        self.write("standard.json", json.dumps({key: resin[key] for key in resin if resin[key] is not None}).encode())
+        return self.write("printer.json", json.dumps({**source_json("simulated.json"), "resins_folder": "."}).encode())
+
+    def test_a_continuous_print_has_a_plan(self):
+        # A flange of 54 mm around a stem of 6 mm, from 4 to 6 mm above the plate.
+        model = binary_stl(box((-3, -3, 0), (3, 3, 10)) + box((-27, -26, 4), (27, 26, 6)))
+        found = self.analyze(model, "--printer", self.continuous_printer(), "--mode", "continuous", "--supports", "off")["continuous"]
+        limits = [each["limit"] for each in found["ranges"]]
+        self.assertEqual((limits[0], limits[1], limits[-1]), (None, "cure", "cure"))
+        # At 5 mW/cm2: 55 mm/h x 5/4. The flange lets resin in at 11 mm/h through the gap of the dead zone.
+        self.assertAlmostEqual(found["speed_mm_h"][1], 69.08, delta=0.01)
+        self.assertLess(found["speed_mm_h"][0], 15)
+        slow = min((each for each in found["ranges"] if each["limit"] == "refill"), key=lambda each: each["speed_mm_h"][0])
+        self.assertTrue(3.5 <= slow["bottom_mm"] <= 4.2, slow)
+        self.assertAlmostEqual(sum(each["time_s"] for each in found["ranges"]), found["time_s"], delta=1e-6)
+        text = contourctl("analyze", self.path("model.stl"), "--printer", self.path("printer.json"), "--mode", "continuous", expect=OK).stdout.decode()
+        for part in ("continuous    ", "gel gap       ", "refill  ", "mm/h"):
+            self.assertIn(part, text)
+
+    def test_a_print_that_cannot_be_continuous_is_refused(self):
+        path = self.write("cube.stl", binary_stl(cube(3)))
+        for changes, said in (({"viscosity_mpa_s": None}, "viscosity_mpa_s"), ({"continuous": None}, "continuous"),
+                              ({"continuous": {"window_s": 60, "recovery_s": 60, "margin": 100}}, "least_speed_mm_h")):  # fmt: skip
+            result = contourctl("analyze", path, "--printer", self.continuous_printer(**changes), "--mode", "continuous")
+            self.assert_refusal(result, BAD_DATA, "standard", said)
+        self.assertEqual(contourctl("analyze", path, "--mode", "continuous").returncode, BAD_USAGE)
+        self.assertIsNone(self.analyze(binary_stl(cube(3)), "--printer", self.continuous_printer())["continuous"])
+
     def test_a_model_that_the_printer_cannot_print_is_bad_data(self):
         path = self.write("large.stl", binary_stl(cube(100)))
         result = contourctl("analyze", path, "--printer", self.CONFIG)

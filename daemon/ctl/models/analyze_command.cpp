@@ -8,11 +8,14 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/analysis/print_analysis.hpp"
+#include "core/cure/stop_check.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/layers/print_layers.hpp"
 #include "daemon/ctl/models/analyze_page.hpp"
@@ -20,7 +23,10 @@
 #include "daemon/ctl/models/layer_measurements.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/print_subject.hpp"
+#include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/print/rise_forecast.hpp"
+#include "daemon/report/rise_forecast_text.hpp"
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/report/job_picture.hpp"
@@ -35,6 +41,7 @@ struct AnalyzeOptions {
   bool json = false;
   std::optional<std::filesystem::path> html;  // one self-contained page
   double layer_time_s = 10;                   // without a configuration: the time of each layer
+  std::string mode = "layered";
 };
 
 Duration parse_layer_time(double seconds) {
@@ -88,6 +95,22 @@ void expose_by_dose(const PrintSubject& subject, AnalyzedModel& model) {
   found.largest_area_layer = static_cast<std::int32_t>(largest - found.area_mm2.begin());
 }
 
+// Plans the print as a continuous one. Throws ModelError if it cannot be continuous.
+ContinuousForecast forecast_rises(const PrintSubject& subject) {
+  const ResinProfile& resin = subject.resin.value();
+  const ContinuousMachine& machine = subject.machine.value();
+  const std::string refusal = continuous_refusal(resin, machine);
+  if (!refusal.empty()) throw ModelError(printable(refusal));
+  ContinuousForecast forecast{rise_bounds(resin, machine), resin.continuous.value().recovery, {}};
+  if (subject.layers.empty()) return forecast;
+  const Nanometers top = std::accumulate(subject.layers.begin(), subject.layers.end(), Nanometers{});
+  StopCheck never;
+  const std::vector<RisePlan> rises = plan_continuous(
+      *subject.engine, {subject.settings.display, subject.layers.front(), top}, resin, machine, never);
+  forecast.ranges = ranges_of(rises, subject.layers, subject.layer_durations.value());
+  return forecast;
+}
+
 AnalyzedModel analyze(PrintSubject subject, Duration layer_time, bool with_picture) {
   AnalyzedModel model;
   model.size_mm = subject.size_mm;
@@ -113,12 +136,19 @@ AnalyzedModel analyze(PrintSubject subject, Duration layer_time, bool with_pictu
   return model;
 }
 
+void print_continuous(const ContinuousForecast& forecast) {
+  fmt::print("continuous    {}\ngel gap       {}\n", continuous_line(forecast), gel_line(forecast));
+  for (const std::string& line : range_lines(forecast))
+    fmt::print("  {}\n", line);
+}
+
 void print_findings(const AnalyzedModel& m) {
   const PrintFindings& found = m.findings;
   fmt::print("facets        {}\nsize          {:.6g} x {:.6g} x {:.6g} mm\n", m.facets, m.size_mm[0],
              m.size_mm[1], m.size_mm[2]);
   fmt::print("layers        {}\n", layers_text(m.layers));
   fmt::print("layer time    {}\n", layer_time_text(m));
+  if (m.continuous) print_continuous(*m.continuous);
   fmt::print("resin         {:.3f} ml\n", found.resin_ml());
   if (m.supports) fmt::print("supports      {}\n", supports_line(counts_of(*m.supports)));
   fmt::print("largest area  {:.2f} mm², layer {}\n", found.largest_area_mm2, found.largest_area_layer + 1);
@@ -143,6 +173,7 @@ void print_json(const AnalyzedModel& m) {
   json.update(findings_json(m.findings));
   json["assumed_layer_time_s"] =
       m.assumed_layer_time ? Json(std::chrono::duration<double>(*m.assumed_layer_time).count()) : Json();
+  json["continuous"] = m.continuous ? continuous_json(*m.continuous) : Json();
   json["supports"] = m.supports ? supports_json(*m.supports) : Json();
   json["model_warnings"] = m.warnings;
   json["statistics"] = statistics_json(m.statistics);
@@ -153,7 +184,11 @@ void print_json(const AnalyzedModel& m) {
 int analyze(const AnalyzeOptions& options) {
   const Duration layer_time = parse_layer_time(options.layer_time_s);
   refuse_to_overwrite_model(options.print.model, "--html", options.html);
-  AnalyzedModel model = analyze(print_subject(options.print), layer_time, options.html.has_value());
+  PrintSubject subject = print_subject(options.print);
+  std::optional<ContinuousForecast> continuous;
+  if (options.mode == "continuous") continuous = forecast_rises(subject);
+  AnalyzedModel model = analyze(std::move(subject), layer_time, options.html.has_value());
+  model.continuous = std::move(continuous);
   model.name = options.print.model.filename().string();
   if (options.html) write_text(*options.html, analysis_page(model));
   if (options.json) {
@@ -175,6 +210,9 @@ void add_analyze(Command& program) {
   command.option("--html", options.html, "Write a page with plots and a picture");
   command.option("--layer-time-s", options.layer_time_s, "Time that the printer needs per layer, s")
       .excludes(printer);
+  command.option("--mode", options.mode, "Print mode: layered, or continuous with its plan")
+      .one_of({"layered", "continuous"})
+      .needs(printer);
   command.run = [&options] { return analyze(options); };
 }
 

@@ -41,6 +41,10 @@ std::string facts(const AnalyzedModel& m) {
                                          m.size_mm[1], m.size_mm[2]));
   rows += table_row("Layers", layers_text(m.layers));
   rows += table_row("Time of the layers", layer_time_text(m));
+  if (m.continuous) {
+    rows += table_row("Continuous", continuous_line(*m.continuous));
+    rows += table_row("Gel gap", gel_line(*m.continuous));
+  }
   rows += table_row("Resin", fmt::format("{:.2f} ml", found.resin_ml()));
   if (m.supports) rows += table_row("Supports", supports_line(counts_of(*m.supports)));
   rows += table_row("Largest area", fmt::format("{:.2f} mm², layer {}", found.largest_area_mm2,

@@ -11,6 +11,7 @@
 #include "core/image/preview.hpp"
 #include "core/layers/layer_statistics.hpp"
 #include "core/support/supports.hpp"
+#include "daemon/report/rise_forecast_text.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd::ctl {
@@ -26,7 +27,8 @@ struct AnalyzedModel {
   std::optional<Duration> assumed_layer_time;  // if there is no printer's configuration
   std::vector<std::string> warnings;           // about the file and its mesh
   PrintFindings findings;
-  std::vector<LayerMeasurement> measurements;  // by layer; z above the plate
+  std::optional<ContinuousForecast> continuous;  // nullopt: not wanted
+  std::vector<LayerMeasurement> measurements;    // by layer; z above the plate
   LayerStatistics statistics;
   Preview picture;  // for the page
 };

@@ -140,6 +140,7 @@ PrintSubject subject_of_printer(const PrintArgs& args) {
   subject.doses = layer_doses(job.summary.resin, subject.layers, printer.irradiance_mw_cm2);
   subject.split = split_of(job.plan, printer);
   subject.layer_durations = layer_durations(job.plan, printer);
+  subject.machine = continuous_machine(printer);
   subject.resin = std::move(job.summary.resin);
   refuse_plain_undersides(args, subject);
   subject.engine = std::move(job.analysis_engine);

@@ -1,0 +1,31 @@
+// The settings of a resin and its window for continuous printing. Value types and pure functions;
+// thread-safe.
+#pragma once
+
+#include <optional>
+
+#include "core/geometry/units.hpp"
+#include "daemon/json/json_document.hpp"
+#include "daemon/json/json_section.hpp"
+#include "hw/clock.hpp"
+
+namespace contourd {
+
+// The section `continuous` of a resin's profile.
+struct ContinuousResin {
+  double margin = 0;               // of the dose over the critical one, at least; above 1
+  double refill_pressure_kpa = 0;  // that resin may lose on its way into the gap
+  Duration window{};               // light after which the window's oxygen is used up
+  Duration recovery{};             // dark after which the window has its oxygen again
+  Nanometers layered{};            // height of the first layers
+  Micrometers mask_step{};         // travel after which a mask is out of date
+  MillimetersPerSecond slowest{}, fastest{};
+  bool operator==(const ContinuousResin&) const = default;
+};
+
+// Reads the section; nullopt if the profile has none.
+[[nodiscard]] std::optional<ContinuousResin> read_continuous(const JsonSection& profile);
+// Checks the rules that the schema cannot say.
+void check_continuous(JsonDocument& profile);
+
+}  // namespace contourd

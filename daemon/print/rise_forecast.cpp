@@ -1,0 +1,140 @@
+#include "daemon/print/rise_forecast.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "core/contract/expects.hpp"
+
+namespace contourd {
+namespace {
+
+LitResin lit_resin(const ResinProfile& resin, const ContinuousMachine& machine) {
+  const CureSettings& cure = resin.cure.value();
+  return {cure.curve, MilliwattsPerCm2{machine.irradiance_mw_cm2}, cure.dead_zone};
+}
+
+MillimetersPerSecond fastest(const ResinProfile& resin, const ContinuousMachine& machine) {
+  const ContinuousResin& continuous = resin.continuous.value();
+  const MillimetersPerSecond by_masks{to_millimeters(continuous.mask_step).count() * machine.masks_per_s};
+  return std::min({by_masks, machine.top_speed.value_or(by_masks), continuous.fastest});
+}
+
+// Returns the height from which on the print is not in layers, a whole number of them.
+Nanometers end_of_layers(const ResinProfile& resin, Nanometers layer) {
+  const Nanometers layered = resin.continuous.value().layered;
+  return layer * ((layered + layer - Nanometers{1}) / layer);
+}
+
+// Adds the layers from a height up to another.
+void add_layers(Nanometers from, Nanometers to, std::span<const Nanometers> layers,
+                std::span<const Duration> times, std::vector<ContinuousRange>& ranges) {
+  if (from >= to) return;
+  ContinuousRange range{.bottom = from, .top = to};
+  Nanometers bottom{};
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    if (bottom >= from && bottom < to) range.time += times[i];
+    bottom += layers[i];
+  }
+  ranges.push_back(range);
+}
+
+// Adds a stretch of a rise to the range before it, or begins a new one.
+void add_stretch(const RisePoint& from, const RisePoint& to, bool begins,
+                 std::vector<ContinuousRange>& ranges) {
+  // Ramps of few micrometres join the range beside them.
+  constexpr Nanometers kShort{10'000};
+  const bool is_ramp = from.speed != to.speed && to.height - from.height < kShort;
+  if (begins || (!is_ramp && ranges.back().slowest.count() > 0 && ranges.back().limit != from.limit))
+    ranges.push_back({.bottom = from.height, .top = from.height, .limit = from.limit});
+  ContinuousRange& range = ranges.back();
+  range.top = to.height;
+  range.time += std::chrono::duration_cast<Duration>(duration(from, to));
+  if (is_ramp) return;
+  const auto [low, high] = std::minmax(from.speed, to.speed);
+  if (range.slowest.count() == 0) {
+    range.limit = from.limit;
+    range.slowest = low.count() > 0 ? low : high;
+  } else if (low.count() > 0) {
+    range.slowest = std::min(range.slowest, low);
+  }
+  range.fastest = std::max(range.fastest, high);
+}
+
+}  // namespace
+
+ContinuousMachine continuous_machine(const PrinterConfig& printer) {
+  return {.irradiance_mw_cm2 = printer.irradiance_mw_cm2,
+          .masks_per_s = 1 / std::chrono::duration<double>(printer.simulated.display.frame).count(),
+          .top_speed = printer.top_speed,
+          .acceleration = printer.simulated.axis.acceleration,
+          .mask_budget = printer.mask_budget};
+}
+
+std::string continuous_refusal(const ResinProfile& resin, const ContinuousMachine& machine) {
+  std::string missing = missing_for_continuous(resin);
+  if (!missing.empty()) return missing;
+  constexpr double kSecondsPerHour = 3600;
+  const ContinuousResin& continuous = *resin.continuous;
+  const MillimetersPerSecond cure = cure_speed(lit_resin(resin, machine), continuous.margin);
+  const MillimetersPerSecond most = std::min(cure, fastest(resin, machine));
+  if (most >= continuous.slowest) return "";
+  return fmt::format(
+      "the resin {} can rise at most at {:.3g} mm/h, with a margin of {:g}, {:g} mW/cm² and {:.3g} masks/s, "
+      "which is less than its continuous/least_speed_mm_h, {:g}: lower the margin or that speed, or print in "
+      "layers",
+      resin.name, most.count() * kSecondsPerHour, continuous.margin, machine.irradiance_mw_cm2,
+      machine.masks_per_s, continuous.slowest.count() * kSecondsPerHour);
+}
+
+RiseBounds rise_bounds(const ResinProfile& resin, const ContinuousMachine& machine) {
+  expects(continuous_refusal(resin, machine).empty(), "the resin can be printed continuously");
+  const ContinuousResin& continuous = *resin.continuous;
+  return {.lit = lit_resin(resin, machine),
+          .margin = continuous.margin,
+          .refill = {.viscosity_pa_s = resin.viscosity_mpa_s.value() / 1000,
+                     .pressure_kpa = continuous.refill_pressure_kpa},
+          .fastest = fastest(resin, machine),
+          .slowest = continuous.slowest,
+          .acceleration = machine.acceleration,
+          .window = continuous.window};
+}
+
+std::vector<RisePlan> plan_continuous(ContourEngine& engine, const ContinuousSubject& subject,
+                                      const ResinProfile& resin, const ContinuousMachine& machine,
+                                      StopCheck& stop) {
+  expects(continuous_refusal(resin, machine).empty(), "the resin can be printed continuously");
+  const RiseBounds bounds = rise_bounds(resin, machine);
+  const Micrometers gap = gel_gap(bounds.lit, bounds.margin);
+  const SlabSettings settings{.display = subject.display,
+                              .top = subject.top,
+                              .thickness = slab_thickness(subject.top, subject.layer, gap),
+                              .growth = resin.compensation.growth,
+                              .mask_budget = machine.mask_budget};
+  return plan_rises(sweep_slabs(engine, settings, stop), end_of_layers(resin, subject.layer), bounds);
+}
+
+std::vector<ContinuousRange> ranges_of(std::span<const RisePlan> rises, std::span<const Nanometers> layers,
+                                       std::span<const Duration> layer_times) {
+  expects(layers.size() == layer_times.size(), "each layer has a time");
+  std::vector<ContinuousRange> ranges;
+  Nanometers bottom{}, top{};
+  for (const RisePlan& rise : rises) {
+    const std::vector<RisePoint>& points = rise.points;
+    if (!ranges.empty() && points.front().height == bottom) ranges.back().rests = true;
+    add_layers(bottom, points.front().height, layers, layer_times, ranges);
+    for (std::size_t i = 1; i < points.size(); ++i)
+      add_stretch(points[i - 1], points[i], i == 1, ranges);
+    bottom = points.back().height;
+  }
+  for (const Nanometers layer : layers)
+    top += layer;
+  add_layers(bottom, top, layers, layer_times, ranges);
+  return ranges;
+}
+
+}  // namespace contourd

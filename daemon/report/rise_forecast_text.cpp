@@ -1,0 +1,158 @@
+#include "daemon/report/rise_forecast_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <string_view>
+
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostLines = 25;
+
+double mm_h(MillimetersPerSecond speed) {
+  constexpr double kSecondsPerHour = 3600;
+  return speed.count() * kSecondsPerHour;
+}
+
+double seconds(Duration time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+std::string_view name_of(RiseLimit limit) {
+  switch (limit) {
+    case RiseLimit::Cure:
+      return "cure";
+    case RiseLimit::Refill:
+      return "refill";
+    case RiseLimit::Oxygen:
+      return "oxygen";
+    case RiseLimit::Machine:
+      return "machine";
+  }
+  return "";
+}
+
+std::string_view name_of(const ContinuousRange& range) {
+  return range.limit ? name_of(*range.limit) : "layers";
+}
+
+Duration time_of(const ContinuousForecast& forecast, bool in_layers) {
+  Duration time{};
+  for (const ContinuousRange& range : forecast.ranges)
+    if (range.limit.has_value() != in_layers) time += range.time;
+  return time;
+}
+
+std::int64_t rests_of(const ContinuousForecast& forecast) {
+  return std::ranges::count(forecast.ranges, true, &ContinuousRange::rests);
+}
+
+// The speeds of all rises.
+struct Speeds {
+  MillimetersPerSecond slowest, fastest;
+};
+std::optional<Speeds> speeds_of(const ContinuousForecast& forecast) {
+  std::optional<Speeds> speeds;
+  for (const ContinuousRange& range : forecast.ranges) {
+    if (!range.limit) continue;
+    if (!speeds) speeds = {range.slowest, range.fastest};
+    speeds->slowest = std::min(speeds->slowest, range.slowest);
+    speeds->fastest = std::max(speeds->fastest, range.fastest);
+  }
+  return speeds;
+}
+
+// What follows from a speed.
+struct Gel {
+  double margin, gap_um, through_um;
+};
+Gel gel_at(const ContinuousForecast& forecast, MillimetersPerSecond speed) {
+  const LitResin& lit = forecast.bounds.lit;
+  const double margin = margin_at(lit, speed);
+  return {margin, gel_gap(lit, margin).count(), print_through(lit.curve, margin).count()};
+}
+
+// Returns "9.2 to 55.3", or one number if both have the same digits.
+std::string from_to(double low, double high) {
+  const std::string first = fmt::format("{:.3g}", low), last = fmt::format("{:.3g}", high);
+  return first == last ? first : first + " to " + last;
+}
+
+Json range_json(const ContinuousRange& range) {
+  Json json{{"bottom_mm", in_mm(range.bottom)},
+            {"top_mm", in_mm(range.top)},
+            {"limit", range.limit ? Json(name_of(*range.limit)) : Json()},
+            {"time_s", seconds(range.time)}};
+  if (range.limit) json["speed_mm_h"] = {mm_h(range.slowest), mm_h(range.fastest)};
+  json["rests"] = range.rests;
+  return json;
+}
+
+}  // namespace
+
+Duration ContinuousForecast::time() const {
+  return time_of(*this, true) + time_of(*this, false) + recovery * rests_of(*this);
+}
+
+std::string continuous_line(const ContinuousForecast& forecast) {
+  const auto rests = static_cast<std::uint64_t>(rests_of(forecast));
+  std::string line = fmt::format("{}: {} rising, {} in layers", readable(forecast.time()),
+                                 readable(time_of(forecast, false)), readable(time_of(forecast, true)));
+  if (rests > 0)
+    line += fmt::format(", {} of {}", count_of(rests, "rest", "rests"), readable(forecast.recovery));
+  return line;
+}
+
+std::string gel_line(const ContinuousForecast& forecast) {
+  const std::optional<Speeds> speeds = speeds_of(forecast);
+  if (!speeds)
+    return fmt::format("none: nowhere can the plate rise a millimetre at {:.3g} mm/h or faster",
+                       mm_h(forecast.bounds.slowest));
+  const Gel narrowest = gel_at(forecast, speeds->slowest), widest = gel_at(forecast, speeds->fastest);
+  return fmt::format(
+      "{} um wide, cured {} um through undersides (margin {})", from_to(narrowest.gap_um, widest.gap_um),
+      from_to(widest.through_um, narrowest.through_um), from_to(widest.margin, narrowest.margin));
+}
+
+std::vector<std::string> range_lines(const ContinuousForecast& forecast) {
+  std::vector<std::string> lines;
+  for (const ContinuousRange& range : forecast.ranges) {
+    const std::string speeds = range.limit ? from_to(mm_h(range.slowest), mm_h(range.fastest)) + " mm/h" : "";
+    if (lines.size() == kMostLines) {
+      lines.push_back(fmt::format("and {} more; --json has all", forecast.ranges.size() - kMostLines));
+      break;
+    }
+    lines.push_back(fmt::format("{:8.2f} to {:8.2f} mm  {:7}  {:20}  {}{}", in_mm(range.bottom),
+                                in_mm(range.top), name_of(range), speeds, readable(range.time),
+                                range.rests ? ", then a rest" : ""));
+  }
+  return lines;
+}
+
+nlohmann::ordered_json continuous_json(const ContinuousForecast& forecast) {
+  Json json{{"time_s", seconds(forecast.time())},
+            {"rising_s", seconds(time_of(forecast, false))},
+            {"layers_s", seconds(time_of(forecast, true))},
+            {"rests", rests_of(forecast)},
+            {"rest_s", seconds(forecast.recovery)}};
+  if (const std::optional<Speeds> speeds = speeds_of(forecast)) {
+    const Gel narrowest = gel_at(forecast, speeds->slowest), widest = gel_at(forecast, speeds->fastest);
+    json["speed_mm_h"] = {mm_h(speeds->slowest), mm_h(speeds->fastest)};
+    json["margin"] = {widest.margin, narrowest.margin};
+    json["gel_gap_um"] = {narrowest.gap_um, widest.gap_um};
+    json["print_through_um"] = {widest.through_um, narrowest.through_um};
+  }
+  json["ranges"] = Json::array();
+  for (const ContinuousRange& range : forecast.ranges)
+    json["ranges"].push_back(range_json(range));
+  return json;
+}
+
+}  // namespace contourd

@@ -1,0 +1,31 @@
+// Formats the plan of a continuous print as text and as JSON. Thread-safe (no shared state).
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "daemon/print/rise_forecast.hpp"
+
+namespace contourd {
+
+struct ContinuousForecast {
+  RiseBounds bounds{};
+  Duration recovery{};  // length of a rest
+  std::vector<ContinuousRange> ranges{};
+
+  // Returns the time of all ranges and rests.
+  [[nodiscard]] Duration time() const;
+};
+
+// Returns one line: "1 h 05 min: 58 min 10 s rising, 6 min in layers, 1 rest of 30 min".
+[[nodiscard]] std::string continuous_line(const ContinuousForecast& forecast);
+// Returns one line with the gap that resin flows through and the depth to which light cures through
+// undersides, or with the reason why nothing is continuous.
+[[nodiscard]] std::string gel_line(const ContinuousForecast& forecast);
+// Returns a line for each of the first ranges: its heights, what holds its speed down, speeds and time.
+[[nodiscard]] std::vector<std::string> range_lines(const ContinuousForecast& forecast);
+
+[[nodiscard]] nlohmann::ordered_json continuous_json(const ContinuousForecast& forecast);
+
+}  // namespace contourd

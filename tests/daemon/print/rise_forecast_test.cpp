@@ -1,0 +1,100 @@
+#include "daemon/print/rise_forecast.hpp"
+
+#include <array>
+#include <vector>
+
+#include "tests/broken_contract.hpp"
+#include "tests/catch.hpp"
+#include "tests/core/engine_fixture.hpp"
+#include "tests/daemon/print/rise_fixture.hpp"
+
+namespace contourd {
+namespace {
+
+using contourd::testing::Approx;
+using contourd::testing::kCoarseDisplay;
+using contourd::testing::kWindowPrinter;
+using contourd::testing::mm;
+using contourd::testing::window_resin;
+
+TEST_CASE("The speed of the machine is that of its masks, its axis and the profile") {
+  ResinProfile resin = window_resin();
+  ContinuousMachine machine = kWindowPrinter;
+  CHECK(rise_bounds(resin, machine).fastest.count() == Approx(0.12));
+  machine.top_speed = MillimetersPerSecond{0.1};
+  CHECK(rise_bounds(resin, machine).fastest.count() == Approx(0.1));
+  resin.continuous->fastest = MillimetersPerSecond{0.05};
+  CHECK(rise_bounds(resin, machine).fastest.count() == Approx(0.05));
+  CHECK(rise_bounds(resin, machine).refill.viscosity_pa_s == Approx(0.2));
+}
+
+TEST_CASE("A resin that would rise too slowly everywhere is refused with the figures") {
+  ResinProfile resin = window_resin();
+  CHECK(continuous_refusal(resin, kWindowPrinter).empty());
+  resin.continuous->margin = 50;
+  CHECK(
+      continuous_refusal(resin, kWindowPrinter) ==
+      "the resin clear can rise at most at 4.42 mm/h, with a margin of 50, 4 mW/cm² and 60 masks/s, which is "
+      "less than its continuous/least_speed_mm_h, 5: lower the margin or that speed, or print in layers");
+  resin.viscosity_mpa_s.reset();
+  CHECK(lacking(continuous_refusal(resin, kWindowPrinter), {"clear", "viscosity_mpa_s"}) == "");
+  CHECK(contract_broken_by([&] { (void)rise_bounds(resin, kWindowPrinter); }) ==
+        "the resin can be printed continuously");
+}
+
+TEST_CASE("A part is layered at first, rests, and has the times of its layers and rises") {
+  ContourEngine engine = testing::engine_for(models::box({-3, -3, 0}, {3, 3, 30}), {kCoarseDisplay});
+  StopCheck never;
+  const std::vector<Nanometers> layers(600, Nanometers{50'000});
+  const std::vector<Duration> times(600, Duration{5s});
+  const std::vector<RisePlan> rises = plan_continuous(engine, {kCoarseDisplay, layers.front(), mm(30)},
+                                                      window_resin(), kWindowPrinter, never);
+  const std::vector<ContinuousRange> ranges = ranges_of(rises, layers, times);
+  REQUIRE(ranges.size() == 3);
+  // 0.94 mm are 19 layers.
+  CHECK_FALSE(ranges[0].limit);
+  CHECK(ranges[0].top >= Nanometers{950'000});
+  CHECK(ranges[0].top < Nanometers{1'050'000});
+  CHECK(ranges[0].time == 5s * (ranges[0].top / layers.front()));
+  CHECK(ranges[1].bottom == ranges[0].top);
+  CHECK(ranges[1].limit == RiseLimit::Cure);
+  CHECK(ranges[1].fastest.count() * 3600 == Approx(55.26).epsilon(1e-3));
+  CHECK(ranges[1].rests);
+  CHECK(ranges[1].time <= 20min);
+  CHECK_FALSE(ranges[2].rests);
+  CHECK(ranges[2].top == mm(30));
+}
+
+TEST_CASE("A rise with several limits has a range for each, and layers between rises") {
+  const auto at = [](double height_mm, double speed_mm_s, RiseLimit limit) {
+    return RisePoint{*to_nanometers(Millimeters{height_mm}), MillimetersPerSecond{speed_mm_s}, limit};
+  };
+  const std::array rises{RisePlan{{at(1, 0, RiseLimit::Machine), at(1.000001, 0.01, RiseLimit::Cure),
+                                   at(2, 0.01, RiseLimit::Machine), at(2.000001, 0.002, RiseLimit::Refill),
+                                   at(3, 0.002, RiseLimit::Machine), at(3.000001, 0.004, RiseLimit::Refill),
+                                   at(4, 0.004, RiseLimit::Machine), at(4.000001, 0, RiseLimit::Machine)}},
+                         RisePlan{{at(6, 0, RiseLimit::Machine), at(7, 0.02, RiseLimit::Machine),
+                                   at(8, 0, RiseLimit::Machine)}}};
+  const std::vector<Nanometers> layers(10, mm(1));
+  const std::vector<Duration> times(10, Duration{5s});
+  const std::vector<ContinuousRange> ranges = ranges_of(rises, layers, times);
+  REQUIRE(ranges.size() == 6);
+  CHECK(ranges[0].time == 5s);
+  CHECK(ranges[1].limit == RiseLimit::Cure);
+  CHECK(ranges[1].slowest.count() == 0.01);
+  CHECK(ranges[2].limit == RiseLimit::Refill);
+  CHECK(ranges[2].slowest.count() == 0.002);
+  CHECK(ranges[2].fastest.count() == 0.004);
+  CHECK(ranges[2].top == Nanometers{4'000'001});
+  CHECK_FALSE(ranges[3].limit);
+  CHECK(ranges[3].time == 5s);
+  CHECK(ranges[4].limit == RiseLimit::Machine);
+  CHECK(ranges[4].slowest.count() == 0.02);
+  CHECK(ranges[5].bottom == mm(8));
+  CHECK(ranges[5].time == 10s);
+  CHECK_FALSE(ranges[2].rests);
+  CHECK(contract_broken_by([&] { (void)ranges_of(rises, layers, {}); }) == "each layer has a time");
+}
+
+}  // namespace
+}  // namespace contourd
