@@ -27,6 +27,9 @@ class AbsentAxis final : public ZAxis {
   void move_to(Nanometers, MillimetersPerSecond, std::function<void(MoveResult)> done) override {
     answer_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(MoveResult::NotHomed); });
   }
+  void rise(const RisePlan&, std::function<void(MoveResult)> done) override {
+    answer_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(MoveResult::NotHomed); });
+  }
   void nudge(Nanometers, MillimetersPerSecond, std::function<void(MoveResult)> done) override {
     answer_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(MoveResult::Fault); });
   }

@@ -75,6 +75,15 @@ MotionCurve::MotionCurve(double distance, const MotionLimits& limits) noexcept :
   pieces_[count_].speed = 0;
 }
 
+// A rise precedes the pieces, of which there are none until it is stopped. So moves without a rise cost no
+// more than if there were no rises.
+MotionCurve::MotionCurve(const RiseCurve& rise, const MotionLimits& limits) noexcept
+    : limits_(limits), rise_(&rise) {
+  expects(limits.speed > 0 && limits.acceleration > 0 && limits.jerk > 0, "every limit is positive");
+  pieces_[0].start_s = rise.duration_s();
+  pieces_[0].position = rise.end();
+}
+
 void MotionCurve::add(double seconds, double acceleration, double jerk) noexcept {
   Piece& piece = pieces_[count_];
   piece.acceleration = acceleration;
@@ -113,6 +122,7 @@ std::size_t MotionCurve::piece_at(double seconds) const noexcept {
 }
 
 double MotionCurve::position_at(double seconds) const noexcept {
+  if (follows_rise(seconds)) return rise_->at(seconds).position;
   if (seconds <= 0) return 0;
   const std::size_t i = piece_at(seconds);
   if (i == count_) return end().position;
@@ -120,6 +130,7 @@ double MotionCurve::position_at(double seconds) const noexcept {
 }
 
 double MotionCurve::speed_at(double seconds) const noexcept {
+  if (follows_rise(seconds)) return rise_->at(seconds).speed;
   const std::size_t i = piece_at(seconds);
   if (seconds <= 0 || i == count_) return 0;
   return after(pieces_[i], seconds - pieces_[i].start_s).speed;
@@ -130,10 +141,10 @@ double MotionCurve::time_at(double position) const noexcept {
   while (i < count_ && pieces_[i + 1].position < position)
     ++i;
   const Piece& piece = pieces_[i];
-  if (i == count_) return piece.start_s;
+  if (i == count_) return count_ == 0 && rise_ != nullptr ? rise_->time_at(position) : piece.start_s;
   const double left = std::max(position - piece.position, 0.0),
                longest = pieces_[i + 1].start_s - piece.start_s;
-  if (left == 0) return piece.start_s;
+  if (left == 0) return rise_ != nullptr ? rise_->time_at(position) : piece.start_s;
   if (piece.jerk != 0) {
     return piece.start_s + cubic_time(left, piece.speed, piece.acceleration, piece.jerk, longest);
   }
@@ -143,13 +154,22 @@ double MotionCurve::time_at(double position) const noexcept {
 }
 
 void MotionCurve::stop_at(double seconds) noexcept {
+  if (stopping_) return;
+  if (follows_rise(seconds)) {
+    const RiseCurve::State now = rise_->at(seconds);
+    return stop_from({std::max(seconds, 0.0), now.position, now.speed, now.acceleration});
+  }
   const std::size_t i = piece_at(std::max(seconds, 0.0));
-  if (stopping_ || i == count_) return;
+  if (i == count_) return;
   const Piece& piece = pieces_[i];
   if (piece.acceleration < 0 || (piece.acceleration == 0 && piece.jerk < 0)) return;
-  stopping_ = true;
-  const State now = after(piece, std::max(seconds, 0.0) - piece.start_s);
   count_ = i + 1;
+  stop_from(after(piece, std::max(seconds, 0.0) - piece.start_s));
+}
+
+// Replaces everything after the first count_ pieces by slowing down to rest.
+void MotionCurve::stop_from(const State& now) noexcept {
+  stopping_ = true;
   pieces_[count_] = Piece{now, 0};
   const double still_speeding_up = std::max(now.acceleration, 0.0);
   if (jerks(limits_) && still_speeding_up > 0) {
@@ -163,6 +183,9 @@ MotionProfile::MotionProfile(Nanometers distance, MillimetersPerSecond speed,
                              MillimetersPerSecondSquared acceleration, std::optional<double> jerk_mm_s3)
     : sign_(distance < Nanometers{0} ? -1.0 : 1.0),
       curve_(std::fabs(to_millimeters(distance).count()), limits(speed, acceleration, jerk_mm_s3)) {}
+
+MotionProfile::MotionProfile(const RiseCurve& rise, MillimetersPerSecondSquared acceleration)
+    : sign_(1), curve_(rise, limits(MillimetersPerSecond{1}, acceleration, std::nullopt)) {}
 
 Duration MotionProfile::duration() const {
   return Duration(static_cast<Duration::rep>(std::ceil(curve_.duration_s() * 1e9)));

@@ -15,6 +15,7 @@
 
 #include "core/geometry/units.hpp"
 #include "hw/clock.hpp"
+#include "hw/rise_curve.hpp"
 
 namespace contourd {
 
@@ -29,6 +30,9 @@ class MotionCurve {
   MotionCurve() = default;  // a move of no distance and no duration
   // REQUIRES: distance >= 0; every limit > 0.
   MotionCurve(double distance, const MotionLimits& limits) noexcept;
+  // Makes a move along a rise, which must outlive all copies; the limits are those of a stop. REQUIRES: every
+  // limit > 0.
+  MotionCurve(const RiseCurve& rise, const MotionLimits& limits) noexcept;
 
   [[nodiscard]] double duration_s() const noexcept { return end().start_s; }
   [[nodiscard]] double distance() const noexcept { return end().position; }
@@ -41,7 +45,7 @@ class MotionCurve {
   [[nodiscard]] double time_at(double position) const noexcept;
 
   // Brings the curve to rest as soon as the limits allow, from `seconds` on. Does nothing if the curve is
-  // already slowing down by then.
+  // already slowing down to rest by then.
   void stop_at(double seconds) noexcept;
 
  private:
@@ -55,14 +59,19 @@ class MotionCurve {
   static constexpr std::size_t kMaxPieces = 8;
 
   [[nodiscard]] const State& end() const noexcept { return pieces_[count_]; }
+  [[nodiscard]] bool follows_rise(double seconds) const noexcept {
+    return rise_ != nullptr && seconds < pieces_[0].start_s;
+  }
   [[nodiscard]] static State after(const Piece& piece, double seconds) noexcept;
   [[nodiscard]] std::size_t piece_at(double seconds) const noexcept;
   void add(double seconds, double acceleration, double jerk) noexcept;
   void add_ramp(double change, double sign) noexcept;
+  void stop_from(const State& now) noexcept;
 
   MotionLimits limits_{};
   bool stopping_ = false;
   std::size_t count_ = 0;
+  const RiseCurve* rise_ = nullptr;             // what comes before the first piece; null if nothing does
   std::array<Piece, kMaxPieces + 1> pieces_{};  // the entry after the last piece is the end
 };
 
@@ -72,6 +81,9 @@ class MotionProfile {
   // Plans a move over `distance`, whose sign is the direction. The limits are those of a MotionCurve.
   MotionProfile(Nanometers distance, MillimetersPerSecond speed, MillimetersPerSecondSquared acceleration,
                 std::optional<double> jerk_mm_s3 = std::nullopt);
+  // Makes the displacement along a rise in millimetres, which must outlive it; a stop slows down by
+  // `acceleration`.
+  MotionProfile(const RiseCurve& rise, MillimetersPerSecondSquared acceleration);
 
   [[nodiscard]] Duration duration() const;
 

@@ -71,6 +71,28 @@ void SimulatedAxis::move_to(Nanometers target, MillimetersPerSecond speed,
   move_end_ = clock_.call_after(Duration{0}, [refusal, done = std::move(done)] { done(refusal); });
 }
 
+void SimulatedAxis::rise(const RisePlan& plan, std::function<void(MoveResult)> done) {
+  expects(!move_, "the axis does not move");
+  if (const auto refusal = why_not(plan)) {
+    move_end_ = clock_.call_after(Duration{0}, [refusal, done = std::move(done)] { done(*refusal); });
+    return;
+  }
+  const auto curve = std::make_shared<const RiseCurve>(plan, 1.0, in_mm(true_height_));
+  const MotionProfile profile(*curve, config_.acceleration);
+  const Nanometers end = nearest_step(plan.points.back().height);
+  move_ = Move{clock_.now(), true_height_, curve, profile, std::move(done)};
+  move_end_ = clock_.call_after(profile.duration(), [this, end] { finish(end, MoveResult::Reached); });
+}
+
+std::optional<MoveResult> SimulatedAxis::why_not(const RisePlan& plan) const {
+  if (!homed_) return MoveResult::NotHomed;
+  if (!can_follow(plan, config_.homing_speed / 2, config_.acceleration)) return MoveResult::PlanRefused;
+  const Nanometers first = plan.points.front().height;
+  if (first < Nanometers{0} || plan.points.back().height > config_.travel) return MoveResult::OutsideTravel;
+  const double off_steps = std::fabs(in_mm(first - true_height_)) * config_.microsteps_per_mm;
+  return off_steps > 1 ? std::optional(MoveResult::PlanRefused) : std::nullopt;
+}
+
 void SimulatedAxis::nudge(Nanometers distance, MillimetersPerSecond speed,
                           std::function<void(MoveResult)> done) {
   expects(!move_, "the axis does not move");
@@ -92,7 +114,7 @@ void SimulatedAxis::run(Nanometers distance, MillimetersPerSecond speed,
                         std::function<void(MoveResult)> done) {
   const MotionProfile profile(distance, speed, config_.acceleration);
   const Nanometers end = true_height_ + distance;
-  move_ = Move{clock_.now(), true_height_, profile, std::move(done)};
+  move_ = Move{clock_.now(), true_height_, nullptr, profile, std::move(done)};
   move_end_ = clock_.call_after(profile.duration(), [this, end] { finish(end, MoveResult::Reached); });
 }
 

@@ -21,6 +21,7 @@ class SimulatedAxis final : public ZAxis {
 
   void home(std::function<void(HomingResult)> done) override;
   void move_to(Nanometers target, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
+  void rise(const RisePlan& plan, std::function<void(MoveResult)> done) override;
   void nudge(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
   void stop() override;
   void abort() noexcept override;
@@ -44,7 +45,8 @@ class SimulatedAxis final : public ZAxis {
  private:
   struct Move {
     TimePoint start;
-    Nanometers from;  // true height, like all heights in this class
+    Nanometers from;                        // true height, like all heights in this class
+    std::shared_ptr<const RiseCurve> rise;  // of the profile, in millimetres; null if it follows none
     MotionProfile profile;
     std::function<void(MoveResult)> done;
   };
@@ -52,6 +54,7 @@ class SimulatedAxis final : public ZAxis {
   [[nodiscard]] Nanometers nearest_step(Nanometers height) const;
   [[nodiscard]] bool switch_closed() const;
   void put_at(Nanometers true_height);
+  [[nodiscard]] std::optional<MoveResult> why_not(const RisePlan& plan) const;
   void run(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done);
   void finish(Nanometers end, MoveResult result);
   void seek_switch(MillimetersPerSecond speed, std::function<void()> found);

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/continuous/rise_plan.hpp"
 #include "core/geometry/units.hpp"
 #include "hw/clock.hpp"
 #include "hw/device.hpp"
@@ -39,11 +40,13 @@ enum class MoveResult {
   NotHomed,       // the position is unknown; nothing moved
   Fault,          // a machine event says why; the position is unknown
   AtSwitch,       // a nudge met the limit switch: it closed, or was closed already on the way towards it
+  PlanRefused,    // the axis cannot follow the plan of a rise; nothing moved
 };
 template <>
-inline constexpr auto kNames<MoveResult> = names_to<MoveResult::AtSwitch>(
+inline constexpr auto kNames<MoveResult> = names_to<MoveResult::PlanRefused>(
     "reached, the move was stopped, the target lies outside the travel, "
-    "the position is unknown; home first, a fault ended the move, the limit switch is reached");
+    "the position is unknown; home first, a fault ended the move, the limit switch is reached, "
+    "the axis cannot follow the planned rise");
 
 // Steps that were made too late, because the computer was too busy or is too slow.
 struct LateSteps {
@@ -85,6 +88,13 @@ class ZAxis : public Device {
   // when nothing moved. REQUIRES: not moving.
   virtual void move_to(Nanometers target, MillimetersPerSecond speed,
                        std::function<void(MoveResult)> done) = 0;
+
+  // Rises along the plan without a stop. Returns at once; `done` is called from the event loop, also when
+  // nothing moved: the plan must start where the plate is, to a microstep, and stay within the travel, within
+  // the axis' acceleration, and within the speed from which its motor can stop dead, so that a step that is
+  // late costs nothing but time. A rise that is slowed down by a disturbance ends with Stopped. REQUIRES: not
+  // moving.
+  virtual void rise(const RisePlan& plan, std::function<void(MoveResult)> done) = 0;
 
   // Moves by `distance`, up or (below 0) down, even if the position is unknown; it is unknown from then on.
   // For an axis whose wiring is yet to be checked, so the move ends where the limit switch closes, even if

@@ -59,6 +59,15 @@ void AxisDrive::run(RunKind kind, Microsteps steps, MillimetersPerSecond speed, 
   run_on();
 }
 
+void AxisDrive::rise(std::shared_ptr<const RiseCurve> rise, Microsteps steps, std::function<void()> then) {
+  run_ = {.kind = RunKind::Move,
+          .target = Microsteps{engine_.position()} + steps,
+          .speed = pull_in_speed(config_),
+          .then = std::move(then),
+          .rise = std::move(rise)};
+  run_on();
+}
+
 void AxisDrive::run_on() {
   if (inputs_.debouncing(AxisInput::EmergencyStop)) {
     ready_ = [this] { run_on(); };
@@ -73,8 +82,9 @@ void AxisDrive::run_on() {
   engine_.forget_halt();
   set_rules(config_.homes_upwards ? steps > Microsteps{0} : steps < Microsteps{0});
   // Without an encoder a known position is lost when the motor stalls, so the run ends then.
-  engine_.start({steps.count(), motion_limits(config_, run_.speed), pull_in(),
-                 position_.known() && !position_.has_encoder()});
+  engine_.start({steps.count(), motion_limits(config_, run_.speed),
+                 pull_in_speed(config_).count() * config_.microsteps_per_mm,
+                 position_.known() && !position_.has_encoder(), run_.rise});
 }
 
 void AxisDrive::end_run() {
@@ -167,7 +177,7 @@ void AxisDrive::take_end() {
   if (wiring_.take_contact()) return;
   if (*end == StepEnd::Halted) return;  // by the limit switch's edge, which has not settled yet
   if (wanted_ == Wanted::Rest) return wiring_.stopped();
-  if (*end == StepEnd::Stopped) return run_on();
+  if (*end == StepEnd::Stopped) return run_.rise ? wiring_.stopped() : run_on();
   // A copy, because the call may begin the next run.
   if (const auto then = run_.then) then();
 }

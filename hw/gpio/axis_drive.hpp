@@ -51,6 +51,9 @@ class AxisDrive {
   void begin(std::function<void()> ready);
   // Makes `steps` steps, then calls `then`, unless the run ends early.
   void run(RunKind kind, Microsteps steps, MillimetersPerSecond speed, std::function<void()> then);
+  // Makes `steps` steps upwards along a rise, then calls `then`, unless the run ends early. A rise that was
+  // slowed down does not continue: it ends as after stop().
+  void rise(std::shared_ptr<const RiseCurve> rise, Microsteps steps, std::function<void()> then);
   // Makes the remaining steps of the last run.
   void run_on();
   // Switches the motor's current off by the enable line; the plate's position is unknown then. Returns false
@@ -94,6 +97,7 @@ class AxisDrive {
     Microsteps target{};
     MillimetersPerSecond speed{0};
     std::function<void()> then;
+    std::shared_ptr<const RiseCurve> rise{};
     bool turning = false;              // until engine_ended()
     std::optional<StepEnd> end{};      // how the run ended, until that has been handled
     std::optional<AxisFault> cause{};  // the cause of a halt
@@ -106,11 +110,6 @@ class AxisDrive {
   void fail_stalled();
   void report_stall();
   [[nodiscard]] std::string stall_text() const;
-  // Returns the speed of homing's second pass, in steps/s: the motor stops dead from it and must not lose
-  // steps.
-  [[nodiscard]] double pull_in() const {
-    return config_.homing_speed.count() / 2 * config_.microsteps_per_mm;
-  }
   void follow();
 
   Clock& clock_;

@@ -17,6 +17,12 @@ inline constexpr Duration kEncoderRest{std::chrono::milliseconds{20}};
 // Returns the limits, in microsteps, of a move that is requested at that speed.
 [[nodiscard]] MotionLimits motion_limits(const GpioAxisConfig& config, MillimetersPerSecond speed);
 
+// Returns the motor's pull-in speed: that of homing's second pass, from which the motor stops dead and must
+// not lose steps.
+[[nodiscard]] inline MillimetersPerSecond pull_in_speed(const GpioAxisConfig& config) {
+  return config.homing_speed / 2;
+}
+
 // Returns the time from the first step until the plate is known to be there, including the way back for the
 // backlash.
 [[nodiscard]] Duration move_duration(const GpioAxisConfig& config, Nanometers distance,

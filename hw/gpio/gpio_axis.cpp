@@ -182,6 +182,38 @@ void GpioAxis::move_to(Nanometers target, MillimetersPerSecond speed, std::funct
   });
 }
 
+// The plate approaches the start first, which takes up the screw's backlash and checks the encoder.
+void GpioAxis::rise(const RisePlan& plan, std::function<void(MoveResult)> done) {
+  expects(!moving(), "the axis does not move");
+  move_done_ = std::move(done);
+  if (const auto refusal = why_not(plan))
+    return drive_.after(Duration{0}, [this, refusal] { end_move(*refusal); });
+  drive_.begin([this, plan] {
+    approach_.begin(position_.screw().nearest_step(plan.points.front().height), pull_in_speed(config_),
+                    [this, plan] { follow(plan); });
+  });
+}
+
+std::optional<MoveResult> GpioAxis::why_not(const RisePlan& plan) const {
+  if (!position_.known()) return MoveResult::NotHomed;
+  if (!can_follow(plan, std::min(config_.top_speed, pull_in_speed(config_)), config_.acceleration))
+    return MoveResult::PlanRefused;
+  const Nanometers first = plan.points.front().height, last = plan.points.back().height;
+  if (first < Nanometers{0} || last > config_.travel) return MoveResult::OutsideTravel;
+  const Microsteps off = position_.screw().nearest_step(first) - position_.by_steps().plate();
+  if (off > Microsteps{1} || off < Microsteps{-1}) return MoveResult::PlanRefused;
+  return std::nullopt;
+}
+
+void GpioAxis::follow(const RisePlan& plan) {
+  const Microsteps from = position_.by_steps().plate();
+  const Microsteps to = position_.screw().nearest_step(plan.points.back().height);
+  drive_.rise(
+      std::make_shared<const RiseCurve>(plan, config_.microsteps_per_mm, static_cast<double>(from.count())),
+      to - from,
+      [this, to] { approach_.begin(to, pull_in_speed(config_), [this] { end_move(MoveResult::Reached); }); });
+}
+
 void GpioAxis::nudge(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done) {
   expects(!moving(), "the axis does not move");
   expects(distance >= -kLongestNudge && distance <= kLongestNudge, "a nudge is short");

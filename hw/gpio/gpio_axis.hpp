@@ -60,6 +60,7 @@ class GpioAxis final : public ZAxis {
 
   void home(std::function<void(HomingResult)> done) override;
   void move_to(Nanometers target, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
+  void rise(const RisePlan& plan, std::function<void(MoveResult)> done) override;
   void nudge(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
   void stop() override;
   void abort() noexcept override;
@@ -102,6 +103,8 @@ class GpioAxis final : public ZAxis {
   [[nodiscard]] AxisDrive::Wiring drive_wiring();
   [[nodiscard]] Homing::Wiring homing_wiring();
   [[nodiscard]] AxisInterlocks::Wiring interlocks_wiring();
+  [[nodiscard]] std::optional<MoveResult> why_not(const RisePlan& plan) const;
+  void follow(const RisePlan& plan);
   void inputs_changed();
   [[nodiscard]] bool takes_contact(const InputChange& change);
   [[nodiscard]] bool take_contact();

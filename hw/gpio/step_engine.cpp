@@ -70,8 +70,12 @@ std::int64_t StepEngine::position_at(TimePoint time) const noexcept {
   return from_ + sign_ * static_cast<std::int64_t>(made);
 }
 
+StepPlanner StepEngine::plan_of(std::int64_t steps) const noexcept {
+  return move_.rise ? StepPlanner(steps, *move_.rise, move_.limits) : StepPlanner(steps, move_.limits);
+}
+
 StepPlanner StepEngine::planned(const Ramp& ramp) const noexcept {
-  StepPlanner plan(move_.steps * sign_ - ramp.made, move_.limits);
+  StepPlanner plan = plan_of(move_.steps * sign_ - ramp.made);
   if (asked_to_stop_) plan.stop_at(asked_to_stop_->made == ramp.made ? asked_to_stop_->elapsed : Duration{0});
   return plan;
 }
@@ -97,10 +101,11 @@ bool StepEngine::begin() noexcept {
   work_.clear();
   Phase handed = Phase::Handed;
   if (!phase_.compare_exchange_strong(handed, Phase::Running, std::memory_order_acquire)) return false;
-  plan_ = StepPlanner(move_.steps < 0 ? -move_.steps : move_.steps, move_.limits);
+  plan_ = plan_of(move_.steps < 0 ? -move_.steps : move_.steps);
   stopped_ = false;
-  harmless_ = Duration{
-      static_cast<Duration::rep>(std::min(kIntervals / move_.limits.speed, in_seconds(kSwing)) * 1e9)};
+  harmless_ = move_.rise ? Duration::max()
+                         : Duration{static_cast<Duration::rep>(
+                               std::min(kIntervals / move_.limits.speed, in_seconds(kSwing)) * 1e9)};
   if (plan_.finished()) return finish(StepEnd::Completed), false;
   const int direction = move_.steps < 0 ? -1 : 1;
   if (direction != last_direction_) {

@@ -14,6 +14,9 @@
 // field at rest. A motor that was above its pull-in speed has stalled then and may have lost steps. A slower
 // motor has stopped dead and lost none.
 //
+// A rise, whose speeds are below the motor's pull-in speed, is never ramped up again: a late step shifts the
+// rest of it.
+//
 // Invariants of the state that phase_ passes between the threads:
 //  1. Only the event loop sets phase_ from Idle to Handed, after writing move_ and the schedule's start.
 //  2. Only the step thread sets it from Handed to Running, and reads move_ afterwards.
@@ -35,6 +38,7 @@
 #include <atomic>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 
 #include "core/contract/expects.hpp"
@@ -59,6 +63,8 @@ struct StepMove {
   // The highest speed, in steps/s, at which the motor can stop dead and start at once without losing steps.
   double pull_in = std::numeric_limits<double>::infinity();
   bool ends_stalled = false;  // the move ends if the motor stalls; otherwise it continues
+  // The curve of a rise, in steps from the start; null for a move of its own within the limits.
+  std::shared_ptr<const RiseCurve> rise{};
 };
 
 enum class StepEnd {
@@ -96,7 +102,7 @@ class StepEngine {
     expects(!moving(), "no move is under way");
     halt_ = false;
   }
-  // Starts a move. REQUIRES: !moving().
+  // Starts a move. REQUIRES: !moving(); a rise goes upwards, no faster than pull_in.
   void start(const StepMove& move) noexcept;
   // Slows the move down to rest.
   void stop() noexcept;
@@ -168,6 +174,7 @@ class StepEngine {
 
   [[nodiscard]] bool halted() const noexcept { return halt_ || inhibited_ || all_inhibited_; }
   [[nodiscard]] Ramp ramp() const noexcept;
+  [[nodiscard]] StepPlanner plan_of(std::int64_t steps) const noexcept;
   [[nodiscard]] StepPlanner planned(const Ramp& ramp) const noexcept;
   void rise() noexcept;
   void fall() noexcept;

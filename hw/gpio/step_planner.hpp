@@ -22,6 +22,11 @@ class StepPlanner {
   StepPlanner(std::int64_t steps, const MotionLimits& limits) noexcept
       : curve_(static_cast<double>(steps), limits), total_(steps) {}
 
+  // Plans the first `steps` steps along a rise in steps, which must outlive all copies; the limits are those
+  // of a stop. The rise ends at its position `steps`, to half a step.
+  StepPlanner(std::int64_t steps, const RiseCurve& rise, const MotionLimits& limits) noexcept
+      : curve_(rise, limits), total_(steps) {}
+
   [[nodiscard]] std::int64_t total() const noexcept { return total_; }
   [[nodiscard]] std::int64_t done() const noexcept { return done_; }
   [[nodiscard]] bool finished() const noexcept { return done_ >= total_; }

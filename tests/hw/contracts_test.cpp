@@ -5,6 +5,7 @@
 #include "hw/virtual_clock.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
+#include "tests/hw/rises.hpp"
 
 TEST_CASE("MotionCurve requires a distance that is not negative, and positive limits") {
   const auto curve = [](double distance, const MotionLimits& limits) {
@@ -19,6 +20,17 @@ TEST_CASE("MotionCurve requires a distance that is not negative, and positive li
         }) == "every limit is positive");
 }
 
+TEST_CASE("RiseCurve and rest_of() require a plan, and a rest that begins within it") {
+  const RisePlan plan{{rise_point(1, 0), rise_point(2, 1), rise_point(3, 0)}};
+  CHECK(contract_broken_by([&] { RiseCurve(plan, 800, 0); }).empty());
+  CHECK(contract_broken_by([] { RiseCurve({}, 800, 0); }) == "a rise has points between its ends");
+  CHECK(contract_broken_by([] { (void)rest_of({}, Nanometers{0}); }) == "the plan has begun");
+  CHECK(contract_broken_by([&] { (void)rest_of(plan, Nanometers{999'999}); }) == "the plan has begun");
+  CHECK(contract_broken_by([&] {
+          MotionCurve(RiseCurve(plan, 1, 0), {1, 0, 1});
+        }) == "every limit is positive");
+}
+
 TEST_CASE("ZAxis neither homes nor moves while it moves") {
   VirtualClock clock;
   SimulatedAxis axis(clock, {});
@@ -27,6 +39,7 @@ TEST_CASE("ZAxis neither homes nor moves while it moves") {
   CHECK(contract_broken_by([&] {
           axis.move_to(Nanometers{0}, MillimetersPerSecond{1}, [](MoveResult) {});
         }) == "the axis does not move");
+  CHECK(contract_broken_by([&] { axis.rise({}, [](MoveResult) {}); }) == "the axis does not move");
   const auto nudge = [&axis](Nanometers distance) {
     axis.nudge(distance, MillimetersPerSecond{1}, [](MoveResult) {});
   };

@@ -32,6 +32,7 @@ class PlainAxis : public PlainDevice<ZAxis> {
   void set_light_cutoff(LightCutoff*) noexcept override {}
   bool release() override { return false; }
   void nudge(Nanometers, MillimetersPerSecond, std::function<void(MoveResult)>) override {}
+  void rise(const RisePlan&, std::function<void(MoveResult)>) override {}
   [[nodiscard]] std::optional<Nanometers> homing_shift() const override { return std::nullopt; }
 };
 

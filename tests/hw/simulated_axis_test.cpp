@@ -2,6 +2,7 @@
 
 #include "tests/catch.hpp"
 #include "tests/hw/millimeters.hpp"
+#include "tests/hw/rises.hpp"
 #include "tests/hw/virtual_time_fixture.hpp"
 #include "tests/random_shapes.hpp"
 
@@ -397,4 +398,54 @@ TEST_CASE_METHOD(SimulatedAxisFixture, "The limit switch closes at the bottom, a
   run();
   CHECK(limit_switch().active == false);
   CHECK(limit_switch().edges == 4);
+}
+
+TEST_CASE_METHOD(SimulatedAxisFixture, "A simulated rise follows its plan, to the microstep") {
+  CHECK(rc::check([] {
+    SimulatedAxisFixture fixture;
+    fixture.home();
+    for (int plans = 0; plans < 20; ++plans) {
+      const RisePlan plan = draw_rise(fixture.axis.height().value());
+      const TimePoint begun = fixture.clock.now();
+      fixture.moved.reset();
+      fixture.axis.rise(plan, [&](MoveResult result) { fixture.moved = result; });
+      const double low = in_mm(plan.points.front().height), high = in_mm(plan.points.back().height);
+      const double height = draw_real(low, high);
+      const Duration after{static_cast<Duration::rep>(rise_time(plan, height) * 1e9)};
+      const Nanometers there = fixture.axis.height_at(begun + after).value();
+      // The integration is exact to 0.2 ms/s of a rise of at most 5 s at 2 mm/s, and a step has 1.25 um.
+      RC_ASSERT(std::fabs(in_mm(there) - height) <= 0.002 + 0.00125);
+      RC_ASSERT(on_a_whole_step(there));
+      fixture.pass(after);
+      RC_ASSERT(fixture.axis.height() == fixture.axis.height_at(fixture.clock.now()));
+      const bool stops = draw(0, 1) != 0;
+      if (stops) fixture.axis.stop();
+      fixture.run();
+      RC_ASSERT(fixture.moved == (stops ? MoveResult::Stopped : MoveResult::Reached));
+      const double end = in_mm(fixture.axis.height().value());
+      RC_ASSERT(end <= (stops ? height + 0.08 + 0.004 : high + 0.001));
+      RC_ASSERT(end >= (stops ? height - 0.004 : high - 0.001));
+    }
+  }));
+}
+
+TEST_CASE_METHOD(SimulatedAxisFixture, "A simulated axis refuses the rises that a real one refuses") {
+  const auto rise = [this](const RisePlan& plan) {
+    moved.reset();
+    const auto before = axis.height();
+    axis.rise(plan, [this](MoveResult result) { moved = result; });
+    run();
+    CHECK(axis.height() == before);
+    return moved.value();
+  };
+  const auto plan = [](double from, double to, double speed) {
+    return RisePlan{{rise_point(from, 0), rise_point((from + to) / 2, speed), rise_point(to, 0)}};
+  };
+  CHECK(rise(plan(0, 1, 1)) == MoveResult::NotHomed);
+  home();
+  CHECK(rise({}) == MoveResult::PlanRefused);
+  CHECK(rise(plan(0, 1, 2.6)) == MoveResult::PlanRefused);
+  CHECK(rise(plan(0.01, 1, 1)) == MoveResult::PlanRefused);
+  CHECK(rise(plan(0, 161, 1)) == MoveResult::OutsideTravel);
+  CHECK(rise(plan(-0.001, 1, 1)) == MoveResult::OutsideTravel);
 }

@@ -7,6 +7,7 @@
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/counting_line.hpp"
 #include "tests/hw/gpio/test_time.hpp"
+#include "tests/hw/rises.hpp"
 
 namespace {
 
@@ -40,8 +41,9 @@ struct TurningMotor {
     inputs.emplace(engine, lines, testing::test_now);
   }
   // True if the move completed.
-  bool run(std::int64_t steps, const MotionLimits& limits) {
-    engine.start({steps, limits});
+  bool run(std::int64_t steps, const MotionLimits& limits) { return run({steps, limits}); }
+  bool run(const StepMove& move) {
+    engine.start(move);
     if (!engine.begin()) return false;
     for (int made = 0; engine.running(); ++made) {
       test_time = std::max(test_time, engine.due());
@@ -77,4 +79,19 @@ TEST_CASE("Neither steps nor edges allocate memory, from the first one on") {
   }
   CHECK(motor.step.rises == 10'000);
   CHECK(std::abs(motor.inputs->encoder_count()) >= 10'000);
+}
+
+TEST_CASE("A rise of some thousand points allocates no memory, from its start to a stop or its end") {
+  RisePlan plan;
+  for (int i = 0; i <= 4'000; ++i)
+    plan.points.push_back(testing::rise_point(0.002 * i, i % 4'000 == 0 ? 0 : 0.2 + 0.001 * (i % 7)));
+  StepMove move{6'400, {4'000, 20'000}};
+  move.rise = std::make_shared<const RiseCurve>(plan, 800, 0);
+  TurningMotor motor;
+  const long before = testing::allocations();
+  const bool completed = motor.run(move);
+  const long taken = testing::allocations() - before;
+  CHECK(completed);
+  CHECK(taken == 0);
+  CHECK(motor.step.rises == 6'400);
 }
