@@ -30,6 +30,9 @@ class Clock : public Interface {
  public:
   [[nodiscard]] virtual TimePoint now() const = 0;
 
+  // True if time passes only from call to call, so that a thread of this process takes none of it.
+  [[nodiscard]] virtual bool skips_waiting() const { return false; }
+
   // Calls `call` once, from the event loop, at `when` or as soon after as the loop gets to it; never from
   // inside call_at itself. Calls due at the same time run in the order they were asked for.
   [[nodiscard]] virtual std::unique_ptr<Timer> call_at(TimePoint when, std::function<void()> call) = 0;

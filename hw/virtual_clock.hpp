@@ -13,6 +13,7 @@ namespace contourd {
 class VirtualClock final : public Clock {
  public:
   [[nodiscard]] TimePoint now() const override { return now_; }
+  [[nodiscard]] bool skips_waiting() const override { return true; }
   [[nodiscard]] std::unique_ptr<Timer> call_at(TimePoint when, std::function<void()> call) override;
 
   [[nodiscard]] bool idle() const { return calls_.empty(); }

@@ -82,8 +82,15 @@ void LayeredPrint::start(PrintPlan plan) {
 void LayeredPrint::expect_layers() {
   const Nanometers top =
       std::accumulate(plan_->expected_layers.begin(), plan_->expected_layers.end(), Nanometers{});
-  left_after_.assign(plan_->expected_layers.size() + 1, parking_duration(top + plan_->motion.whole_lift()));
-  for (std::size_t i = plan_->expected_layers.size(); i-- > 0;) {
+  std::size_t count = plan_->expected_layers.size();
+  left_after_.assign(count + 1, parking_duration(top + plan_->motion.whole_lift()));
+  if (plan_->rise) {
+    const auto rising = std::chrono::duration_cast<Duration>(duration(plan_->rise->plan));
+    count = std::min(count, static_cast<std::size_t>(plan_->rise->first_layers));
+    left_after_[count] +=
+        rising + contourd::lowering_duration(plan_->motion, Nanometers{}, moves_of(machine_.z_axis()));
+  }
+  for (std::size_t i = count; i-- > 0;) {
     left_after_[i] = left_after_[i + 1] +
                      layer_duration(*plan_, static_cast<std::int32_t>(i), moves_of(machine_.z_axis()));
   }
@@ -381,6 +388,7 @@ LayeredEvent LayeredPrint::next_due() const {
   if (canceled_) return LayeredEvent::Canceled;
   const LayeredEvent due = !has_all_light()  ? LayeredEvent::LayerUnfinished
                            : on_last_layer() ? LayeredEvent::LayersDone
+                           : rises_next()    ? LayeredEvent::RiseDue
                                              : LayeredEvent::LayerDue;
   const bool nothing_to_pause = due == LayeredEvent::LayersDone && interruption_.empty();
   return (pause_wanted_ || planned_pause_due()) && !nothing_to_pause ? LayeredEvent::PauseDue : due;

@@ -1,8 +1,9 @@
 // The layered print mode: exposes a layer, peels it off, lifts the plate and lowers it for the next layer.
 // Looks up the events from the machine, the clock and the user in the table of layered_states.hpp and
 // performs the effects found there. Whatever happens, a print ends with the light off. Event loop's thread
-// only. LayeredPrint has a method for each effect of the table, and all of them work on the layer under way
-// and account for its light. It is larger than other classes for this reason.
+// only. If the plan has a rise, the layered print ends in the dark after the first layers, with the plate
+// lifted and the projector on. LayeredPrint has a method for each effect of the table, and all of them work
+// on the layer under way and account for its light. It is larger than other classes for this reason.
 #pragma once
 
 #include <memory>
@@ -60,6 +61,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   void settled() override;
   void wait(Duration duration);
   [[nodiscard]] bool on_last_layer() const { return !plan_->layers.thickness_at(layer_top()); }
+  [[nodiscard]] bool rises_next() const { return plan_->rise && layer_ + 1 == plan_->rise->first_layers; }
   [[nodiscard]] Duration exposure_left() const { return record_.exposure_asked - record_.exposure_most; }
   void estimate(Duration duration) { estimated_end_ = clock_.now() + duration; }
   [[nodiscard]] Duration homing_duration() const;

@@ -41,6 +41,9 @@ constexpr auto kRows = std::to_array<LayeredTransition>({
     {S::AwaitingDark, E::PauseDue, S::Raising, F::RaiseForALook},
     {S::AwaitingDark, E::LayersDone, S::Parking, F::RecordLayer, F::Park},
 
+    // A rise takes over the machine as it is.
+    {S::AwaitingDark, E::RiseDue, S::Idle, F::RecordLayer, F::Finish},
+
     {S::Raising, E::MoveEnded, S::Paused},
     {S::Paused, E::Resumed, S::AwaitingDark, F::AwaitDark},
 

@@ -48,6 +48,7 @@ enum class LayeredEvent {
   LayerUnfinished,  // dark, and the layer still lacks light
   PauseDue,         // dark, and the user requested a pause or something interrupted the print
   LayersDone,       // dark after the last layer
+  RiseDue,          // dark after the last layer before a rise
   Interrupted,      // the lid was opened or the display lost: turn dark, move up, wait for the user
   Resumed,
   Canceled,
@@ -88,7 +89,7 @@ inline constexpr auto kNames<LayeredState> = names_to<LayeredState::Ending>(
 template <>
 inline constexpr auto kNames<LayeredEvent> = names_to<LayeredEvent::GaveUp>(
     "started, projector ready, homed, move ended, wait over, mask shown, light on sent, "
-    "picture due, screen black, light is off, layer due, layer unfinished, pause due, layers done, "
+    "picture due, screen black, light is off, layer due, layer unfinished, pause due, layers done, rise due, "
     "interrupted, resumed, cancelled, "
     "failed, gave up");
 template <>

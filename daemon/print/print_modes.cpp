@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "daemon/print/layered_print.hpp"
+#include "daemon/print/continuous_print.hpp"
+#include "daemon/print/continuous_states.hpp"
 #include "daemon/print/layered_states.hpp"
 #include "daemon/print/manual_states.hpp"
 #include "hw/gpio/homing_states.hpp"
@@ -15,14 +16,16 @@
 namespace contourd {
 
 std::unique_ptr<PrintMode> make_print_mode(Machine& machine, Clock& clock, PrintObserver& observer) {
-  return std::make_unique<LayeredPrint>(machine, clock, observer);
+  return std::make_unique<ContinuousPrint>(machine, clock, observer);
 }
 
 std::vector<PrintState> print_states() {
-  // Each name is listed once, even if several modes share it. LayeredPrint is the only mode so far.
-  std::vector<PrintState> states;
-  for (const PrintState& state : layered_print_states()) {
-    if (std::ranges::find(states, state.name, &PrintState::name) == states.end()) states.push_back(state);
+  const auto layered = layered_print_states();
+  std::vector<PrintState> states(layered.begin(), layered.end());
+  for (const PrintState& state : continuous_print_states()) {
+    const bool is_seen = state.name != name_of(ContinuousState::Layering);
+    if (is_seen && std::ranges::find(states, state.name, &PrintState::name) == states.end())
+      states.push_back(state);
   }
   return states;
 }
@@ -37,6 +40,7 @@ std::string draw_print_states() {
                          on == LayeredEvent::Failed ? "any state" : name_of(from), name_of(row.next(from)),
                          label_of(on, row));
   });
+  graph += draw_table("continuous", continuous_table());
   graph += draw_table("by hand", manual_table());
   graph += draw_table("homing", homing_table());
   graph += draw_table("projector power", projector_power_table());

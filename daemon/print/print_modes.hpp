@@ -1,4 +1,5 @@
-// The available print modes; LayeredPrint is the only one so far. No other module knows which mode runs.
+// The available print modes: layered, and continuous after some layers. No other module knows which mode
+// runs.
 #pragma once
 
 #include <memory>

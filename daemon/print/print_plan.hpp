@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/continuous/rise_plan.hpp"
 #include "core/cure/underside_dimming.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/layers/print_layers.hpp"
@@ -21,6 +22,13 @@
 
 namespace contourd {
 
+// The rise of a continuous print: after the first layers the plate rises without a stop.
+struct PlannedRise {
+  RisePlan plan;                  // begins on top of the first layers
+  std::int32_t first_layers = 1;  // printed layer by layer, so that the part holds
+  Nanometers mask_step{2'000};    // a new mask when the height has changed by this much
+};
+
 // The plan of a print: everything that is decided before it starts.
 struct PrintPlan {
   std::string job;
@@ -30,6 +38,7 @@ struct PrintPlan {
       undersides;                        // makes the masks from the engine's coverage; null: none are dimmed
   std::unique_ptr<SplitExposure> split;  // makes pictures of few greys from the masks, whose values are then
                                          // linear; null: masks are shown as they are
+  std::optional<PlannedRise> rise;       // nullopt: the print is layered to its end
   PrintLayers layers;                    // queried layer by layer during the print
   // Returns the exposure of a layer, counted from 0, of this thickness.
   std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure;
@@ -130,7 +139,23 @@ template <typename MoveDuration>
          move_duration(kBackOff, plan.homing_speed) + move_duration(kBackOff, slow);
 }
 
-// The measured facts about one layer.
+// The masks of a part of a rise.
+struct FrameFigures {
+  std::uint32_t shown = 0, missed = 0;  // a mask that was late by some refreshes is missed as often
+  // The largest distance of a mask's cut from the plate's height at the middle of the refresh that showed it.
+  Nanometers farthest{};
+  Duration longest_cut{};  // real time
+
+  FrameFigures& operator+=(const FrameFigures& other) {
+    shown += other.shown;
+    missed += other.missed;
+    farthest = std::max(farthest, other.farthest);
+    longest_cut = std::max(longest_cut, other.longest_cut);
+    return *this;
+  }
+};
+
+// The measured facts about one layer, or about a slice of a rise that is as thick as one.
 struct LayerRecord {
   std::int32_t layer = 0;  // from 0
   Nanometers bottom{};     // planned height of the layer's lower side above the plate
@@ -149,6 +174,7 @@ struct LayerRecord {
   std::size_t pictures = 1;    // number of pictures that the exposure was planned to show
   double light_error = 0;      // largest difference of a pixel's planned light from its mask's, over white's
   Duration late_picture{};     // by how much a picture came later than planned, at most
+  FrameFigures frames;         // of a slice of a rise
   bool undersides_found = true;  // false if undersides kept their light for lack of time
   std::uint32_t intersecting_facets = 0;
   std::uint32_t loops = 0;
@@ -174,6 +200,14 @@ struct SplitFigures {
     figures.light_error = std::max(figures.light_error, layer.light_error);
     figures.late_picture = std::max(figures.late_picture, layer.late_picture);
   }
+  return figures;
+}
+
+// Returns the figures of all masks of a print's rise.
+[[nodiscard]] inline FrameFigures frame_figures(const std::vector<LayerRecord>& layers) {
+  FrameFigures figures;
+  for (const LayerRecord& layer : layers)
+    figures += layer.frames;
   return figures;
 }
 

@@ -151,6 +151,15 @@ Json cured_json(const PrintReport& report) {
   return json;
 }
 
+// Returns the masks of a rise or of a slice of it; null if there was none.
+Json frames_json(const FrameFigures& frames) {
+  if (frames.shown == 0 && frames.missed == 0) return {};
+  return {{"shown", frames.shown},
+          {"missed", frames.missed},
+          {"farthest_um", in_mm(frames.farthest) * 1000},
+          {"longest_cut_ms", in_ms(frames.longest_cut)}};
+}
+
 Json layer_json(const LayerRecord& layer) {
   Json json{{"layer", layer.layer + 1},
             {"thickness_um", in_mm(layer.thickness) * 1000},
@@ -164,6 +173,7 @@ Json layer_json(const LayerRecord& layer) {
             {"pictures", layer.pictures},
             {"light_error_percent", 100 * layer.light_error},
             {"late_picture_ms", in_ms(layer.late_picture)},
+            {"frames", frames_json(layer.frames)},
             {"complete", layer.complete},
             {"dark_confirmed", layer.dark_confirmed},
             {"shown_at_s", in_ms(layer.shown_at.time_since_epoch()) / 1000},  // by the machine's clock
@@ -213,6 +223,7 @@ std::string report_as_json(const PrintReport& report) {
   add_layer_figures(summary.layers, json);
   json["layers_exposed"] = layers_exposed(report.layers);
   add_stops(report, json);
+  json["frames"] = frames_json(frame_figures(report.layers));
   json["unfound_undersides"] = layers_with_unfound_undersides(report.layers);
   json["late_steps"] = report.late_steps;
   json["loop_busy_ms_worst_lit"] = in_ms(report.busiest_lit.busy);

@@ -93,6 +93,7 @@ std::string next_state(std::string_view state, std::int64_t layer, std::int64_t 
                                                {"showing", "exposing"},
                                                {"igniting", "exposing"},
                                                {"exposing", "resting"},
+                                               {"rising", "lifting"},
                                                {"darkening", "resting"},
                                                {"extinguishing", "resting"},
                                                {"interrupting", "lifting"},
@@ -219,7 +220,7 @@ class View {
     const bool dark = status_.value("dark", false);
     const std::string by_hand = text_of(part_of(status_, "manual"), "state");
     if (dark) return add("light", "off", kLight);
-    if (state() == "exposing" || by_hand == "lit") return add("light", "ON", kLight, Ink::Alarm);
+    if (state() == "exposing" || state() == "rising" || by_hand == "lit") return add("light", "ON", kLight, Ink::Alarm);
     if (state() == "igniting" || by_hand == "igniting") return add("light", "turning on", kLight, Ink::Alarm);
     add("light", "not confirmed off", kLight, Ink::Alarm);
   }

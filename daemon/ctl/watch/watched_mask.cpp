@@ -30,7 +30,7 @@ constexpr std::int32_t kLargestSide = 16'384;
 
 // True for states in which the layer's mask is on the display, or was until now.
 bool shows_layer(std::string_view state) {
-  constexpr std::array<std::string_view, 4> kStates{"showing", "igniting", "exposing", "darkening"};
+  constexpr std::array<std::string_view, 5> kStates{"showing", "igniting", "exposing", "rising", "darkening"};
   return std::ranges::find(kStates, state) != kStates.end();
 }
 

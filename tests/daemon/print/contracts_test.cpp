@@ -2,11 +2,13 @@
 
 #include "daemon/print/layer_durations.hpp"
 #include "daemon/print/manual_process.hpp"
+#include "daemon/print/mask_ahead.hpp"
 #include "daemon/print/print_mode.hpp"
 #include "daemon/print/split_exposure.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/jobs/current_job_fixture.hpp"
+#include "tests/daemon/print/box_print.hpp"
 
 namespace {
 
@@ -30,6 +32,36 @@ TEST_CASE("PrintMode::start requires a plan with layers and exposures, and that 
 
 TEST_CASE("A setting of a print is one of those that can be changed") {
   CHECK(contract_broken_by([] { (void)unit_of("colour"); }) == "a print has this setting");
+}
+
+TEST_CASE(
+    "A rise requires at least one layer before it, a plan, and masks that are neither dimmed nor split") {
+  testing::CurrentJobFixture fixture;
+  PrintMode& process = fixture.job.print();
+  const std::string why = "a rise follows at least one layer, with masks as they are";
+  const auto point = [](std::int64_t height, double speed) {
+    return RisePoint{Nanometers{height}, MillimetersPerSecond{speed}, RiseLimit::Cure};
+  };
+  const auto start = [&](std::int32_t first_layers, bool planned, bool split) {
+    PrintPlan plan = testing::box_plan(3);
+    plan.rise.emplace().first_layers = first_layers;
+    if (planned) plan.rise->plan.points = {point(50'000, 0), point(100'000, 1), point(150'000, 0)};
+    if (split) plan.split = std::make_unique<SplitExposure>(PanelTone{1, 1}, Pixels{4}, Pixels{3});
+    return contract_broken_by([&] { process.start(std::move(plan)); });
+  };
+  CHECK(start(0, true, false) == why);
+  CHECK(start(1, false, false) == why);
+  CHECK(start(1, true, true) == why);
+}
+
+TEST_CASE("MaskAhead cuts one mask at a time, and each is taken once") {
+  const VirtualClock clock;
+  PrintPlan plan = testing::box_plan(3);
+  MaskAhead masks(*plan.engine, clock, std::chrono::seconds{100});
+  CHECK(contract_broken_by([&] { (void)masks.take(); }) == "a mask is ready");
+  masks.begin(Nanometers{25'000});
+  CHECK(masks.take().height == Nanometers{25'000});
+  CHECK(contract_broken_by([&] { (void)masks.take(); }) == "a mask is ready");
 }
 
 TEST_CASE("The duration of a print requires a layer") {

@@ -89,6 +89,18 @@ TEST_CASE("The page and the figures count the layers in which undersides were no
   CHECK(report_as_json(report).find("\"unfound_undersides\": 2,") != std::string::npos);
 }
 
+TEST_CASE("The page and the figures count the masks that a rise has shown and missed") {
+  PrintReport report = report_of(3);
+  CHECK(report_as_html(report).find("missed") == std::string::npos);
+  CHECK(report_as_json(report).find("\"frames\": null") != std::string::npos);
+  report.layers[1].frames = {40, 2, Nanometers{3'750}, 3ms};
+  report.layers[2].frames = {41, 0, Nanometers{1'250}, 5ms};
+  CHECK(report_as_html(report).find("81 masks shown, 2 missed, up to 3.75 um") != std::string::npos);
+  CHECK(testing::lacking(report_as_json(report), {"\"shown\": 81", "\"missed\": 2", "\"farthest_um\": 3.75",
+                                                  "\"longest_cut_ms\": 5.0"})
+            .empty());
+}
+
 TEST_CASE("Hostile names appear on the page only as text") {
   const std::string hostile = "\"><script>alert(1)</script><img src=//x onerror='y'>\x1b[31m\xff";
   PrintReport report = report_of(3);

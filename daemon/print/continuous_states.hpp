@@ -1,0 +1,91 @@
+// A print whose plate rises without a stop, as one table of transitions: for a state and an event, the next
+// state and the effects on the way. Its first layers are a layered print of their own.
+#pragma once
+
+#include <span>
+
+#include "daemon/print/print_mode.hpp"
+#include "hw/state_table.hpp"
+
+namespace contourd {
+
+enum class ContinuousState {
+  Idle,
+  Layering,   // the first layers, or all layers of a print without a rise, are printed layer by layer
+  Lowering,   // the plate moves to the height from which it rises
+  Settling,   // the resin settles
+  Showing,    // until the kernel reports that the first mask is on the screen
+  Igniting,   // until the light-on command is sent
+  Rising,     // the plate rises in the light, and each refresh shows the mask for its height
+  Braking,    // light off is sent; until the plate has come to a standstill
+  Darkening,  // until the light is confirmed off
+  Lifting,    // the plate moves up, out of the resin
+  Paused,
+  Parking,  // the plate moves up to its parking height
+  Ending,   // until the light is confirmed off; everything else is done
+};
+
+enum class ContinuousEvent {
+  Started,
+  LayersDone,     // the first layers are printed, and the light is confirmed off
+  LayeringEnded,  // the layered print has ended, and no rise follows
+  MoveEnded,
+  WaitOver,
+  MaskShown,
+  LightOnSent,  // there may be light from now on
+  RiseBroken,   // a disturbance has stopped the plate
+  LightIsOff,   // confirmed
+  PauseDue,     // the plate is up, and the print goes on later
+  RiseOver,     // the plate is up, and the print is over
+  Interrupted,  // by the user's pause, the lid, the display, a missed mask: turn dark, move up, wait
+  Resumed,
+  Canceled,
+  Failed,  // a device failed, did not answer in time, or an effect threw
+  GaveUp,  // the light was not confirmed off in time
+};
+
+enum class ContinuousEffect {
+  PrintLayers,
+  InterruptLayers,
+  CancelLayers,
+  FailLayers,
+  LightOff,
+  BlackNow,
+  AbortAxis,
+  StopAxis,
+  PowerOff,
+  LowerToRise,
+  WaitToSettle,
+  ShowMask,
+  LightOn,
+  Rise,
+  AwaitDark,
+  Lift,
+  Park,
+  Finish,
+};
+
+template <>
+inline constexpr auto kNames<ContinuousState> = names_to<ContinuousState::Ending>(
+    "idle, layering, lowering, settling, showing, igniting, rising, braking, darkening, lifting, paused, "
+    "parking, ending");
+template <>
+inline constexpr auto kNames<ContinuousEvent> = names_to<ContinuousEvent::GaveUp>(
+    "started, layers done, layering ended, move ended, wait over, mask shown, light on sent, "
+    "rise broken, light is off, pause due, rise over, interrupted, resumed, cancelled, failed, gave up");
+template <>
+inline constexpr auto kNames<ContinuousEffect> = names_to<ContinuousEffect::Finish>(
+    "print layers, interrupt layers, cancel layers, fail layers, light off, black now, abort axis, stop "
+    "axis, "
+    "power off, lower to rise, wait to settle, show mask, light on, rise, await dark, lift, park, "
+    "finish");
+
+using ContinuousTransition = StateTransition<ContinuousState, ContinuousEvent, ContinuousEffect>;
+
+[[nodiscard]] const StateTable<ContinuousTransition>& continuous_table();
+
+// Returns the states as other modules see them, in the enumeration's order. A state that has the name of a
+// layered print's state is that one; Layering is never seen, but the layered print's own states.
+[[nodiscard]] std::span<const PrintState> continuous_print_states();
+
+}  // namespace contourd

@@ -1,0 +1,62 @@
+// Cuts a print's masks ahead of time on a thread of its own, one at a time. The mask that was taken last
+// stays while the next one is cut. Event loop's thread only. Holds two masks of the display's size, beside
+// those of the engine.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <string>
+#include <thread>
+
+#include "core/engine/contour_engine.hpp"
+#include "core/geometry/mask_budget.hpp"
+#include "hw/clock.hpp"
+
+namespace contourd {
+
+class MaskAhead {
+ public:
+  struct Cut {
+    Mask mask;
+    Nanometers height{};
+    double lit_area = 0;  // in pixels
+    std::chrono::steady_clock::duration time{};
+    std::string trouble{};  // a sentence: the mask could not be cut
+  };
+
+  // Nothing else may use the engine while this object lives. Engine and clock must outlive it. Throws
+  // std::system_error (a thread).
+  MaskAhead(ContourEngine& engine, const Clock& clock, Duration budget);
+  ~MaskAhead();
+  MaskAhead(const MaskAhead&) = delete;
+  MaskAhead& operator=(const MaskAhead&) = delete;
+
+  // Begins to cut the mask at a height, which replaces one that is ready and was not taken. REQUIRES:
+  // !busy().
+  void begin(Nanometers height);
+  // True from begin() until the mask is ready. If the clock skips all waiting, waits for that.
+  [[nodiscard]] bool busy() const;
+  // Returns the mask that is ready. Valid until the next take(). REQUIRES: !busy(), and begin() was called
+  // since the last take().
+  const Cut& take();
+  // True if a mask is ready that was not taken.
+  [[nodiscard]] bool ready() const { return begun_ && !busy(); }
+
+ private:
+  enum class Phase { Idle, Asked, Ended };
+  void work();
+  void cut(Cut& cut);
+
+  ContourEngine& engine_;
+  const Clock& clock_;
+  Duration budget_;
+  std::array<Cut, 2> cuts_;
+  std::size_t taken_ = 0;  // of cuts_; the thread writes the other one while phase_ is Asked
+  bool begun_ = false;     // since the last take()
+  std::atomic<Phase> phase_{Phase::Idle};
+  std::jthread thread_;  // last: joined before the members that it uses are destroyed
+};
+
+}  // namespace contourd

@@ -1,0 +1,122 @@
+#include "daemon/print/rise_frames.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace contourd {
+namespace {
+
+const std::string kUnknownHeight = "the plate's position is unknown";
+
+Nanometers apart(Nanometers a, Nanometers b) {
+  return std::max(a, b) - std::min(a, b);
+}
+
+}  // namespace
+
+RiseFrames::RiseFrames(Machine& machine, Clock& clock, const PrintPlan& plan)
+    : machine_(machine), clock_(clock), plan_(plan), masks_(*plan.engine, clock, plan.mask_budget) {}
+
+void RiseFrames::stop() {
+  ++stops_;
+  refresh_.reset();
+  hand_over_.reset();
+}
+
+TimePoint RiseFrames::next_vblank() const {
+  const Duration frame = machine_.display().frame();
+  return vblank_ + ((clock_.now() - vblank_) / frame + 1) * frame;
+}
+
+// Waits for the mask by looking once a refresh: nothing shines, and nothing moves.
+void RiseFrames::show_first(std::function<void()> shown, std::function<void(const std::string&)> unsafe) {
+  stop();
+  calls_.unsafe = std::move(unsafe);
+  if (masks_.busy()) {
+    refresh_ = clock_.call_after(machine_.display().frame(), [this, shown = std::move(shown)]() mutable {
+      show_first(std::move(shown), calls_.unsafe);
+    });
+    return;
+  }
+  const std::optional<Nanometers> height = machine_.z_axis().height();
+  if (!height) return calls_.unsafe(kUnknownHeight);
+  masks_.begin(*height);
+  await_first(std::move(shown));
+}
+
+void RiseFrames::await_first(std::function<void()> shown) {
+  if (!masks_.ready()) {
+    refresh_ = clock_.call_after(machine_.display().frame(), [this, shown = std::move(shown)]() mutable {
+      await_first(std::move(shown));
+    });
+    return;
+  }
+  present([this, shown = std::move(shown)](TimePoint at) {
+    vblank_ = at;
+    shown();
+  });
+}
+
+void RiseFrames::run(Calls calls) {
+  calls_ = std::move(calls);
+  refresh_ = clock_.call_at(next_vblank(), [this] { refresh(); });
+}
+
+// Begins the next refresh's mask, if the height will have changed enough.
+void RiseFrames::refresh() {
+  const std::uint64_t stops = stops_;
+  calls_.refreshed();
+  if (stops != stops_) return;
+  const Duration frame = machine_.display().frame();
+  const TimePoint vblank = next_vblank();
+  const std::optional<Nanometers> then = machine_.z_axis().height_at(vblank);
+  const std::optional<Nanometers> height = machine_.z_axis().height_at(vblank + frame / 2);
+  if (!then || !height) return calls_.unsafe(kUnknownHeight);
+  if (apart(*then, on_screen_) > kFarthest) {
+    return calls_.unsafe(
+        fmt::format("the mask on the screen is too old: {} masks were missed, and the plate "
+                    "would be more than {:.0f} um from it",
+                    figures_.missed, in_mm(kFarthest) * 1e3));
+  }
+  if (apart(*height, shown_.cut_at) >= plan_.rise->mask_step) {
+    if (!masks_.busy()) masks_.begin(*height);
+    hand_over_ = clock_.call_at(vblank - frame / 2, [this, vblank] { hand_over(vblank); });
+  }
+  refresh_ = clock_.call_at(vblank, [this] { refresh(); });
+}
+
+void RiseFrames::hand_over(TimePoint vblank) {
+  if (!masks_.ready()) return missed(1);
+  const Duration frame = machine_.display().frame();
+  present([this, vblank, frame](TimePoint at) {
+    vblank_ = at;
+    missed(static_cast<std::uint32_t>(std::max<std::int64_t>((at - vblank + frame / 2) / frame, 0)));
+    ++figures_.shown;
+    const std::optional<Nanometers> height = machine_.z_axis().height_at(at + frame / 2);
+    if (height) figures_.farthest = std::max(figures_.farthest, apart(*height, shown_.cut_at));
+  });
+}
+
+// Passes the mask that is ready to the display.
+void RiseFrames::present(std::function<void(TimePoint)> presented) {
+  const MaskAhead::Cut& cut = masks_.take();
+  figures_.longest_cut = std::max<Duration>(figures_.longest_cut, cut.time);
+  if (!cut.trouble.empty()) {
+    return calls_.unsafe(
+        fmt::format("the mask at {:.3f} mm was abandoned: {}", in_mm(cut.height), cut.trouble));
+  }
+  lit_pixels_ = cut.lit_area;
+  shown_ = {&cut.mask, shown_.number + 1, plan_.job, shown_.layer, cut.height};
+  machine_.display().show(
+      cut.mask, [this, stops = stops_, presented = std::move(presented)](std::optional<TimePoint> at) {
+        if (stops != stops_) return;
+        if (!at) return calls_.unsafe("the display was lost");
+        on_screen_ = shown_.cut_at;
+        presented(*at);
+      });
+}
+
+}  // namespace contourd

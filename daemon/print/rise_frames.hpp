@@ -1,0 +1,70 @@
+// The masks of a rise: for each refresh of the display the one for the plate's height at the middle of that
+// refresh, cut on a thread of its own; the event loop never waits for it. A mask is cut when the height has
+// changed by `mask_step` since the last cut, and passed to the display half a refresh before the vblank. A
+// mask that is not ready by then is missed: the shown one stays. Event loop's thread only.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "daemon/print/mask_ahead.hpp"
+#include "daemon/print/print_plan.hpp"
+#include "daemon/print/shown_mask.hpp"
+#include "hw/machine.hpp"
+
+namespace contourd {
+
+class RiseFrames {
+ public:
+  // The light may not shine while the mask on the screen is further than this from the plate's height.
+  static constexpr Nanometers kFarthest{5'000};
+
+  // All arguments must outlive the object, and nothing else may use the plan's engine meanwhile. Throws
+  // std::system_error (a thread).
+  RiseFrames(Machine& machine, Clock& clock, const PrintPlan& plan);
+
+  // Callbacks. Each may call stop().
+  struct Calls {
+    std::function<void()> refreshed;                 // a refresh has begun, or will within half of one
+    std::function<void(const std::string&)> unsafe;  // a sentence: the light must go off now
+  };
+  // Shows the mask for the plate's height, which is at rest, then calls `shown`. Stops what is under way.
+  void show_first(std::function<void()> shown, std::function<void(const std::string&)> unsafe);
+  // Shows a mask for each refresh from now on, until stop(); to be called when the first mask is on the
+  // screen.
+  void run(Calls calls);
+  // Shows no further mask, and makes no further call.
+  void stop();
+
+  // Returns the mask that was passed to the display last.
+  [[nodiscard]] const ShownMask& shown() const { return shown_; }
+  [[nodiscard]] double lit_pixels() const { return lit_pixels_; }
+  // Returns the figures since the last call.
+  [[nodiscard]] FrameFigures take_figures() { return std::exchange(figures_, {}); }
+
+ private:
+  void await_first(std::function<void()> shown);
+  void present(std::function<void(TimePoint)> presented);
+  void refresh();
+  void hand_over(TimePoint vblank);
+  void missed(std::uint32_t frames) { figures_.missed += frames; }
+  [[nodiscard]] TimePoint next_vblank() const;
+
+  Machine& machine_;
+  Clock& clock_;
+  const PrintPlan& plan_;
+  MaskAhead masks_;
+  Calls calls_;
+  ShownMask shown_;
+  Nanometers on_screen_{};  // the cut of the mask that is on the screen
+  double lit_pixels_ = 0;
+  FrameFigures figures_;
+  TimePoint vblank_{};       // a refresh, from which the others are counted
+  std::uint64_t stops_ = 0;  // answers of the display from before the last stop are ignored
+  std::unique_ptr<Timer> refresh_, hand_over_;
+};
+
+}  // namespace contourd

@@ -1,0 +1,476 @@
+#include "daemon/print/continuous_print.hpp"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <semaphore>
+
+#include "hw/simulated_printer.hpp"
+#include "hw/virtual_clock.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/print/box_print.hpp"
+#include "tests/hw/plain_devices.hpp"
+#include "tests/models/models.hpp"
+
+namespace {
+
+using S = ContinuousState;
+
+constexpr std::int32_t kFirstLayers = 2;
+constexpr std::int32_t kAllLayers = 20;
+
+// Sections that do not come before they are let through, as if the computer were too slow for them.
+class GatedSections final : public SectionSource {
+ public:
+  void section_at(Nanometers, Contours& contours) const override {
+    contours = {};
+    if (!closed) return;
+    gate.acquire();
+  }
+  std::atomic<bool> closed{false};
+  mutable std::counting_semaphore<> gate{0};
+};
+
+ContourEngine cone_engine(std::shared_ptr<const SectionSource> beside = nullptr) {
+  const double height = in_mm(testing::kBoxLayer) * kAllLayers;
+  std::vector<PlateModel> models(1);
+  models[0].model = std::make_shared<const HeightIndex>(models::cone(2, height, 40));
+  models[0].copies = {PixelMap::true_scale(testing::kSmallDisplay, {0, 0})};
+  return {std::move(models), EngineSettings{.display = testing::kSmallDisplay}, std::move(beside)};
+}
+
+// Returns the plan for a cone of 1 mm: two layers, and a rise of 0.9 mm at up to `speed`.
+PrintPlan cone_plan(double speed_mm_s = 0.1, std::shared_ptr<const SectionSource> beside = nullptr) {
+  PrintPlan plan = testing::box_plan(kAllLayers);
+  plan.job = "cone";
+  plan.engine = std::make_unique<ContourEngine>(cone_engine(std::move(beside)));
+  const auto point = [](double height_mm, double speed) {
+    return RisePoint{Nanometers{std::llround(height_mm * 1e6)}, MillimetersPerSecond{speed}, RiseLimit::Cure};
+  };
+  plan.rise.emplace();
+  plan.rise->first_layers = kFirstLayers;
+  plan.rise->plan.points = {point(0.1, 0), point(0.15, speed_mm_s), point(0.7, speed_mm_s),
+                            point(0.75, speed_mm_s / 4), point(1, 0)};
+  return plan;
+}
+
+// A clock in which threads can take time, as in the real one.
+class ThreadedClock final : public Clock {
+ public:
+  explicit ThreadedClock(VirtualClock& rest) : rest_(rest) {}
+  [[nodiscard]] TimePoint now() const override { return rest_.now(); }
+  [[nodiscard]] std::unique_ptr<Timer> call_at(TimePoint when, std::function<void()> call) override {
+    return rest_.call_at(when, std::move(call));
+  }
+  [[nodiscard]] bool skips_waiting() const override { return !threads_take_time; }
+
+  bool threads_take_time = false;
+
+ private:
+  VirtualClock& rest_;
+};
+
+// A display that notes which mask is on the screen, and may show it some refreshes later.
+class NotedFrames final : public testing::PlainDisplay {
+ public:
+  NotedFrames(MaskDisplay& rest, Clock& clock) : rest_(rest), clock_(clock) {}
+  [[nodiscard]] Pixels width() const override { return rest_.width(); }
+  [[nodiscard]] Pixels height() const override { return rest_.height(); }
+  [[nodiscard]] Duration frame() const override { return rest_.frame(); }
+  void show(const Mask& mask, Presented done) override {
+    ++requested;
+    asked_at = clock_.now();
+    later_ = clock_.call_after(late_by * rest_.frame(), [this, mask, done = std::move(done)]() mutable {
+      rest_.show(mask, [this, mask, done = std::move(done)](std::optional<TimePoint> at) {
+        on_screen = mask;
+        done(at);
+        if (presented && at) presented(*at);
+      });
+    });
+  }
+  void black(Presented done) override { rest_.black(std::move(done)); }
+  void black_now() noexcept override {
+    later_.reset();
+    on_screen.reset();
+    rest_.black_now();
+  }
+
+  int late_by = 0, requested = 0;
+  TimePoint asked_at{};
+  std::optional<Mask> on_screen;
+  std::function<void(TimePoint)> presented;
+
+ private:
+  MaskDisplay& rest_;
+  Clock& clock_;
+  std::unique_ptr<Timer> later_;
+};
+
+class ContinuousPrintFixture final : public Machine, public PrintObserver {
+ public:
+  ContinuousPrintFixture()
+      : printer(clock, testing::small_printer()),
+        screen(printer.display(), clock),
+        threaded(clock),
+        process(*this, threaded, *this) {
+    printer.on_event([this](const MachineEvent& event) {
+      if (event.kind == MachineEvent::Kind::Interlock) process.interrupt(event.what);
+      if (event.kind == MachineEvent::Kind::Fault) process.fail(event.what);
+    });
+    screen.presented = [this](TimePoint at) {
+      const Nanometers cut = process.shown().cut_at;
+      cut_on_screen = cut;
+      if (process.continuous_state() != S::Rising) return;
+      const Nanometers plate = printer.z_axis().height_at(at + screen.frame() / 2).value();
+      farthest_cut = std::max(farthest_cut, std::abs((cut - plate).count()));
+      wrong_masks += reference.mask_at(cut) == *screen.on_screen ? 0 : 1;
+      ++frames;
+    };
+  }
+
+  [[nodiscard]] ZAxis& z_axis() override { return printer.z_axis(); }
+  [[nodiscard]] MaskDisplay& display() override { return screen; }
+  [[nodiscard]] Projector& projector() override { return printer.projector(); }
+  void on_event(std::function<void(const MachineEvent&)>) override {}
+  [[nodiscard]] std::string why_not_ready() const override { return printer.why_not_ready(); }
+  std::optional<std::filesystem::path> begin_job(std::string_view) override { return std::nullopt; }
+
+  bool step() {
+    const bool more = clock.run_next();
+    check();
+    return more;
+  }
+  // Checks what holds at every moment.
+  void check() {
+    const bool lit = printer.light_is_on();
+    lit_unknown = lit_unknown || (lit && !process.light_may_be_on());
+    lit_black = lit_black || (lit && printer.screen_is_black());
+    if (!lit || process.continuous_state() != S::Rising) return;
+    const Nanometers plate = printer.z_axis().height().value();
+    farthest_lit = std::max(farthest_lit, std::abs((plate - cut_on_screen).count()));
+  }
+  bool run_to(S state) {
+    while (process.continuous_state() != state) {
+      if (!step()) return false;
+    }
+    return true;
+  }
+  // Runs on within a rise, until the plate has reached this height in the light.
+  bool run_to_height(double mm) {
+    while (!(process.continuous_state() == S::Rising && in_mm(printer.z_axis().height().value()) >= mm)) {
+      if (!step()) return false;
+    }
+    return true;
+  }
+  void run_out() {
+    while (step()) {
+    }
+  }
+
+  void light_due() override {}
+  void state_changed(const PrintState& state) override { states.emplace_back(state.name); }
+  void layer_done(const LayerRecord& layer) override { layers.push_back(layer); }
+  void interrupted(const std::string& what) override { interruptions.push_back(what); }
+  void light_gone() override { gone_while_lit = gone_while_lit || printer.light_is_on(); }
+  void print_ended(PrintOutcome outcome, const std::string& why, PrintPlan plan) override {
+    ends.push_back(outcome);
+    reason = why;
+    lit_at_end = printer.light_is_on();
+    has_plan = plan.engine != nullptr;
+  }
+  // Returns what was unsafe; empty if nothing was.
+  [[nodiscard]] std::string dangers() const {
+    std::string all;
+    if (lit_unknown) all += "the light was on, but reported as off; ";
+    if (lit_black) all += "the light was on without a mask; ";
+    if (gone_while_lit || lit_at_end) all += "the light was on, but reported as gone; ";
+    if (farthest_lit > 5'000) all += fmt::format("the mask was {} nm from the plate; ", farthest_lit);
+    return all;
+  }
+
+  VirtualClock clock;
+  SimulatedPrinter printer;
+  NotedFrames screen;
+  ThreadedClock threaded;
+  ContourEngine reference = cone_engine();
+  std::vector<std::string> states, interruptions;
+  std::vector<LayerRecord> layers;
+  std::vector<PrintOutcome> ends;
+  std::string reason;
+  bool lit_unknown = false, lit_black = false, gone_while_lit = false, lit_at_end = false, has_plan = false;
+  std::int64_t farthest_lit = 0, farthest_cut = 0;  // nm
+  int wrong_masks = 0, frames = 0;
+  Nanometers cut_on_screen{};
+  ContinuousPrint process;
+};
+
+constexpr S kRisingStates[] = {S::Lowering,  S::Settling, S::Showing, S::Igniting, S::Rising, S::Braking,
+                               S::Darkening, S::Lifting,  S::Paused,  S::Parking,  S::Ending};
+
+// Brings a print into a state.
+void bring_to(ContinuousPrintFixture& fixture, S state) {
+  fixture.process.start(cone_plan());
+  if (state == S::Braking || state == S::Paused) {
+    REQUIRE(fixture.run_to_height(0.3));
+    fixture.process.pause();
+  }
+  REQUIRE(fixture.run_to(state));
+}
+
+}  // namespace
+
+TEST_CASE("A continuous print prints its first layers, then rises in the light to its end") {
+  ContinuousPrintFixture fixture;
+  fixture.process.start(cone_plan());
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  CHECK(fixture.dangers() == "");
+  CHECK(fixture.has_plan);
+  CHECK(fixture.interruptions.empty());
+  CHECK(std::ranges::count(fixture.states, "exposing") == kFirstLayers);
+  CHECK(std::ranges::count(fixture.states, "rising") == 1);
+  CHECK(fixture.states.back() == "idle");
+  CHECK(std::ranges::count(fixture.states, "idle") == 1);
+  CHECK(fixture.printer.z_axis().height() == fixture.printer.z_axis().travel());
+
+  // The rise's slices have the rise's whole time of light.
+  REQUIRE(fixture.layers.size() == kAllLayers);
+  Duration lit{};
+  for (std::size_t i = 0; i < fixture.layers.size(); ++i) {
+    CAPTURE(i);
+    const LayerRecord& layer = fixture.layers[i];
+    CHECK(layer.layer == static_cast<std::int32_t>(i));
+    CHECK(layer.complete);
+    CHECK(layer.bottom == testing::kBoxLayer * static_cast<std::int64_t>(i));
+    CHECK(layer.thickness == testing::kBoxLayer);
+    CHECK(layer.mask_height == layer.bottom + layer.thickness / 2);
+    if (i < kFirstLayers) continue;
+    lit += layer.exposure_most;
+    CHECK(layer.frames.shown >= 15);  // at 1.7 um a refresh, each second one has changed by 2 um
+    CHECK(layer.frames.missed == 0);
+  }
+  const auto planned = std::chrono::duration_cast<Duration>(duration(cone_plan().rise->plan));
+  CHECK(std::chrono::abs(lit - planned) < 100ms);  // light on and off at the ends
+}
+
+TEST_CASE("Each mask that a rise shows is the core's mask for the plate's height at its refresh's middle") {
+  for (const double speed : {0.02, 0.1, 0.11}) {
+    CAPTURE(speed);
+    ContinuousPrintFixture fixture;
+    fixture.process.start(cone_plan(speed));
+    REQUIRE(fixture.run_to(S::Rising));
+    REQUIRE(fixture.run_to(S::Parking));
+    CHECK(fixture.frames > 250);  // 0.9 mm, in steps of up to twice 1.8 um
+    CHECK(fixture.wrong_masks == 0);
+    CHECK(fixture.farthest_cut <= 1'250);  // a microstep
+    CHECK(fixture.dangers() == "");
+    CHECK(frame_figures(fixture.layers).missed == 0);
+    CHECK(frame_figures(fixture.layers).farthest.count() == fixture.farthest_cut);
+  }
+}
+
+TEST_CASE("A plan without a rise is printed layer by layer, as by the layered mode alone") {
+  ContinuousPrintFixture fixture;
+  PrintPlan plan = cone_plan();
+  plan.rise.reset();
+  fixture.process.start(std::move(plan));
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  CHECK(fixture.layers.size() == kAllLayers);
+  CHECK(std::ranges::count(fixture.states, "rising") == 0);
+  CHECK(std::ranges::count(fixture.states, "idle") == 1);
+}
+
+TEST_CASE("In every state of a rise, a cancellation turns the light off at once and parks the plate") {
+  for (const S state : kRisingStates) {
+    CAPTURE(name_of(state));
+    ContinuousPrintFixture fixture;
+    bring_to(fixture, state);
+    const bool ends = state == S::Parking || state == S::Ending;
+    CHECK(fixture.process.can_cancel() == !ends);
+    fixture.process.cancel();
+    CHECK_FALSE(fixture.process.shows_mask());
+    CHECK(fixture.printer.screen_is_black());
+    fixture.run_out();
+    CHECK(fixture.ends == std::vector{ends ? PrintOutcome::Done : PrintOutcome::Canceled});
+    CHECK(fixture.printer.z_axis().height() == fixture.printer.z_axis().travel());
+    CHECK(fixture.dangers() == "");
+  }
+}
+
+TEST_CASE("In every state of a rise, a fault ends the print with the light off") {
+  for (const S state : kRisingStates) {
+    CAPTURE(name_of(state));
+    ContinuousPrintFixture fixture;
+    bring_to(fixture, state);
+    fixture.process.fail("the chip is gone");
+    CHECK(fixture.printer.screen_is_black());
+    fixture.run_out();
+    const bool ended = state == S::Ending;
+    CHECK(fixture.ends == std::vector{ended ? PrintOutcome::Done : PrintOutcome::Failed});
+    CHECK(fixture.reason == (ended ? "" : "the chip is gone"));
+    CHECK(fixture.dangers() == "");
+  }
+}
+
+TEST_CASE(
+    "In every state of a rise, an interruption turns dark and waits, and the print resumes to its end") {
+  for (const S state : kRisingStates) {
+    for (const bool by_user : {false, true}) {
+      CAPTURE(name_of(state), by_user);
+      ContinuousPrintFixture fixture;
+      bring_to(fixture, state);
+      by_user ? fixture.process.pause() : fixture.process.interrupt("the lid was opened");
+      CHECK((by_user || fixture.printer.screen_is_black()));
+      fixture.run_out();
+      if (fixture.ends.empty()) {
+        CHECK(fixture.process.continuous_state() == S::Paused);
+        CHECK_FALSE(fixture.printer.light_is_on());
+        CHECK(fixture.process.interruption() == (by_user ? "" : "the lid was opened"));
+        REQUIRE(fixture.process.can_resume());
+        fixture.process.resume();
+        fixture.run_out();
+      } else {
+        CHECK((state == S::Darkening || state == S::Lifting || state == S::Parking || state == S::Ending));
+      }
+      CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+      CHECK(fixture.layers.size() == kAllLayers);
+      CHECK(fixture.dangers() == "");
+      CHECK(fixture.wrong_masks == 0);
+    }
+  }
+}
+
+TEST_CASE("A pause within a rise takes effect at once, and the rise goes on from the same height") {
+  ContinuousPrintFixture fixture;
+  fixture.process.start(cone_plan());
+  REQUIRE(fixture.run_to_height(0.5));
+  CHECK(fixture.process.next_pause() == "now");
+  const Nanometers paused_at = fixture.printer.z_axis().height().value();
+  fixture.process.pause();
+  REQUIRE(fixture.run_to(S::Lifting));
+  REQUIRE(fixture.run_to(S::Paused));
+  CHECK(in_mm(fixture.printer.z_axis().height().value()) > 30);
+  fixture.process.resume();
+  REQUIRE(fixture.run_to(S::Rising));
+  // 0.1 mm/s is braked within less than a microstep.
+  CHECK(std::abs((fixture.printer.z_axis().height().value() - paused_at).count()) <= 1'250);
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  CHECK(fixture.wrong_masks == 0);
+  CHECK(fixture.dangers() == "");
+}
+
+TEST_CASE("A lid that opens within a rise turns the light off at once") {
+  ContinuousPrintFixture fixture;
+  fixture.process.start(cone_plan());
+  REQUIRE(fixture.run_to_height(0.5));
+  REQUIRE(fixture.printer.light_is_on());
+  const TimePoint opened = fixture.clock.now();
+  fixture.printer.open_lid();
+  CHECK(fixture.printer.screen_is_black());
+  while (fixture.printer.light_is_on())
+    REQUIRE(fixture.step());
+  CHECK(fixture.clock.now() - opened <= 20ms);  // the projector's reply
+  fixture.run_out();
+  CHECK(fixture.process.continuous_state() == S::Paused);
+}
+
+TEST_CASE("A display that shows masks too late counts as missed, and interrupts the rise before 5 um") {
+  ContinuousPrintFixture fixture;
+  fixture.process.start(cone_plan());
+  REQUIRE(fixture.run_to_height(0.4));
+  fixture.screen.late_by = 1;
+  REQUIRE(fixture.run_to_height(0.5));
+  CHECK(fixture.interruptions.empty());
+  fixture.screen.late_by = 6;
+  fixture.run_out();
+  CHECK(frame_figures(fixture.layers).missed > 10);
+  REQUIRE(fixture.interruptions.size() == 1);
+  CHECK(testing::lacking(fixture.interruptions[0], {"too old", "5 um"}).empty());
+  CHECK(fixture.process.continuous_state() == S::Paused);
+  CHECK(fixture.dangers() == "");
+  fixture.screen.late_by = 0;
+  fixture.process.resume();
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  CHECK(fixture.dangers() == "");
+}
+
+TEST_CASE("A mask that takes too long is missed: the loop does not wait, and the rise is interrupted dark") {
+  const auto gate = std::make_shared<GatedSections>();
+  ContinuousPrintFixture fixture;
+  fixture.process.start(cone_plan(0.1, gate));
+  REQUIRE(fixture.run_to_height(0.2));
+  gate->closed = fixture.threaded.threads_take_time = true;
+  while (fixture.process.continuous_state() == S::Rising)
+    REQUIRE(fixture.step());
+  gate->closed = fixture.threaded.threads_take_time = false;
+  gate->gate.release(1'000);
+  REQUIRE(fixture.interruptions.size() == 1);
+  CHECK(testing::lacking(fixture.interruptions[0], {"masks were missed"}).empty());
+  CHECK(fixture.dangers() == "");
+  fixture.process.cancel();
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Canceled});
+  CHECK(frame_figures(fixture.layers).missed >= 2);
+}
+
+TEST_CASE("A plate that a disturbance has stopped, or an axis that refuses the rise, turns the light off") {
+  SECTION("Stopped") {
+    ContinuousPrintFixture fixture;
+    fixture.process.start(cone_plan());
+    REQUIRE(fixture.run_to_height(0.5));
+    fixture.printer.z_axis().stop();
+    fixture.run_out();
+    CHECK(fixture.process.continuous_state() == S::Paused);
+    CHECK(fixture.interruptions == std::vector<std::string>{"a disturbance has stopped the plate"});
+    CHECK(fixture.dangers() == "");
+    fixture.process.resume();
+    fixture.run_out();
+    CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  }
+  SECTION("Refused") {
+    ContinuousPrintFixture fixture;
+    fixture.process.start(cone_plan(2.6));
+    fixture.run_out();
+    CHECK(fixture.ends == std::vector{PrintOutcome::Failed});
+    CHECK(fixture.reason == "the plate did not rise: the axis cannot follow the planned rise");
+    CHECK(fixture.dangers() == "");
+  }
+}
+
+TEST_CASE("The first layers of a continuous print are paused, interrupted and cancelled as in any print") {
+  ContinuousPrintFixture fixture;
+  fixture.process.start(cone_plan());
+  while (fixture.process.state().name != "exposing")
+    REQUIRE(fixture.step());
+  const Duration left = fixture.process.time_left();
+  SECTION("Interrupted") {
+    fixture.process.interrupt("the lid was opened");
+    fixture.run_out();
+    CHECK(fixture.process.state().name == "paused");
+    CHECK(fixture.process.interruption() == "the lid was opened");
+    fixture.process.resume();
+    fixture.run_out();
+    CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  }
+  SECTION("Cancelled") {
+    fixture.process.cancel();
+    fixture.run_out();
+    CHECK(fixture.ends == std::vector{PrintOutcome::Canceled});
+  }
+  SECTION("Failed") {
+    fixture.process.fail("the chip is gone");
+    fixture.run_out();
+    CHECK(fixture.ends == std::vector{PrintOutcome::Failed});
+    CHECK(fixture.reason == "the chip is gone");
+  }
+  SECTION("Neither: the time left was right") {
+    const TimePoint then = fixture.clock.now();
+    fixture.run_out();
+    // The first mask, light on and off, the look up after the rise and the settling before it.
+    CHECK(std::chrono::abs(fixture.clock.now() - then - left) < 12s);
+  }
+  CHECK(fixture.dangers() == "");
+}

@@ -1,0 +1,83 @@
+#include "daemon/print/continuous_states.hpp"
+
+#include <string>
+
+#include "daemon/print/layered_states.hpp"
+#include "daemon/print/print_modes.hpp"
+#include "tests/catch.hpp"
+#include "tests/hw/state_table_fixture.hpp"
+
+using namespace contourd;
+
+namespace {
+
+struct ContinuousTable : testing::StateTableFixture<ContinuousTransition, continuous_table> {};
+
+}  // namespace
+
+TEST_CASE_METHOD(ContinuousTable,
+                 "Every row of a rise leads to the expected state with the expected effects") {
+  check_lines(R"(
+started -> layering: print layers (idle)
+layers done -> lowering: light off, black now, lower to rise (layering)
+layering ended -> idle: finish (layering)
+interrupted -> stay: interrupt layers (layering)
+cancelled -> stay: cancel layers (layering)
+failed -> stay: fail layers (layering)
+move ended -> settling: wait to settle (lowering)
+interrupted -> braking: light off, black now, stop axis (lowering, rising)
+cancelled -> braking: light off, black now, stop axis (lowering, rising)
+failed -> ending: light off, black now, abort axis, power off, await dark (lowering, settling, showing,
+    igniting, rising, braking, darkening, lifting, paused, parking)
+wait over -> showing: show mask (settling)
+interrupted -> darkening: light off, black now, await dark (settling, showing, igniting)
+cancelled -> darkening: light off, black now, await dark (settling, showing, igniting)
+mask shown -> igniting: light on (showing)
+light on sent -> rising: rise (igniting)
+move ended -> darkening: light off, black now, await dark (rising)
+rise broken -> darkening: light off, black now, await dark (rising)
+move ended -> darkening: await dark (braking)
+interrupted -> stay: light off, black now (braking, darkening, lifting, paused, parking, ending)
+cancelled -> stay: light off, black now (braking, darkening, lifting)
+light is off -> lifting: lift (darkening)
+pause due -> paused (lifting)
+rise over -> parking: park (lifting)
+resumed -> lowering: light off, black now, lower to rise (paused)
+cancelled -> parking: light off, black now, park (paused)
+move ended -> ending: light off, power off, await dark (parking)
+light is off -> idle: finish (ending)
+gave up -> idle: finish (ending)
+)");
+}
+
+TEST_CASE_METHOD(
+    ContinuousTable,
+    "Every state of a rise can fail, be cancelled and be interrupted, with the light off first") {
+  check_structure();
+}
+
+TEST_CASE_METHOD(ContinuousTable, "The plate rises in the light only from the state that sent light on") {
+  for (const Transition& t : transitions()) {
+    CAPTURE(name_of(t.from), name_of(t.on));
+    CHECK(has(t, F::Rise) == (t.from == S::Igniting && t.on == E::LightOnSent));
+    CHECK(has(t, F::LightOn) == (t.from == S::Showing && t.on == E::MaskShown));
+    if (has(t, F::LightOff)) CHECK(t.effects.front() == F::LightOff);
+    if (has(t, F::Lift)) CHECK(t.on == E::LightIsOff);
+  }
+}
+
+TEST_CASE("The states of a rise that a layered print has too are the same to a report") {
+  const auto layered = layered_print_states();
+  for (const PrintState& state : continuous_print_states()) {
+    CAPTURE(state.name);
+    const auto same = std::ranges::find(layered, state.name, &PrintState::name);
+    if (same != layered.end())
+      CHECK(*same == state);
+    else
+      CHECK(state.number >= layered.size());
+  }
+  const std::vector<PrintState> all = print_states();
+  CHECK(std::ranges::count(all, std::string_view("rising"), &PrintState::name) == 1);
+  CHECK(std::ranges::count(all, std::string_view("layering"), &PrintState::name) == 0);
+  CHECK(draw_print_states().find("\"continuous: rising\"") != std::string::npos);
+}
