@@ -130,6 +130,8 @@ Json PrinterControl::set(const Json& parameters) {
   const JobSummary& summary = job_.job()->prepared->summary;
   const auto wanted = parameters.at("setting").get<std::string>();
   const std::string_view setting = *std::ranges::find(kPrintSettings, wanted);
+  if (const std::string_view why = print.why_fixed(setting); !why.empty())
+    throw ControlRefusal(std::string(why));
   const auto value = parameters.at("value").get<double>();
   const Limits<double> bounds = setting_bounds(setting, summary, resin_machine(context_.config), next);
   if (!bounds.contain(value))
@@ -157,6 +159,8 @@ std::int32_t PrinterControl::next_layer() const {
 Json PrinterControl::exclude(const Json& parameters) {
   require_print("exclude a copy from");
   (void)next_layer();
+  if (const std::string_view why = job_.print().why_fixed("copies"); !why.empty())
+    throw ControlRefusal(std::string(why));
   const std::vector<PlateCopy> copies = copies_of(job_.job()->prepared->summary, job_.name());
   const std::size_t number = number_of(parameters.at("copy").get<std::string>(), copies);
   const std::string name = printable(copies[number].name);

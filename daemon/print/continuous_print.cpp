@@ -43,6 +43,8 @@ void ContinuousPrint::start(PrintPlan plan) {
                          !plan.undersides && !plan.split),
           "a rise follows at least one layer, with masks as they are");
   plan_ = std::move(plan);
+  rises_ = plan_->rise.has_value();
+  planned_pause_.reset();
   canceled_ = over_ = resume_wanted_ = false;
   reason_.clear();
   interruption_.clear();
@@ -53,12 +55,31 @@ void ContinuousPrint::start(PrintPlan plan) {
 
 void ContinuousPrint::pause() {
   if (layering()) return layers_.pause();
+  planned_pause_.reset();
   resume_wanted_ = false;
   if (!ends() && !is_in(kStopping)) handle(ContinuousEvent::Interrupted);
 }
 
+void ContinuousPrint::pause_at(PausePoint point) {
+  expects(under_way(), "a print is under way");
+  if (layering()) return layers_.pause_at(point);
+  planned_pause_ = point;
+}
+
+void ContinuousPrint::set(const PrintSettings& settings) {
+  expects(under_way(), "a print is under way");
+  if (layering()) return layers_.set(settings);
+  plan_->motion = settings.motion;
+}
+
+void ContinuousPrint::exclude(ExcludedCopy copy) {
+  expects(under_way() && layering(), "the plate does not rise");
+  layers_.exclude(std::move(copy));
+}
+
 void ContinuousPrint::resume() {
   if (layering()) return layers_.resume();
+  if (!is_in(kStopping) && !is_in(ContinuousState::Paused)) planned_pause_.reset();
   resume_wanted_ = pause_pending();
   interruption_.clear();
   handle(ContinuousEvent::Resumed);
@@ -104,6 +125,25 @@ bool ContinuousPrint::pause_pending() const {
   return layering() ? layers_.pause_pending() : is_in(kStopping) && !ends();
 }
 
+const std::optional<PausePoint>& ContinuousPrint::planned_pause() const {
+  return layering() ? layers_.planned_pause() : planned_pause_;
+}
+
+std::string_view ContinuousPrint::why_fixed(std::string_view what) const {
+  expects(under_way(), "a print is under way");
+  if (rises_ && what == "exposure")
+    return "the exposure of a continuous print follows from the speeds that were planned before it began";
+  if (what == "copies" && !layering())
+    return "a continuous print leaves copies dark in its first layers only";
+  return "";
+}
+
+PrintSettings ContinuousPrint::settings() const {
+  expects(under_way(), "a print is under way");
+  if (layering()) return layers_.settings();
+  return {plan_->exposure_percent, plan_->motion};
+}
+
 std::string_view ContinuousPrint::next_pause() const {
   if (layering()) return layers_.next_pause();
   if (ends() || is_in(kEnding)) return "";
@@ -111,7 +151,8 @@ std::string_view ContinuousPrint::next_pause() const {
 }
 
 bool ContinuousPrint::can_resume() const {
-  return layering() ? layers_.can_resume() : pause_pending() || is_in(ContinuousState::Paused);
+  return layering() ? layers_.can_resume()
+                    : pause_pending() || planned_pause_ || is_in(ContinuousState::Paused);
 }
 
 bool ContinuousPrint::can_cancel() const {
@@ -291,6 +332,7 @@ void ContinuousPrint::lower() {
   if (!frames_) {
     frames_ = std::make_unique<RiseFrames>(machine_, clock_, *plan_);
     rise_ = plan_->rise->plan;
+    planned_pause_ = layers_.planned_pause();
     record_ = {};
     record_.layer = plan_->rise->first_layers - 1;
     begin_slice(rise_.points.front().height);
@@ -351,6 +393,10 @@ void ContinuousPrint::refreshed() {
     if (!plan_->layers.thickness_at(top)) return;
     report_slice(true);
     begin_slice(top);
+    if (planned_pause_ && is_reached(*planned_pause_, record_.layer, record_.bottom)) {
+      planned_pause_.reset();
+      return handle(ContinuousEvent::Interrupted);
+    }
   }
 }
 

@@ -32,7 +32,10 @@ class ContinuousPrint final : public PrintMode,
   // split.
   void start(PrintPlan plan) override;
   void pause() override;
+  void pause_at(PausePoint point) override;
   void resume() override;
+  void set(const PrintSettings& settings) override;
+  void exclude(ExcludedCopy copy) override;
   void interrupt(const std::string& what) override;
   void cancel() override;
   void fail(const std::string& reason) override;
@@ -40,6 +43,9 @@ class ContinuousPrint final : public PrintMode,
   [[nodiscard]] const PrintState& state() const override;
   [[nodiscard]] ContinuousState continuous_state() const { return MachineProcess::state(); }
   [[nodiscard]] bool pause_pending() const override;
+  [[nodiscard]] const std::optional<PausePoint>& planned_pause() const override;
+  [[nodiscard]] std::string_view why_fixed(std::string_view what) const override;
+  [[nodiscard]] PrintSettings settings() const override;
   [[nodiscard]] std::string_view next_pause() const override;
   [[nodiscard]] bool can_resume() const override;
   [[nodiscard]] bool can_cancel() const override;
@@ -97,9 +103,11 @@ class ContinuousPrint final : public PrintMode,
   LayeredPrint layers_;
   std::optional<PrintPlan> plan_;  // from the end of the layered print to that of the print
   PrintOutcome layers_outcome_ = PrintOutcome::Done;
-  std::string reason_;               // of a failure
-  std::string interruption_;         // of the rise
-  std::string layers_interruption_;  // to be passed on to the layered print
+  std::string reason_;                       // of a failure
+  std::string interruption_;                 // of the rise
+  std::string layers_interruption_;          // to be passed on to the layered print
+  bool rises_ = false;                       // the plan has a rise
+  std::optional<PausePoint> planned_pause_;  // in the rise
   bool canceled_ = false;
   bool over_ = false;           // the plate has risen to its end
   bool resume_wanted_ = false;  // requested before the plate was up

@@ -115,11 +115,11 @@ void LayeredPrint::exclude(ExcludedCopy copy) {
   new_exclusions_.push_back(std::move(copy));
 }
 
-// Leaves the copy dark from the layer on that begins.
-void LayeredPrint::leave_dark(const ExcludedCopy& copy) {
+// Leaves the copy dark from the layer on that begins at this height.
+void LayeredPrint::leave_dark(const ExcludedCopy& copy, Nanometers from) {
   const auto supports = copy.supports_left ? copy.supports_left() : nullptr;
-  plan_->engine->darken(copy.model, copy.copy, bottom_);
-  if (supports) plan_->engine->replace_beside(supports, bottom_);
+  plan_->engine->darken(copy.model, copy.copy, from);
+  if (supports) plan_->engine->replace_beside(supports, from);
   if (plan_->undersides)
     plan_->undersides->dimming().exclude(copy.model, copy.copy, supports, static_cast<std::size_t>(layer_));
 }
@@ -147,7 +147,7 @@ void LayeredPrint::next_layer() {
   if (new_settings_) take_settings(*std::exchange(new_settings_, std::nullopt));
   begin_layer(layer_top());
   for (const ExcludedCopy& copy : std::exchange(new_exclusions_, {}))
-    leave_dark(copy);
+    leave_dark(copy, bottom_);
 }
 
 void LayeredPrint::pause() {
@@ -598,6 +598,11 @@ void LayeredPrint::finish() {
                                                  : PrintOutcome::Done;
   count_light();
   if (record_.exposure_parts > 0 && !layer_reported_) report_layer();
+  if (plan_->rise) {  // which follows, with what was changed since the last layer began
+    if (new_settings_) take_settings(*new_settings_);
+    for (const ExcludedCopy& copy : new_exclusions_)
+      leave_dark(copy, layer_top());
+  }
   PrintPlan plan = std::move(*plan_);
   plan_.reset();
   shown_.mask = nullptr;

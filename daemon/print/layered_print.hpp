@@ -39,6 +39,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   [[nodiscard]] LayeredState layered_state() const { return MachineProcess::state(); }
   [[nodiscard]] bool pause_pending() const override { return pause_wanted_; }
   [[nodiscard]] const std::optional<PausePoint>& planned_pause() const override { return planned_pause_; }
+  [[nodiscard]] std::string_view why_fixed(std::string_view) const override { return ""; }
   [[nodiscard]] PrintSettings settings() const override;
   [[nodiscard]] std::string_view next_pause() const override;
   [[nodiscard]] bool can_resume() const override;
@@ -87,7 +88,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   [[nodiscard]] bool is_in(EnumSet<LayeredState> states) const { return states.contains(layered_state()); }
   [[nodiscard]] Nanometers current_height() const;
   void expect_layers();
-  void leave_dark(const ExcludedCopy& copy);
+  void leave_dark(const ExcludedCopy& copy, Nanometers from);
   void take_settings(const PrintSettings& settings);
   void next_layer();
   void begin_layer(Nanometers bottom);

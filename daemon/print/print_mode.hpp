@@ -95,9 +95,10 @@ class PrintMode {
   // Withdraws a pending pause, or continues a paused or interrupted print; an interrupted layer then gets the
   // light that it still lacks. Does not check that the machine is ready.
   virtual void resume() = 0;
-  // Sets the print's settings, from the next layer on. REQUIRES: under_way().
+  // Sets the print's settings, from the next layer on. REQUIRES: under_way(), and none that changes is fixed.
   virtual void set(const PrintSettings& settings) = 0;
-  // Leaves a copy dark from the next layer on. REQUIRES: under_way(), and such a copy.
+  // Leaves a copy dark from the next layer on. REQUIRES: under_way(), such a copy, and that they are not
+  // fixed.
   virtual void exclude(ExcludedCopy copy) = 0;
   // Turns the light off at once and moves the plate up; the print waits for resume(). `what` says why, in one
   // sentence. Does nothing while no print is under way.
@@ -114,6 +115,9 @@ class PrintMode {
   [[nodiscard]] virtual bool pause_pending() const = 0;
   // Returns the pause planned ahead that has not been reached.
   [[nodiscard]] virtual const std::optional<PausePoint>& planned_pause() const = 0;
+  // Returns, in a sentence, why set() may not change a setting now, or exclude() may not be called
+  // ("copies"); empty if it may. REQUIRES: under_way().
+  [[nodiscard]] virtual std::string_view why_fixed(std::string_view what) const = 0;
   // Returns the settings of the next layer. REQUIRES: under_way().
   [[nodiscard]] virtual PrintSettings settings() const = 0;
   // Returns when a pause that is requested now takes effect, as a text for the user: "after this layer".

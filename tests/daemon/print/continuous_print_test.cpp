@@ -361,6 +361,65 @@ TEST_CASE("A pause within a rise takes effect at once, and the rise goes on from
   CHECK(fixture.dangers() == "");
 }
 
+TEST_CASE("A pause that was planned ahead takes effect within the rise, at its layer or height") {
+  ContinuousPrintFixture fixture;
+  fixture.process.start(cone_plan());
+  SECTION("Planned in the first layers") {
+    fixture.process.pause_at(testing::kBoxLayer * 8);
+    REQUIRE(fixture.run_to_height(0.2));
+  }
+  SECTION("Planned in the rise") {
+    REQUIRE(fixture.run_to_height(0.2));
+    fixture.process.pause_at(std::int32_t{8});
+  }
+  REQUIRE(fixture.process.planned_pause());
+  REQUIRE(fixture.run_to(S::Braking));
+  const double height = in_mm(fixture.printer.z_axis().height().value());
+  CHECK(height >= 8 * in_mm(testing::kBoxLayer));
+  CHECK(height < 8.2 * in_mm(testing::kBoxLayer));  // a refresh later, at 0.1 mm/s
+  CHECK_FALSE(fixture.process.planned_pause());
+  REQUIRE(fixture.run_to(S::Paused));
+  fixture.process.resume();
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  CHECK(fixture.dangers() == "");
+}
+
+TEST_CASE("A planned pause is withdrawn by resume() within the rise") {
+  ContinuousPrintFixture fixture;
+  fixture.process.start(cone_plan());
+  REQUIRE(fixture.run_to_height(0.2));
+  fixture.process.pause_at(std::int32_t{8});
+  REQUIRE(fixture.process.can_resume());
+  fixture.process.resume();
+  CHECK_FALSE(fixture.process.planned_pause());
+  fixture.run_out();
+  CHECK(std::ranges::find(fixture.states, "braking") == fixture.states.end());
+}
+
+TEST_CASE(
+    "What is set in the first layers or the rise of a continuous print holds for the moves that follow") {
+  ContinuousPrintFixture fixture;
+  fixture.process.start(cone_plan());
+  REQUIRE(fixture.run_to(S::Layering));
+  PrintSettings settings = fixture.process.settings();
+  settings.motion.lift = Nanometers{2'500'000};
+  SECTION("In the last of the first layers") {
+    while (fixture.process.layer() + 1 < kFirstLayers)
+      REQUIRE(fixture.step());
+    fixture.process.set(settings);
+    REQUIRE(fixture.run_to(S::Rising));
+  }
+  SECTION("In the rise") {
+    REQUIRE(fixture.run_to(S::Rising));
+    fixture.process.set(settings);
+  }
+  CHECK(fixture.process.settings().motion.lift == Nanometers{2'500'000});
+  CHECK(fixture.process.why_fixed("lift").empty());
+  CHECK_FALSE(fixture.process.why_fixed("exposure").empty());
+  CHECK_FALSE(fixture.process.why_fixed("copies").empty());
+}
+
 TEST_CASE("A lid that opens within a rise turns the light off at once") {
   ContinuousPrintFixture fixture;
   fixture.process.start(cone_plan());
