@@ -105,7 +105,8 @@ void PrinterService::adopt_left_jobs() {
   hold_.adopt_left_jobs([this](const JobFiles& files) { return reader_.take_ended(files); });
   history_worker_.adopt_recorded_ends();
   for (const JobEndRecord::Pending& each : spool_.ends().pending()) {
-    if (each.awaits(EndConsumer::Files) || !each.awaits(EndConsumer::Notice)) continue;
+    const bool waits = hold_.interrupted() && hold_.interrupted()->files.name == each.end.job;
+    if ((each.awaits(EndConsumer::Files) && !waits) || !each.awaits(EndConsumer::Notice)) continue;
     EndedJob ended = ended_job(each.end);
     ended.reports = spool_.reports_of(folder_for(each.end), ended.name);
     notices_.add(ended);

@@ -218,6 +218,7 @@ PausePoint PrinterControl::pause_point(const Json& parameters) const {
 }
 
 Json PrinterControl::resume() {
+  if (hold_.interrupted() && !has_unfinished_job()) throw ControlRefusal(hold_.sentence());
   if (hold_.reason() && !has_unfinished_job()) return resume_queue();
   require_print("resume");
   PrintMode& print = job_.print();
@@ -246,6 +247,7 @@ Json PrinterControl::cancel() {
 void PrinterControl::plate_cleared(ControlMethod::Later later) {
   if (has_unfinished_job()) throw ControlRefusal(fmt::format("{} is being printed", job_.name()));
   if (hold_.plate_occupant()) context_.log.info("plate", "the plate is clear");
+  hold_.give_up_interrupted();
   hold_.release();
   const auto reply = std::make_shared<Json>();
   hold_.set_plate_occupant(std::nullopt, [reply, later = std::move(later)](const std::string& trouble) {

@@ -41,6 +41,21 @@ std::string_view name_of(WaitingJob::Check check) {
   return "?";
 }
 
+Json interrupted_json(const InterruptedPrint& interrupted) {
+  const JobProgress& progress = interrupted.progress;
+  const PrintProgress& print = progress.print;
+  const auto millimetres = [](Nanometers height) { return to_millimeters(height).count(); };
+  Json json{{"job", progress.job},
+            {"layer", print.layer + 1},
+            {"layers", progress.layers},
+            {"phase", name_of(print.phase)},
+            {"light_s", in_seconds(print.light)},
+            {"exposure_s", in_seconds(print.exposure)}};
+  json["least_height_mm"] = print.plate ? Json(millimetres(print.plate->least)) : Json();
+  json["most_height_mm"] = print.plate ? Json(millimetres(print.plate->most)) : Json();
+  return json;
+}
+
 Json ended_json(const EndedJob& job) {
   return {{"job", job.name}, {"outcome", job.outcome}, {"reason", job.reason}};
 }
@@ -243,6 +258,7 @@ void PrinterStatus::add_reasons_to_wait(Json& status) const {
   status["plate_job"] = or_null(hold.plate_occupant());
   status["not_ready_reason"] = or_null(context_.machine.why_not_ready());
   status["held"] = or_null(hold.sentence());
+  status["interrupted"] = hold.interrupted() ? interrupted_json(*hold.interrupted()) : Json();
   status["waiting_for"] = or_null(parts_.scheduler.waiting_for());
 }
 

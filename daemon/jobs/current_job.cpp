@@ -135,7 +135,9 @@ CurrentJob::CurrentJob(const PrinterContext& context, Spool& spool, JobReader& r
       log_(context.log),
       print_(make_print_mode(context.machine, context.clock, *this)),
       analyst_(context.loop),
-      archivist_(context.loop, spool, context.config.memory_limit_bytes) {
+      archivist_(context.loop, spool, context.config.memory_limit_bytes),
+      progress_(context.loop, context.log, progress_file(context.config.spool_folder),
+                [this] { return print_->light_may_be_on(); }) {
   context_.loop.on_turn_over([this](const EventLoop::Turn& turn) {
     if (print_->light_may_be_on()) add_lit_turn(turn);
   });
@@ -302,6 +304,7 @@ void CurrentJob::start_print() {
   job_->record.emplace(machine, context_.clock, std::move(masks));
   analyst_.start(analysis_of(*job_->prepared, machine.z_axis()),
                  [this](AnalyzedPrint print) { analyzed(std::move(print)); });
+  record_progress();
   print_->start(std::move(job_->prepared->plan));
   // The machine may have become unready, or the queue held, while the model was read.
   if (const std::string not_ready = machine.why_not_ready(); !not_ready.empty()) {
@@ -309,6 +312,15 @@ void CurrentJob::start_print() {
   } else if (const std::optional<std::string>& held = hold_.reason()) {
     print_->interrupt(*held);
   }
+}
+
+void CurrentJob::record_progress() {
+  const PrintPlan& plan = job_->prepared->plan;
+  JobProgress progress{.job = name(), .layers = static_cast<std::int32_t>(plan.expected_layers.size())};
+  progress.print.thickness = plan.expected_layers.front();
+  progress_.begin(std::move(progress),
+                  [&config = context_.config, files = job_->claimed.files,
+                   resin = job_->prepared->settings.resin.name] { return marks_of(files, resin, config); });
 }
 
 void CurrentJob::analyzed(AnalyzedPrint print) {
@@ -399,6 +411,7 @@ void CurrentJob::print_ended(PrintOutcome outcome, const std::string& reason, Pr
   job_->ended.figures = figures_of(report);
   const JobEnd end = job_end(job_->ended);
   archivist_.record(end);
+  progress_.end();
   std::unique_ptr<GivenLight> given = given_light(plan, report.layers, context_.machine.display().frame());
   job_->over = EndedPrint{
       job_->claimed.files, std::move(report), std::move(plan.engine), std::move(plan.undersides), end,

@@ -19,6 +19,7 @@
 #include "daemon/jobs/printer_use.hpp"
 #include "daemon/jobs/queue_hold.hpp"
 #include "daemon/print/print_mode.hpp"
+#include "daemon/progress/progress_keeper.hpp"
 #include "daemon/report/print_record.hpp"
 #include "daemon/spool/spool.hpp"
 
@@ -106,6 +107,7 @@ class CurrentJob final : private PrintObserver {
   void light_due() override;
   void state_changed(const PrintState& state) override;
   void layer_done(const LayerRecord& layer) override;
+  void progressed(const PrintProgress& print) override { progress_.keep(print); }
   void interrupted(const std::string& what) override;
   void light_gone() override;
   void print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan plan) override;
@@ -122,6 +124,7 @@ class CurrentJob final : private PrintObserver {
   void occupy_plate();
   void plate_saved(const std::string& trouble);
   void start_print();
+  void record_progress();
   void analyzed(AnalyzedPrint print);
   void file();
   void filed(const FiledPrint& print);
@@ -136,6 +139,7 @@ class CurrentJob final : private PrintObserver {
   std::unique_ptr<PrintMode> print_;
   PrintAnalyst analyst_;
   PrintArchivist archivist_;
+  ProgressKeeper progress_;
   std::optional<State> job_;
   Duration lit_{};
   bool stopping_ = false;

@@ -1,6 +1,10 @@
 #include "daemon/jobs/job_reader.hpp"
 
+#include <fmt/format.h>
+
 #include <cstddef>
+#include <fstream>
+#include <iterator>
 #include <utility>
 
 #include "daemon/jobs/acceptances.hpp"
@@ -21,6 +25,15 @@ constexpr std::size_t kLongestReason = 8000;
 constexpr const char* kReadingRecord = "reading";
 
 }  // namespace
+
+JobMarks marks_of(const JobFiles& files, const std::string& resin, const PrinterConfig& config) {
+  std::ifstream profile(config.resins_folder / (resin + ".json"), std::ios::binary);
+  std::string text(std::istreambuf_iterator<char>(profile), {});
+  text += fmt::format(" {} {} {} {} {} {} {} {}", config.display_width.count(), config.display_height.count(),
+                      config.pixel_pitch.count(), config.mirror_x, config.mirror_y, config.anti_aliasing,
+                      config.grey_bits, config.irradiance_mw_cm2);
+  return {content_mark(files), checksum_of(text)};
+}
 
 JobReader::JobReader(const PrinterConfig& config, Spool& spool, EventLoop& loop)
     : config_(config),

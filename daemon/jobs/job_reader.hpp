@@ -18,6 +18,7 @@
 #include "daemon/jobs/prepared_job_cache.hpp"
 #include "daemon/prepare/job_settings.hpp"
 #include "daemon/prepare/print_job.hpp"
+#include "daemon/progress/progress_record.hpp"
 #include "daemon/spool/reading_record.hpp"
 #include "daemon/spool/spool.hpp"
 #include "daemon/system/worker.hpp"
@@ -25,6 +26,9 @@
 namespace contourd {
 
 using ReadJob = std::variant<PreparedJob, JobRefusal, ReadingGivenUp>;
+
+// Returns the marks of a job that is printed with the resin's profile of this name. Blocks. Any thread.
+[[nodiscard]] JobMarks marks_of(const JobFiles& files, const std::string& resin, const PrinterConfig& config);
 
 class JobReader final : public JobChecks {
  public:

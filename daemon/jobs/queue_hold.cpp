@@ -35,6 +35,7 @@ void QueueHold::load() {
 
 void QueueHold::adopt_left_jobs(const std::function<bool(const JobFiles&)>& ended_in_reading) {
   std::set<std::string> left;
+  progress_ = ProgressRecord(progress_file(context_.config.spool_folder)).read();
   for (const JobFiles& files : spool_.interrupted()) {
     // The print of a job whose part is on the plate had begun.
     adopt(files, plate_occupant_ != files.name && ended_in_reading(files));
@@ -43,30 +44,58 @@ void QueueHold::adopt_left_jobs(const std::function<bool(const JobFiles&)>& ende
   // The last process has filed the others.
   for (const JobEndRecord::Pending& each : spool_.ends().pending())
     if (!left.contains(each.end.job)) spool_.ends().files_taken(each.end.job);
-  if (!unfiled_.empty()) keep_now();
+  if (interrupted_ || !unfiled_.empty()) keep_now();
 }
 
 void QueueHold::adopt(const JobFiles& files, bool ended_in_reading) {
-  const JobEnd end = end_of_left(files.name, ended_in_reading);
-  unfiled_.add_left(files, end);
+  JobEnd end = end_of_left(files.name, ended_in_reading);
+  const bool interrupted = end.kind == JobEnd::Kind::Interrupted;
+  if (!interrupted || !await_decision(files, end)) unfiled_.add_left(files, end);
   if (end.kind == JobEnd::Kind::Refused) {
     const bool failed = end.outcome == name_of(PrintOutcome::Failed);
     return context_.log.write(failed ? LogLevel::Error : LogLevel::Info, "refused",
                               fmt::format("{}: {}", printable(files.name), printable(end.reason)),
                               job_fields(files.name));
   }
-  const bool interrupted = end.kind == JobEnd::Kind::Interrupted;
   const std::string how =
       interrupted ? "contourd stopped before this print ended"
                   : fmt::format("contourd stopped before it moved the files of this print, which was {}",
                                 end.outcome);
+  const std::string where = interrupted && progress_of(files) ? ", " + describe(*progress_.progress) : "";
   context_.log.error("interrupted",
-                     fmt::format("{}: {} (power cut, crash or kill)", printable(files.name), how),
+                     fmt::format("{}: {} (power cut, crash or kill){}", printable(files.name), how, where),
                      job_fields(files.name));
   if (interrupted) plate_occupant_ = files.name;
   if (reason_ || end.outcome != name_of(PrintOutcome::Failed)) return;
   reason_ = fmt::format("{} {}: {}", files.name, interrupted ? "was interrupted" : "failed",
-                        interrupted ? kWhyInterrupted : end.reason);
+                        interrupted ? std::string(kWhyInterrupted) + where : end.reason);
+}
+
+const JobProgress* QueueHold::progress_of(const JobFiles& files) const {
+  return progress_.progress && progress_.progress->job == files.name ? &*progress_.progress : nullptr;
+}
+
+bool QueueHold::await_decision(const JobFiles& files, JobEnd& end) {
+  if (!progress_.trouble.empty())
+    context_.log.error("progress", fmt::format("{}: {}", printable(files.name), printable(progress_.trouble)),
+                       job_fields(files.name));
+  const JobProgress* const progress = progress_of(files);
+  if (progress == nullptr) return false;
+  end.reason = fmt::format("{}, {}", interruption(end.key, end.job).reason, describe(*progress));
+  try {
+    spool_.ends().add(end);
+  } catch (const std::system_error&) {
+    // As in end_of_left().
+  }
+  if (interrupted_ || !has_part(progress->print)) return false;
+  interrupted_ = {files, *progress, progress_.trouble.empty()};
+  return true;
+}
+
+void QueueHold::give_up_interrupted() {
+  if (!interrupted_) return;
+  const JobFiles files = std::exchange(interrupted_, std::nullopt)->files;
+  if (std::optional<JobEnd> end = spool_.ends().end_of(files.name)) add_unfiled(files, *end);
 }
 
 JobEnd QueueHold::end_of_left(const std::string& job, bool ended_in_reading) {
@@ -100,6 +129,11 @@ void QueueHold::release() {
 
 std::string QueueHold::sentence() const {
   if (!reason_) return "";
+  if (interrupted_)
+    return fmt::format(
+        "the queue is held: {}; its part hangs on the plate: clear the plate, then run "
+        "\"contourctl plate-cleared\", which gives the print up",
+        printable(*reason_));
   const bool plate_too = context_.config.wait_for_plate_cleared && plate_occupant_;
   return fmt::format("the queue is held: {}; check the printer{}, then run \"contourctl {}\"",
                      printable(*reason_), plate_too ? " and clear the plate" : "",

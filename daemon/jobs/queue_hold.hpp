@@ -12,6 +12,7 @@
 
 #include "daemon/jobs/printer_context.hpp"
 #include "daemon/jobs/unfiled_jobs.hpp"
+#include "daemon/progress/interrupted_print.hpp"
 #include "daemon/spool/spool.hpp"
 
 namespace contourd {
@@ -26,9 +27,16 @@ class QueueHold {
   void load();
   // Takes over the jobs that the last process left in printing/, records the ends of those that have none,
   // and files them. Blocks until the disk has done that, so that it is called before the event loop runs. A
-  // print that did not end holds the queue, and its part is on the plate. `ended_in_reading` returns true for
-  // a job that had not begun and whose reading ended that process.
+  // print that did not end holds the queue, and its part is on the plate. If the progress record tells how
+  // far it was, its job waits in printing/ until the user decides: see interrupted(). `ended_in_reading`
+  // returns true for a job that had not begun and whose reading ended that process.
   void adopt_left_jobs(const std::function<bool(const JobFiles&)>& ended_in_reading);
+
+  // Returns the print that waits for the user's decision; nullopt if there is none. Its end is recorded and
+  // reported already.
+  [[nodiscard]] const std::optional<InterruptedPrint>& interrupted() const { return interrupted_; }
+  // Files the interrupted print, which the user gives up. Does nothing if there is none.
+  void give_up_interrupted();
 
   // Lets no job begin until release(), even if the plate is clear. If the queue is held already, the first
   // reason stays.
@@ -64,6 +72,10 @@ class QueueHold {
  private:
   // Takes over one job from printing/.
   void adopt(const JobFiles& files, bool ended_in_reading);
+  // Returns how far the job's print was; nullptr if that is unknown.
+  [[nodiscard]] const JobProgress* progress_of(const JobFiles& files) const;
+  // Keeps an interrupted print for the user's decision; false if the record does not tell how far it was.
+  bool await_decision(const JobFiles& files, JobEnd& end);
   // Returns the recorded end of a job in printing/, or records that it has none.
   [[nodiscard]] JobEnd end_of_left(const std::string& job, bool ended_in_reading);
   // Saves the records for the next start, then files the unfiled jobs.
@@ -77,6 +89,8 @@ class QueueHold {
   PrinterUse& use_;
   UnfiledJobs unfiled_;
   std::optional<std::string> reason_, plate_occupant_;
+  ProgressRecord::Found progress_;  // as the last process left it
+  std::optional<InterruptedPrint> interrupted_;
   std::string trouble_;  // why saving or filing failed; empty if all is on the disk
   int attempts_ = 0;     // under way
   std::shared_future<void> last_attempt_;

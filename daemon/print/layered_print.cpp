@@ -242,6 +242,24 @@ void LayeredPrint::performed(LayeredEvent event) {
   if (event == LayeredEvent::PictureDue) return;
   if (is_in(LayeredState::Showing)) observer_.light_due();
   observer_.state_changed(state());
+  if (const std::optional<PrintPhase> phase = phase_of(layered_state()))
+    observer_.progressed(progress(*phase));
+}
+
+// Returns the progress of a phase that has just begun.
+PrintProgress LayeredPrint::progress(PrintPhase phase) const {
+  PrintProgress progress{
+      phase, layer_, bottom_, thickness_, record_.exposure_asked, record_.exposure_most, layer_exposed_, {}};
+  const std::optional<Nanometers> height = machine_.z_axis().height();
+  if (!height) return progress;
+  PrintProgress::Heights plate{*height, *height};
+  const Nanometers highest = machine_.z_axis().travel();
+  if (phase == PrintPhase::Lowering) plate.least = std::min(layer_top(), *height);
+  if (phase == PrintPhase::Lifting) plate.most = std::min(*height + plan_->motion.whole_lift(), highest);
+  if (phase == PrintPhase::Raising) plate.most = std::min(*height + kLook, highest);
+  if (phase == PrintPhase::Parking) plate.most = highest;
+  progress.plate = plate;
+  return progress;
 }
 
 // An effect that throws while the print is ending only ends it without waiting any longer.

@@ -91,6 +91,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   void leave_dark(const ExcludedCopy& copy, Nanometers from);
   void take_settings(const PrintSettings& settings);
   void next_layer();
+  [[nodiscard]] PrintProgress progress(PrintPhase phase) const;
   void begin_layer(Nanometers bottom);
   void expose();
   void time_exposure();

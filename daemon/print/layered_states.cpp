@@ -111,6 +111,29 @@ static_assert(kPrintStates.front() == kIdle);
 
 }  // namespace
 
+std::optional<PrintPhase> phase_of(LayeredState state) {
+  switch (state) {
+    case S::WarmingUp:
+      return PrintPhase::Starting;
+    case S::Lowering:
+      return PrintPhase::Lowering;
+    case S::Settling:
+      return PrintPhase::BeforeLight;
+    case S::Resting:
+      return PrintPhase::Lit;
+    case S::Lifting:
+      return PrintPhase::Lifting;
+    case S::Raising:
+      return PrintPhase::Raising;
+    case S::Paused:
+      return PrintPhase::Paused;
+    case S::Parking:
+      return PrintPhase::Parking;
+    default:
+      return std::nullopt;
+  }
+}
+
 std::span<const PrintState> layered_print_states() {
   return kPrintStates;
 }

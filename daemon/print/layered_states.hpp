@@ -2,6 +2,7 @@
 // effects on the way. Nothing else decides what happens next. `contourd --print-states` draws it.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "daemon/print/print_mode.hpp"
@@ -101,6 +102,9 @@ inline constexpr auto kNames<LayeredEffect> = names_to<LayeredEffect::Finish>(
 using LayeredTransition = StateTransition<LayeredState, LayeredEvent, LayeredEffect>;
 
 [[nodiscard]] const StateTable<LayeredTransition>& layered_table();
+
+// Returns the phase of a print that begins with this state; nullopt if the state belongs to the phase before.
+[[nodiscard]] std::optional<PrintPhase> phase_of(LayeredState state);
 
 // Returns the states as other modules see them, in the enumeration's order.
 [[nodiscard]] std::span<const PrintState> layered_print_states();

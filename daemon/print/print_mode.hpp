@@ -13,6 +13,7 @@
 
 #include "daemon/print/print_plan.hpp"
 #include "daemon/print/print_settings.hpp"
+#include "daemon/print/print_progress.hpp"
 #include "daemon/print/shown_mask.hpp"
 #include "hw/clock.hpp"
 
@@ -67,6 +68,8 @@ class PrintObserver {
   virtual void light_due() = 0;
   virtual void state_changed(const PrintState& state) = 0;
   virtual void layer_done(const LayerRecord& layer) = 0;
+  // Called when a phase of the print begins, with the light off.
+  virtual void progressed(const PrintProgress&) {}
   // Called when the print was interrupted: the light was turned off, and layer() waits for resume(). `what`
   // says why.
   virtual void interrupted(const std::string& what) = 0;

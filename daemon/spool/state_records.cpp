@@ -60,6 +60,10 @@ std::filesystem::path state_folder_path(const std::filesystem::path& spool) {
   return folder.string() + ".state";
 }
 
+std::filesystem::path progress_file(const std::filesystem::path& spool) {
+  return state_folder_path(spool) / "print-progress";
+}
+
 void make_state_folder(const std::filesystem::path& folder) {
   // mkdir may fail although the folder exists already, as on a read-only disk.
   const int not_made = ::mkdir(folder.c_str(), 0700) == 0 || errno == EEXIST ? 0 : errno;

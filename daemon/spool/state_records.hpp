@@ -11,6 +11,7 @@
 //   queue-order      the waiting jobs in an order that a user has set: file names in incoming/, each followed
 //                    by a zero byte
 //   vat              one line: the resin in the vat, in ml
+//   print-progress   how far the print under way is (daemon/progress/progress_record.hpp)
 //   accepted         the findings that users have accepted, one line each (acceptances.hpp)
 //
 // A setter syncs the record to the disk before it returns, and does not write a line that is unchanged.
@@ -27,6 +28,9 @@ namespace contourd {
 
 // Returns the service manager's folder (STATE_DIRECTORY, systemd.exec(5)), or SPOOL.state beside the spool.
 [[nodiscard]] std::filesystem::path state_folder_path(const std::filesystem::path& spool);
+
+// Returns the record of the print under way in the state folder of this spool.
+[[nodiscard]] std::filesystem::path progress_file(const std::filesystem::path& spool);
 
 // Makes the folder if it does not exist, and removes all permissions of other users. Throws
 // std::runtime_error if the folder cannot be made or belongs to another user.

@@ -64,7 +64,7 @@ class Protocol(ControlTest):
         self.assertEqual(result, {
             "printer": "Simulated printer", "spool": self.daemon.spool, "state": "idle", "job": None, "queued": 0, "incomplete": {},
             "incomplete_more": 0, "postponed": {}, "postponed_more": 0, "unaccepted": {}, "unaccepted_more": 0, "ignored": {}, "ignored_more": 0, "deletable": [],
-            "deletable_more": 0, "plate": "clear", "plate_job": None, "not_ready_reason": None, "held": None, "waiting_for": None,
+            "deletable_more": 0, "plate": "clear", "plate_job": None, "not_ready_reason": None, "held": None, "interrupted": None, "waiting_for": None,
             "reminders": [],
             "last": None,
             "dark": True,

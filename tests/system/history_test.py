@@ -248,12 +248,11 @@ class Killed(HistoryTest):
                 self.assertEqual(database.execute("PRAGMA integrity_check").fetchall(), [("ok",)])
             database.close()
         self.daemon.start()
-        self.daemon.rpc("resume")
 
         def all_ended():
             status = self.daemon.status()
             if status["held"]:
-                self.daemon.rpc("resume")
+                self.daemon.rpc("plate_cleared")
             left = self.daemon.names_in("printing") + [name for name in self.daemon.names_in("incoming") if name.endswith(".stl")]
             return status["job"] is None and status["queued"] == 0 and not left
 

@@ -13,26 +13,28 @@ THIN = binary_stl(box((0, 0, 0), (10, 5, 0.05)))  # a single layer
 
 
 class Interruption(SpoolTest):
-    def test_a_killed_print_is_found_in_failed_at_the_next_start(self):
+    def test_a_killed_print_is_filed_when_the_user_has_cleared_the_plate(self):
         daemon = self.printing_daemon(**WAITS)
         self.assertEqual(daemon.names_in("printing"), ["first.stl"])
         daemon.kill()
         self.assertEqual(daemon.names_in("printing"), ["first.stl"])
         daemon.start()
-        self.assertEqual(daemon.names_in("printing"), [])
-        self.assertIn("first.stl", daemon.names_in("failed"))
-        self.assertIn("interrupted", daemon.read("failed", "first.reason.txt"))
+        self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), (["first.stl"], []))
         status = daemon.status()
         self.assertEqual((status["state"], status["plate"], status["plate_job"]), ("idle", "occupied", "first"))
         daemon.drop("next.stl", SLAB)
         daemon.wait_status("waiting_for")
         daemon.rpc("plate_cleared")
         daemon.wait_state("exposing")
+        self.assertEqual(daemon.names_in("printing"), ["next.stl"])
+        self.assertIn("first.stl", daemon.names_in("failed"))
+        self.assertIn("interrupted", daemon.read("failed", "first.reason.txt"))
 
-    def test_after_a_killed_or_stopped_print_the_next_job_waits_until_the_user_resumes(self):
+    def test_after_a_killed_or_stopped_print_the_next_job_waits_for_the_user(self):
         # This is so even if no plate must be cleared.
         daemon = self.printing_daemon()
-        for ended, end, following in (("first", daemon.kill, "second"), ("second", daemon.stop, "third")):
+        for ended, end, release, following in (("first", daemon.kill, "plate_cleared", "second"),
+                                               ("second", daemon.stop, "resume", "third")):  # fmt: skip
             with self.subTest(ended):
                 daemon.drop(following + ".stl", SLAB)
                 # Waits until the job has been read, since a kill during the reading would have it refused.
@@ -48,7 +50,7 @@ class Interruption(SpoolTest):
                     self.assertEqual(daemon.names_in("incoming"), [following + ".stl"])
                     daemon.stop()
                 daemon.start()
-                self.assertNotIn("error", daemon.rpc("resume"))
+                self.assertNotIn("error", daemon.rpc(release))
                 daemon.wait_state("exposing")
                 self.assertEqual(daemon.status()["job"]["name"], following)
 
@@ -58,7 +60,8 @@ class Interruption(SpoolTest):
         daemon.begin("second.stl", SLAB, {"copies": 2})
         daemon.kill()
         daemon.start()
-        self.assertTrue(daemon.has("failed", "second.stl"))
+        daemon.rpc("plate_cleared")
+        wait_until(lambda: daemon.has("failed", "second.stl"), "the killed job in failed")
         self.assertEqual(json.loads(daemon.read("failed", "second.json")), {"copies": 2})
 
     def end_by_signal(self, number):
@@ -415,15 +418,15 @@ class DiskThatTakesNothing(SpoolTest):
         self.assertNotIn("moved to failed", log)
         self.assertEqual(state == "read-only", "ReadWritePaths" in log)
         self.assertEqual(log.count("cannot save the state for the next start"), 2, log)
-        self.assertEqual(log.count("first: stays in printing"), 2, log)
         self.is_repaired(state)
         daemon.drop("more.stl", SLAB)
+        wait_until(lambda: "queue-held" in os.listdir(daemon.state_folder), "the hold on the disk")
+        self.assertIn("first", daemon.state("queue-held"))
+        daemon.rpc("plate_cleared")
         wait_until(lambda: daemon.has("failed", "first.stl"), "first in failed")
         self.assertIn("interrupted", daemon.read("failed", "first.reason.txt"))
-        self.assertIn("first", daemon.state("queue-held"))
-        self.assertEqual(daemon.names_in("printing"), [])
-        self.assertEqual(daemon.rpc("resume")["result"]["held"], None)
         daemon.wait_state("exposing")
+        self.assertEqual(daemon.names_in("printing"), ["next.stl"])
         daemon.stop()
         return log
 

@@ -225,7 +225,7 @@ cut_power() {
   mount --bind /run/boot_id /proc/sys/kernel/random/boot_id
   start_daemon printer >$OUT/trouble
   contourctl status --json >$OUT/status
-  ! grep -q '"held":"' $OUT/status || contourctl resume >/dev/null
+  ! grep -q '"held":"' $OUT/status || contourctl plate-cleared >/dev/null
   (within 60 "the queue to be empty" at_rest) >>$OUT/trouble || cat $OUT/status.now >>$OUT/trouble
   stop_daemon
   echo $? >$OUT/exit_code

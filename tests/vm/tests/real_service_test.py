@@ -68,7 +68,7 @@ def _light_watchdog_turns_the_light_off(machine):
 
 def _clean_up_turns_the_light_off(machine):
     """Checks that the unit's clean-up turns the light off without the light watchdog."""
-    machine.run("contourctl resume")  # the print that was killed holds the queue
+    machine.run("contourctl plate-cleared")  # the print that was killed holds the queue
     off_ns, started_ns = _is_killed_in_an_exposure(machine, "killed-both", _KILL_BOTH)
     assert 0 < off_ns < started_ns, f"light off {off_ns} ns after the kill, the next start after {started_ns} ns"
     return f"with the light watchdog: {off_ns / 1e6:.0f} ms, before the next start at {started_ns / 1e6:.0f} ms"
@@ -79,7 +79,7 @@ def _without_the_clean_up_the_next_start_does(machine):
     machine.run("mkdir -p /run/systemd/system/contourd.service.d")
     machine.run(r"printf '[Service]\nExecStopPost=\n' >/run/systemd/system/contourd.service.d/no-clean-up.conf")
     machine.run("systemctl daemon-reload")
-    machine.run("contourctl resume")
+    machine.run("contourctl plate-cleared")
     off_ns, started_ns = _is_killed_in_an_exposure(machine, "killed-again", _KILL_BOTH)
     assert started_ns < off_ns, f"light off {off_ns} ns after the kill, the next start only after {started_ns} ns"
     return f"without the clean-up: {off_ns / 1e6:.0f} ms, after the start at {started_ns / 1e6:.0f} ms"

@@ -83,7 +83,7 @@ def power_cut():
             machine.wait_for("systemctl is-active contourd")
             machine.wait_for("contourctl status | grep -q 'the queue is held: cut was interrupted'")
             machine.run(f"test -e {SPOOL}/incoming/waiting.stl")
-            machine.run("contourctl resume")
+            machine.run("contourctl plate-cleared")
             machine.wait_for(f"test -e {SPOOL}/done/waiting.stl", limit_s=120)
             reason = machine.run(f"cat {SPOOL}/failed/cut.reason.txt")
             for file in ("done/first", "failed/cut", "done/waiting"):
