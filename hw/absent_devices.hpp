@@ -33,6 +33,11 @@ class AbsentAxis final : public ZAxis {
   void nudge(Nanometers, MillimetersPerSecond, std::function<void(MoveResult)> done) override {
     answer_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(MoveResult::Fault); });
   }
+  void raise(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override {
+    nudge(distance, speed, std::move(done));
+  }
+  void assume_height(Nanometers) override {}
+  [[nodiscard]] bool homes_upwards() const override { return false; }
   void stop() override {}
   void abort() noexcept override { answer_.reset(); }
   bool release() override { return false; }

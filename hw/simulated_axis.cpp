@@ -18,7 +18,8 @@ Nanometers SimulatedAxis::nearest_step(Nanometers height) const {
 
 bool SimulatedAxis::switch_closed() const {
   using Switch = SimulatedAxisConfig::Switch;
-  if (config_.limit_switch == Switch::Works) return true_height_ <= Nanometers{0};
+  if (config_.limit_switch == Switch::Works)
+    return config_.homes_upwards ? true_height_ >= switch_height() : true_height_ <= switch_height();
   return config_.limit_switch == Switch::StuckClosed;
 }
 
@@ -37,24 +38,27 @@ void SimulatedAxis::home(std::function<void(HomingResult)> done) {
   // The first pass runs at full speed. After backing off, the second runs at half speed and sets the
   // position.
   seek_switch(config_.homing_speed, [this, slow, was_known] {
-    run(kBackOff, config_.homing_speed, [this, slow, was_known](MoveResult result) {
-      if (result != MoveResult::Reached) return end_homing(HomingResult::Stopped);
-      if (switch_closed()) return end_homing(HomingResult::StillClosed);
-      seek_switch(slow, [this, was_known] {
-        if (was_known) homing_shift_ = true_height_;
-        true_height_ = Nanometers{0};
-        homed_ = true;
-        end_homing(HomingResult::Homed);
-      });
-    });
+    run(config_.homes_upwards ? -kBackOff : kBackOff, config_.homing_speed,
+        [this, slow, was_known](MoveResult result) {
+          if (result != MoveResult::Reached) return end_homing(HomingResult::Stopped);
+          if (switch_closed()) return end_homing(HomingResult::StillClosed);
+          seek_switch(slow, [this, was_known] {
+            if (was_known) homing_shift_ = true_height_ - switch_height();
+            true_height_ = switch_height();
+            homed_ = true;
+            end_homing(HomingResult::Homed);
+          });
+        });
   });
 }
 
 void SimulatedAxis::seek_switch(MillimetersPerSecond speed, std::function<void()> found) {
   const bool closes = config_.limit_switch != SimulatedAxisConfig::Switch::StuckOpen;
-  const Nanometers distance = switch_closed() ? Nanometers{0}
-                              : closes        ? -true_height_
-                                              : -(config_.travel + kOvertravel);
+  const Nanometers whole = config_.travel + kOvertravel;
+  const Nanometers distance = switch_closed()         ? Nanometers{0}
+                              : closes                ? switch_height() - true_height_
+                              : config_.homes_upwards ? whole
+                                                      : -whole;
   run(distance, speed, [this, found = std::move(found)](MoveResult result) {
     if (result != MoveResult::Reached) return end_homing(HomingResult::Stopped);
     if (!switch_closed()) return end_homing(HomingResult::NoTrigger);
@@ -97,17 +101,36 @@ void SimulatedAxis::nudge(Nanometers distance, MillimetersPerSecond speed,
                           std::function<void(MoveResult)> done) {
   expects(!move_, "the axis does not move");
   expects(distance >= -kLongestNudge && distance <= kLongestNudge, "a nudge is short");
+  move_unhomed(distance, speed, std::move(done));
+}
+
+void SimulatedAxis::raise(Nanometers distance, MillimetersPerSecond speed,
+                          std::function<void(MoveResult)> done) {
+  expects(!move_, "the axis does not move");
+  expects(distance >= Nanometers{} && distance <= travel(), "the plate rises within its travel");
+  move_unhomed(distance, speed, std::move(done));
+}
+
+void SimulatedAxis::assume_height(Nanometers height) {
+  expects(!move_, "the axis does not move");
+  put_at(nearest_step(height));
+  homed_ = true;
+}
+
+void SimulatedAxis::move_unhomed(Nanometers distance, MillimetersPerSecond speed,
+                                 std::function<void(MoveResult)> done) {
   homed_ = false;
-  const bool down = distance < Nanometers{0};
-  if (down && switch_closed()) {
+  const bool towards_switch = (distance > Nanometers{0}) == config_.homes_upwards;
+  if (towards_switch && switch_closed()) {
     move_end_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(MoveResult::AtSwitch); });
     return;
   }
-  const bool closes = down && config_.limit_switch == SimulatedAxisConfig::Switch::Works;
-  run(closes ? std::max(distance, -true_height_) : distance, speed,
-      [this, down, done = std::move(done)](MoveResult result) {
-        done(down && switch_closed() ? MoveResult::AtSwitch : result);
-      });
+  const bool closes = towards_switch && config_.limit_switch == SimulatedAxisConfig::Switch::Works;
+  const Nanometers way = switch_height() - true_height_;
+  if (closes) distance = config_.homes_upwards ? std::min(distance, way) : std::max(distance, way);
+  run(distance, speed, [this, towards_switch, done = std::move(done)](MoveResult result) {
+    done(towards_switch && switch_closed() ? MoveResult::AtSwitch : result);
+  });
 }
 
 void SimulatedAxis::run(Nanometers distance, MillimetersPerSecond speed,

@@ -23,6 +23,10 @@ class SimulatedAxis final : public ZAxis {
   void move_to(Nanometers target, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
   void rise(const RisePlan& plan, std::function<void(MoveResult)> done) override;
   void nudge(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
+  void raise(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
+  // The plate is at this height from now on: this axis has forgotten where the process before left it.
+  void assume_height(Nanometers height) override;
+  [[nodiscard]] bool homes_upwards() const override { return config_.homes_upwards; }
   void stop() override;
   void abort() noexcept override;
   bool release() override;
@@ -52,7 +56,11 @@ class SimulatedAxis final : public ZAxis {
   };
 
   [[nodiscard]] Nanometers nearest_step(Nanometers height) const;
+  [[nodiscard]] Nanometers switch_height() const {
+    return config_.homes_upwards ? config_.travel : Nanometers{0};
+  }
   [[nodiscard]] bool switch_closed() const;
+  void move_unhomed(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done);
   void put_at(Nanometers true_height);
   [[nodiscard]] std::optional<MoveResult> why_not(const RisePlan& plan) const;
   void run(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done);

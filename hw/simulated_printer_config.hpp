@@ -17,6 +17,8 @@ struct SimulatedAxisConfig {
   MillimetersPerSecondSquared acceleration{25.0};
   Nanometers start_height{40'000'000};  // where the plate stands at power-up, unknown to the daemon
 
+  bool homes_upwards = false;  // the limit switch is at the top of the travel
+
   enum class Switch { Works, StuckOpen, StuckClosed };
   Switch limit_switch = Switch::Works;
 };

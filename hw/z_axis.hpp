@@ -103,6 +103,17 @@ class ZAxis : public Device {
   virtual void nudge(Nanometers distance, MillimetersPerSecond speed,
                      std::function<void(MoveResult)> done) = 0;
 
+  // Moves up by `distance` like nudge(), but as far as the travel: lifts a part out of the resin, or peels it
+  // off, while the position is unknown. REQUIRES: not moving; 0 <= distance <= travel().
+  virtual void raise(Nanometers distance, MillimetersPerSecond speed,
+                     std::function<void(MoveResult)> done) = 0;
+
+  // Makes the position known without homing: the caller knows that the plate rests at this height, after a
+  // motion upwards. REQUIRES: not moving.
+  virtual void assume_height(Nanometers height) = 0;
+  // True if the limit switch is at the top: homing moves the plate up, away from film and resin.
+  [[nodiscard]] virtual bool homes_upwards() const = 0;
+
   // Decelerates to a standstill; the move's `done` gets Stopped. Does nothing if the axis does not move.
   virtual void stop() = 0;
 

@@ -52,7 +52,8 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       history_control_(history_worker_, history_, reminders_, [this](WearPart part) { part_replaced(part); }),
       preflight_control_(context_,
                          {spool_, vat_, queue_, queue_control_, hold_, history_worker_, reminders_}),
-      screen_control_(loop, picture_worker_, job_, manual_) {}
+            screen_control_(loop, picture_worker_, job_, manual_),
+      interrupted_control_(context_, {spool_, hold_, *this, manual_, status_}) {}
 
 // --- the use of the printer
 
@@ -89,6 +90,7 @@ void PrinterService::start() {
                           [this] { return as_open_metrics(status_.metrics()); });
   context_.supervisor.status(readiness());
   scheduler_.run_soon();
+  interrupted_control_.go_on_by_policy();
 }
 
 ControlMethods PrinterService::control_methods() {
@@ -98,6 +100,7 @@ ControlMethods PrinterService::control_methods() {
   methods.merge(history_control_.methods());
   methods.merge(preflight_control_.methods());
   methods.merge(screen_control_.methods());
+  methods.merge(interrupted_control_.methods());
   return methods;
 }
 
@@ -157,6 +160,7 @@ void PrinterService::handle_event(const MachineEvent& event) {
   if (!print.under_way()) context_.supervisor.status(readiness());
   notify("machine", ControlServer::Delivery::Lossy);
   scheduler_.run_soon();
+  interrupted_control_.go_on_by_policy();
 }
 
 // --- manual control

@@ -13,6 +13,7 @@
 #include "daemon/app/service_stop.hpp"
 #include "daemon/control/control_server.hpp"
 #include "daemon/control/history_control.hpp"
+#include "daemon/control/interrupted_control.hpp"
 #include "daemon/control/manual_control.hpp"
 #include "daemon/control/preflight_control.hpp"
 #include "daemon/control/printer_control.hpp"
@@ -119,6 +120,7 @@ class PrinterService final : private JobObserver, private QueueObserver, private
   HistoryControl history_control_;
   PreflightControl preflight_control_;
   ScreenControl screen_control_;
+  InterruptedControl interrupted_control_;
   std::unique_ptr<ControlServer> server_;
   std::optional<MetricsFile> metrics_file_;
   std::uint64_t manual_operations_logged_ = 0;

@@ -58,6 +58,13 @@ void check_rules(JsonDocument& document, const fs::path& folder) {
                                                               " is more than z_axis/travel_mm, " +
                                                               nlohmann::json(*travel).dump() + " mm");
   }
+  const nlohmann::json::json_pointer at("/z_axis/homes_upwards");
+  const bool upwards = document.value().contains(at) && document.value().at(at) == true;
+  if (document.valid_text("/after_power_cut") == "resume" && !upwards)
+    document.add_violation(
+        "/after_power_cut",
+        "\"resume\" needs z_axis/homes_upwards: an axis whose limit switch is at the bottom "
+        "would crush the part that hangs on the plate");
   check_memory_limit(document);
   for (const char* key : {"/control_socket", "/job_ended_socket"})
     check_socket_path(document, folder, key);
@@ -132,6 +139,7 @@ SimulatedPrinterConfig read_simulated(const JsonSection& root, const fs::path& f
   config.axis.microsteps_per_mm = z_axis.number("microsteps_per_mm");
   config.axis.homing_speed = MillimetersPerSecond{z_axis.number("homing_speed_mm_s")};
   config.axis.acceleration = MillimetersPerSecondSquared{z_axis.number("acceleration_mm_s2")};
+  config.axis.homes_upwards = z_axis.boolean("homes_upwards");
   config.axis.start_height = simulation.length("start_height_mm");
   config.axis.limit_switch = read_limit_switch(simulation.text("limit_switch"));
   config.display.width = Pixels{display.integer<std::int32_t>("width_px")};
@@ -228,6 +236,7 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .metrics_file = read_path(root, "metrics_file", folder),
       .resins_folder = resolved(folder, root.text("resins_folder")),
       .wait_for_plate_cleared = root.boolean("wait_for_plate_cleared"),
+      .resumes_after_power_cut = root.text("after_power_cut") == "resume",
       .min_free_disk_bytes = kBytesPerMb * root.integer<std::uintmax_t>("min_free_disk_mb"),
       .memory_limit_bytes = read_memory_limit(root),
       .mask_budget = root.duration("mask_budget_ms"),

@@ -45,6 +45,7 @@ struct PrinterConfig {
   std::optional<std::filesystem::path> metrics_file{};
   std::filesystem::path resins_folder;
   bool wait_for_plate_cleared = true;
+  bool resumes_after_power_cut = false;  // without a user; only with a limit switch at the top
   std::uintmax_t min_free_disk_bytes = 0;
   std::optional<std::uint64_t> memory_limit_bytes{};  // nullopt: the available memory is the limit
   Duration mask_budget{};                             // longest time to compute one mask

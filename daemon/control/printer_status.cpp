@@ -41,7 +41,7 @@ std::string_view name_of(WaitingJob::Check check) {
   return "?";
 }
 
-Json interrupted_json(const InterruptedPrint& interrupted) {
+Json interrupted_json(const InterruptedPrint& interrupted, double microsteps_per_mm) {
   const JobProgress& progress = interrupted.progress;
   const PrintProgress& print = progress.print;
   const auto millimetres = [](Nanometers height) { return to_millimeters(height).count(); };
@@ -53,6 +53,8 @@ Json interrupted_json(const InterruptedPrint& interrupted) {
             {"exposure_s", in_seconds(print.exposure)}};
   json["least_height_mm"] = print.plate ? Json(millimetres(print.plate->least)) : Json();
   json["most_height_mm"] = print.plate ? Json(millimetres(print.plate->most)) : Json();
+  const bool trustable = why_not_resumable(interrupted, false, true).empty();
+  json["trust"] = trustable ? Json(describe_trust(progress, microsteps_per_mm)) : Json();
   return json;
 }
 
@@ -258,7 +260,10 @@ void PrinterStatus::add_reasons_to_wait(Json& status) const {
   status["plate_job"] = or_null(hold.plate_occupant());
   status["not_ready_reason"] = or_null(context_.machine.why_not_ready());
   status["held"] = or_null(hold.sentence());
-  status["interrupted"] = hold.interrupted() ? interrupted_json(*hold.interrupted()) : Json();
+  status["interrupted"] =
+      hold.interrupted()
+          ? interrupted_json(*hold.interrupted(), context_.config.simulated.axis.microsteps_per_mm)
+          : Json();
   status["waiting_for"] = or_null(parts_.scheduler.waiting_for());
 }
 

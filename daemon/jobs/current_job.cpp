@@ -256,6 +256,13 @@ void CurrentJob::give_back() {
   expects(job_ && !job_->record, "there is a job that has not begun");
   job_->leaving = true;
   history_.forget();
+  // The next start finds in printing/ what a power cut ended.
+  if (job_->claimed.resumed)
+    return spool_.run([] { return true; },
+                      [this](bool) {
+                        job_.reset();
+                        observer_.may_stop();
+                      });
   if (job_->prepared) hold_.set_plate_occupant(job_->plate_before);
   spool_.give_back(job_->claimed.files, [this](const std::string& trouble) { given_back(trouble); });
 }
@@ -295,6 +302,8 @@ void CurrentJob::plate_saved(const std::string& trouble) {
 void CurrentJob::start_print() {
   Machine& machine = context_.machine;
   std::optional<std::filesystem::path> masks;
+  if (job_->claimed.resumed && !job_->prepared->plan.layers.thickness_at(job_->claimed.resumed->point.bottom))
+    return refuse(PrintOutcome::Failed, "the print cannot go on: its model has no layer above the last one");
   try {
     masks = machine.begin_job(name());
   } catch (const std::system_error& error) {
@@ -302,9 +311,10 @@ void CurrentJob::start_print() {
     return refuse(PrintOutcome::Failed, printable(error.what()));
   }
   job_->record.emplace(machine, context_.clock, std::move(masks));
+  if (job_->claimed.resumed) go_on();
   analyst_.start(analysis_of(*job_->prepared, machine.z_axis()),
                  [this](AnalyzedPrint print) { analyzed(std::move(print)); });
-  record_progress();
+  if (!job_->claimed.resumed) record_progress();
   print_->start(std::move(job_->prepared->plan));
   // The machine may have become unready, or the queue held, while the model was read.
   if (const std::string not_ready = machine.why_not_ready(); !not_ready.empty()) {
@@ -312,6 +322,21 @@ void CurrentJob::start_print() {
   } else if (const std::optional<std::string>& held = hold_.reason()) {
     print_->interrupt(*held);
   }
+}
+
+// Lets the print go on where a power cut ended it, and marks the seam in the report and the history.
+void CurrentJob::go_on() {
+  const JobProgress& progress = job_->claimed.resumed->progress;
+  PreparedJob& prepared = *job_->prepared;
+  prepared.plan.resume = job_->claimed.resumed->point;
+  const std::optional<CureSettings>& cure = prepared.settings.resin.cure;
+  const std::string seam =
+      describe_seam(progress, cure ? std::optional(cure->curve.penetration_depth) : std::nullopt);
+  prepared.summary.warnings.push_back(seam);
+  job_->record->add_interruption(prepared.plan.resume->layer, seam);
+  context_.log.warning("resumed", fmt::format("{}: {}", printable(name()), seam), job_fields(name()));
+  progress_.go_on(progress);
+  hold_.release();
 }
 
 void CurrentJob::record_progress() {

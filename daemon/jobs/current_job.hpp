@@ -81,8 +81,8 @@ class CurrentJob final : private PrintObserver {
   // Ends a print under way: turns the light off and moves its files to failed/. Prevents the print of a job
   // that is being read.
   void stop(const std::string& reason);
-  // Moves the job back to incoming/, while is_being_filed(); then there is no job. REQUIRES: a job that has
-  // not begun.
+  // Moves the job back to incoming/, while is_being_filed(); then there is no job. A job that a power cut
+  // ended stays in printing/. REQUIRES: a job that has not begun.
   void give_back();
   // Files a print that is over and waits only for its analysis. Does nothing if there is none.
   void stop_analysis();
@@ -125,6 +125,7 @@ class CurrentJob final : private PrintObserver {
   void plate_saved(const std::string& trouble);
   void start_print();
   void record_progress();
+  void go_on();
   void analyzed(AnalyzedPrint print);
   void file();
   void filed(const FiledPrint& print);

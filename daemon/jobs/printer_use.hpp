@@ -7,6 +7,7 @@
 
 #include "daemon/history/job_history.hpp"
 #include "daemon/prepare/job_settings.hpp"
+#include "daemon/progress/interrupted_print.hpp"
 #include "daemon/spool/job_files.hpp"
 #include "hw/clock.hpp"
 
@@ -19,6 +20,12 @@ struct ClaimedJob {
   std::optional<JobSettings> settings;
   TimePoint turn_came;                  // time of its arrival, or of the end of its wait; CLOCK_MONOTONIC
   std::vector<std::string> accepted{};  // findings of the preparation that a user accepted
+  // How far its print was when a power cut ended it, and where it goes on; nullopt: the print begins.
+  struct Resumed {
+    JobProgress progress;
+    ResumePoint point;
+  };
+  std::optional<Resumed> resumed{};
 };
 
 // Present use of the printer, on which it depends whether a job may begin.

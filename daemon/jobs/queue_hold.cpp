@@ -95,7 +95,7 @@ bool QueueHold::await_decision(const JobFiles& files, JobEnd& end) {
 void QueueHold::give_up_interrupted() {
   if (!interrupted_) return;
   const JobFiles files = std::exchange(interrupted_, std::nullopt)->files;
-  if (std::optional<JobEnd> end = spool_.ends().end_of(files.name)) add_unfiled(files, *end);
+  add_unfiled(files, spool_.ends().end_of(files.name).value_or(interruption(new_job_key(), files.name)));
 }
 
 JobEnd QueueHold::end_of_left(const std::string& job, bool ended_in_reading) {
@@ -131,8 +131,9 @@ std::string QueueHold::sentence() const {
   if (!reason_) return "";
   if (interrupted_)
     return fmt::format(
-        "the queue is held: {}; its part hangs on the plate: clear the plate, then run "
-        "\"contourctl plate-cleared\", which gives the print up",
+        "the queue is held: {}; its part hangs on the plate: \"contourctl resume\" continues the print, "
+        "\"contourctl rescue\" lifts the part out, \"contourctl plate-cleared\" gives the print up once the "
+        "plate is clear",
         printable(*reason_));
   const bool plate_too = context_.config.wait_for_plate_cleared && plate_occupant_;
   return fmt::format("the queue is held: {}; check the printer{}, then run \"contourctl {}\"",

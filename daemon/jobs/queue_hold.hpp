@@ -37,6 +37,8 @@ class QueueHold {
   [[nodiscard]] const std::optional<InterruptedPrint>& interrupted() const { return interrupted_; }
   // Files the interrupted print, which the user gives up. Does nothing if there is none.
   void give_up_interrupted();
+  // Forgets the interrupted print, which goes on. The queue stays held until release().
+  void interrupted_goes_on() { interrupted_.reset(); }
 
   // Lets no job begin until release(), even if the plate is clear. If the queue is held already, the first
   // reason stays.

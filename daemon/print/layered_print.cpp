@@ -66,7 +66,8 @@ void LayeredPrint::start(PrintPlan plan) {
   expects(!under_way(), "no print is under way");
   expects(plan.layers.thickness_at(Nanometers{}) && plan.exposure, "a print has a layer and its exposure");
   plan_ = std::move(plan);
-  layer_ = 0;
+  const ResumePoint from = plan_->resume.value_or(ResumePoint{});
+  layer_ = from.layer;
   pressed_shape_mm4_ = plan_->plate_shape_mm4;
   pause_wanted_ = resume_wanted_ = canceled_ = false;
   planned_pause_.reset();
@@ -74,7 +75,7 @@ void LayeredPrint::start(PrintPlan plan) {
   interruption_.clear();
   new_settings_.reset();
   new_exclusions_.clear();
-  begin_layer(Nanometers{});
+  begin_layer(from.bottom);
   expect_layers();
   handle(LayeredEvent::Started);
 }
@@ -242,8 +243,15 @@ void LayeredPrint::performed(LayeredEvent event) {
   if (event == LayeredEvent::PictureDue) return;
   if (is_in(LayeredState::Showing)) observer_.light_due();
   observer_.state_changed(state());
-  if (const std::optional<PrintPhase> phase = phase_of(layered_state()))
-    observer_.progressed(progress(*phase));
+  if (const std::optional<PrintPhase> phase = this->phase()) observer_.progressed(progress(*phase));
+}
+
+// Returns the phase that begins with the state. Until a print that goes on moves its plate, it is in the
+// phase in which it was cut.
+std::optional<PrintPhase> LayeredPrint::phase() const {
+  if (!plan_ || !plan_->resume) return phase_of(layered_state());
+  if (is_in(LayeredState::Homing)) return PrintPhase::Lifting;
+  return is_in(LayeredState::WarmingUp) ? std::nullopt : phase_of(layered_state());
 }
 
 // Returns the progress of a phase that has just begun.
@@ -289,7 +297,7 @@ void LayeredPrint::perform(LayeredEffect effect) {
     case LayeredEffect::PowerOff:
       return machine_.projector().power_off();
     case LayeredEffect::Home:
-      return home();
+      return plan_->resume ? find_plate() : home();
     case LayeredEffect::LowerToLayer:
       return lower();
     case LayeredEffect::WaitToSettle:
@@ -350,6 +358,30 @@ void LayeredPrint::show_black() {
     if (at) return handle(LayeredEvent::ScreenBlack);
     display_lost();
   }));
+}
+
+// Makes the position known for a print that goes on after a power cut, and peels off what may stick to the
+// film. The plate does not move down before its position is known.
+void LayeredPrint::find_plate() {
+  ZAxis& axis = machine_.z_axis();
+  const std::optional<Nanometers> assumed = std::exchange(plan_->resume->height, std::nullopt);
+  if (assumed && !axis.height()) axis.assume_height(*assumed);
+  const MillimetersPerSecond speed = plan_->motion.lift_speed;
+  const Nanometers lift = std::min(plan_->motion.whole_lift(), axis.travel());
+  expect_move(lift, speed, "the plate to rise");
+  estimate(axis.move_duration(lift, speed));
+  if (const std::optional<Nanometers> height = axis.height())
+    return axis.move_to(std::min(*height + lift, axis.travel()), speed,
+                        while_in_state<MoveResult>([this](MoveResult result) {
+                          if (result == MoveResult::Reached) return handle(LayeredEvent::Homed);
+                          fail(fmt::format("the plate did not rise: {}", name_of(result)));
+                        }));
+  if (!axis.homes_upwards())
+    throw std::runtime_error("the plate's position was lost, and a part that hangs on it forbids homing");
+  axis.raise(lift, speed, while_in_state<MoveResult>([this](MoveResult result) {
+               if (result == MoveResult::Reached || result == MoveResult::AtSwitch) return home();
+               fail(fmt::format("the plate did not rise: {}", name_of(result)));
+             }));
 }
 
 void LayeredPrint::home() {

@@ -80,6 +80,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   void lift();
   void show_black();
   void home();
+  void find_plate();
   void show_mask();
   void abandon_mask(const MaskBudget& spent);
   void record_layer();
@@ -91,6 +92,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   void leave_dark(const ExcludedCopy& copy, Nanometers from);
   void take_settings(const PrintSettings& settings);
   void next_layer();
+  [[nodiscard]] std::optional<PrintPhase> phase() const;
   [[nodiscard]] PrintProgress progress(PrintPhase phase) const;
   void begin_layer(Nanometers bottom);
   void expose();

@@ -45,6 +45,16 @@ void ManualProcess::move_to(Nanometers target, MillimetersPerSecond speed) {
 void ManualProcess::nudge(Nanometers distance, MillimetersPerSecond speed) {
   expects(distance >= -kLongestNudge && distance <= kLongestNudge, "a nudge is short");
   nudge_distance_ = distance;
+  raises_ = false;
+  speed_ = speed;
+  begin(ManualEvent::Nudge);
+}
+
+void ManualProcess::raise(Nanometers distance, MillimetersPerSecond speed) {
+  expects(distance >= Nanometers{} && distance <= machine_.z_axis().travel(),
+          "the plate rises within its travel");
+  nudge_distance_ = distance;
+  raises_ = true;
   speed_ = speed;
   begin(ManualEvent::Nudge);
 }
@@ -188,10 +198,12 @@ void ManualProcess::start_move() {
 
 void ManualProcess::start_nudge() {
   expect_move(nudge_distance_, speed_, "the move to end");
-  machine_.z_axis().nudge(nudge_distance_, speed_, [this](MoveResult result) {
-    motion_ended(result == MoveResult::Reached,
+  const auto ended = [this](MoveResult result) {
+    motion_ended(result == MoveResult::Reached || (raises_ && result == MoveResult::AtSwitch),
                  fmt::format("the plate did not go all the way: {}", name_of(result)));
-  });
+  };
+  ZAxis& axis = machine_.z_axis();
+  raises_ ? axis.raise(nudge_distance_, speed_, ended) : axis.nudge(nudge_distance_, speed_, ended);
 }
 
 // Handles the end of a motion. A motion that was stopped ends in Braking.

@@ -35,6 +35,9 @@ class ManualProcess final : private MachineProcess<ManualTransition> {
   // Begins a short move up or (below 0) down from wherever the plate is; its position is unknown afterwards.
   // REQUIRES: as ZAxis::nudge().
   void nudge(Nanometers distance, MillimetersPerSecond speed);
+  // Begins a move up by this distance from wherever the plate is, which ends early at a limit switch at the
+  // top; the position is unknown afterwards. REQUIRES: as ZAxis::raise().
+  void raise(Nanometers distance, MillimetersPerSecond speed);
   // Powers the projector on; the operation ends when it is warm. The projector stays on until power_off(),
   // the end of a print, or ten minutes after the last operation.
   void power_on();
@@ -96,6 +99,7 @@ class ManualProcess final : private MachineProcess<ManualTransition> {
   ShownMask shown_;
   // Parameters of the operation under way.
   Nanometers target_{}, nudge_distance_{};
+  bool raises_ = false;  // the nudge is a raise()
   MillimetersPerSecond speed_{0};
   Duration light_time_{};
 

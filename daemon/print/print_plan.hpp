@@ -29,6 +29,14 @@ struct PlannedRise {
   Nanometers mask_step{2'000};    // a new mask when the height has changed by this much
 };
 
+// The point from which a print goes on that a power cut ended. Its part hangs on the plate.
+struct ResumePoint {
+  std::int32_t layer = 0;  // the first layer to be lit, from 0
+  Nanometers bottom{};     // of that layer
+  // The height at which the plate is assumed to rest; nullopt: the axis homes upwards.
+  std::optional<Nanometers> height{};
+};
+
 // The plan of a print: everything that is decided before it starts.
 struct PrintPlan {
   std::string job;
@@ -55,6 +63,7 @@ struct PrintPlan {
   // Used only for the time left: the lamp's warm-up time, and the plate's height after homing.
   Duration warm_up{};
   Nanometers home_height{};
+  std::optional<ResumePoint> resume{};  // nullopt: the print begins with its first layer
 };
 
 // The longest wait before the light, whatever a layer's area is.

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
+#include "daemon/system/readable.hpp"
+
 namespace contourd {
 namespace {
 
@@ -42,6 +46,55 @@ std::string describe(const JobProgress& progress) {
     return text + fmt::format(", with the plate at {:.3f} mm", millimetres(print.plate->least));
   return text + fmt::format(", with the plate between {:.3f} and {:.3f} mm", millimetres(print.plate->least),
                             millimetres(print.plate->most));
+}
+
+std::string why_not_resumable(const InterruptedPrint& interrupted, bool homes_upwards, bool trusted) {
+  const PrintProgress& print = interrupted.progress.print;
+  if (print.phase == PrintPhase::Parking || (print.exposed && print.layer + 1 >= interrupted.progress.layers))
+    return "the print was over: all that it lacks is the plate's way up";
+  if (!trusted && homes_upwards) return "";
+  if (!trusted)
+    return "the plate's position is unknown, and the limit switch is at the bottom, where the part would be "
+           "crushed; \"contourctl resume --trust-position\" trusts the recorded position";
+  if (!interrupted.is_latest)
+    return "the recorded position cannot be trusted: the latest record is damaged, and the plate may have "
+           "moved after the one before";
+  if (!is_at_rest(print)) return "the recorded position cannot be trusted: the plate was moving";
+  return "";
+}
+
+ResumePoint resume_point(const JobProgress& progress, bool trusted) {
+  const PrintProgress& print = progress.print;
+  ResumePoint point{print.layer, print.bottom};
+  if (print.exposed) point = {print.layer + 1, print.bottom + print.thickness};
+  if (trusted && print.plate) point.height = print.plate->least;
+  return point;
+}
+
+std::string describe_trust(const JobProgress& progress, double microsteps_per_mm) {
+  constexpr double kTwoFullSteps = 2 * 16;  // in microsteps
+  const double height = progress.print.plate ? millimetres(progress.print.plate->least) : 0;
+  return fmt::format(
+      "the plate has stood at {:.3f} mm since {}, was not turned by hand, and the "
+      "motor "
+      "settles within 2 full steps of where it stood ({:.0f} um for this screw at 16 microsteps a step)",
+      height, iso_time(progress.written), 1000 * kTwoFullSteps / microsteps_per_mm);
+}
+
+std::string describe_seam(const JobProgress& progress, std::optional<Micrometers> penetration) {
+  const PrintProgress& print = progress.print;
+  if (print.exposed)
+    return fmt::format("a power cut interrupted the print after layer {}: a seam may show there",
+                       print.layer + 1);
+  const double ln2 = std::log(2.0);
+  const bool dark = print.phase == PrintPhase::Lowering && print.light == Duration{};
+  const std::string deeper =
+      dark          ? "a seam may show there"
+      : penetration ? fmt::format("the layer was lit again in full, and cures up to {:.0f} um deeper",
+                                  penetration->count() * ln2)
+                    : "the layer was lit again in full, and cures deeper by up to 0.69 of the resin's "
+                      "penetration depth";
+  return fmt::format("a power cut interrupted the print in layer {}: {}", print.layer + 1, deeper);
 }
 
 }  // namespace contourd

@@ -217,6 +217,22 @@ void GpioAxis::follow(const RisePlan& plan) {
 void GpioAxis::nudge(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done) {
   expects(!moving(), "the axis does not move");
   expects(distance >= -kLongestNudge && distance <= kLongestNudge, "a nudge is short");
+  move_unhomed(distance, speed, std::move(done));
+}
+
+void GpioAxis::raise(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done) {
+  expects(!moving(), "the axis does not move");
+  expects(distance >= Nanometers{} && distance <= travel(), "the plate rises within its travel");
+  move_unhomed(distance, speed, std::move(done));
+}
+
+void GpioAxis::assume_height(Nanometers height) {
+  expects(!moving(), "the axis does not move");
+  position_.assume(height);
+}
+
+void GpioAxis::move_unhomed(Nanometers distance, MillimetersPerSecond speed,
+                            std::function<void(MoveResult)> done) {
   move_done_ = std::move(done);
   nudged_ = true;
   position_.forget();

@@ -62,6 +62,9 @@ class GpioAxis final : public ZAxis {
   void move_to(Nanometers target, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
   void rise(const RisePlan& plan, std::function<void(MoveResult)> done) override;
   void nudge(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
+  void raise(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
+  void assume_height(Nanometers height) override;
+  [[nodiscard]] bool homes_upwards() const override { return config_.homes_upwards; }
   void stop() override;
   void abort() noexcept override;
   bool release() override;
@@ -100,6 +103,7 @@ class GpioAxis final : public ZAxis {
   [[nodiscard]] LateSteps late_steps() const override { return engine_.late_steps(); }
 
  private:
+  void move_unhomed(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done);
   [[nodiscard]] AxisDrive::Wiring drive_wiring();
   [[nodiscard]] Homing::Wiring homing_wiring();
   [[nodiscard]] AxisInterlocks::Wiring interlocks_wiring();

@@ -31,6 +31,13 @@ void PlatePosition::become_known() {
   known_ = true;
 }
 
+void PlatePosition::assume(Nanometers height) {
+  expects(!engine_.moving(), "the motor rests");
+  engine_.set_position(screw_.nearest_step(height).count());
+  rest_ = {Microsteps{engine_.position()}, Microsteps{0}};
+  become_known();
+}
+
 void PlatePosition::note_rest() {
   expects(!engine_.moving(), "the motor rests");
   rest_ = by_steps();

@@ -70,6 +70,9 @@ class PlatePosition {
   // Sets the position from the limit switch, which closed at `edge`: the plate is as far from the switch's
   // height as the motor has moved since. REQUIRES: the motor rests.
   void take_switch(TimePoint edge);
+  // Makes the position known as this height, at which the plate rests after a motion upwards. REQUIRES: the
+  // motor rests.
+  void assume(Nanometers height);
   // Makes the position known and sets the encoder's position to it. REQUIRES: the motor rests.
   void become_known();
 

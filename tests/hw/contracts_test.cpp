@@ -44,7 +44,14 @@ TEST_CASE("ZAxis neither homes nor moves while it moves") {
     axis.nudge(distance, MillimetersPerSecond{1}, [](MoveResult) {});
   };
   CHECK(contract_broken_by([&] { nudge(Nanometers{1}); }) == "the axis does not move");
+  const auto raise = [&axis](Nanometers distance) {
+    axis.raise(distance, MillimetersPerSecond{1}, [](MoveResult) {});
+  };
+  CHECK(contract_broken_by([&] { raise(Nanometers{1}); }) == "the axis does not move");
+  CHECK(contract_broken_by([&] { axis.assume_height(Nanometers{1}); }) == "the axis does not move");
   axis.abort();
+  for (const Nanometers distance : {Nanometers{-1}, axis.travel() + Nanometers{1}})
+    CHECK(contract_broken_by([&] { raise(distance); }) == "the plate rises within its travel");
   CHECK(contract_broken_by([&] { nudge(Nanometers{2'000'001}); }) == "a nudge is short");
   CHECK(contract_broken_by([&] { axis.home([](HomingResult) {}); }).empty());
 }

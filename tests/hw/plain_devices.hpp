@@ -33,6 +33,9 @@ class PlainAxis : public PlainDevice<ZAxis> {
   bool release() override { return false; }
   void nudge(Nanometers, MillimetersPerSecond, std::function<void(MoveResult)>) override {}
   void rise(const RisePlan&, std::function<void(MoveResult)>) override {}
+  void raise(Nanometers, MillimetersPerSecond, std::function<void(MoveResult)>) override {}
+  void assume_height(Nanometers) override {}
+  [[nodiscard]] bool homes_upwards() const override { return false; }
   [[nodiscard]] std::optional<Nanometers> homing_shift() const override { return std::nullopt; }
 };
 

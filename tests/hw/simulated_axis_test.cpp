@@ -449,3 +449,33 @@ TEST_CASE_METHOD(SimulatedAxisFixture, "A simulated axis refuses the rises that 
   CHECK(rise(plan(0, 161, 1)) == MoveResult::OutsideTravel);
   CHECK(rise(plan(-0.001, 1, 1)) == MoveResult::OutsideTravel);
 }
+
+TEST_CASE(
+    "An axis with its switch at the top homes upwards, and rises to the switch from an unknown position") {
+  SimulatedAxisConfig config;
+  config.homes_upwards = true;
+  SimulatedAxisFixture fixture(config);
+  CHECK(fixture.axis.homes_upwards());
+  fixture.start_homing();
+  fixture.run();
+  CHECK(fixture.homed == HomingResult::Homed);
+  CHECK(fixture.axis.height() == fixture.axis.travel());
+  CHECK(fixture.move(mm(100)) == MoveResult::Reached);
+  const auto raise = [&fixture](Nanometers distance) {
+    std::optional<MoveResult> raised;
+    fixture.axis.raise(distance, MillimetersPerSecond{5}, [&](MoveResult result) { raised = result; });
+    fixture.run();
+    return raised;
+  };
+  CHECK(raise(mm(20)) == MoveResult::Reached);
+  CHECK_FALSE(fixture.axis.height());
+  CHECK(raise(mm(50)) == MoveResult::AtSwitch);
+  CHECK(raise(mm(1)) == MoveResult::AtSwitch);
+}
+
+TEST_CASE_METHOD(SimulatedAxisFixture, "An axis takes an assumed height as its own") {
+  axis.assume_height(mm(12));
+  CHECK(axis.height() == mm(12));
+  CHECK(move(mm(20)) == MoveResult::Reached);
+  CHECK(axis.height() == mm(20));
+}

@@ -186,6 +186,12 @@ class ControlApiTest(FolderTest):
                 wait_until(lambda: daemon.status()["manual"]["height_mm"] == 0, "the plate to be at home")
             wait_until(lambda: daemon.status()["manual"]["state"] == "idle", "the manual operation to end")
             answers[method] = daemon.client().call(method, **parameters)
+        daemon.rpc("stop")  # ends the picture
+        daemon.begin("cut.stl", SMALL)
+        for method, parameters in (("go_on", {"trust_position": True}), ("rescue", {})):
+            daemon.kill()
+            daemon.start()
+            answers[method] = daemon.rpc(method, **parameters)
         for method in METHODS:
             if method not in answers:
                 example = messages(section(f"### `{method}`"))[0]

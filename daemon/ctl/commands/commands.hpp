@@ -14,8 +14,11 @@ void add_status(Command& program);
 void add_queue(Command& program);
 // Adds history, usage and replaced.
 void add_history(Command& program);
-// Adds preflight, pause, set, exclude, resume, cancel and plate-cleared.
+// Adds preflight, pause, set, exclude, resume, cancel, plate-cleared and rescue.
 void add_print_control(Command& program);
+void add_resume(Command& program);
+// Lifts the part of an interrupted print out of the resin.
+void add_rescue(Command& program);
 // Adds vat and vat filled.
 void add_vat(Command& program);
 // Shows contourd's lines in the journal.

@@ -119,9 +119,10 @@ void add_print_control(Command& program) {
   add_pause(program);
   add_set(program);
   add_exclude(program);
-  add_request(program, "resume", "Continue after a pause, or release the queue after a failure", "resume");
+  add_resume(program);
   add_request(program, "cancel", "Cancel the current print: light off, plate up", "cancel");
   add_request(program, "plate-cleared", "Confirm that the plate is free for the next job", "plate_cleared");
+  add_rescue(program);
 }
 
 void add_vat(Command& program) {

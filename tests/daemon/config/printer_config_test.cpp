@@ -185,6 +185,18 @@ TEST_CASE("keys missing in a printer file get their defaults") {
   CHECK_FALSE(config.simulated.projector.silent_after_commands);
 }
 
+TEST_CASE("a print may go on by itself after a power cut only with the limit switch at the top") {
+  json printer = smallest_printer();
+  CHECK_FALSE(PrinterFolder(printer).load().resumes_after_power_cut);
+  printer["after_power_cut"] = "resume";
+  const Complaints complaints = PrinterFolder(printer).complaints();
+  REQUIRE(complaints.size() == 1);
+  CHECK(complaints.front().find("/after_power_cut: \"resume\" needs z_axis/homes_upwards") != std::string::npos);
+  printer["z_axis"].update({{"homes_upwards", true}, {"switch_height_mm", 160}});
+  CHECK(PrinterFolder(printer).load().resumes_after_power_cut);
+  CHECK(PrinterFolder(printer).load().simulated.axis.homes_upwards);
+}
+
 TEST_CASE("relative paths start from the file's folder, whatever the working directory is") {
   const PrinterFolder folder;
   const PrinterConfig config = folder.load();

@@ -95,6 +95,8 @@ TEST_CASE(
   const Mask picture(fixture.machine.display().width(), fixture.machine.display().height());
   CHECK(contract_broken_by([&] { process.move_to(Nanometers{}, speed); }) == "the plate's height is known");
   CHECK(contract_broken_by([&] { process.nudge(Nanometers{2'000'001}, speed); }) == "a nudge is short");
+  for (const Nanometers way : {Nanometers{-1}, fixture.machine.z_axis().travel() + Nanometers{1}})
+    CHECK(contract_broken_by([&] { process.raise(way, speed); }) == "the plate rises within its travel");
   process.light_on(std::chrono::seconds{1});
   const std::string idle = "no operation is under way";
   CHECK(contract_broken_by([&] { process.home(speed); }) == idle);

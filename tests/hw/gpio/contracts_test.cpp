@@ -61,7 +61,14 @@ TEST_CASE("GpioAxis requires that it does not move before homing and moves") {
     plant.axis->nudge(way, MillimetersPerSecond{1}, [](MoveResult) {});
   };
   CHECK(contract_broken_by([&] { nudge(Nanometers{1}); }) == "the axis does not move");
+  const auto raise = [&plant](Nanometers distance) {
+    plant.axis->raise(distance, MillimetersPerSecond{1}, [](MoveResult) {});
+  };
+  CHECK(contract_broken_by([&] { raise(Nanometers{1}); }) == "the axis does not move");
+  CHECK(contract_broken_by([&] { plant.axis->assume_height(Nanometers{1}); }) == "the axis does not move");
   plant.axis->abort();
+  for (const Nanometers distance : {Nanometers{-1}, plant.axis->travel() + Nanometers{1}})
+    CHECK(contract_broken_by([&] { raise(distance); }) == "the plate rises within its travel");
   for (const int way : {2'000'001, -2'000'001})
     CHECK(contract_broken_by([&] { nudge(Nanometers{way}); }) == "a nudge is short");
 }

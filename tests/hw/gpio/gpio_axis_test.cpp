@@ -237,6 +237,35 @@ TEST_CASE("A nudge ends where the switch closes, whichever way the motor turns, 
   }
 }
 
+TEST_CASE("The plate rises further than a nudge from an unknown position, and its position stays unknown") {
+  BuiltPlant plant(with_enable());
+  const std::int64_t from = plant.plate();
+  std::optional<MoveResult> raised;
+  plant.axis->raise(Nanometers{15'000'000}, MillimetersPerSecond{2},
+                    [&](MoveResult result) { raised = result; });
+  plant.run();
+  CHECK(raised == MoveResult::Reached);
+  CHECK(plant.plate() - from == 15 * 800);
+  CHECK_FALSE(plant.axis->height());
+  CHECK(plant.events.empty());
+}
+
+TEST_CASE("Moves from an assumed height end where they would after homing") {
+  for (const Nanometers backlash : {Nanometers{0}, Nanometers{50'000}}) {
+    GpioAxisConfig config = with_enable();
+    config.backlash = backlash;
+    BuiltPlant plant(config);
+    const std::int64_t from = plant.plate();
+    plant.axis->assume_height(Nanometers{12'000'000});
+    CHECK(plant.axis->height() == Nanometers{12'000'000});
+    CHECK(plant.pulses.empty());
+    REQUIRE(plant.move_to(20) == MoveResult::Reached);
+    CHECK(plant.plate() - from == 8 * 800);
+    REQUIRE(plant.move_to(12.1) == MoveResult::Reached);
+    CHECK(plant.plate() - from == 80);
+  }
+}
+
 TEST_CASE("A nudge also ends at a spike on the switch's line") {
   BuiltPlant plant;
   const auto press = plant.clock.call_after(500ms, [&] { plant.press(AxisInput::LimitSwitch, true); });
