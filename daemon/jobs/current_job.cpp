@@ -334,9 +334,46 @@ void CurrentJob::go_on() {
       describe_seam(progress, cure ? std::optional(cure->curve.penetration_depth) : std::nullopt);
   prepared.summary.warnings.push_back(seam);
   job_->record->add_interruption(prepared.plan.resume->layer, seam);
+  take_changes(progress.changes);
   context_.log.warning("resumed", fmt::format("{}: {}", printable(name()), seam), job_fields(name()));
   progress_.go_on(progress);
   hold_.release();
+}
+
+// Takes over what was changed in the print before a power cut ended it.
+void CurrentJob::take_changes(const JobProgress::Changes& changes) {
+  PrintPlan& plan = job_->prepared->plan;
+  const std::int32_t layer = plan.resume->layer;
+  PrintSettings settings{plan.exposure_percent, plan.motion};
+  for (std::size_t i = 0; i < changes.settings.size(); ++i) {
+    const double value = changes.settings[i], before = value_of(settings, kPrintSettings[i]);
+    if (value == before) continue;
+    job_->record->add(SettingChange{layer, kPrintSettings[i], value, before});
+    settings = with_value(settings, kPrintSettings[i], value);
+  }
+  plan.exposure_percent = settings.exposure_percent;
+  plan.motion = settings.motion;
+  const JobSummary& summary = job_->prepared->summary;
+  const std::vector<PlateCopy> copies = copies_of(summary, name());
+  std::set<std::size_t> excluded;
+  for (const std::uint32_t number : changes.excluded) {
+    if (number >= copies.size() || !excluded.insert(number).second) continue;
+    const PlateCopy& copy = copies[number];
+    job_->record->add(Exclusion{number, copy.name, layer});
+    leave_dark(plan, {copy.model, copy.copy, supports_left(summary, excluded)}, 0, Nanometers{});
+  }
+}
+
+void CurrentJob::record_changes() {
+  const PrintRecord& record = *job_->record;
+  JobProgress::Changes changes;
+  if (!record.changes().empty()) {
+    for (const std::string_view setting : kPrintSettings)
+      changes.settings.push_back(value_of(print_->settings(), setting));
+  }
+  for (const Exclusion& each : record.exclusions())
+    changes.excluded.push_back(static_cast<std::uint32_t>(each.number));
+  progress_.change(std::move(changes));
 }
 
 void CurrentJob::record_progress() {
@@ -364,6 +401,7 @@ void CurrentJob::set(std::string_view setting, double value) {
   const SettingChange change{print_->layer() + 1, setting, value, value_of(settings, setting)};
   job_->record->add(change);
   print_->set(with_value(settings, setting, value));
+  record_changes();
   context_.log.info("set", fmt::format("{}: {}", printable(name()), describe(change)), job_fields(name()));
 }
 
@@ -379,6 +417,7 @@ void CurrentJob::exclude(std::size_t number) {
   const Exclusion exclusion{number, copy.name, print_->layer() + 1};
   job_->record->add(exclusion);
   print_->exclude({copy.model, copy.copy, supports_left(summary, excluded)});
+  record_changes();
   context_.log.info("exclude", fmt::format("{}: {}", printable(name()), describe(exclusion)),
                     job_fields(name()));
 }

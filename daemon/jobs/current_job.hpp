@@ -125,6 +125,8 @@ class CurrentJob final : private PrintObserver {
   void plate_saved(const std::string& trouble);
   void start_print();
   void record_progress();
+  void take_changes(const JobProgress::Changes& changes);
+  void record_changes();
   void go_on();
   void analyzed(AnalyzedPrint print);
   void file();

@@ -238,6 +238,26 @@ void ContinuousPrint::performed(ContinuousEvent) {
   if (is_in(ContinuousState::Layering)) return;
   if (is_in(ContinuousState::Showing)) observer_.light_due();
   observer_.state_changed(state());
+  if (is_in({ContinuousState::Lowering, ContinuousState::Paused, ContinuousState::Parking}))
+    report_progress();
+}
+
+// Reports the bounds of the plate's height until it pauses or parks.
+void ContinuousPrint::report_progress() {
+  PrintProgress progress;
+  progress.phase = is_in(ContinuousState::Parking) ? PrintPhase::Parking : PrintPhase::Rising;
+  progress.layer = record_.layer;
+  progress.bottom = record_.bottom;
+  progress.thickness = record_.thickness;
+  const ZAxis& axis = machine_.z_axis();
+  if (const std::optional<Nanometers> height = axis.height()) {
+    progress.plate = {*height, *height};
+    if (is_in(ContinuousState::Lowering))
+      progress.plate = {std::min(*height, rise_.points.front().height),
+                        std::clamp(rise_.points.back().height + kLookUp, *height, axis.travel())};
+    if (is_in(ContinuousState::Parking)) progress.plate->most = axis.travel();
+  }
+  observer_.progressed(progress);
 }
 
 void ContinuousPrint::effect_threw(const std::string& what) {

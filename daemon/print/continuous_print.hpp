@@ -65,6 +65,7 @@ class ContinuousPrint final : public PrintMode,
   void light_due() override { observer_.light_due(); }
   void state_changed(const PrintState& state) override;
   void layer_done(const LayerRecord& layer) override { observer_.layer_done(layer); }
+  void progressed(const PrintProgress& progress) override { observer_.progressed(progress); }
   void interrupted(const std::string& what) override { observer_.interrupted(what); }
   void light_gone() override { observer_.light_gone(); }
   void print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan plan) override;
@@ -84,6 +85,7 @@ class ContinuousPrint final : public PrintMode,
   void lower();
   void lift();
   void plan_rest();
+  void report_progress();
   void stop_for(const std::string& what, ContinuousEvent event);
 
   void expose();

@@ -116,15 +116,6 @@ void LayeredPrint::exclude(ExcludedCopy copy) {
   new_exclusions_.push_back(std::move(copy));
 }
 
-// Leaves the copy dark from the layer on that begins at this height.
-void LayeredPrint::leave_dark(const ExcludedCopy& copy, Nanometers from) {
-  const auto supports = copy.supports_left ? copy.supports_left() : nullptr;
-  plan_->engine->darken(copy.model, copy.copy, from);
-  if (supports) plan_->engine->replace_beside(supports, from);
-  if (plan_->undersides)
-    plan_->undersides->dimming().exclude(copy.model, copy.copy, supports, static_cast<std::size_t>(layer_));
-}
-
 void LayeredPrint::take_settings(const PrintSettings& settings) {
   plan_->exposure_percent = settings.exposure_percent;
   plan_->motion = settings.motion;
@@ -148,7 +139,7 @@ void LayeredPrint::next_layer() {
   if (new_settings_) take_settings(*std::exchange(new_settings_, std::nullopt));
   begin_layer(layer_top());
   for (const ExcludedCopy& copy : std::exchange(new_exclusions_, {}))
-    leave_dark(copy, bottom_);
+    leave_dark(*plan_, copy, layer_, bottom_);
 }
 
 void LayeredPrint::pause() {
@@ -651,7 +642,7 @@ void LayeredPrint::finish() {
   if (plan_->rise) {  // which follows, with what was changed since the last layer began
     if (new_settings_) take_settings(*new_settings_);
     for (const ExcludedCopy& copy : new_exclusions_)
-      leave_dark(copy, layer_top());
+      leave_dark(*plan_, copy, layer_ + 1, layer_top());
   }
   PrintPlan plan = std::move(*plan_);
   plan_.reset();

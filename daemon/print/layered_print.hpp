@@ -89,7 +89,6 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   [[nodiscard]] bool is_in(EnumSet<LayeredState> states) const { return states.contains(layered_state()); }
   [[nodiscard]] Nanometers current_height() const;
   void expect_layers();
-  void leave_dark(const ExcludedCopy& copy, Nanometers from);
   void take_settings(const PrintSettings& settings);
   void next_layer();
   [[nodiscard]] std::optional<PrintPhase> phase() const;

@@ -12,8 +12,8 @@
 #include <variant>
 
 #include "daemon/print/print_plan.hpp"
-#include "daemon/print/print_settings.hpp"
 #include "daemon/print/print_progress.hpp"
+#include "daemon/print/print_settings.hpp"
 #include "daemon/print/shown_mask.hpp"
 #include "hw/clock.hpp"
 
@@ -48,6 +48,8 @@ struct ExcludedCopy {
   // Returns the supports of the other copies; empty if the print has no supports. Called in the dark.
   std::function<std::shared_ptr<const SectionSource>()> supports_left{};
 };
+// Leaves the copy dark in the plan's masks from a layer on, counted from 0, whose lower side has this height.
+void leave_dark(PrintPlan& plan, const ExcludedCopy& copy, std::int32_t layer, Nanometers bottom);
 
 // The state while nothing prints.
 inline constexpr PrintState kIdle{.name = "idle"};

@@ -21,10 +21,11 @@ enum class PrintPhase : std::uint8_t {
   Raising,  // the plate moves up so that the user can look at the part
   Paused,
   Parking,  // the print is over; the plate moves up
+  Rising,   // of a continuous print, from the move down before the rise to the pause or parking after it
 };
 template <>
-inline constexpr auto kNames<PrintPhase> = names_to<PrintPhase::Parking>(
-    "starting, lowering, before the light, lit, lifting, raising, paused, parking");
+inline constexpr auto kNames<PrintPhase> = names_to<PrintPhase::Rising>(
+    "starting, lowering, before the light, lit, lifting, raising, paused, parking, rising");
 
 struct PrintProgress {
   PrintPhase phase = PrintPhase::Starting;

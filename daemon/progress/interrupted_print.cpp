@@ -27,6 +27,8 @@ std::string describe_phase(PrintPhase phase) {
       return "in a pause";
     case PrintPhase::Parking:
       return "while the plate rose at the end";
+    case PrintPhase::Rising:
+      return "within its rise";
   }
   return "?";
 }
@@ -52,6 +54,12 @@ std::string why_not_resumable(const InterruptedPrint& interrupted, bool homes_up
   const PrintProgress& print = interrupted.progress.print;
   if (print.phase == PrintPhase::Parking || (print.exposed && print.layer + 1 >= interrupted.progress.layers))
     return "the print was over: all that it lacks is the plate's way up";
+  if (print.phase == PrintPhase::Rising)
+    return "where the light of a continuous print ended within its rise is not known; \"contourctl rescue\" "
+           "lifts "
+           "its part out";
+  if (!interrupted.progress.changes.complete)
+    return "more copies were left dark than the record of the print holds";
   if (!trusted && homes_upwards) return "";
   if (!trusted)
     return "the plate's position is unknown, and the limit switch is at the bottom, where the part would be "

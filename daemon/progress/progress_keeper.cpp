@@ -76,6 +76,13 @@ void ProgressKeeper::keep(const PrintProgress& print) {
   write();
 }
 
+void ProgressKeeper::change(JobProgress::Changes changes) {
+  if (!progress_) return;
+  progress_->changes = std::move(changes);
+  waiting_ = true;
+  write();
+}
+
 void ProgressKeeper::begin_writing() {
   writing_ = true;
   write_began_ = std::chrono::steady_clock::now();

@@ -28,6 +28,8 @@ class ProgressKeeper {
   void go_on(JobProgress progress);
   // Records this progress, once the one before is on the disk. Does nothing while no print is recorded.
   void keep(const PrintProgress& print);
+  // Records what was changed in the print. Does nothing while no print is recorded.
+  void change(JobProgress::Changes changes);
   // Removes the record: the print is over.
   void end();
 

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "daemon/print/print_settings.hpp"
 #include "daemon/system/durable_file.hpp"
 
 namespace contourd {
@@ -50,6 +51,16 @@ std::string copy_of(const JobProgress& progress, std::uint64_t number) {
   add(static_cast<int>(print.plate.has_value()));
   add(print.plate ? print.plate->least.count() : 0);
   add(print.plate ? print.plate->most.count() : 0);
+  const JobProgress::Changes& changes = progress.changes;
+  const bool complete = changes.complete && changes.excluded.size() <= ProgressRecord::kMostExcluded;
+  add(static_cast<int>(complete));
+  add(changes.settings.size());
+  for (const double value : changes.settings)
+    fields.append(fmt::format("{}", value)).push_back('\0');
+  const std::size_t excluded = std::min(changes.excluded.size(), ProgressRecord::kMostExcluded);
+  add(excluded);
+  for (std::size_t i = 0; i < excluded; ++i)
+    add(changes.excluded[i]);
   fields.resize(ProgressRecord::kCopyBytes - kHeader, '\0');
   return fmt::format("{}{}{:016x}", kMagic, kVersion, checksum_of(fields)) + fields;
 }
@@ -73,7 +84,7 @@ class Fields {
     const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
     const bool is_valid = error == std::errc{} && end == field.data() + field.size();
     good_ = good_ && is_valid && value >= least && value <= most;
-    return value;
+    return is_valid ? std::clamp(value, least, most) : least;
   }
   [[nodiscard]] bool good() const { return good_; }
 
@@ -106,6 +117,19 @@ PrintProgress print_in(Fields& fields) {
   return print;
 }
 
+JobProgress::Changes changes_in(Fields& fields) {
+  constexpr double kMostValue = 1e9;
+  JobProgress::Changes changes;
+  changes.complete = fields.number<int>(0, 1) != 0;
+  changes.settings.resize(fields.number<std::size_t>(0, kPrintSettings.size()));
+  for (double& value : changes.settings)
+    value = fields.number<double>(0, kMostValue);
+  changes.excluded.resize(fields.number<std::size_t>(0, ProgressRecord::kMostExcluded));
+  for (std::uint32_t& number : changes.excluded)
+    number = fields.number<std::uint32_t>();
+  return changes;
+}
+
 Copy parse(std::string_view text) {
   if (std::ranges::all_of(text, [](char byte) { return byte == '\0'; })) return {};
   if (!text.starts_with(kMagic) || text.size() != ProgressRecord::kCopyBytes) return {Copy::State::Damaged};
@@ -125,6 +149,7 @@ Copy parse(std::string_view text) {
   progress.lit = Duration{fields.number<std::int64_t>(0)};
   progress.written = system_clock::time_point(milliseconds{fields.number<std::int64_t>(0, 1LL << 53)});
   progress.print = print_in(fields);
+  progress.changes = changes_in(fields);
   return fields.good() ? copy : Copy{Copy::State::Damaged};
 }
 

@@ -15,6 +15,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "daemon/print/print_progress.hpp"
 #include "hw/file_descriptor.hpp"
@@ -37,6 +38,15 @@ struct JobProgress {
   Duration lit{};           // upper bound of the light in all layers before this one
   std::chrono::system_clock::time_point written{};
   PrintProgress print{};
+  // What was changed while it printed, from the next layer on.
+  struct Changes {
+    std::vector<double> settings{};         // the values of kPrintSettings; empty if none was changed
+    std::vector<std::uint32_t> excluded{};  // numbers of the copies that are left dark
+    bool complete = true;                   // false: more copies than the record holds are left dark
+
+    bool operator==(const Changes&) const = default;
+  };
+  Changes changes{};
 
   bool operator==(const JobProgress&) const = default;
 };
@@ -47,6 +57,8 @@ struct JobProgress {
 class ProgressRecord {
  public:
   static constexpr std::size_t kCopyBytes = 4'096, kCopyDistance = 65'536;
+  // The most excluded copies that a record holds.
+  static constexpr std::size_t kMostExcluded = 256;
 
   explicit ProgressRecord(std::filesystem::path file) : path_(std::move(file)) {}
 

@@ -198,6 +198,26 @@ class Resume(PowerCutTest):
         self.assertEqual(daemon.ctl("resume", "--trust-position", "--yes").returncode, OK)
         daemon.wait_done("part")
 
+    def test_what_was_changed_while_it_printed_holds_after_the_cut(self):
+        daemon = self.daemon(realtime(), SLOW, masks=True).start()
+        daemon.begin("part.stl", RAMP, {"copies": 2})
+        self.wait_layer(daemon, 1, "exposing")
+        daemon.rpc("set", setting="exposure", value=110)
+        self.assertNotIn("error", daemon.rpc("exclude", copy="1"))
+        self.wait_layer(daemon, 3, "exposing")
+        daemon.kill()
+        daemon.start("--pace", "fast")
+        self.assertEqual(daemon.ctl("resume", "--trust-position", "--yes").returncode, OK)
+        report = daemon.wait_done("part")
+        self.assertEqual(set(self.exposures(report)), {3300})
+        self.assertEqual([(each["number"], each["from_layer"]) for each in report["excluded"]], [(1, 3)])
+        self.assertEqual([(each["setting"], each["value"], each["from_layer"]) for each in report["changes"]],
+                         [("exposure", 110, 3)])  # fmt: skip
+        for mask in self.masks("part"):
+            middle = len(mask[0]) // 2
+            self.assertFalse(any(any(row[:middle]) for row in mask))
+            self.assertTrue(any(any(row[middle:]) for row in mask))
+
     def test_a_print_with_its_switch_at_the_top_goes_on_after_a_cut_at_any_instant(self):
         chance = random.Random(int(os.environ.get("SEED", "1")))
         daemon = self.daemon(realtime(z_axis=SWITCH_AT_THE_TOP), QUICK, masks=True).start()

@@ -26,7 +26,8 @@ JobProgress progress_in_layer(std::int32_t layer, PrintPhase phase) {
           .lit = layer * 2s,
           .written = std::chrono::system_clock::time_point(1'700'000'000'123ms),
           .print = {phase, layer, bottom, thickness, 2'500ms, 1'200ms, phase == PrintPhase::Lit,
-                    PrintProgress::Heights{bottom + thickness, bottom + thickness}}};
+                    PrintProgress::Heights{bottom + thickness, bottom + thickness}},
+          .changes = {{110, 6.5, 2, 3, 0.1}, {0, 3}, true}};
 }
 
 void overwrite(const fs::path& file, const std::string& text) {
@@ -55,6 +56,13 @@ TEST_CASE("The progress of a print is read as it was written, and the latest cop
     CHECK(fixture.record.read().progress == progress);
   }
   CHECK(fs::file_size(fixture.file) == size);
+  JobProgress many = progress_in_layer(6, PrintPhase::Lit);
+  many.changes.excluded.assign(ProgressRecord::kMostExcluded + 1, 4'000'000'000);
+  fixture.record.write(many);
+  many.changes.excluded.pop_back();
+  many.changes.complete = false;
+  CHECK(fixture.record.read().progress == many);
+  CHECK(why_not_resumable({.files = {}, .progress = many}, true, false).starts_with("more copies"));
   JobProgress moving = progress_in_layer(7, PrintPhase::Lifting);
   moving.print.plate.reset();
   ProgressRecord next(fixture.file);
