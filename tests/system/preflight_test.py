@@ -85,7 +85,9 @@ class Checks(PreflightTest):
         daemon.drop("part.stl", BLOCK)
         wait_until(lambda: any(job["state"] == "ready" for job in daemon.rpc("queue")["result"]["jobs"]), "the job to be checked")
         daemon.rpc("vat", filled_ml=50)
-        reply = json.loads(daemon.ctl("preflight", "part", "--json").stdout)["result"]
+        result = daemon.ctl("preflight", "part", "--json")
+        self.assertEqual(result.returncode, FAILED)
+        reply = json.loads(result.stdout)["result"]
         verdicts = {each["check"]: each["verdict"] for each in reply["checks"]}
         self.assertEqual(list(verdicts), ["model", "resin", "machine", "display", "disk", "queue", "temperature", "wear", "findings"])
         # The plate is not cleared.

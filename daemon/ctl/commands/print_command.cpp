@@ -104,12 +104,22 @@ void print_preflight(const Json& result) {
                   text_of(check, "text"));
 }
 
+// Returns kFailed if a check refuses.
+int check_before_print(const ClientOptions& client, const std::string& job) {
+  DaemonConnection connection(client.socket);
+  const Json answer = connection.ask({"preflight", {{"job", job}}});
+  if (client.json) print_json(answer);
+  if (answer.contains("error")) return client.json ? kFailed : print_refusal(answer);
+  if (!client.json) print_preflight(answer["result"]);
+  return answer["result"].value("verdict", "") == "refuse" ? kFailed : kOk;
+}
+
 void add_preflight(Command& program) {
   Command& command = program.add("preflight", "Check the printer and a waiting job before its first light");
   auto& job = command.arguments<std::string>();
   command.option("JOB", job, kJobHelp).required().suggests(waiting_jobs);
   const ClientOptions& client = add_client_options(command);
-  command.run = [&client, &job] { return request(client, {"preflight", {{"job", job}}}, print_preflight); };
+  command.run = [&client, &job] { return check_before_print(client, job); };
 }
 
 }  // namespace
