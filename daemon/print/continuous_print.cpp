@@ -379,14 +379,19 @@ void ContinuousPrint::lift() {
 
 // The light's time is the rise's, with the margin that its lateness may take; the rise itself ends the light.
 void ContinuousPrint::expose() {
-  light_on_for(rise_left() * 11 / 10 + kRiseMargin, [this](ProjectorReply reply, const std::string& problem) {
+  const Duration most = rise_left() * 11 / 10 + kRiseMargin;
+  if (plan_->dry) {
+    light_end_ = clock_.now() + most;
+    return handle_at(clock_.now(), ContinuousEvent::LightOnSent);
+  }
+  light_on_for(most, [this](ProjectorReply reply, const std::string& problem) {
     reply == ProjectorReply::Refused ? fail(problem) : interrupt(problem);
   });
 }
 
 void ContinuousPrint::rise() {
   estimate(rise_left());
-  lit_from_ = clock_.now();
+  if (!plan_->dry) lit_from_ = clock_.now();
   wait_ = clock_.call_at(light_end_, [this] { interrupt("the rise takes longer than planned"); });
   frames_->run(
       {.refreshed = [this] { refreshed(); }, .unsafe = [this](const std::string& what) { interrupt(what); }});
@@ -406,7 +411,7 @@ void ContinuousPrint::risen(MoveResult result) {
 // Reports the slices that the plate has left, and checks that the light is on.
 void ContinuousPrint::refreshed() {
   const std::optional<LightSpan> light = machine_.projector().last_light();
-  if (light && light->off_earliest) return interrupt("the light went off during the rise");
+  if (!plan_->dry && light && light->off_earliest) return interrupt("the light went off during the rise");
   const std::optional<Nanometers> height = machine_.z_axis().height();
   while (height && *height >= layer_top()) {
     const Nanometers top = layer_top();
@@ -445,7 +450,7 @@ void ContinuousPrint::note_light() {
 
 void ContinuousPrint::report_slice(bool complete) {
   note_light();
-  record_.complete = complete;
+  record_.complete = complete && !plan_->dry;
   record_.frames = frames_->take_figures();
   record_.mask_time = record_.frames.longest_cut;
   record_.area_mm2 = frames_->lit_pixels() * plan_->pixel_area_mm2;

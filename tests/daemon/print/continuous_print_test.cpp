@@ -420,6 +420,21 @@ TEST_CASE(
   CHECK_FALSE(fixture.process.why_fixed("copies").empty());
 }
 
+TEST_CASE("A dry run of a continuous print makes its moves and masks, and never has light") {
+  ContinuousPrintFixture fixture;
+  PrintPlan plan = cone_plan();
+  plan.dry = true;
+  fixture.process.start(std::move(plan));
+  bool lit = false;
+  while (fixture.step())
+    lit = lit || fixture.printer.light_is_on();
+  CHECK_FALSE(lit);
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  CHECK(fixture.frames > 100);
+  CHECK(fixture.wrong_masks == 0);
+  CHECK(std::ranges::none_of(fixture.layers, &LayerRecord::complete));
+}
+
 TEST_CASE("A lid that opens within a rise turns the light off at once") {
   ContinuousPrintFixture fixture;
   fixture.process.start(cone_plan());
