@@ -39,6 +39,16 @@ std::chrono::duration<double> duration(const RisePlan& plan) {
   return sum;
 }
 
+std::chrono::duration<double> duration(const RisePlan& plan, Nanometers low, Nanometers high) {
+  std::chrono::duration<double> sum{};
+  for (std::size_t i = 1; i < plan.points.size(); ++i) {
+    const Nanometers from = std::max(low, plan.points[i - 1].height),
+                     to = std::min(high, plan.points[i].height);
+    if (from < to) sum += duration({from, speed_at(plan, from), {}}, {to, speed_at(plan, to), {}});
+  }
+  return sum;
+}
+
 MillimetersPerSecond speed_at(const RisePlan& plan, Nanometers height) {
   const auto above = std::ranges::upper_bound(plan.points, height, {}, &RisePoint::height);
   if (above == plan.points.begin() || above == plan.points.end()) return MillimetersPerSecond{};

@@ -32,6 +32,9 @@ struct RisePlan {
 // Returns the time that the rise takes. REQUIRES: a plan as described above.
 [[nodiscard]] std::chrono::duration<double> duration(const RisePlan& plan);
 
+// Returns the time that the rise takes between two heights.
+[[nodiscard]] std::chrono::duration<double> duration(const RisePlan& plan, Nanometers low, Nanometers high);
+
 // Returns the speed at a height; 0 below the first point and above the last.
 [[nodiscard]] MillimetersPerSecond speed_at(const RisePlan& plan, Nanometers height);
 

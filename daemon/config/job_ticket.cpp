@@ -214,6 +214,7 @@ JobTicket read_job(const JsonSection& root) {
   }
   ticket.overrides = read_overrides(root);
   if (root.has("undersides")) ticket.undersides = undersides_of(root.text("undersides"));
+  if (root.has("mode")) ticket.mode = print_way_of(root.text("mode"));
   if (root.has("cracks"))
     ticket.cracks = root.text("cracks") == "refuse" ? CrackPolicy::Refuse : CrackPolicy::Repair;
   ticket.dry = root.boolean("dry");

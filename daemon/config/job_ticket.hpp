@@ -97,6 +97,7 @@ struct JobTicket {
   std::optional<AdaptiveTicket> adaptive;          // never together with layer_height, or an exposure
   TicketOverrides overrides{};                     // not yet checked against the resin's limits
   std::optional<Undersides> undersides{};          // without it, the resin's setting
+  std::optional<PrintWay> mode{};                  // without it, the resin's setting
   std::optional<CrackPolicy> cracks{};             // without it, repair, but wide gaps need confirmation
   bool dry = false;                                // all moves and masks, but no light
   std::optional<SupportTicket> supports{};         // without it, the printer's setting

@@ -293,6 +293,7 @@ ResinProfile read_profile(const JsonSection& profile, std::string name) {
       .orientation = read_orientation_weights(profile),
       .motion = read_motion(profile),
       .viscosity_mpa_s = profile.find("viscosity_mpa_s", &JsonSection::number),
+      .mode = print_way_of(profile.text("mode")),
       .continuous = read_continuous(profile),
       .tolerance = {.bounds = profile.duration("exposure_tolerance_ms"),
                     .policy = profile.text("exposure_doubt") == "interrupt"

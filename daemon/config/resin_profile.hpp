@@ -93,7 +93,8 @@ struct ResinProfile {
   SupportSettings supports;
   OrientationWeights orientation;  // for models whose orientation contourd chooses
   LayerMotion motion;
-  std::optional<double> viscosity_mpa_s;      // lengthens the wait before the light by the area of layers
+  std::optional<double> viscosity_mpa_s;  // lengthens the wait before the light by the area of layers
+  PrintWay mode = PrintWay::Layered;
   std::optional<ContinuousResin> continuous;  // if the vat's window lets oxygen through
   ExposureTolerance tolerance;
   TicketLimits limits;

@@ -33,6 +33,13 @@ enum class Undersides { Plain, Dose };
   return name == "dose" ? Undersides::Dose : Undersides::Plain;
 }
 
+// The way of a print: layer by layer to its end, or with a plate that rises without a stop.
+enum class PrintWay { Layered, Continuous };
+// Returns Continuous for "continuous"; Layered for any other name.
+[[nodiscard]] inline PrintWay print_way_of(std::string_view name) {
+  return name == "continuous" ? PrintWay::Continuous : PrintWay::Layered;
+}
+
 // The values that a ticket asks for; not yet checked against the profile.
 struct TicketOverrides {
   std::optional<Duration> exposure, bottom_exposure;

@@ -106,6 +106,7 @@ OverriddenSettings override_settings(ResinProfile& resin, const JobTicket& ticke
   overriding.set("rest_ms", asked.rest, resin.limits.rest, resin.motion.rest);
   override_supports(resin, ticket, overriding);
   resin.undersides = ticket.undersides.value_or(resin.undersides);
+  resin.mode = ticket.mode.value_or(resin.mode);
   if (!overriding.refused.empty()) throw ConfigError(overriding.refused);
   return std::move(overriding.overridden);
 }

@@ -92,6 +92,7 @@ std::string describe_settings(const JobSummary& summary) {
                         followed->resin_c, followed->light, followed->curve_c);
   if (summary.dry) text += "; dry run, without light";
   if (resin.undersides == Undersides::Dose) text += "; undersides by dose";
+  if (resin.mode == PrintWay::Continuous) text += "; continuous";
   if (!summary.overridden.empty()) text += "; by its ticket: " + describe_overrides(summary.overridden);
   return text;
 }

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <new>
+#include <numeric>
 #include <system_error>
 #include <utility>
 
+#include "core/cure/stop_check.hpp"
 #include "core/support/support_lift.hpp"
 #include "daemon/prepare/drain_holes.hpp"
 #include "daemon/prepare/job_content.hpp"
@@ -16,6 +18,7 @@
 #include "daemon/prepare/model_checks.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/print/mask_cost.hpp"
+#include "daemon/print/rise_forecast.hpp"
 #include "daemon/system/memory_room.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -72,6 +75,7 @@ class Preparation {
  private:
   std::optional<PreparedJob> prepare(const std::stop_token& stop) {
     take_printer();
+    refuse_continuous();
     content_.read(volume_.display, memory_room(printer_.memory_limit_bytes));
     summary_.reading = SteadyClock::now() - start_;
     models_ = make_models(content_, settings_, volume_, summary_, stop);
@@ -89,6 +93,7 @@ class Preparation {
     summary_.first_mask = job_.first_mask_at - indexed;
     check_layers(stop);
     expect_shapes(stop);
+    plan_rise(stop);
     if (stop.stop_requested()) return std::nullopt;
     for (std::size_t i = 0; i < models_.size(); ++i)
       summary_.models[i].centers = (*arrangement)[i];
@@ -115,6 +120,53 @@ class Preparation {
     constexpr int kSlack = 4;
     job_.analysis = {summary_.resin.support, kSlack * printer_.mask_budget};
     take_settings(printer_, summary_.resin, job_.plan);
+  }
+
+  // Throws JobRefused if the job asks for a continuous print that is not possible whatever the model is.
+  void refuse_continuous() const {
+    const ResinProfile& resin = settings_.resin;
+    if (resin.mode == PrintWay::Layered) return;
+    const std::string refusal = continuous_refusal(resin, continuous_machine(printer_));
+    if (!refusal.empty()) throw JobRefused(printable(refusal));
+    const auto refuse = [](const std::string& what) {
+      throw JobRefused("a continuous print cannot have " + what +
+                       ", or print in layers (\"mode\": \"layered\")");
+    };
+    if (settings_.ticket.adaptive) refuse("adaptive layers: leave out adaptive_layers");
+    if (resin.undersides == Undersides::Dose) refuse("undersides by dose: set undersides to plain");
+    if (printer_.splits_exposures())
+      refuse("split exposures, which the printer's grey_bits ask for: use a panel of 8 bits");
+  }
+
+  // Plans the rise of a continuous print. A stop leaves it unplanned.
+  void plan_rise(const std::stop_token& stop) {
+    const ResinProfile& resin = summary_.resin;
+    const std::vector<Nanometers>& layers = job_.plan.expected_layers;
+    if (resin.mode == PrintWay::Layered || layers.empty()) return;
+    const ContinuousSubject subject{volume_.display, layers.front(),
+                                    std::accumulate(layers.begin(), layers.end(), Nanometers{})};
+    StopCheck stopped([&stop] { return stop.stop_requested(); });
+    std::vector<RisePlan> rises;
+    try {
+      rises = plan_continuous(*job_.plan.engine, subject, resin, continuous_machine(printer_), stopped);
+    } catch (const ComputationStopped&) {
+      return;
+    }
+    job_.plan.rise = rise_to_top(std::move(rises), subject, resin.continuous.value());
+    if (!job_.plan.rise)
+      throw JobRefused(
+          fmt::format("the plate cannot rise to the top, {:.2f} mm, without a stop, because the last section "
+                      "is too wide for "
+                      "the resin to flow in: contourctl analyze --mode continuous shows the plan; turn the "
+                      "model, or print in "
+                      "layers (\"mode\": \"layered\")",
+                      in_mm(subject.top)));
+    const Nanometers bottom = job_.plan.rise->plan.points.front().height;
+    constexpr Nanometers kWorthTelling{1'000'000};
+    if (bottom - resin.continuous->layered > kWorthTelling)
+      warn(fmt::format(
+          "the print is layered up to {:.2f} mm: only from there on can the plate rise without a stop",
+          in_mm(bottom)));
   }
 
   void warn(const std::string& warning) {

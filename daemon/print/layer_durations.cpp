@@ -1,6 +1,7 @@
 #include "daemon/print/layer_durations.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <numeric>
 
 #include "core/contract/expects.hpp"
@@ -22,8 +23,15 @@ auto moves_of(const PrinterConfig& printer) {
 
 std::vector<Duration> layer_durations(const PrintPlan& plan, const PrinterConfig& printer) {
   std::vector<Duration> durations;
-  for (std::size_t layer = 0; layer < plan.expected_layers.size(); ++layer)
-    durations.push_back(layer_duration(plan, static_cast<std::int32_t>(layer), moves_of(printer)));
+  Nanometers top{};
+  for (std::size_t layer = 0; layer < plan.expected_layers.size(); ++layer) {
+    const Nanometers bottom = top;
+    top += plan.expected_layers[layer];
+    const auto number = static_cast<std::int32_t>(layer);
+    durations.push_back(plan.rise && number >= plan.rise->first_layers
+                            ? std::chrono::duration_cast<Duration>(duration(plan.rise->plan, bottom, top))
+                            : layer_duration(plan, number, moves_of(printer)));
+  }
   return durations;
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <string_view>
+#include <utility>
 
 #include "core/contract/expects.hpp"
 
@@ -24,10 +25,10 @@ MillimetersPerSecond fastest(const ResinProfile& resin, const ContinuousMachine&
   return std::min({by_masks, machine.top_speed.value_or(by_masks), continuous.fastest});
 }
 
-// Returns the height from which on the print is not in layers, a whole number of them.
+// Returns the height from which on the print is not in layers, a whole number of them, at least one.
 Nanometers end_of_layers(const ResinProfile& resin, Nanometers layer) {
   const Nanometers layered = resin.continuous.value().layered;
-  return layer * ((layered + layer - Nanometers{1}) / layer);
+  return layer * std::max<std::int64_t>((layered + layer - Nanometers{1}) / layer, 1);
 }
 
 // Adds the layers from a height up to another.
@@ -116,6 +117,17 @@ std::vector<RisePlan> plan_continuous(ContourEngine& engine, const ContinuousSub
                               .growth = resin.compensation.growth,
                               .mask_budget = machine.mask_budget};
   return plan_rises(sweep_slabs(engine, settings, stop), end_of_layers(resin, subject.layer), bounds);
+}
+
+std::optional<PlannedRise> rise_to_top(std::vector<RisePlan> rises, const ContinuousSubject& subject,
+                                       const ContinuousResin& resin) {
+  if (rises.empty() || rises.back().points.back().height != subject.top) return std::nullopt;
+  const Nanometers bottom = rises.back().points.front().height;
+  const std::int64_t layers = bottom / subject.layer;
+  if (subject.layer * layers != bottom) return std::nullopt;
+  return PlannedRise{.plan = std::move(rises.back()),
+                     .first_layers = static_cast<std::int32_t>(layers),
+                     .mask_step = Nanometers{std::llround(resin.mask_step.count() * 1000)}};
 }
 
 std::vector<ContinuousRange> ranges_of(std::span<const RisePlan> rises, std::span<const Nanometers> layers,

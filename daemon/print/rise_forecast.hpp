@@ -11,6 +11,7 @@
 #include "core/engine/contour_engine.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/config/resin_profile.hpp"
+#include "daemon/print/print_plan.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd {
@@ -46,6 +47,12 @@ struct ContinuousSubject {
 [[nodiscard]] std::vector<RisePlan> plan_continuous(ContourEngine& engine, const ContinuousSubject& subject,
                                                     const ResinProfile& resin,
                                                     const ContinuousMachine& machine, StopCheck& stop);
+
+// Returns the rise of a print in layers of one thickness: the last one, if it reaches the top; the print is
+// layered up to it. nullopt if no rise reaches the top, or if the last one does not begin on top of a layer.
+[[nodiscard]] std::optional<PlannedRise> rise_to_top(std::vector<RisePlan> rises,
+                                                     const ContinuousSubject& subject,
+                                                     const ContinuousResin& resin);
 
 // A range of heights that is printed in one way.
 struct ContinuousRange {

@@ -208,6 +208,7 @@ std::string report_as_json(const PrintReport& report) {
            {"bottom_layers", summary.resin.bottom_layers},
            {"fade_layers", summary.resin.fade_layers},
            {"undersides", summary.resin.undersides == Undersides::Dose ? "dose" : "plain"},
+           {"mode", summary.resin.mode == PrintWay::Continuous ? "continuous" : "layered"},
            {"growth_um", summary.resin.compensation.growth.count()},
            {"elephant_foot_um", summary.resin.compensation.elephant_foot.count()},
            {"elephant_foot_height_um", in_mm(summary.resin.compensation.elephant_foot_height) * 1000},

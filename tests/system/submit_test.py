@@ -36,7 +36,7 @@ class WithContourd(SubmitTest):
     def test_a_model_is_printed_with_the_ticket_of_the_options(self):
         daemon = Daemon(self).start()
         model = self.write("two words.stl", SMALL)
-        lines = self.lines(daemon.ctl("submit", model, "--copies", "3", "--layer-height-um=25", "--up", "0,0,1", "--unit", "mm", "--undersides", "plain", "--wait", "--printer", daemon.config_path))
+        lines = self.lines(daemon.ctl("submit", model, "--copies", "3", "--layer-height-um=25", "--up", "0,0,1", "--unit", "mm", "--undersides", "plain", "--mode", "layered", "--wait", "--printer", daemon.config_path))
         self.assertRegex(lines[0], rf"^{re.escape(os.fsdecode(model))}: 8 layers in [\d.]+ (s|min \d\d s), 0\.0\d ml of standard$")
         self.assertEqual(lines[1], f"{os.fsdecode(model)}: job two words")
         self.assertEqual(lines[-1], "two words: done")
@@ -44,7 +44,7 @@ class WithContourd(SubmitTest):
         self.assertEqual(report["model"]["copies"], 3)
         self.assertEqual(report["layers"], 8)
         self.assertEqual(json.loads(daemon.read("done", "two words.json")), {
-            "layer_height_um": 25, "unit": "mm", "up": {"x": 0, "y": 0, "z": 1}, "undersides": "plain", "copies": 3,
+            "layer_height_um": 25, "unit": "mm", "up": {"x": 0, "y": 0, "z": 1}, "undersides": "plain", "mode": "layered", "copies": 3,
         })  # fmt: skip
         self.assertEqual(contents(model), SMALL)
 

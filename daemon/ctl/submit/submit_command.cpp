@@ -35,7 +35,7 @@ namespace {
 struct SubmitOptions {
   std::vector<std::filesystem::path> models;
   // Keys of the tickets (config/ticket.schema.json); a value that is not given is not in the ticket.
-  std::optional<std::string> resin, unit, supports, undersides;
+  std::optional<std::string> resin, unit, supports, undersides, mode;
   std::optional<double> layer_height_um, scale;
   std::optional<double> exposure_ms, bottom_exposure_ms, lift_mm, settle_ms, rest_ms;
   std::optional<int> copies;
@@ -78,6 +78,7 @@ std::string ticket_of(const SubmitOptions& options) {
   if (const auto up = parse_up(options.up)) ticket["up"] = up_json(*up);
   if (options.supports) ticket["supports"] = *options.supports;
   if (options.undersides) ticket["undersides"] = *options.undersides;
+  if (options.mode) ticket["mode"] = *options.mode;
   if (options.scale) ticket["scale"] = *options.scale;
   if (options.fit) ticket["fit"] = true;
   if (options.dry) ticket["dry"] = true;
@@ -206,6 +207,8 @@ void add_submit(Command& program) {
   add("--settle-ms", options.settle_ms, "Wait before the exposure, ms, within the resin's ticket_limits");
   add("--rest-ms", options.rest_ms, "Wait after the exposure, ms, within the resin's ticket_limits");
   add("--undersides", options.undersides, kUndersidesHelp).one_of({"plain", "dose"});
+  add("--mode", options.mode, "Print layered, or continuous: the plate never stops")
+      .one_of({"layered", "continuous"});
   add("--copies", options.copies, "Number of copies of each model");
   add("--dry", options.dry, "Dry run: all moves and masks, but no light");
   add("--up", options.up, kUpHelp).suggests(up_presets);

@@ -24,6 +24,18 @@ TEST_CASE("A rise with constant acceleration between its points takes their dist
   CHECK(duration({}).count() == 0);
 }
 
+TEST_CASE("The time between two heights is that of the parts of the way between them") {
+  const auto between = [](double low_mm, double high_mm) {
+    return duration(trapezoid(), *to_nanometers(Millimeters{low_mm}), *to_nanometers(Millimeters{high_mm}))
+        .count();
+  };
+  CHECK(between(0, 20) == Approx(2.5));
+  CHECK(between(11, 12) == Approx(0.5));
+  CHECK(between(10, 10.25) == Approx(0.5));
+  CHECK(between(10.25, 11.5) == Approx(0.5 + 0.25));
+  CHECK(between(13, 14) == 0);
+}
+
 TEST_CASE("The square of the speed is linear in height") {
   const auto at = [](double height_mm) {
     return speed_at(trapezoid(), *to_nanometers(Millimeters{height_mm})).count();

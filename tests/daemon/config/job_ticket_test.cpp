@@ -66,6 +66,13 @@ TEST_CASE("a ticket's undersides are plain or by dose, or not its business") {
   CHECK(ticket_complaints(R"({"undersides": true})").size() == 1);
 }
 
+TEST_CASE("a ticket's mode is layered or continuous, or not its business") {
+  CHECK_FALSE(load_ticket("{}").mode);
+  CHECK(load_ticket(R"({"mode": "layered"})").mode == PrintWay::Layered);
+  CHECK(load_plate(R"({"mode": "continuous", "models": [{"file": "a.stl"}]})").mode == PrintWay::Continuous);
+  CHECK(ticket_complaints(R"({"mode": "fast"})").size() == 1);
+}
+
 TEST_CASE("a ticket's unit is one of those that a model may be in") {
   CHECK_FALSE(load_ticket("{}").models[0].unit);
   for (const LengthUnit unit : {LengthUnit::Millimeter, LengthUnit::Centimeter, LengthUnit::Meter,

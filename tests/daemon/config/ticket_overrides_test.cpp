@@ -93,6 +93,15 @@ TEST_CASE("a ticket's undersides replace the resin's, which need no limits") {
   CHECK(printed(plain, {{"undersides", "dose"}}).resin.undersides == Undersides::Dose);
 }
 
+TEST_CASE("a ticket's mode replaces the resin's, which needs no limits") {
+  json resin = shipped("resins/standard.json");
+  CHECK(printed(resin, json::object()).resin.mode == PrintWay::Layered);
+  CHECK(printed(resin, {{"mode", "continuous"}}).resin.mode == PrintWay::Continuous);
+  resin["mode"] = "continuous";
+  CHECK(printed(resin, json::object()).resin.mode == PrintWay::Continuous);
+  CHECK(printed(resin, {{"mode", "layered"}}).resin.mode == PrintWay::Layered);
+}
+
 TEST_CASE("limits are inclusive, and a value just outside is refused, not clamped") {
   for (const double ms : {2000.0, 8000.0})
     CHECK(refusals_of(limited_profile(), {{"exposure_ms", ms}}).empty());

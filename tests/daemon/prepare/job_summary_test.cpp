@@ -50,6 +50,9 @@ TEST_CASE("The settings line has the resin's values, and the bottom layers' if t
   resin.fade_layers = 10;
   CHECK(describe_settings(summary).starts_with(
       "standard: exposure 3000 ms, 30000 ms in 5 bottom layers, fading over 10; "));
+  resin.mode = PrintWay::Continuous;
+  CHECK(describe_settings(summary).ends_with("500 ms after; continuous"));
+  resin.mode = PrintWay::Layered;
   resin.undersides = Undersides::Dose;
   CHECK(describe_settings(summary).ends_with("500 ms after; undersides by dose"));
   summary.overridden = {{"exposure_ms", 3000, 2500.5}, {"lift_mm", 8, 6}};

@@ -5,8 +5,10 @@
 #include "core/layers/layers.hpp"
 #include "daemon/prepare/job_memory.hpp"
 #include "daemon/prepare/support_counts.hpp"
+#include "daemon/print/layer_durations.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/prepare/print_job_fixture.hpp"
+#include "tests/daemon/print/rise_fixture.hpp"
 #include "tests/message_of.hpp"
 
 TEST_CASE_METHOD(PrintJobFixture,
@@ -64,6 +66,61 @@ TEST_CASE_METHOD(PrintJobFixture, "A cube lies in the middle of the display, at 
   const Mask& mask = job.plan.engine->mask_at(Nanometers{1'000'000});
   CHECK(lit_box(mask) == Lit{760, 1159, 340, 739});
   CHECK(mask.lit_area() == 160000.0);
+}
+
+// Gives a fixture's resin a window and the way of its prints.
+void make_continuous(PrintJobFixture& fixture) {
+  const ResinProfile window = testing::window_resin();
+  fixture.resin.cure = window.cure;
+  fixture.resin.continuous = window.continuous;
+  fixture.resin.mode = PrintWay::Continuous;
+  fixture.printer.irradiance_mw_cm2 = 4;
+}
+
+TEST_CASE_METHOD(PrintJobFixture, "A continuous job rises from its first layers to its top") {
+  CHECK_FALSE(prepare(kCube).plan.rise);
+  make_continuous(*this);
+  const models::Facets column = models::box({0, 0, 0}, {6, 6, 10});
+  const PreparedJob job = prepare(column);
+  REQUIRE(job.plan.rise);
+  const RisePlan& rise = job.plan.rise->plan;
+  CHECK(rise.points.front().height == Nanometers{50'000} * job.plan.rise->first_layers);
+  CHECK(rise.points.front().height >= Nanometers{940'000});
+  CHECK(rise.points.back().height == Nanometers{10'000'000});
+  CHECK(job.summary.warnings.empty());
+  // 50 um at 55.26 mm/h, instead of exposures and lifts.
+  const std::vector<Duration> durations = layer_durations(job.plan, printer);
+  CHECK(durations.back() > 3250ms);
+  CHECK(durations.back() < 3265ms);
+  CHECK(durations.front() > 30s);
+}
+
+TEST_CASE_METHOD(PrintJobFixture, "A continuous job is layered up to where it need not stop, or refused") {
+  make_continuous(*this);
+  resin.viscosity_mpa_s = 2000;
+  const models::Facets foot = models::box({-20, -20, 0}, {20, 20, 4}),
+                       stem = models::box({-2, -2, 3}, {2, 2, 10});
+  const PreparedJob job = prepare(models::together(foot, stem));
+  REQUIRE(job.plan.rise);
+  CHECK(job.plan.rise->plan.points.front().height >= Nanometers{4'000'000});
+  CHECK(job.plan.rise->plan.points.front().height < Nanometers{4'300'000});
+  REQUIRE(job.summary.warnings.size() == 1);
+  CHECK(lacking(job.summary.warnings[0], {"is layered up to 4."}) == "");
+  CHECK(lacking(refusal_of(foot), {"cannot rise to the top, 4.00 mm", "print in layers"}) == "");
+}
+
+TEST_CASE_METHOD(PrintJobFixture,
+                 "A continuous job that the resin, its ticket or the panel rules out is refused") {
+  make_continuous(*this);
+  CHECK(lacking(refusal_of(kCube, R"({"adaptive_layers": {"cusp_um": 10}})"), {"adaptive layers"}) == "");
+  resin.undersides = Undersides::Dose;
+  CHECK(lacking(refusal_of(kCube), {"undersides"}) == "");
+  resin.undersides = Undersides::Plain;
+  printer.grey_bits = 3;
+  CHECK(lacking(refusal_of(kCube), {"grey_bits"}) == "");
+  printer.grey_bits = 8;
+  resin.continuous.reset();
+  CHECK(lacking(refusal_of(kCube), {"lacks what continuous printing needs: continuous"}) == "");
 }
 
 TEST_CASE("Any error during preparation refuses the job with a sentence") {

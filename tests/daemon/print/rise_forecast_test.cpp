@@ -65,6 +65,22 @@ TEST_CASE("A part is layered at first, rests, and has the times of its layers an
   CHECK(ranges[2].top == mm(30));
 }
 
+TEST_CASE("The rise of a print is the last one, if it reaches the top") {
+  const auto at = [](std::int64_t height_mm, double speed_mm_s) {
+    return RisePoint{mm(height_mm), MillimetersPerSecond{speed_mm_s}, RiseLimit::Cure};
+  };
+  const std::vector<RisePlan> rises{{{at(1, 0), at(2, 0.01), at(4, 0)}}, {{at(6, 0), at(7, 0.02), at(9, 0)}}};
+  const ContinuousSubject subject{kCoarseDisplay, Nanometers{50'000}, mm(9)};
+  const std::optional<PlannedRise> rise = rise_to_top(rises, subject, *window_resin().continuous);
+  REQUIRE(rise);
+  CHECK(rise->plan == rises[1]);
+  CHECK(rise->first_layers == 120);
+  CHECK(rise->mask_step == Nanometers{2'000});
+  CHECK_FALSE(rise_to_top(rises, {kCoarseDisplay, Nanometers{50'000}, mm(10)}, *window_resin().continuous));
+  CHECK_FALSE(rise_to_top({}, subject, *window_resin().continuous));
+  CHECK_FALSE(rise_to_top(rises, {kCoarseDisplay, Nanometers{70'000}, mm(9)}, *window_resin().continuous));
+}
+
 TEST_CASE("A rise with several limits has a range for each, and layers between rises") {
   const auto at = [](double height_mm, double speed_mm_s, RiseLimit limit) {
     return RisePoint{*to_nanometers(Millimeters{height_mm}), MillimetersPerSecond{speed_mm_s}, limit};
