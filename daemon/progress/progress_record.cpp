@@ -27,6 +27,12 @@ using std::chrono::system_clock;
 constexpr std::string_view kMagic = "contourd-progress ";
 constexpr std::string_view kVersion = "1 ";
 constexpr std::size_t kChecksumDigits = 16;
+// Bounds beyond which no print goes, so that no arithmetic overflows.
+constexpr std::int32_t kMostLayers = 10'000'000;
+constexpr std::int64_t kMostNm = 10'000'000'000, kMostNs = std::int64_t{1} << 55;
+// The latest time that the clock can represent.
+constexpr std::int64_t kLatestMs =
+    std::chrono::duration_cast<milliseconds>(system_clock::duration::max()).count();
 constexpr std::size_t kHeader = kMagic.size() + kVersion.size() + kChecksumDigits;
 
 // Returns the text of a copy, padded with zero bytes.
@@ -100,11 +106,9 @@ struct Copy {
 };
 
 PrintProgress print_in(Fields& fields) {
-  // Bounds beyond which no print goes, so that no arithmetic overflows.
-  constexpr std::int64_t kMostNm = 10'000'000'000, kMostNs = std::int64_t{1} << 55;
   PrintProgress print;
   print.phase = PrintPhase{fields.number<std::uint8_t>(0, kNames<PrintPhase>.size() - 1)};
-  print.layer = fields.number<std::int32_t>(0);
+  print.layer = fields.number<std::int32_t>(0, kMostLayers);
   print.bottom = Nanometers{fields.number<std::int64_t>(0, kMostNm)};
   print.thickness = Nanometers{fields.number<std::int64_t>(1, kMostNm)};
   print.exposure = Duration{fields.number<std::int64_t>(0, kMostNs)};
@@ -143,11 +147,11 @@ Copy parse(std::string_view text) {
   copy.number = fields.number<std::uint64_t>();
   JobProgress& progress = copy.progress;
   progress.job = fields.text();
-  progress.layers = fields.number<std::int32_t>(1);
+  progress.layers = fields.number<std::int32_t>(1, kMostLayers);
   progress.marks.files = fields.text();
   progress.marks.settings = fields.number<std::uint64_t>();
-  progress.lit = Duration{fields.number<std::int64_t>(0)};
-  progress.written = system_clock::time_point(milliseconds{fields.number<std::int64_t>(0, 1LL << 53)});
+  progress.lit = Duration{fields.number<std::int64_t>(0, kMostNs)};
+  progress.written = system_clock::time_point(milliseconds{fields.number<std::int64_t>(0, kLatestMs)});
   progress.print = print_in(fields);
   progress.changes = changes_in(fields);
   return fields.good() ? copy : Copy{Copy::State::Damaged};

@@ -20,10 +20,11 @@ TEST_CASE_METHOD(PrinterStatusFixture, "An idle printer's status has all keys in
   CHECK(keys ==
         "printer spool state job queued incomplete incomplete_more postponed postponed_more "
         "unaccepted unaccepted_more ignored "
-        "ignored_more deletable deletable_more plate plate_job not_ready_reason held waiting_for "
-        "reminders last dark manual ");
+        "ignored_more deletable deletable_more plate plate_job not_ready_reason held interrupted "
+        "waiting_for reminders last dark manual ");
   CHECK(shown["state"] == "idle");
-  for (const char* nothing : {"job", "plate_job", "not_ready_reason", "held", "waiting_for", "last"})
+  for (const char* nothing :
+       {"job", "plate_job", "not_ready_reason", "held", "interrupted", "waiting_for", "last"})
     CHECK(shown[nothing].is_null());
   CHECK(shown["plate"] == "clear");
 }

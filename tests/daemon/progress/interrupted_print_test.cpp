@@ -41,6 +41,8 @@ class RecordedPrint final : public PrintObserver {
   void light_due() override {}
   void state_changed(const PrintState&) override {
     if (process->layered_state() == LayeredState::Igniting) masks[process->layer()] = *process->shown().mask;
+    if (process->layered_state() == LayeredState::AwaitingDark && !found_at)
+      found_at = machine.z_axis().height();
   }
   void layer_done(const LayerRecord& layer) override {
     if (layer.complete) layers[layer.layer] = {layer.exposure_asked, layer.mask_height, masks[layer.layer]};
@@ -63,7 +65,8 @@ class RecordedPrint final : public PrintObserver {
   std::map<std::int32_t, LitLayer> layers;
   std::optional<PrintOutcome> outcome;
   std::string reason;
-  Nanometers least{1'000'000'000};  // least known height of the plate
+  std::optional<Nanometers> found_at;  // height of the plate when its position was known
+  Nanometers least{1'000'000'000};     // least known height of the plate
   std::unique_ptr<LayeredPrint> process = std::make_unique<LayeredPrint>(machine, clock, *this);
 
  private:
@@ -86,33 +89,40 @@ TEST_CASE("A print that was cut at any recorded phase goes on to the same exposu
   REQUIRE(whole.outcome == PrintOutcome::Done);
   REQUIRE(whole.layers.size() == kLayers);
   std::size_t resumed = 0;
-  for (std::size_t cut = 1; cut <= whole.progresses.size(); ++cut) {
-    for (const bool trusted : {false, true}) {
-      RecordedPrint first(!trusted);
-      first.run(std::nullopt, cut);
-      const PrintProgress& last = first.progresses.back();
-      const InterruptedPrint interrupted = interrupted_in(last);
-      INFO("cut in phase " << name_of(last.phase) << " of layer " << last.layer << ", trusted " << trusted);
-      CHECK(last.phase == whole.progresses[cut - 1].phase);
-      if (!has_part(last) || !why_not_resumable(interrupted, !trusted, trusted).empty()) continue;
-      ++resumed;
-      RecordedPrint rest(!trusted);
-      rest.run(resume_point(interrupted.progress, trusted));
-      CHECK(rest.reason.empty());
-      CHECK(rest.outcome == PrintOutcome::Done);
-      // Layers before the seam are those of the first part, all others those of the rest.
-      std::map<std::int32_t, LitLayer> all = first.layers;
-      all.insert(rest.layers.begin(), rest.layers.end());
-      CHECK(all == whole.layers);
-      // Only the layer in which the print was cut may be lit twice.
-      for (const auto& [layer, lit] : rest.layers)
-        CHECK((!first.layers.contains(layer) || layer == last.layer));
-      if (trusted) CHECK(rest.least >= last.plate->least);
+  for (std::size_t cut = 1; cut < whole.progresses.size(); ++cut) {
+    // A print is cut when a phase begins, or as late as the phase lasts, when a layer may have had its light.
+    for (const bool late : {false, true}) {
+      for (const bool trusted : {false, true}) {
+        RecordedPrint first(!trusted);
+        first.run(std::nullopt, cut + (late ? 1 : 0));
+        const PrintProgress& last = first.progresses[cut - 1];
+        const InterruptedPrint interrupted = interrupted_in(last);
+        INFO("cut " << (late ? "late " : "") << "in phase " << name_of(last.phase) << " of layer "
+                    << last.layer << ", trusted " << trusted);
+        CHECK(last.phase == whole.progresses[cut - 1].phase);
+        if (!has_part(last) || !why_not_resumable(interrupted, !trusted, trusted).empty()) continue;
+        ++resumed;
+        RecordedPrint rest(!trusted);
+        rest.run(resume_point(interrupted.progress, trusted));
+        CHECK(rest.reason.empty());
+        CHECK(rest.outcome == PrintOutcome::Done);
+        // No layer is missing, and only the one in which the print was cut may be lit twice.
+        std::map<std::int32_t, LitLayer> all = rest.layers;
+        all.insert(first.layers.begin(), first.layers.end());
+        CHECK(all == whole.layers);
+        for (const auto& [layer, lit] : first.layers) {
+          CHECK(lit == whole.layers.at(layer));
+          CHECK((!rest.layers.contains(layer) || (late && layer == last.layer && !last.exposed)));
+        }
+        if (!trusted) continue;
+        CHECK(rest.least >= last.plate->least);
+        CHECK(rest.found_at == last.plate->least + testing::box_plan(1).motion.lift);
+      }
     }
   }
   // Each layer but the last has four phases from which a print goes on upwards, and two from which its
   // recorded position can be trusted.
-  CHECK(resumed >= 6 * (kLayers - 1));
+  CHECK(resumed >= 2 * 6 * (kLayers - 1));
 }
 
 TEST_CASE("An interrupted print goes on only from a position that is known without a move down") {

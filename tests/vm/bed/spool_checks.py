@@ -12,7 +12,7 @@ _READING = {"state/reading", "state/reading.next"}
 _HISTORY_LOG = "state/history.sqlite-wal"
 _HISTORY = {"state/history.sqlite", _HISTORY_LOG, "state/history.sqlite-shm"}
 _SPARES = {f"state/ended-jobs.spare-{number}" for number in (1, 2)}
-_KNOWN = _READING | _HISTORY | _SPARES | {"spool/.lock", "state/plate-occupied", "state/queue-held", "state/copied-originals", "state/claim"}
+_KNOWN = _READING | _HISTORY | _SPARES | {"spool/.lock", "state/plate-occupied", "state/queue-held", "state/copied-originals", "state/claim", "state/print-progress"}
 
 
 @dataclass
@@ -210,7 +210,7 @@ def _daemon(jobs, cut):
     refused = [job.name for job in jobs if not job.good]
     for line in cut.log.splitlines():
         error = re.fullmatch(r"\S+ error +(.*)", line)
-        if not error or ": contourd stopped before " in error[1]:
+        if not error or ": contourd stopped before " in error[1] or error[1].endswith("/print-progress is damaged"):
             continue
         if not any(error[1].startswith(name) for name in refused):
             yield f"the daemon logged: {error[1]}"
