@@ -71,7 +71,7 @@ class MotionCurve {
   MotionLimits limits_{};
   bool stopping_ = false;
   std::size_t count_ = 0;
-  const RiseCurve* rise_ = nullptr;             // what comes before the first piece; null if nothing does
+  const RiseCurve* rise_ = nullptr;             // motion before the first piece; null if there is none
   std::array<Piece, kMaxPieces + 1> pieces_{};  // the entry after the last piece is the end
 };
 

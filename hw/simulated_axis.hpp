@@ -50,7 +50,7 @@ class SimulatedAxis final : public ZAxis {
   struct Move {
     TimePoint start;
     Nanometers from;                        // true height, like all heights in this class
-    std::shared_ptr<const RiseCurve> rise;  // of the profile, in millimetres; null if it follows none
+    std::shared_ptr<const RiseCurve> rise;  // the profile's, in millimetres; null if it follows none
     MotionProfile profile;
     std::function<void(MoveResult)> done;
   };

@@ -34,7 +34,7 @@ struct LitResin {
 // Resin that flows into the gap.
 struct RefillingResin {
   double viscosity_pa_s = 0;
-  double pressure_kpa = 0;  // that may be lost on the way in, less than the air's: else the resin tears
+  double pressure_kpa = 0;  // pressure lost on the way in, less than the air's, because the resin tears
 };
 
 // Returns the fastest speed at which resin fills the gap: pressure gap^3 / (6 viscosity distance^2), exact
@@ -49,7 +49,7 @@ struct RefillingResin {
 [[nodiscard]] MillimetersPerSecond steady_refill_speed(const RefillingResin& resin, const LitResin& lit,
                                                        Millimeters distance, MillimetersPerSecond most);
 
-// What the machine does in a second.
+// The machine's work in a second.
 struct RiseMachine {
   Micrometers mask_step{};  // travel after which a mask is out of date
   double masks_per_s = 0;

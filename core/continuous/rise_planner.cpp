@@ -64,7 +64,7 @@ bool slow_down(Stages stages, const RiseBounds& bounds) {
   bool slowed = false;
   for (std::size_t i = 0; i < stages.size(); ++i) {
     Stage& stage = stages[i];
-    MillimetersPerSecond slowest{};  // of the stage before
+    MillimetersPerSecond slowest{};  // speed of the stage before
     if (i > 1) slowest = std::min({passing[i - 1], passing[i], stages[i - 2].speed, stages[i - 1].speed});
     const Micrometers gap = gel_gap(bounds.lit, margin_at(bounds.lit, slowest));
     const MillimetersPerSecond most = refill_speed(bounds.refill, gap, stage.distance);

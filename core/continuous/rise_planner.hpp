@@ -12,7 +12,7 @@
 
 namespace contourd {
 
-// What bounds the speed of a print's rises.
+// Bounds on the speed of a print's rises.
 struct RiseBounds {
   LitResin lit{};
   double margin = 0;  // at least, of the dose

@@ -20,8 +20,8 @@ struct RiseSlab {
 
 struct SlabSettings {
   DisplayGeometry display{};
-  Nanometers top{};        // of the print
-  Nanometers thickness{};  // of the slabs; the last has half more or less
+  Nanometers top{};        // the print's
+  Nanometers thickness{};  // a slab's; the last has half more or less
   Micrometers growth{};    // Compensation::growth of the engine
   std::chrono::nanoseconds mask_budget{std::chrono::seconds{1}};
 };

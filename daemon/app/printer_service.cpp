@@ -52,7 +52,7 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       history_control_(history_worker_, history_, reminders_, [this](WearPart part) { part_replaced(part); }),
       preflight_control_(context_,
                          {spool_, vat_, queue_, queue_control_, hold_, history_worker_, reminders_}),
-            screen_control_(loop, picture_worker_, job_, manual_),
+      screen_control_(loop, picture_worker_, job_, manual_),
       interrupted_control_(context_, {spool_, hold_, *this, manual_, status_}) {}
 
 // --- the use of the printer

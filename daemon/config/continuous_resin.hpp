@@ -13,8 +13,8 @@ namespace contourd {
 
 // The section `continuous` of a resin's profile.
 struct ContinuousResin {
-  double margin = 0;               // of the dose over the critical one, at least; above 1
-  double refill_pressure_kpa = 0;  // that resin may lose on its way into the gap
+  double margin = 0;               // least dose over the critical one; above 1
+  double refill_pressure_kpa = 0;  // pressure that resin may lose on its way into the gap
   Duration window{};               // light after which the window's oxygen is used up
   Duration recovery{};             // dark after which the window has its oxygen again
   Nanometers layered{};            // height of the first layers

@@ -43,7 +43,6 @@ void ContinuousPrint::start(PrintPlan plan) {
                          !plan.undersides && !plan.split),
           "a rise follows at least one layer, with masks as they are");
   plan_ = std::move(plan);
-  rises_ = plan_->rise.has_value();
   planned_pause_.reset();
   canceled_ = over_ = resume_wanted_ = false;
   reason_.clear();
@@ -131,11 +130,9 @@ const std::optional<PausePoint>& ContinuousPrint::planned_pause() const {
 
 std::string_view ContinuousPrint::why_fixed(std::string_view what) const {
   expects(under_way(), "a print is under way");
-  if (rises_ && what == "exposure")
-    return "the exposure of a continuous print follows from the speeds that were planned before it began";
-  if (what == "copies" && !layering())
-    return "a continuous print leaves copies dark in its first layers only";
-  return "";
+  if (layering()) return layers_.why_fixed(what);
+  if (what == "exposure") return LayeredPrint::kFixedExposure;
+  return what == "copies" ? "a continuous print leaves copies dark in its first layers only" : "";
 }
 
 PrintSettings ContinuousPrint::settings() const {

@@ -105,15 +105,14 @@ class ContinuousPrint final : public PrintMode,
   LayeredPrint layers_;
   std::optional<PrintPlan> plan_;  // from the end of the layered print to that of the print
   PrintOutcome layers_outcome_ = PrintOutcome::Done;
-  std::string reason_;                       // of a failure
+  std::string reason_;                       // reason of a failure
   std::string interruption_;                 // of the rise
   std::string layers_interruption_;          // to be passed on to the layered print
-  bool rises_ = false;                       // the plan has a rise
   std::optional<PausePoint> planned_pause_;  // in the rise
   bool canceled_ = false;
   bool over_ = false;           // the plate has risen to its end
   bool resume_wanted_ = false;  // requested before the plate was up
-  RisePlan rise_;               // what is left of it
+  RisePlan rise_;               // the rest of the rise
   std::unique_ptr<RiseFrames> frames_;
   std::optional<TimePoint> lit_from_;  // from when on the slice has had light, while there is light
   LayerRecord record_;                 // the slice under way

@@ -106,6 +106,11 @@ void LayeredPrint::set(const PrintSettings& settings) {
   new_settings_ = settings;
 }
 
+std::string_view LayeredPrint::why_fixed(std::string_view what) const {
+  expects(under_way(), "a print is under way");
+  return plan_->rise && what == "exposure" ? kFixedExposure : "";
+}
+
 PrintSettings LayeredPrint::settings() const {
   expects(under_way(), "a print is under way");
   return new_settings_.value_or(PrintSettings{plan_->exposure_percent, plan_->motion});

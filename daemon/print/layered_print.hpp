@@ -20,6 +20,10 @@ namespace contourd {
 
 class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTransition> {
  public:
+  // The reason why the exposure of a print that rises after its layers is fixed.
+  static constexpr std::string_view kFixedExposure =
+      "the exposure of a continuous print follows from the speeds that were planned before it began";
+
   // Makes the machine safe. All arguments must outlive the process.
   LayeredPrint(Machine& machine, Clock& clock, PrintObserver& observer);
   // Makes the machine safe and powers the projector off.

@@ -26,7 +26,7 @@ class MaskAhead {
     std::string trouble{};  // a sentence: the mask could not be cut
   };
 
-  // Nothing else may use the engine while this object lives. Engine and clock must outlive it. Throws
+  // The engine has no other user while this object lives. Engine and clock must outlive it. Throws
   // std::system_error (a thread).
   MaskAhead(ContourEngine& engine, const Clock& clock, Duration budget);
   ~MaskAhead();

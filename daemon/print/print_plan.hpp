@@ -50,7 +50,7 @@ struct PrintPlan {
   PrintLayers layers;                    // queried layer by layer during the print
   // Returns the exposure of a layer, counted from 0, of this thickness.
   std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure;
-  double exposure_percent = 100;                   // of these exposures, see PrintSettings
+  double exposure_percent = 100;                   // share of these exposures, see PrintSettings
   std::vector<Nanometers> expected_layers;         // thicknesses, used only for the time left
   Duration mask_budget = std::chrono::seconds{1};  // time limit for one mask, computed on the event loop
   double pixel_area_mm2 = 0;
@@ -183,7 +183,7 @@ struct LayerRecord {
   std::size_t pictures = 1;    // number of pictures that the exposure was planned to show
   double light_error = 0;      // largest difference of a pixel's planned light from its mask's, over white's
   Duration late_picture{};     // by how much a picture came later than planned, at most
-  FrameFigures frames;         // of a slice of a rise
+  FrameFigures frames;         // figures of a slice of a rise
   bool undersides_found = true;  // false if undersides kept their light for lack of time
   std::uint32_t intersecting_facets = 0;
   std::uint32_t loops = 0;

@@ -21,7 +21,7 @@ enum class PrintPhase : std::uint8_t {
   Raising,  // the plate moves up so that the user can look at the part
   Paused,
   Parking,  // the print is over; the plate moves up
-  Rising,   // of a continuous print, from the move down before the rise to the pause or parking after it
+  Rising,   // a continuous print, from the move down before the rise to the pause or parking after it
 };
 template <>
 inline constexpr auto kNames<PrintPhase> = names_to<PrintPhase::Rising>(
@@ -30,7 +30,7 @@ inline constexpr auto kNames<PrintPhase> = names_to<PrintPhase::Rising>(
 struct PrintProgress {
   PrintPhase phase = PrintPhase::Starting;
   std::int32_t layer = 0;            // from 0
-  Nanometers bottom{}, thickness{};  // of the layer, as planned
+  Nanometers bottom{}, thickness{};  // the layer's, as planned
   Duration exposure{};               // the layer's whole exposure
   Duration light{};                  // upper bound of the light that the layer has had
   bool exposed = false;              // the layer has had all its light

@@ -12,7 +12,7 @@
 namespace contourd {
 
 struct PrintSettings {
-  double exposure_percent = 100;  // of each layer's planned exposure
+  double exposure_percent = 100;  // share of each layer's planned exposure
   LayerMotion motion;
 };
 

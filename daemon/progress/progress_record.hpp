@@ -24,8 +24,8 @@ namespace contourd {
 
 // Marks by which a change of what a job is printed from is noticed. A value.
 struct JobMarks {
-  std::string files{};         // of the model and the ticket; empty if they cannot be read
-  std::uint64_t settings = 0;  // of the resin's profile and the display
+  std::string files{};         // mark of model and ticket; empty if they cannot be read
+  std::uint64_t settings = 0;  // mark of the resin's profile and the display
 
   bool operator==(const JobMarks&) const = default;
 };
@@ -38,7 +38,7 @@ struct JobProgress {
   Duration lit{};           // upper bound of the light in all layers before this one
   std::chrono::system_clock::time_point written{};
   PrintProgress print{};
-  // What was changed while it printed, from the next layer on.
+  // The changes made while it printed, from the next layer on.
   struct Changes {
     std::vector<double> settings{};         // the values of kPrintSettings; empty if none was changed
     std::vector<std::uint32_t> excluded{};  // numbers of the copies that are left dark
@@ -83,7 +83,7 @@ class ProgressRecord {
 
   std::filesystem::path path_;
   FileDescriptor file_;
-  std::uint64_t number_ = 0;  // of the latest copy
+  std::uint64_t number_ = 0;  // the latest copy's
 };
 
 }  // namespace contourd

@@ -64,7 +64,7 @@ struct PrintStops {
 
 // A copy that was excluded from the rest of a print.
 struct Exclusion {
-  std::size_t number = 0;  // of the plate's copies, from 0
+  std::size_t number = 0;  // number among the plate's copies, from 0
   std::string copy;        // its name
   std::int32_t layer = 0;  // the first layer without it, from 0
 };

@@ -69,7 +69,7 @@ std::optional<Speeds> speeds_of(const ContinuousForecast& forecast) {
   return speeds;
 }
 
-// What follows from a speed.
+// The consequences of a speed.
 struct Gel {
   double margin, gap_um, through_um;
 };

@@ -25,11 +25,11 @@
 #include "daemon/ctl/models/print_subject.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
-#include "daemon/print/rise_forecast.hpp"
-#include "daemon/report/rise_forecast_text.hpp"
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
+#include "daemon/print/rise_forecast.hpp"
 #include "daemon/report/job_picture.hpp"
+#include "daemon/report/rise_forecast_text.hpp"
 #include "daemon/system/readable.hpp"
 #include "hw/clock.hpp"
 

@@ -220,7 +220,8 @@ class View {
     const bool dark = status_.value("dark", false);
     const std::string by_hand = text_of(part_of(status_, "manual"), "state");
     if (dark) return add("light", "off", kLight);
-    if (state() == "exposing" || state() == "rising" || by_hand == "lit") return add("light", "ON", kLight, Ink::Alarm);
+    if (state() == "exposing" || state() == "rising" || by_hand == "lit")
+      return add("light", "ON", kLight, Ink::Alarm);
     if (state() == "igniting" || by_hand == "igniting") return add("light", "turning on", kLight, Ink::Alarm);
     add("light", "not confirmed off", kLight, Ink::Alarm);
   }

@@ -28,7 +28,7 @@ std::size_t left_of(const std::vector<SupportPrimitive>& primitives, bool first,
 TEST_CASE("The supports of a copy that is no longer printed go, and those of others stay") {
   std::vector<SupportPrimitive> primitives;
   add_tree(primitives, -5, -5);
-  add_tree(primitives, 0, 2);  // its pillar stands between the copies
+  add_tree(primitives, 0, 2);  // the pillar stands between the copies
   add_tree(primitives, 5, 6);
   CHECK(left_of(primitives, true, true) == 9);
   CHECK(left_of(primitives, false, true) == 6);

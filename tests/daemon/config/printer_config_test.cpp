@@ -191,7 +191,8 @@ TEST_CASE("a print may go on by itself after a power cut only with the limit swi
   printer["after_power_cut"] = "resume";
   const Complaints complaints = PrinterFolder(printer).complaints();
   REQUIRE(complaints.size() == 1);
-  CHECK(complaints.front().find("/after_power_cut: \"resume\" needs z_axis/homes_upwards") != std::string::npos);
+  CHECK(complaints.front().find("/after_power_cut: \"resume\" needs z_axis/homes_upwards") !=
+        std::string::npos);
   printer["z_axis"].update({{"homes_upwards", true}, {"switch_height_mm", 160}});
   CHECK(PrinterFolder(printer).load().resumes_after_power_cut);
   CHECK(PrinterFolder(printer).load().simulated.axis.homes_upwards);
