@@ -14,7 +14,7 @@
 
 namespace {
 
-using S = ContinuousState;
+using C = ContinuousState;
 
 constexpr std::int32_t kFirstLayers = 2;
 constexpr std::int32_t kAllLayers = 20;
@@ -120,7 +120,7 @@ class ContinuousPrintFixture final : public Machine, public PrintObserver {
     screen.presented = [this](TimePoint at) {
       const Nanometers cut = process.shown().cut_at;
       cut_on_screen = cut;
-      if (process.continuous_state() != S::Rising) return;
+      if (process.continuous_state() != C::Rising) return;
       const Nanometers plate = printer.z_axis().height_at(at + screen.frame() / 2).value();
       farthest_cut = std::max(farthest_cut, std::abs((cut - plate).count()));
       wrong_masks += reference.mask_at(cut) == *screen.on_screen ? 0 : 1;
@@ -145,11 +145,11 @@ class ContinuousPrintFixture final : public Machine, public PrintObserver {
     const bool lit = printer.light_is_on();
     lit_unknown = lit_unknown || (lit && !process.light_may_be_on());
     lit_black = lit_black || (lit && printer.screen_is_black());
-    if (!lit || process.continuous_state() != S::Rising) return;
+    if (!lit || process.continuous_state() != C::Rising) return;
     const Nanometers plate = printer.z_axis().height().value();
     farthest_lit = std::max(farthest_lit, std::abs((plate - cut_on_screen).count()));
   }
-  bool run_to(S state) {
+  bool run_to(C state) {
     while (process.continuous_state() != state) {
       if (!step()) return false;
     }
@@ -157,7 +157,7 @@ class ContinuousPrintFixture final : public Machine, public PrintObserver {
   }
   // Runs on within a rise, until the plate has reached this height in the light.
   bool run_to_height(double mm) {
-    while (!(process.continuous_state() == S::Rising && in_mm(printer.z_axis().height().value()) >= mm)) {
+    while (!(process.continuous_state() == C::Rising && in_mm(printer.z_axis().height().value()) >= mm)) {
       if (!step()) return false;
     }
     return true;
@@ -204,13 +204,13 @@ class ContinuousPrintFixture final : public Machine, public PrintObserver {
   ContinuousPrint process;
 };
 
-constexpr S kRisingStates[] = {S::Lowering,  S::Settling, S::Showing, S::Igniting, S::Rising, S::Braking,
-                               S::Darkening, S::Lifting,  S::Paused,  S::Parking,  S::Ending};
+constexpr C kRisingStates[] = {C::Lowering,  C::Settling, C::Showing, C::Igniting, C::Rising, C::Braking,
+                               C::Darkening, C::Lifting,  C::Paused,  C::Parking,  C::Ending};
 
 // Brings a print into a state.
-void bring_to(ContinuousPrintFixture& fixture, S state) {
+void bring_to(ContinuousPrintFixture& fixture, C state) {
   fixture.process.start(cone_plan());
-  if (state == S::Braking || state == S::Paused) {
+  if (state == C::Braking || state == C::Paused) {
     REQUIRE(fixture.run_to_height(0.3));
     fixture.process.pause();
   }
@@ -258,8 +258,8 @@ TEST_CASE("Each mask that a rise shows is the core's mask for the plate's height
     CAPTURE(speed);
     ContinuousPrintFixture fixture;
     fixture.process.start(cone_plan(speed));
-    REQUIRE(fixture.run_to(S::Rising));
-    REQUIRE(fixture.run_to(S::Parking));
+    REQUIRE(fixture.run_to(C::Rising));
+    REQUIRE(fixture.run_to(C::Parking));
     CHECK(fixture.frames > 250);  // 0.9 mm, in steps of up to twice 1.8 um
     CHECK(fixture.wrong_masks == 0);
     CHECK(fixture.farthest_cut <= 1'250);  // a microstep
@@ -282,11 +282,11 @@ TEST_CASE("A plan without a rise is printed layer by layer, as by the layered mo
 }
 
 TEST_CASE("In every state of a rise, a cancellation turns the light off at once and parks the plate") {
-  for (const S state : kRisingStates) {
+  for (const C state : kRisingStates) {
     CAPTURE(name_of(state));
     ContinuousPrintFixture fixture;
     bring_to(fixture, state);
-    const bool ends = state == S::Parking || state == S::Ending;
+    const bool ends = state == C::Parking || state == C::Ending;
     CHECK(fixture.process.can_cancel() == !ends);
     fixture.process.cancel();
     CHECK_FALSE(fixture.process.shows_mask());
@@ -299,14 +299,14 @@ TEST_CASE("In every state of a rise, a cancellation turns the light off at once 
 }
 
 TEST_CASE("In every state of a rise, a fault ends the print with the light off") {
-  for (const S state : kRisingStates) {
+  for (const C state : kRisingStates) {
     CAPTURE(name_of(state));
     ContinuousPrintFixture fixture;
     bring_to(fixture, state);
     fixture.process.fail("the chip is gone");
     CHECK(fixture.printer.screen_is_black());
     fixture.run_out();
-    const bool ended = state == S::Ending;
+    const bool ended = state == C::Ending;
     CHECK(fixture.ends == std::vector{ended ? PrintOutcome::Done : PrintOutcome::Failed});
     CHECK(fixture.reason == (ended ? "" : "the chip is gone"));
     CHECK(fixture.dangers() == "");
@@ -315,7 +315,7 @@ TEST_CASE("In every state of a rise, a fault ends the print with the light off")
 
 TEST_CASE(
     "In every state of a rise, an interruption turns dark and waits, and the print resumes to its end") {
-  for (const S state : kRisingStates) {
+  for (const C state : kRisingStates) {
     for (const bool by_user : {false, true}) {
       CAPTURE(name_of(state), by_user);
       ContinuousPrintFixture fixture;
@@ -324,14 +324,14 @@ TEST_CASE(
       CHECK((by_user || fixture.printer.screen_is_black()));
       fixture.run_out();
       if (fixture.ends.empty()) {
-        CHECK(fixture.process.continuous_state() == S::Paused);
+        CHECK(fixture.process.continuous_state() == C::Paused);
         CHECK_FALSE(fixture.printer.light_is_on());
         CHECK(fixture.process.interruption() == (by_user ? "" : "the lid was opened"));
         REQUIRE(fixture.process.can_resume());
         fixture.process.resume();
         fixture.run_out();
       } else {
-        CHECK((state == S::Darkening || state == S::Lifting || state == S::Parking || state == S::Ending));
+        CHECK((state == C::Darkening || state == C::Lifting || state == C::Parking || state == C::Ending));
       }
       CHECK(fixture.ends == std::vector{PrintOutcome::Done});
       CHECK(fixture.layers.size() == kAllLayers);
@@ -348,11 +348,11 @@ TEST_CASE("A pause within a rise takes effect at once, and the rise goes on from
   CHECK(fixture.process.next_pause() == "now");
   const Nanometers paused_at = fixture.printer.z_axis().height().value();
   fixture.process.pause();
-  REQUIRE(fixture.run_to(S::Lifting));
-  REQUIRE(fixture.run_to(S::Paused));
+  REQUIRE(fixture.run_to(C::Lifting));
+  REQUIRE(fixture.run_to(C::Paused));
   CHECK(in_mm(fixture.printer.z_axis().height().value()) > 30);
   fixture.process.resume();
-  REQUIRE(fixture.run_to(S::Rising));
+  REQUIRE(fixture.run_to(C::Rising));
   // 0.1 mm/s is braked within less than a microstep.
   CHECK(std::abs((fixture.printer.z_axis().height().value() - paused_at).count()) <= 1'250);
   fixture.run_out();
@@ -373,12 +373,12 @@ TEST_CASE("A pause that was planned ahead takes effect within the rise, at its l
     fixture.process.pause_at(std::int32_t{8});
   }
   REQUIRE(fixture.process.planned_pause());
-  REQUIRE(fixture.run_to(S::Braking));
+  REQUIRE(fixture.run_to(C::Braking));
   const double height = in_mm(fixture.printer.z_axis().height().value());
   CHECK(height >= 8 * in_mm(testing::kBoxLayer));
   CHECK(height < 8.2 * in_mm(testing::kBoxLayer));  // a refresh later, at 0.1 mm/s
   CHECK_FALSE(fixture.process.planned_pause());
-  REQUIRE(fixture.run_to(S::Paused));
+  REQUIRE(fixture.run_to(C::Paused));
   fixture.process.resume();
   fixture.run_out();
   CHECK(fixture.ends == std::vector{PrintOutcome::Done});
@@ -401,17 +401,17 @@ TEST_CASE(
     "What is set in the first layers or the rise of a continuous print holds for the moves that follow") {
   ContinuousPrintFixture fixture;
   fixture.process.start(cone_plan());
-  REQUIRE(fixture.run_to(S::Layering));
+  REQUIRE(fixture.run_to(C::Layering));
   PrintSettings settings = fixture.process.settings();
   settings.motion.lift = Nanometers{2'500'000};
   SECTION("In the last of the first layers") {
     while (fixture.process.layer() + 1 < kFirstLayers)
       REQUIRE(fixture.step());
     fixture.process.set(settings);
-    REQUIRE(fixture.run_to(S::Rising));
+    REQUIRE(fixture.run_to(C::Rising));
   }
   SECTION("In the rise") {
-    REQUIRE(fixture.run_to(S::Rising));
+    REQUIRE(fixture.run_to(C::Rising));
     fixture.process.set(settings);
   }
   CHECK(fixture.process.settings().motion.lift == Nanometers{2'500'000});
@@ -447,7 +447,7 @@ TEST_CASE("A lid that opens within a rise turns the light off at once") {
     REQUIRE(fixture.step());
   CHECK(fixture.clock.now() - opened <= 20ms);  // the projector's reply
   fixture.run_out();
-  CHECK(fixture.process.continuous_state() == S::Paused);
+  CHECK(fixture.process.continuous_state() == C::Paused);
 }
 
 TEST_CASE("A display that shows masks too late counts as missed, and interrupts the rise before 5 um") {
@@ -462,7 +462,7 @@ TEST_CASE("A display that shows masks too late counts as missed, and interrupts 
   CHECK(frame_figures(fixture.layers).missed > 10);
   REQUIRE(fixture.interruptions.size() == 1);
   CHECK(testing::lacking(fixture.interruptions[0], {"too old", "5 um"}).empty());
-  CHECK(fixture.process.continuous_state() == S::Paused);
+  CHECK(fixture.process.continuous_state() == C::Paused);
   CHECK(fixture.dangers() == "");
   fixture.screen.late_by = 0;
   fixture.process.resume();
@@ -477,7 +477,7 @@ TEST_CASE("A mask that takes too long is missed: the loop does not wait, and the
   fixture.process.start(cone_plan(0.1, gate));
   REQUIRE(fixture.run_to_height(0.2));
   gate->closed = fixture.threaded.threads_take_time = true;
-  while (fixture.process.continuous_state() == S::Rising)
+  while (fixture.process.continuous_state() == C::Rising)
     REQUIRE(fixture.step());
   gate->closed = fixture.threaded.threads_take_time = false;
   gate->gate.release(1'000);
@@ -497,7 +497,7 @@ TEST_CASE("A plate that a disturbance has stopped, or an axis that refuses the r
     REQUIRE(fixture.run_to_height(0.5));
     fixture.printer.z_axis().stop();
     fixture.run_out();
-    CHECK(fixture.process.continuous_state() == S::Paused);
+    CHECK(fixture.process.continuous_state() == C::Paused);
     CHECK(fixture.interruptions == std::vector<std::string>{"a disturbance has stopped the plate"});
     CHECK(fixture.dangers() == "");
     fixture.process.resume();
