@@ -4,6 +4,9 @@
 
 #include <string_view>
 
+#include "daemon/json/json_document.hpp"
+#include "daemon/json/json_section.hpp"
+
 namespace contourd {
 namespace {
 

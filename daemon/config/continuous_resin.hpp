@@ -5,11 +5,12 @@
 #include <optional>
 
 #include "core/geometry/units.hpp"
-#include "daemon/json/json_document.hpp"
-#include "daemon/json/json_section.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd {
+
+class JsonDocument;
+class JsonSection;
 
 // The section `continuous` of a resin's profile.
 struct ContinuousResin {
