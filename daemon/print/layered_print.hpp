@@ -43,7 +43,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   [[nodiscard]] LayeredState layered_state() const { return MachineProcess::state(); }
   [[nodiscard]] bool pause_pending() const override { return pause_wanted_; }
   [[nodiscard]] const std::optional<PausePoint>& planned_pause() const override { return planned_pause_; }
-  [[nodiscard]] std::string_view why_fixed(std::string_view) const override { return ""; }
+  [[nodiscard]] std::string_view why_fixed(std::string_view what) const override;
   [[nodiscard]] PrintSettings settings() const override;
   [[nodiscard]] std::string_view next_pause() const override;
   [[nodiscard]] bool can_resume() const override;
