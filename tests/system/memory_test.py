@@ -225,9 +225,10 @@ class EndedInReading(MemoryTest):
         self.start_again(daemon)
         daemon.wait_refused("second")
         self.assert_refused(daemon, "second")
-        self.assertIn("interrupted", daemon.read("failed", "first.reason.txt"))
-        daemon.rpc("resume")
+        self.assertEqual(daemon.status()["interrupted"]["job"], "first")
+        daemon.rpc("plate_cleared")
         daemon.wait_state("exposing")
+        self.assertIn("interrupted", daemon.read("failed", "first.reason.txt"))
         self.assertEqual(daemon.status()["job"]["name"], "third")
         # The user has the model read again.
         os.rename(daemon.file("failed", "second.stl"), daemon.file("incoming", "second.stl"))

@@ -241,7 +241,7 @@ class Refusal(PlateTest):
 
 
 class Interruption(PlateTest):
-    def test_a_killed_plate_is_found_in_failed_at_the_next_start(self):
+    def test_a_killed_plate_waits_as_a_whole_until_the_plate_is_cleared(self):
         daemon = self.printing("first.stl", CUBE, **WAITS)
         daemon.cancel("first")
         daemon.rpc("plate_cleared")
@@ -250,13 +250,14 @@ class Interruption(PlateTest):
         self.assertEqual(daemon.names_in("printing"), ["plate.of.two"])
         daemon.kill()
         daemon.start()
-        self.assertEqual(daemon.names_in("printing"), [])
-        self.assertTrue(daemon.has("failed", "plate.of.two", "post.stl"))
+        self.assertEqual(daemon.names_in("printing"), ["plate.of.two"])
+        status = daemon.status()
+        self.assertEqual((status["plate_job"], status["interrupted"]["job"]), ("plate.of.two", "plate.of.two"))
+        daemon.rpc("plate_cleared")
+        wait_until(lambda: daemon.has("failed", "plate.of.two", "post.stl"), "the plate in failed")
         self.assertIn("interrupted", daemon.read("failed", "plate.of.two.reason.txt"))
-        self.assertEqual(daemon.status()["plate_job"], "plate.of.two")
         # The plate is printed again when it is put back unchanged.
         os.rename(daemon.file("failed", "plate.of.two"), daemon.file("incoming", "again"))
-        daemon.rpc("plate_cleared")
         daemon.wait_state("exposing")
         daemon.process.send_signal(signal.SIGTERM)
         self.assertEqual(daemon.process.wait(30), 0)
