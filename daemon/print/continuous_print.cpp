@@ -72,7 +72,8 @@ void ContinuousPrint::set(const PrintSettings& settings) {
 }
 
 void ContinuousPrint::exclude(ExcludedCopy copy) {
-  expects(under_way() && layering(), "the plate does not rise");
+  expects(under_way(), "a print is under way");
+  expects(layering(), "copies are left dark in the first layers");
   layers_.exclude(std::move(copy));
 }
 

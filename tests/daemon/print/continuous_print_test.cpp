@@ -7,6 +7,7 @@
 
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
+#include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/print/box_print.hpp"
 #include "tests/hw/plain_devices.hpp"
@@ -418,6 +419,8 @@ TEST_CASE(
   CHECK(fixture.process.why_fixed("lift").empty());
   CHECK_FALSE(fixture.process.why_fixed("exposure").empty());
   CHECK_FALSE(fixture.process.why_fixed("copies").empty());
+  CHECK(contract_broken_by([&] { fixture.process.exclude({}); }) ==
+        "copies are left dark in the first layers");
 }
 
 TEST_CASE("A dry run of a continuous print makes its moves and masks, and never has light") {

@@ -84,6 +84,7 @@ TEST_CASE("The functions of PrintMode for a print under way require that a print
   CHECK(contract_broken_by([&] { other.job.print().exclude({}); }) == kPrint);
   CHECK(contract_broken_by([&] { other.job.exclude(0); }) == kPrint);
   CHECK(contract_broken_by([&] { (void)process.settings(); }) == kPrint);
+  CHECK(contract_broken_by([&] { (void)process.why_fixed("lift"); }) == kPrint);
   CHECK(contract_broken_by([&] { (void)process.time_left(); }) == kPrint);
 }
 
