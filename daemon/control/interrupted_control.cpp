@@ -67,7 +67,9 @@ Json InterruptedControl::rescue() {
     throw ControlRefusal(fmt::format("the plate cannot be moved: {}", fmt::join(troubles, "; ")));
   const std::string lit = context_.machine.projector().light_off_unconfirmed();
   if (!lit.empty()) throw ControlRefusal("the plate is not moved because the light may be on: " + lit);
-  parts_.manual.raise(way_out(), kNudgeSpeed);
+  const Nanometers way = way_out();
+  parts_.hold.interrupted_moves(way);
+  parts_.manual.raise(way, kNudgeSpeed);
   return parts_.status.status();
 }
 
@@ -77,7 +79,7 @@ Nanometers InterruptedControl::way_out() const {
   const auto& plate = parts_.hold.interrupted()->progress.print.plate;
   if (!plate)
     throw ControlRefusal(
-        "the plate is not lifted: its height was not recorded, and there is no limit switch at the top");
+        "the plate is not lifted: its height is not known, and there is no limit switch at the top");
   const Nanometers room = axis.travel() - plate->most;
   if (room <= Nanometers{}) throw ControlRefusal("the plate may be at the top of its travel already");
   return std::min(context_.config.manual.vat_depth, room);
@@ -90,10 +92,6 @@ void InterruptedControl::go_on(bool trusted, const ControlMethod::Later& later) 
     throw ControlRefusal("the print cannot go on: " + not_ready);
   if (const std::string why = why_not_resumable(interrupted, upwards, trusted); !why.empty())
     throw ControlRefusal("the print cannot go on: " + why);
-  if (trusted && parts_.manual.operations() > 0)
-    throw ControlRefusal(
-        "the print cannot go on: the recorded position cannot be trusted, because the printer was controlled "
-        "by hand since the start of contourd");
   const ClaimedJob::Resumed resumed{interrupted.progress, resume_point(interrupted.progress, trusted)};
   const auto look = [&spool = parts_.spool, &config = context_.config, files = interrupted.files,
                      marks = interrupted.progress.marks]() -> Look {
@@ -130,7 +128,11 @@ void InterruptedControl::looked_at(const ClaimedJob::Resumed& resumed, const Loo
                                    const ControlMethod::Later& later) {
   try {
     if (!look.trouble.empty()) throw ControlRefusal(look.trouble);
-    const JobFiles files = require_interrupted().files;
+    const InterruptedPrint& interrupted = require_interrupted();
+    const JobFiles files = interrupted.files;
+    // The plate may have been moved meanwhile.
+    if (interrupted.progress.print != resumed.progress.print)
+      throw ControlRefusal("the print cannot go on: the plate was moved by hand since the power cut");
     parts_.hold.interrupted_goes_on();
     // A print that has begun was accepted.
     parts_.use.begin({.files = files,

@@ -260,6 +260,7 @@ Json ManualControl::begun_by(const ControlCaller& caller) {
 Json ManualControl::home(const Json& given, const ControlCaller& caller) {
   require_motion_allowed();
   require_way_down(given);
+  parts_.hold.interrupted_moves(std::nullopt);
   process_.home(context_.config.homing_speed);
   return begun_by(caller);
 }
@@ -270,6 +271,7 @@ Json ManualControl::move(const Json& given, const ControlCaller& caller) {
   const Nanometers target = target_of(given);
   const MillimetersPerSecond speed = speed_of(given);
   if (target < context_.machine.z_axis().height()) require_way_down(given);
+  parts_.hold.interrupted_moves(std::nullopt);
   process_.move_to(target, speed);
   return begun_by(caller);
 }
@@ -285,7 +287,9 @@ Json ManualControl::move_unhomed(const Json& given, const ControlCaller& caller)
         fmt::format("by_mm must be a number from {:g} to {:g} mm without a known position", -most, most));
   require_way_down(given);
   const MillimetersPerSecond slow{context_.config.homing_speed.count() / 2};
-  process_.nudge(to_nanometers(Millimeters{distance}).value_or(Nanometers{}), std::min(slow, kNudgeSpeed));
+  const Nanometers way = to_nanometers(Millimeters{distance}).value_or(Nanometers{});
+  parts_.hold.interrupted_moves(way);
+  process_.nudge(way, std::min(slow, kNudgeSpeed));
   return begun_by(caller);
 }
 
@@ -293,6 +297,7 @@ Json ManualControl::motor_off(const Json&, const ControlCaller&) {
   require_free();
   if (!context_.machine.z_axis().release())
     throw ControlRefusal("the motor stays on: no enable line is configured, or the line cannot be set");
+  parts_.hold.interrupted_moves(std::nullopt);
   return parts_.status.status();
 }
 

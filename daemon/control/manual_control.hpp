@@ -47,7 +47,7 @@ class ManualControl {
   using Json = ControlMethod::Json;
 
   struct Parts {
-    const QueueHold& hold;
+    QueueHold& hold;
     const CurrentJob& job;
     const JobScheduler& scheduler;
     const PrinterStatus& status;

@@ -19,6 +19,18 @@ struct SetValue {
   void operator()(std::promise<void>* promise) const { promise->set_value(); }
 };
 
+// Writes the progress of an interrupted print, and returns why that failed; empty if it did not.
+std::string write_anew(const std::filesystem::path& file, const JobProgress& progress) {
+  try {
+    ProgressRecord record(file);
+    record.go_on();
+    record.write(progress);
+    return "";
+  } catch (const std::system_error& error) {
+    return error.what();
+  }
+}
+
 void keep_on_disk(const StateRecords& records, const std::optional<std::string>& occupant,
                   const std::optional<std::string>& reason) {
   records.set_plate_occupant(occupant);
@@ -44,6 +56,8 @@ void QueueHold::adopt_left_jobs(const std::function<bool(const JobFiles&)>& ende
   // The last process has filed the others.
   for (const JobEndRecord::Pending& each : spool_.ends().pending())
     if (!left.contains(each.end.job)) spool_.ends().files_taken(each.end.job);
+  // A job of the same name must not be taken for the recorded one.
+  if (!interrupted_) ProgressRecord(progress_file(context_.config.spool_folder)).end();
   if (interrupted_ || !unfiled_.empty()) keep_now();
 }
 
@@ -95,7 +109,25 @@ bool QueueHold::await_decision(const JobFiles& files, JobEnd& end) {
 void QueueHold::give_up_interrupted() {
   if (!interrupted_) return;
   const JobFiles files = std::exchange(interrupted_, std::nullopt)->files;
+  spool_.run(
+      [file = progress_file(context_.config.spool_folder)] {
+        ProgressRecord(file).end();
+        return true;
+      },
+      [](bool) {});
   add_unfiled(files, spool_.ends().end_of(files.name).value_or(interruption(new_job_key(), files.name)));
+}
+
+void QueueHold::interrupted_moves(std::optional<Nanometers> distance) {
+  if (!interrupted_) return;
+  move_by_hand(interrupted_->progress.print, distance);
+  spool_.run([file = progress_file(context_.config.spool_folder),
+              progress = interrupted_->progress] { return write_anew(file, progress); },
+             [this](const std::string& trouble) {
+               if (!trouble.empty())
+                 context_.log.error("progress",
+                                    "cannot record that the plate was moved by hand: " + printable(trouble));
+             });
 }
 
 JobEnd QueueHold::end_of_left(const std::string& job, bool ended_in_reading) {

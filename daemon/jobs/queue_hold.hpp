@@ -37,6 +37,9 @@ class QueueHold {
   [[nodiscard]] const std::optional<InterruptedPrint>& interrupted() const { return interrupted_; }
   // Files the interrupted print, which the user gives up. Does nothing if there is none.
   void give_up_interrupted();
+  // Records that the plate of the interrupted print is moved by hand by this distance, or by an unknown one,
+  // so that the print does not go on. Does nothing if there is none.
+  void interrupted_moves(std::optional<Nanometers> distance);
   // Forgets the interrupted print, which goes on. The queue stays held until release().
   void interrupted_goes_on() { interrupted_.reset(); }
 

@@ -22,10 +22,12 @@ enum class PrintPhase : std::uint8_t {
   Paused,
   Parking,  // the print is over; the plate moves up
   Rising,   // a continuous print, from the move down before the rise to the pause or parking after it
+  Moved,    // a power cut ended the print, and the plate was moved by hand since
 };
 template <>
-inline constexpr auto kNames<PrintPhase> = names_to<PrintPhase::Rising>(
-    "starting, lowering, before the light, lit, lifting, raising, paused, parking, rising");
+inline constexpr auto kNames<PrintPhase> = names_to<PrintPhase::Moved>(
+    "starting, lowering, before the light, lit, lifting, raising, paused, parking, rising, "
+    "moved by hand");
 
 struct PrintProgress {
   PrintPhase phase = PrintPhase::Starting;

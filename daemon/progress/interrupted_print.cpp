@@ -29,6 +29,8 @@ std::string describe_phase(PrintPhase phase) {
       return "while the plate rose at the end";
     case PrintPhase::Rising:
       return "within its rise";
+    case PrintPhase::Moved:
+      return "and moved by hand since";
   }
   return "?";
 }
@@ -52,6 +54,8 @@ std::string describe(const JobProgress& progress) {
 
 std::string why_not_resumable(const InterruptedPrint& interrupted, bool homes_upwards, bool trusted) {
   const PrintProgress& print = interrupted.progress.print;
+  if (print.phase == PrintPhase::Moved)
+    return "the plate was moved by hand since the power cut; \"contourctl plate-cleared\" gives the print up";
   if (print.phase == PrintPhase::Parking || (print.exposed && print.layer + 1 >= interrupted.progress.layers))
     return "the print was over: all that it lacks is the plate's way up";
   if (print.phase == PrintPhase::Rising)
@@ -69,6 +73,14 @@ std::string why_not_resumable(const InterruptedPrint& interrupted, bool homes_up
            "moved after the one before";
   if (!is_at_rest(print)) return "the recorded position cannot be trusted: the plate was moving";
   return "";
+}
+
+void move_by_hand(PrintProgress& print, std::optional<Nanometers> distance) {
+  print.phase = PrintPhase::Moved;
+  if (!distance) print.plate.reset();
+  if (!print.plate) return;
+  auto& [least, most] = *print.plate;
+  (*distance < Nanometers{} ? least : most) += *distance;
 }
 
 ResumePoint resume_point(const JobProgress& progress, bool trusted) {

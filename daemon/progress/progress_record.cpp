@@ -8,13 +8,14 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
-#include <fstream>
 #include <limits>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "daemon/print/print_settings.hpp"
 #include "daemon/system/durable_file.hpp"
+#include "daemon/system/regular_file.hpp"
 
 namespace contourd {
 namespace {
@@ -166,13 +167,28 @@ std::array<Copy, 2> copies_in(const std::string& text) {
   return copies;
 }
 
+// Returns the record's text; empty if there is no record. Throws std::system_error.
 std::string text_in(const std::filesystem::path& path) {
-  constexpr std::size_t kMost = ProgressRecord::kCopyDistance + ProgressRecord::kCopyBytes;
-  std::ifstream file(path, std::ios::binary);
-  std::string text(kMost, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+  std::string text(ProgressRecord::kCopyDistance + ProgressRecord::kCopyBytes, '\0');
+  try {
+    const FileDescriptor file = open_regular_file(path, Links::Refuse);
+    const ssize_t got = ::pread(file.get(), text.data(), text.size(), 0);
+    if (got < 0) throw std::system_error(errno, std::generic_category(), "it cannot be read");
+    text.resize(static_cast<std::size_t>(got));
+  } catch (const UnreadableFile& unreadable) {
+    if (unreadable.code() != std::errc::no_such_file_or_directory) throw;
+    text.clear();
+  }
   return text;
+}
+
+// Returns the record's copies, and why it cannot be read; empty if it can.
+std::pair<std::array<Copy, 2>, std::string> copies_at(const std::filesystem::path& path) {
+  try {
+    return {copies_in(text_in(path)), ""};
+  } catch (const std::system_error& error) {
+    return {{}, fmt::format("{} cannot be used: {}", path.string(), error.what())};
+  }
 }
 
 }  // namespace
@@ -184,12 +200,11 @@ std::uint64_t checksum_of(std::string_view bytes, std::uint64_t before) {
 }
 
 ProgressRecord::Found ProgressRecord::read() const {
-  const std::array<Copy, 2> copies = copies_in(text_in(path_));
-  const auto any = [&copies](Copy::State state) {
+  auto [copies, trouble] = copies_at(path_);
+  const auto any = [&copies = copies](Copy::State state) {
     return std::ranges::find(copies, state, &Copy::state) != copies.end();
   };
   const bool any_valid = any(Copy::State::Valid);
-  std::string trouble;
   if (any(Copy::State::OtherVersion) && !any_valid)
     trouble = fmt::format("{} is of another version of contourd", path_.string());
   else if (any(Copy::State::Damaged) || any(Copy::State::OtherVersion))

@@ -6,7 +6,7 @@ import time
 import unittest
 
 from harness import (
-    BAD_USAGE, FAILED, NIMBLE_RESIN, OK, REALTIME, SLAB, SpoolTest, binary_stl, cube, read_png, realtime, wait_until, wedge,
+    BAD_USAGE, FAILED, NIMBLE_RESIN, OK, REALTIME, SLAB, SpoolTest, binary_stl, contents, cube, read_png, realtime, wait_until, wedge,
 )  # fmt: skip
 
 PHASES = ("lowering", "before the light", "lit", "lifting", "raising", "paused", "parking")
@@ -142,10 +142,78 @@ class Rescue(PowerCutTest):
                 self.assertEqual((status["manual"]["operations"], status["manual"]["problem"]), (1, None))
                 self.assertEqual((status["interrupted"]["layer"], status["plate_job"]), (2, name))
                 # The plate stands elsewhere now.
-                self.assert_refusal(daemon.ctl("resume", "--trust-position", "--yes"), FAILED, "controlled by hand")
+                self.assert_refusal(daemon.ctl("resume", "--trust-position", "--yes"), FAILED, "moved by hand")
                 daemon.rpc("plate_cleared")
                 wait_until(lambda: daemon.has("failed", f"{name}.stl"), "the job in failed")
                 self.assert_refusal(daemon.ctl("rescue"), FAILED, "no print was interrupted")
+                daemon.stop()
+
+    def test_a_part_that_was_lifted_out_is_not_printed_on_even_after_a_restart(self):
+        for policy, axis, options in (("hold", {}, ("--trust-position", "--yes")), ("resume", SWITCH_AT_THE_TOP, ())):
+            with self.subTest(policy):
+                daemon = self.cut_in_layer_2(policy, z_axis=axis)
+                daemon.config["after_power_cut"] = policy
+                daemon.write_config()
+                self.assertEqual(daemon.ctl("rescue").returncode, OK)
+                wait_until(lambda: daemon.status()["manual"]["state"] == "idle", "the end of the rescue")
+                daemon.stop()
+                daemon.start("--pace", "fast")
+                found = daemon.status()["interrupted"]
+                self.assertEqual((found["layer"], found["phase"], found["trust"]), (2, "moved by hand", None))
+                self.assertGreater(found["most_height_mm"], 1)
+                self.looks_pass(daemon)
+                self.assert_still(daemon)
+                self.assert_refusal(daemon.ctl("resume", *options), FAILED, "the plate was moved by hand since the power cut")
+                daemon.rpc("plate_cleared")
+                wait_until(lambda: daemon.has("failed", f"{policy}.stl"), "the job in failed")
+                daemon.stop()
+
+    def test_a_move_by_hand_ends_what_is_known_of_the_position_even_after_a_restart(self):
+        daemon = self.cut_in_layer_2()
+        self.assertNotIn("error", daemon.rpc("move", unhomed=True, by_mm=1, plate_is_clear=True))
+        wait_until(lambda: daemon.status()["manual"]["state"] == "idle", "the end of the move")
+        for _ in range(2):
+            self.assert_refusal(daemon.ctl("resume", "--trust-position", "--yes"), FAILED, "the plate was moved by hand")
+            daemon.stop()
+            daemon.start("--pace", "fast")
+        self.assertEqual(daemon.ctl("rescue").returncode, OK)
+
+
+class Record(PowerCutTest):
+    def test_the_record_of_a_print_that_was_given_up_is_not_that_of_a_later_job_of_its_name(self):
+        for given_up in (True, False):
+            with self.subTest(given_up=given_up):
+                daemon = self.cut_in_layer_2()
+                record = os.path.join(daemon.state_folder, "print-progress")
+                if given_up:
+                    daemon.rpc("plate_cleared")
+                    wait_until(lambda: not os.path.exists(record), "the record to be removed")
+                    daemon.stop()
+                    self.assertTrue(daemon.has("failed", "part.stl"))
+                else:
+                    daemon.kill()
+                    os.rename(daemon.file("printing", "part.stl"), daemon.file("failed", "part.stl"))
+                    daemon.start("--pace", "fast")
+                    self.assertIsNone(daemon.status()["interrupted"])
+                    daemon.stop()
+                self.assertFalse(os.path.exists(record))
+                os.unlink(daemon.file("failed", "part.stl"))
+
+    def test_a_record_that_is_not_a_file_is_reported_and_nothing_moves(self):
+        for kind in ("FIFO", "folder", "link"):
+            with self.subTest(kind):
+                daemon = self.cut_in_layer_2(kind)
+                daemon.kill()
+                record = os.path.join(daemon.state_folder, "print-progress")
+                os.rename(record, self.path("record"))
+                {"FIFO": os.mkfifo, "folder": os.mkdir, "link": lambda path: os.symlink(self.path("record"), path)}[kind](record)
+                daemon.start("--pace", "fast")
+                self.assertIn("print-progress cannot be used: it is ", daemon.log())
+                self.assertIn(f"{kind} was interrupted", daemon.status()["held"])
+                self.assertIsNone(daemon.status()["interrupted"])
+                self.assert_still(daemon)
+                self.assertTrue(daemon.has("failed", f"{kind}.stl"))
+                daemon.rpc("plate_cleared")
                 daemon.stop()
 
 

@@ -146,6 +146,9 @@ TEST_CASE("An interrupted print goes on only from a position that is known witho
   CHECK(why_not_resumable(interrupted_in(print), false, true).ends_with("the plate was moving"));
   print.plate.reset();
   CHECK(why_not_resumable(interrupted_in(print), true, true).ends_with("the plate was moving"));
+  move_by_hand(print, std::nullopt);
+  CHECK(why_not_resumable(interrupted_in(print), true, false).starts_with("the plate was moved by hand"));
+  print.phase = PrintPhase::Lit;
   print.exposed = true;
   print.layer = kLayers - 1;
   CHECK(why_not_resumable(interrupted_in(print), true, false).starts_with("the print was over"));

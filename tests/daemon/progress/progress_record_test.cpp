@@ -1,5 +1,7 @@
 #include "daemon/progress/progress_record.hpp"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -145,4 +147,19 @@ TEST_CASE("A progress is described by its layer, its phase and the plate's heigh
   progress.print.plate->most = Nanometers{5'600'000};
   CHECK(describe(progress) ==
         "in layer 12 of 200, while the plate rose, with the plate between 0.600 and 5.600 mm");
+  move_by_hand(progress.print, Nanometers{-100'000});
+  move_by_hand(progress.print, Nanometers{2'000'000});
+  CHECK(describe(progress) ==
+        "in layer 12 of 200, and moved by hand since, with the plate between 0.500 and 7.600 mm");
+  move_by_hand(progress.print, std::nullopt);
+  move_by_hand(progress.print, Nanometers{2'000'000});
+  CHECK(describe(progress) == "in layer 12 of 200, and moved by hand since");
+}
+
+TEST_CASE("A record that is not a file is reported and not used, and reading it does not wait") {
+  RecordFixture fixture;
+  REQUIRE(::mkfifo(fixture.file.c_str(), 0600) == 0);
+  CHECK(fixture.record.read().trouble.ends_with("print-progress cannot be used: it is not a regular file"));
+  std::filesystem::remove(fixture.file);
+  CHECK(fixture.record.read().trouble.empty());
 }
