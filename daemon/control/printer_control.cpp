@@ -8,6 +8,7 @@
 #include <optional>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "core/layers/layers.hpp"
 #include "daemon/control/setting_bounds.hpp"
@@ -49,6 +50,13 @@ Nanometers last_bottom(const JobSummary& summary) {
   return to_nanometers(Millimeters{summary.height_mm}).value_or(Nanometers{}) - layers.thinnest;
 }
 
+std::vector<ControlParameter> pause_parameters() {
+  return {ControlParameter::whole_number("at_layer", 1, kMaxLayers,
+                                         "the layer before which the print pauses, from 1"),
+          ControlParameter::number("at_mm", 0, kMostHeight, "mm",
+                                   "the height of the part at which the print pauses")};
+}
+
 }  // namespace
 
 using Json = PrinterControl::Json;
@@ -60,6 +68,15 @@ ControlMethods PrinterControl::methods() {
         .call = [this, method](const Json&, const ControlCaller&) { return (this->*method)(); },
         .changes = true};
   };
+  using Later = ControlMethod::Later;
+  const auto changes_later = [this](const char* description, void (PrinterControl::*method)(Later)) {
+    return ControlMethod{.description = description,
+                         .changes = true,
+                         .call_later = [this, method](const Json&, const ControlCaller&, Later later) {
+                           (this->*method)(std::move(later));
+                           return std::nullopt;
+                         }};
+  };
   return {
       {"status",
        {.description = "Reports the printer's current activity, the waiting jobs and the reasons.",
@@ -67,10 +84,7 @@ ControlMethods PrinterControl::methods() {
       {"pause",
        {.description = "Pauses the print after the current layer, before the first one, or at the point that "
                        "a parameter names: the plate goes up and the print waits.",
-        .parameters = {ControlParameter::whole_number("at_layer", 1, kMaxLayers,
-                                                      "the layer before which the print pauses, from 1"),
-                       ControlParameter::number("at_mm", 0, kMostHeight, "mm",
-                                                "the height of the part at which the print pauses")},
+        .parameters = pause_parameters(),
         .call = [this](const Json& parameters, const ControlCaller&) { return pause(parameters); },
         .changes = true}},
       {"set",
@@ -94,19 +108,17 @@ ControlMethods PrinterControl::methods() {
         .parameters = {ControlParameter::text("copy", "the copy's number or name, see `copies`").needed()},
         .call = [this](const Json& parameters, const ControlCaller&) { return exclude(parameters); },
         .changes = true}},
-      {"resume", changes("Continues a paused or interrupted print, withdraws a requested pause that has not "
-                         "begun, or releases a held queue.",
-                         &PrinterControl::resume)},
+      {"resume",
+       changes_later("Continues a paused or interrupted print, withdraws a requested pause that has not "
+                     "begun, or releases a held queue.",
+                     &PrinterControl::resume)},
       {"cancel", changes("Ends the current print: light off, plate up, the job under `failed/`.",
                          &PrinterControl::cancel)},
       {"plate_cleared",
-       {.description = "Confirms that the plate is clear, and that the user has checked the printer if "
-                       "the queue was held.",
-        .changes = true,
-        .call_later = [this](const Json&, const ControlCaller&, ControlMethod::Later later) {
-          plate_cleared(std::move(later));
-          return std::nullopt;
-        }}}};
+       changes_later(
+           "Confirms that the plate is clear, and that the user has checked the printer if the queue "
+           "was held.",
+           &PrinterControl::plate_cleared)}};
 }
 
 Json PrinterControl::pause(const Json& parameters) {
@@ -217,16 +229,30 @@ PausePoint PrinterControl::pause_point(const Json& parameters) const {
   return height;
 }
 
-Json PrinterControl::resume() {
+void PrinterControl::resume(ControlMethod::Later later) {
   if (hold_.interrupted() && !has_unfinished_job()) throw ControlRefusal(hold_.sentence());
-  if (hold_.reason() && !has_unfinished_job()) return resume_queue();
+  if (hold_.reason() && !has_unfinished_job()) return later(resume_queue());
+  require_resumable();
+  job_.leave_pause([this, later = std::move(later)](bool recorded) {
+    try {
+      if (!recorded)
+        throw ControlRefusal(
+            "the print stays paused: the disk does not answer, and after a power cut the plate would be "
+            "taken to be where it is now");
+      require_resumable();
+      hold_.release();
+      job_.print().resume();
+      later(status_.status());
+    } catch (const ControlRefusal& refusal) {
+      later(refusal);
+    }
+  });
+}
+
+void PrinterControl::require_resumable() const {
   require_print("resume");
-  PrintMode& print = job_.print();
-  if (!print.can_resume()) throw ControlRefusal("the print is not paused");
+  if (!job_.print().can_resume()) throw ControlRefusal("the print is not paused");
   require_ready("the print");
-  hold_.release();
-  print.resume();
-  return status_.status();
 }
 
 Json PrinterControl::resume_queue() {

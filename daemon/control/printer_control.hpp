@@ -37,7 +37,7 @@ class PrinterControl {
   // Returns the copies on the plate.
   [[nodiscard]] Json copies() const;
   // Resumes the print, or the queue if it is held and nothing prints.
-  Json resume();
+  void resume(ControlMethod::Later later);
   // Cancels the current job.
   Json cancel();
   // Notes that the user has removed the part, and lets the queue go on.
@@ -46,6 +46,8 @@ class PrinterControl {
 
  private:
   Json resume_queue();
+  // Throws ControlRefusal unless the print can be resumed now.
+  void require_resumable() const;
   [[nodiscard]] bool has_unfinished_job() const;
   [[nodiscard]] PausePoint pause_point(const Json& parameters) const;
   // Returns the layer from which on a change holds, from 0; throws ControlRefusal if no layer follows.

@@ -76,6 +76,8 @@ class CurrentJob final : private PrintObserver {
   // Leaves a copy dark from the next layer on, and records this. `number` is its place in copies_of(), from
   // 0. REQUIRES: a print under way, and such a copy.
   void exclude(std::size_t number);
+  // See ProgressKeeper.
+  void leave_pause(ProgressKeeper::Left left) { progress_.leave_pause(std::move(left)); }
   // Cancels its print, which must not be over, or prevents it from beginning. REQUIRES: a job.
   void cancel();
   // Ends a print under way: turns the light off and moves its files to failed/. Prevents the print of a job

@@ -239,6 +239,8 @@ void LayeredPrint::performed(LayeredEvent event) {
   if (event == LayeredEvent::PictureDue) return;
   if (is_in(LayeredState::Showing)) observer_.light_due();
   observer_.state_changed(state());
+  // A pause that ends at once is none: its height must not be trusted after a power cut.
+  if (is_in(LayeredState::Paused) && resume_wanted_) return;
   if (const std::optional<PrintPhase> phase = this->phase()) observer_.progressed(progress(*phase));
 }
 

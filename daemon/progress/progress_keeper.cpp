@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <utility>
@@ -13,6 +14,8 @@ namespace {
 
 // A write that takes longer while the print goes on is reported.
 constexpr std::chrono::seconds kSlowWrite{1};
+// The end of a pause waits for the disk at most this long.
+constexpr std::chrono::seconds kMostPatience{10};
 
 // Calls `change`, and returns why it failed; empty if it did not.
 template <typename Change>
@@ -29,7 +32,8 @@ std::string trouble_of(const Change& change) {
 
 ProgressKeeper::ProgressKeeper(EventLoop& loop, const Log& log, std::filesystem::path file,
                                std::function<bool()> lit)
-    : log_(log),
+    : loop_(loop),
+      log_(log),
       lit_(std::move(lit)),
       record_(std::make_shared<ProgressRecord>(std::move(file))),
       worker_(loop, "contourd-place") {}
@@ -99,12 +103,33 @@ void ProgressKeeper::write() {
 
 void ProgressKeeper::written(const std::string& trouble) {
   writing_ = false;
-  if (!progress_) return;
-  if (trouble.empty()) return write();
+  if (!progress_) return answer_left(true);
+  if (trouble.empty()) {
+    write();
+    if (!writing_) answer_left(true);
+    return;
+  }
   if (!std::exchange(reported_, true))
     log_.error("progress", fmt::format("the progress of the print cannot be recorded, so that it could not "
                                        "go on after a power cut: {}",
                                        printable(trouble)));
+  answer_left(true);
+}
+
+void ProgressKeeper::leave_pause(Left left) {
+  if (!progress_ || progress_->print.phase != PrintPhase::Paused) return left(true);
+  answer_left(false);
+  left_ = std::move(left);
+  left_deadline_ = loop_.at(std::chrono::steady_clock::now() + kMostPatience, "a pause's end",
+                            [this] { answer_left(false); });
+  PrintProgress leaving = progress_->print;
+  if (leaving.plate) leaving.plate->least = std::min(leaving.bottom, leaving.plate->most);
+  keep(leaving);
+}
+
+void ProgressKeeper::answer_left(bool recorded) {
+  left_deadline_.reset();
+  if (const Left left = std::exchange(left_, nullptr)) left(recorded);
 }
 
 void ProgressKeeper::end() {

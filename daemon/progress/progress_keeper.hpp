@@ -30,6 +30,12 @@ class ProgressKeeper {
   void keep(const PrintProgress& print);
   // Records what was changed in the print. Does nothing while no print is recorded.
   void change(JobProgress::Changes changes);
+  // Receives true once the call is due, or false if the disk has not answered for some seconds.
+  using Left = std::function<void(bool recorded)>;
+  // Records that the plate leaves the height of a pause, and calls `left` when the disk has that or has
+  // refused it: otherwise, after a power cut, the height of the pause would be trusted while the plate is far
+  // below. Calls it at once if no pause is recorded.
+  void leave_pause(Left left);
   // Removes the record: the print is over.
   void end();
 
@@ -37,7 +43,9 @@ class ProgressKeeper {
   void begin_writing();
   void write();
   void written(const std::string& trouble);
+  void answer_left(bool recorded);
 
+  EventLoop& loop_;
   const Log& log_;
   std::function<bool()> lit_;
   // Used by the worker's thread only, once it was given to it.
@@ -46,7 +54,9 @@ class ProgressKeeper {
   bool writing_ = false, waiting_ = false;
   std::chrono::steady_clock::time_point write_began_{};
   bool reported_ = false;  // a disk that is slow or refuses the record, for this print
-  Worker worker_;          // last: its thread ends before what its tasks use
+  Left left_;              // while the disk is waited for
+  EventLoop::SourcePtr left_deadline_;
+  Worker worker_;  // last: its thread ends before what its tasks use
 };
 
 }  // namespace contourd

@@ -217,6 +217,48 @@ class Record(PowerCutTest):
                 daemon.stop()
 
 
+class Pause(PowerCutTest):
+    def paused(self):
+        daemon = self.daemon(realtime(z_axis={"travel_mm": 50}), {**SLOW, "bottom_exposure_ms": 100}).start()
+        daemon.begin("part.stl", RAMP)
+        daemon.rpc("pause")
+        daemon.wait_state("paused")
+        return daemon
+
+    def test_the_plate_leaves_the_height_of_a_pause_only_once_the_record_says_so(self):
+        daemon = self.paused()
+        record = os.path.join(daemon.state_folder, "print-progress")
+        client = daemon.client()
+        with daemon.held_thread("contourd-place"):
+            before = contents(record)
+            client.send(b'{"jsonrpc": "2.0", "id": 1, "method": "resume"}\n')
+            time.sleep(0.5)
+            self.assertEqual((daemon.status()["state"], contents(record)), ("paused", before))
+        self.assertNotIn("error", client.wait_for(lambda message: message.get("id") == 1, "the reply"))
+        self.wait_layer(daemon, 2, "exposing")
+
+    def test_a_print_stays_paused_if_the_disk_does_not_answer(self):
+        daemon = self.paused()
+        with daemon.held_thread("contourd-place"):
+            self.assertIn("the disk does not answer", daemon.rpc("resume")["error"]["message"])
+            self.assertEqual(daemon.status()["state"], "paused")
+        self.assertNotIn("error", daemon.rpc("resume"))
+        self.wait_layer(daemon, 2, "exposing")
+
+    def test_after_a_cut_as_a_pause_ends_its_height_is_not_trusted(self):
+        daemon = self.paused()
+        self.assertIsNotNone(self.cut(daemon)["interrupted"]["trust"])
+        daemon.rpc("plate_cleared")
+        wait_until(lambda: not daemon.names_in("printing"), "the job to be filed")
+        daemon.begin("next.stl", RAMP)
+        daemon.rpc("pause")
+        daemon.wait_state("paused")
+        self.assertNotIn("error", daemon.rpc("resume"))
+        found = self.cut(daemon)["interrupted"]
+        self.assertLess(found["least_height_mm"], 1)
+        self.assertIsNone(found["trust"])
+
+
 class Resume(PowerCutTest):
     def test_a_print_goes_on_only_from_a_known_position_and_is_the_same_but_for_its_seam(self):
         for name, axis, options in (("bottom", {}, ("--trust-position", "--yes")), ("top", SWITCH_AT_THE_TOP, ())):

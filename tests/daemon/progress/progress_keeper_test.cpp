@@ -116,3 +116,34 @@ TEST_CASE("A print goes on if its progress cannot be recorded, which is reported
   }));
   CHECK(fixture.log.count("cannot be recorded") == 1);
 }
+
+TEST_CASE("The end of a pause waits until the record no longer trusts the height of the pause") {
+  KeeperFixture fixture;
+  fixture.begin();
+  bool left = false;
+  const auto leave = [&] { fixture.keeper.leave_pause([&](bool recorded) { left = recorded; }); };
+  leave();
+  CHECK(left);
+  PrintProgress paused = in_layer(2, PrintPhase::Paused);
+  paused.plate = PrintProgress::Heights{Nanometers{30'000'000}, Nanometers{30'000'000}};
+  fixture.keeper.keep(paused);
+  REQUIRE(fixture.recorded_in(2, PrintPhase::Paused));
+  REQUIRE(is_at_rest(fixture.recorded()->print));
+  left = false;
+  leave();
+  CHECK_FALSE(left);
+  CHECK(testing::run_loop_until(fixture.loop, [&] { return left; }));
+  CHECK(fixture.recorded()->print.plate ==
+        PrintProgress::Heights{Nanometers{100'000}, Nanometers{30'000'000}});
+}
+
+TEST_CASE("A disk that refuses the record does not keep a print paused") {
+  KeeperFixture fixture;
+  fixture.file = fixture.folder.path() / "missing" / "print-progress";
+  ProgressKeeper keeper(fixture.loop, fixture.log.log, fixture.file, [] { return false; });
+  keeper.begin({.job = "part", .layers = 20, .print = in_layer(0, PrintPhase::Paused)},
+               [] { return JobMarks{}; });
+  bool left = false;
+  keeper.leave_pause([&](bool recorded) { left = recorded; });
+  CHECK(testing::run_loop_until(fixture.loop, [&] { return left; }));
+}
