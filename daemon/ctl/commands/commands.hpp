@@ -14,7 +14,9 @@ void add_status(Command& program);
 void add_queue(Command& program);
 // Adds history, usage and replaced.
 void add_history(Command& program);
-// Adds preflight, pause, set, exclude, resume, cancel, plate-cleared and rescue.
+// Checks a waiting job and the printer before the first light.
+void add_preflight(Command& program);
+// Adds pause, set, exclude, resume, cancel, plate-cleared and rescue.
 void add_print_control(Command& program);
 void add_resume(Command& program);
 // Lifts the part of an interrupted print out of the resin.

@@ -114,6 +114,8 @@ int check_before_print(const ClientOptions& client, const std::string& job) {
   return answer["result"].value("verdict", "") == "refuse" ? kFailed : kOk;
 }
 
+}  // namespace
+
 void add_preflight(Command& program) {
   Command& command = program.add("preflight", "Check the printer and a waiting job before its first light");
   auto& job = command.arguments<std::string>();
@@ -122,10 +124,7 @@ void add_preflight(Command& program) {
   command.run = [&client, &job] { return check_before_print(client, job); };
 }
 
-}  // namespace
-
 void add_print_control(Command& program) {
-  add_preflight(program);
   add_pause(program);
   add_set(program);
   add_exclude(program);
