@@ -68,7 +68,8 @@ std::string other_masks(const PrintSubject& subject, const RecordedPrint& record
   std::size_t others = 0, worst = 0;
   double most = 0;
   for (std::size_t layer = 0; layer < recorded.areas_mm2.size(); ++layer) {
-    const double off = std::abs(lit_pixels[layer] * pixel_mm2 - recorded.areas_mm2[layer]);
+    const double area_mm2 = lit_pixels[layer] * pixel_mm2;
+    const double off = std::abs(area_mm2 - recorded.areas_mm2[layer].value_or(area_mm2));
     if (off <= pixel_mm2) continue;
     ++others;
     if (off <= most) continue;

@@ -75,7 +75,9 @@ RecordedPrint recorded_print(const Json& report) {
     record.exposure_least = exposure(layer, "exposure_least_ms");
     record.exposure_most = exposure(layer, "exposure_most_ms");
     record.dark_confirmed = layer.at("dark_confirmed").get<bool>();
-    print.areas_mm2.push_back(number(layer, "area_mm2", 0, 1e9));
+    const double area_mm2 = number(layer, "area_mm2", 0, 1e9);
+    print.areas_mm2.push_back(layer.value("frames", Json()).is_null() ? std::optional(area_mm2)
+                                                                      : std::nullopt);
   }
   if (records.empty()) throw ModelError("no layer was exposed");
   const std::optional<PrintedLight> light =

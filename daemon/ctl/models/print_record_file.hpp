@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,8 @@ struct RecordedPrint {
   std::string job, outcome;
   Undersides undersides = Undersides::Plain;  // as they were exposed
   PrintedLight light;
-  std::vector<double> areas_mm2;  // that were lit, by layer
+  // Lit areas by layer; nullopt for a slice of a rise, which several masks lit.
+  std::vector<std::optional<double>> areas_mm2;
   std::int64_t unfound_undersides = 0;
 };
 
