@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "daemon/progress/interrupted_print.hpp"
 #include "daemon/spool/reading_record.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -161,12 +162,14 @@ void QueueHold::release() {
 
 std::string QueueHold::sentence() const {
   if (!reason_) return "";
-  if (interrupted_)
+  if (interrupted_) {
+    const bool can_go_on = why_not_resumable(*interrupted_, true, false).empty();
     return fmt::format(
-        "the queue is held: {}; its part hangs on the plate: \"contourctl resume\" continues the print, "
-        "\"contourctl rescue\" lifts the part out, \"contourctl plate-cleared\" gives the print up once the "
-        "plate is clear",
-        printable(*reason_));
+        "the queue is held: {}; its part hangs on the plate: {}, \"contourctl rescue\" lifts the part out, "
+        "\"contourctl plate-cleared\" gives the print up once the plate is clear",
+        printable(*reason_),
+        can_go_on ? "\"contourctl resume\" continues the print" : "the print cannot go on");
+  }
   const bool plate_too = context_.config.wait_for_plate_cleared && plate_occupant_;
   return fmt::format("the queue is held: {}; check the printer{}, then run \"contourctl {}\"",
                      printable(*reason_), plate_too ? " and clear the plate" : "",
