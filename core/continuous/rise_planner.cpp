@@ -10,8 +10,6 @@
 namespace contourd {
 namespace {
 
-constexpr Nanometers kLowestRise{1'000'000};
-
 // A slab of a rise: the speeds that hold in all of it.
 struct Stage {
   Nanometers bottom, top;

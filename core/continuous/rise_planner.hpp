@@ -12,6 +12,9 @@
 
 namespace contourd {
 
+// The plate does not rise by less, unless after a rest within a rise.
+inline constexpr Nanometers kLowestRise{1'000'000};
+
 // Bounds on the speed of a print's rises.
 struct RiseBounds {
   LitResin lit{};

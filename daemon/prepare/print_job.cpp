@@ -153,14 +153,7 @@ class Preparation {
       return;
     }
     job_.plan.rise = rise_to_top(std::move(rises), subject, resin.continuous.value());
-    if (!job_.plan.rise)
-      throw JobRefused(
-          fmt::format("the plate cannot rise to the top, {:.2f} mm, without a stop, because the last section "
-                      "is too wide for "
-                      "the resin to flow in: contourctl analyze --mode continuous shows the plan; turn the "
-                      "model, or print in "
-                      "layers (\"mode\": \"layered\")",
-                      in_mm(subject.top)));
+    if (!job_.plan.rise) throw JobRefused(why_no_rise(subject, resin));
     const Nanometers bottom = job_.plan.rise->plan.points.front().height;
     constexpr Nanometers kWorthTelling{1'000'000};
     if (bottom - resin.continuous->layered > kWorthTelling)

@@ -236,11 +236,12 @@ void ContinuousPrint::performed(ContinuousEvent) {
   if (is_in(ContinuousState::Layering)) return;
   if (is_in(ContinuousState::Showing)) observer_.light_due();
   observer_.state_changed(state());
-  if (is_in({ContinuousState::Lowering, ContinuousState::Paused, ContinuousState::Parking}))
+  if (is_in({ContinuousState::Lowering, ContinuousState::Lifting, ContinuousState::Paused,
+             ContinuousState::Parking}))
     report_progress();
 }
 
-// Reports the bounds of the plate's height until it pauses or parks.
+// Reports the bounds of the plate's height until the next report.
 void ContinuousPrint::report_progress() {
   PrintProgress progress;
   progress.phase = is_in(ContinuousState::Parking) ? PrintPhase::Parking : PrintPhase::Rising;
@@ -252,7 +253,8 @@ void ContinuousPrint::report_progress() {
     progress.plate = {*height, *height};
     if (is_in(ContinuousState::Lowering))
       progress.plate = {std::min(*height, rise_.points.front().height),
-                        std::clamp(rise_.points.back().height + kLookUp, *height, axis.travel())};
+                        std::max(*height, rise_.points.back().height)};
+    if (is_in(ContinuousState::Lifting)) progress.plate->most = std::min(*height + kLookUp, axis.travel());
     if (is_in(ContinuousState::Parking)) progress.plate->most = axis.travel();
   }
   observer_.progressed(progress);
@@ -451,7 +453,7 @@ void ContinuousPrint::report_slice(bool complete) {
   record_.complete = complete && !plan_->dry;
   record_.frames = frames_->take_figures();
   record_.mask_time = record_.frames.longest_cut;
-  record_.area_mm2 = frames_->lit_pixels() * plan_->pixel_area_mm2;
+  record_.area_mm2 = frames_->take_lit_pixels() * plan_->pixel_area_mm2;
   observer_.layer_done(record_);
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
+#include "daemon/print/rise_frames.hpp"
 
 namespace contourd {
 namespace {
@@ -19,9 +20,21 @@ LitResin lit_resin(const ResinProfile& resin, const ContinuousMachine& machine) 
   return {cure.curve, MilliwattsPerCm2{machine.irradiance_mw_cm2}, cure.dead_zone};
 }
 
+// Returns how far the plate may move within a refresh, so that no mask gets further from it than RiseFrames
+// allows. A mask that is less than a mask step old is not replaced, so one that stays for another refresh is
+// up to both from the plate, in whole microsteps; and the mask at rest is replaced after 2.5 refreshes. 0 or
+// less if microsteps or mask steps are too coarse.
+Micrometers most_a_refresh(const ContinuousResin& continuous, const ContinuousMachine& machine) {
+  const double farthest_um = in_mm(RiseFrames::kFarthest) * 1000, step_um = machine.microstep.count();
+  const double microsteps =
+      std::floor(farthest_um / step_um) - std::ceil(continuous.mask_step.count() / step_um) + 1;
+  return Micrometers{std::min(microsteps * step_um, farthest_um / 2.5)};
+}
+
 MillimetersPerSecond fastest(const ResinProfile& resin, const ContinuousMachine& machine) {
   const ContinuousResin& continuous = resin.continuous.value();
-  const MillimetersPerSecond by_masks{to_millimeters(continuous.mask_step).count() * machine.masks_per_s};
+  const Micrometers a_refresh = std::min(continuous.mask_step, most_a_refresh(continuous, machine));
+  const MillimetersPerSecond by_masks{to_millimeters(a_refresh).count() * machine.masks_per_s};
   return std::min({by_masks, machine.top_speed.value_or(by_masks), continuous.fastest});
 }
 
@@ -71,6 +84,7 @@ void add_stretch(const RisePoint& from, const RisePoint& to, bool begins,
 ContinuousMachine continuous_machine(const PrinterConfig& printer) {
   return {.irradiance_mw_cm2 = printer.irradiance_mw_cm2,
           .masks_per_s = 1 / std::chrono::duration<double>(printer.simulated.display.frame).count(),
+          .microstep = Micrometers{1000 / printer.simulated.axis.microsteps_per_mm},
           .top_speed = printer.top_speed,
           .acceleration = printer.simulated.axis.acceleration,
           .mask_budget = printer.mask_budget};
@@ -81,6 +95,14 @@ std::string continuous_refusal(const ResinProfile& resin, const ContinuousMachin
   if (!missing.empty()) return missing;
   constexpr double kSecondsPerHour = 3600;
   const ContinuousResin& continuous = *resin.continuous;
+  if (most_a_refresh(continuous, machine).count() <= 0)
+    return fmt::format(
+        "a plate that moves in microsteps of {:.3g} um cannot rise with a mask for every {:g} um of the "
+        "resin "
+        "{}, because no mask may be more than {:.0f} um from it: lower the resin's continuous/mask_step_um, "
+        "use more microsteps, or print in layers",
+        machine.microstep.count(), continuous.mask_step.count(), resin.name,
+        in_mm(RiseFrames::kFarthest) * 1000);
   const MillimetersPerSecond cure = cure_speed(lit_resin(resin, machine), continuous.margin);
   const MillimetersPerSecond most = std::min(cure, fastest(resin, machine));
   if (most >= continuous.slowest) return "";
@@ -128,6 +150,20 @@ std::optional<PlannedRise> rise_to_top(std::vector<RisePlan> rises, const Contin
   return PlannedRise{.plan = std::move(rises.back()),
                      .first_layers = static_cast<std::int32_t>(layers),
                      .mask_step = Nanometers{std::llround(resin.mask_step.count() * 1000)}};
+}
+
+std::string why_no_rise(const ContinuousSubject& subject, const ResinProfile& resin) {
+  const Nanometers layers = end_of_layers(resin, subject.layer);
+  if (subject.top - layers < kLowestRise)
+    return fmt::format(
+        "a print of {:.2f} mm is too low for a continuous one: above its first layers, {:.2f} mm, the plate "
+        "would have to rise {:.0f} mm: print it in layers (\"mode\": \"layered\")",
+        in_mm(subject.top), in_mm(layers), in_mm(kLowestRise));
+  return fmt::format(
+      "the plate cannot rise to the top, {:.2f} mm, without a stop, because the last section is too wide for "
+      "the resin to flow in, or the window's oxygen lasts for too short a rise: contourctl analyze --mode "
+      "continuous shows the plan; turn the model, or print in layers (\"mode\": \"layered\")",
+      in_mm(subject.top));
 }
 
 std::vector<ContinuousRange> ranges_of(std::span<const RisePlan> rises, std::span<const Nanometers> layers,

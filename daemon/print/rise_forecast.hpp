@@ -20,6 +20,7 @@ namespace contourd {
 struct ContinuousMachine {
   double irradiance_mw_cm2 = 0;
   double masks_per_s = 0;  // one a refresh
+  Micrometers microstep{};
   std::optional<MillimetersPerSecond> top_speed{};
   MillimetersPerSecondSquared acceleration{};
   Duration mask_budget{};
@@ -53,6 +54,9 @@ struct ContinuousSubject {
 [[nodiscard]] std::optional<PlannedRise> rise_to_top(std::vector<RisePlan> rises,
                                                      const ContinuousSubject& subject,
                                                      const ContinuousResin& resin);
+
+// Returns a sentence with the reason why a print has no rise_to_top().
+[[nodiscard]] std::string why_no_rise(const ContinuousSubject& subject, const ResinProfile& resin);
 
 // A range of heights that is printed in one way.
 struct ContinuousRange {

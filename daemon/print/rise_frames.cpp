@@ -26,6 +26,12 @@ void RiseFrames::stop() {
   hand_over_.reset();
 }
 
+double RiseFrames::take_lit_pixels() {
+  const double sum = std::exchange(lit_sum_, 0);
+  const std::int64_t masks = std::exchange(lit_masks_, 0);
+  return masks > 0 ? sum / static_cast<double>(masks) : lit_pixels_;
+}
+
 TimePoint RiseFrames::next_vblank() const {
   const Duration frame = machine_.display().frame();
   return vblank_ + ((clock_.now() - vblank_) / frame + 1) * frame;
@@ -72,25 +78,28 @@ void RiseFrames::refresh() {
   if (stops != stops_) return;
   const Duration frame = machine_.display().frame();
   const TimePoint vblank = next_vblank();
-  const std::optional<Nanometers> then = machine_.z_axis().height_at(vblank);
   const std::optional<Nanometers> height = machine_.z_axis().height_at(vblank + frame / 2);
-  if (!then || !height) return calls_.unsafe(kUnknownHeight);
+  if (!height) return calls_.unsafe(kUnknownHeight);
+  const bool is_new = apart(*height, shown_.cut_at) >= plan_.rise->mask_step;
+  if (is_new && !masks_.busy()) masks_.begin(*height);
+  hand_over_ = clock_.call_at(vblank - frame / 2, [this, vblank, is_new] { hand_over(vblank, is_new); });
+  refresh_ = clock_.call_at(vblank, [this] { refresh(); });
+}
+
+// Half a refresh before the vblank, the display has told which mask is on the screen. The next look at it is
+// a refresh later, and until then this mask may stay.
+void RiseFrames::hand_over(TimePoint vblank, bool is_new) {
+  const Duration frame = machine_.display().frame();
+  const std::optional<Nanometers> then = machine_.z_axis().height_at(vblank + frame / 2);
+  if (!then) return calls_.unsafe(kUnknownHeight);
   if (apart(*then, on_screen_) > kFarthest) {
     return calls_.unsafe(
         fmt::format("the mask on the screen is too old: {} masks were missed, and the plate "
                     "would be more than {:.0f} um from it",
                     figures_.missed, in_mm(kFarthest) * 1e3));
   }
-  if (apart(*height, shown_.cut_at) >= plan_.rise->mask_step) {
-    if (!masks_.busy()) masks_.begin(*height);
-    hand_over_ = clock_.call_at(vblank - frame / 2, [this, vblank] { hand_over(vblank); });
-  }
-  refresh_ = clock_.call_at(vblank, [this] { refresh(); });
-}
-
-void RiseFrames::hand_over(TimePoint vblank) {
+  if (!is_new) return;
   if (!masks_.ready()) return missed(1);
-  const Duration frame = machine_.display().frame();
   present([this, vblank, frame](TimePoint at) {
     vblank_ = at;
     missed(static_cast<std::uint32_t>(std::max<std::int64_t>((at - vblank + frame / 2) / frame, 0)));
@@ -109,6 +118,8 @@ void RiseFrames::present(std::function<void(TimePoint)> presented) {
         fmt::format("the mask at {:.3f} mm was abandoned: {}", in_mm(cut.height), cut.trouble));
   }
   lit_pixels_ = cut.lit_area;
+  lit_sum_ += cut.lit_area;
+  ++lit_masks_;
   shown_ = {&cut.mask, shown_.number + 1, plan_.job, shown_.layer, cut.height};
   machine_.display().show(
       cut.mask, [this, stops = stops_, presented = std::move(presented)](std::optional<TimePoint> at) {

@@ -41,7 +41,8 @@ class RiseFrames {
 
   // Returns the mask that was passed to the display last.
   [[nodiscard]] const ShownMask& shown() const { return shown_; }
-  [[nodiscard]] double lit_pixels() const { return lit_pixels_; }
+  // Returns the mean lit area, in pixels, of the masks since the last call, or that of the last mask.
+  [[nodiscard]] double take_lit_pixels();
   // Returns the figures since the last call.
   [[nodiscard]] FrameFigures take_figures() { return std::exchange(figures_, {}); }
 
@@ -49,7 +50,7 @@ class RiseFrames {
   void await_first(std::function<void()> shown);
   void present(std::function<void(TimePoint)> presented);
   void refresh();
-  void hand_over(TimePoint vblank);
+  void hand_over(TimePoint vblank, bool is_new);
   void missed(std::uint32_t frames) { figures_.missed += frames; }
   [[nodiscard]] TimePoint next_vblank() const;
 
@@ -60,7 +61,9 @@ class RiseFrames {
   Calls calls_;
   ShownMask shown_;
   Nanometers on_screen_{};  // the cut of the mask that is on the screen
-  double lit_pixels_ = 0;
+  double lit_pixels_ = 0;   // of the last mask
+  double lit_sum_ = 0;      // of the masks since the last take_lit_pixels()
+  std::int64_t lit_masks_ = 0;
   FrameFigures figures_;
   TimePoint vblank_{};       // a refresh, from which the others are counted
   std::uint64_t stops_ = 0;  // answers of the display from before the last stop are ignored

@@ -44,6 +44,7 @@ ContourEngine cone_engine(std::shared_ptr<const SectionSource> beside = nullptr)
 PrintPlan cone_plan(double speed_mm_s = 0.1, std::shared_ptr<const SectionSource> beside = nullptr) {
   PrintPlan plan = testing::box_plan(kAllLayers);
   plan.job = "cone";
+  plan.pixel_area_mm2 = 0.01;
   plan.engine = std::make_unique<ContourEngine>(cone_engine(std::move(beside)));
   const auto point = [](double height_mm, double speed) {
     return RisePoint{Nanometers{std::llround(height_mm * 1e6)}, MillimetersPerSecond{speed}, RiseLimit::Cure};
@@ -249,6 +250,11 @@ TEST_CASE("A continuous print prints its first layers, then rises in the light t
     lit += layer.exposure_most;
     CHECK(layer.frames.shown >= 15);  // at 1.7 um a refresh, each second one has changed by 2 um
     CHECK(layer.frames.missed == 0);
+    // A slice's area is the mean of its masks', so that volumes are right: the middle section's, but for the
+    // last mask step.
+    const double middle_mm2 =
+        fixture.reference.mask_at(layer.mask_height).lit_area() * cone_plan().pixel_area_mm2;
+    CHECK(layer.area_mm2 == Approx(middle_mm2).margin(0.2));
   }
   const auto planned = std::chrono::duration_cast<Duration>(duration(cone_plan().rise->plan));
   CHECK(std::chrono::abs(lit - planned) < 100ms);  // light on and off at the ends
@@ -268,6 +274,17 @@ TEST_CASE("Each mask that a rise shows is the core's mask for the plate's height
     CHECK(frame_figures(fixture.layers).missed == 0);
     CHECK(frame_figures(fixture.layers).farthest.count() == fixture.farthest_cut);
   }
+}
+
+TEST_CASE("A rise at the highest speed that masks allow, 2 um a refresh, is not interrupted") {
+  ContinuousPrintFixture fixture;
+  PrintPlan plan = cone_plan(0.12);
+  plan.rise->plan.points[1].height = plan.rise->plan.points[0].height + Nanometers{10'000};
+  fixture.process.start(std::move(plan));
+  fixture.run_out();
+  CHECK(fixture.interruptions == std::vector<std::string>{});
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  CHECK(fixture.dangers() == "");
 }
 
 TEST_CASE("A plan without a rise is printed layer by layer, as by the layered mode alone") {

@@ -25,6 +25,7 @@ inline ResinProfile window_resin() {
 
 inline constexpr ContinuousMachine kWindowPrinter{.irradiance_mw_cm2 = 4,
                                                   .masks_per_s = 60,
+                                                  .microstep = Micrometers{1.25},
                                                   .acceleration = MillimetersPerSecondSquared{25},
                                                   .mask_budget = std::chrono::seconds{1}};
 

@@ -28,6 +28,37 @@ TEST_CASE("The speed of the machine is that of its masks, its axis and the profi
   CHECK(rise_bounds(resin, machine).refill.viscosity_pa_s == Approx(0.2));
 }
 
+TEST_CASE("Coarse mask steps and microsteps slow the plate, so that no mask is over 5 um from it") {
+  ResinProfile resin = window_resin();
+  ContinuousMachine machine = kWindowPrinter;
+  const auto a_refresh_um = [&] { return rise_bounds(resin, machine).fastest.count() * 1000 / 60; };
+  resin.continuous->mask_step = Micrometers{3};
+  CHECK(a_refresh_um() == Approx(2));  // 2.5 refreshes from rest to the first new mask
+  resin.continuous->mask_step = Micrometers{4};
+  CHECK(a_refresh_um() == Approx(1.25));
+  machine.microstep = Micrometers{2.5};
+  resin.continuous->mask_step = Micrometers{2};
+  CHECK(a_refresh_um() == Approx(2));
+  resin.continuous->mask_step = Micrometers{3};
+  CHECK(continuous_refusal(resin, machine).empty());
+  machine.microstep = Micrometers{10};
+  CHECK(
+      continuous_refusal(resin, machine) ==
+      "a plate that moves in microsteps of 10 um cannot rise with a mask for every 3 um of the resin clear, "
+      "because no mask may be more than 5 um from it: lower the resin's continuous/mask_step_um, use more "
+      "microsteps, or print in layers");
+}
+
+TEST_CASE("A print without a rise is refused with the reason: too low, or no way up without a stop") {
+  const ResinProfile resin = window_resin();
+  CHECK(
+      why_no_rise({kCoarseDisplay, Nanometers{50'000}, Nanometers{300'000}}, resin) ==
+      "a print of 0.30 mm is too low for a continuous one: above its first layers, 0.95 mm, the plate would "
+      "have to rise 1 mm: print it in layers (\"mode\": \"layered\")");
+  CHECK(lacking(why_no_rise({kCoarseDisplay, Nanometers{50'000}, mm(2)}, resin),
+                {"2.00 mm", "too wide", "oxygen"}) == "");
+}
+
 TEST_CASE("A resin that would rise too slowly everywhere is refused with the figures") {
   ResinProfile resin = window_resin();
   CHECK(continuous_refusal(resin, kWindowPrinter).empty());

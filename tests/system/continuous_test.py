@@ -1,0 +1,58 @@
+"""Continuous prints: profiles that ask for them, rises in the light, reports, and power cuts within a rise."""
+
+import json
+
+from harness import NIMBLE_RESIN, OK, SpoolTest, binary_stl, box, contourctl, realtime, wedge
+
+WINDOW = {
+    "working_curve": {"penetration_depth_um": 150, "critical_energy_mj_cm2": 8, "dead_zone_um": 30, "overcure_um": 50, "bottom_overcure_um": 150},
+    "continuous": {"margin": 4, "window_s": 3600, "recovery_s": 1800, "layered_mm": 0.2},
+    "viscosity_mpa_s": 1, "exposure_ms": None, "bottom_exposure_ms": None, "bottom_layers": 2, "fade_layers": 0, "mode": "continuous",
+}  # fmt: skip
+NEEDLE = binary_stl(box((0, 0, 0), (2, 2, 2)))
+
+
+class Continuous(SpoolTest):
+    def window_daemon(self, config=None, **continuous):
+        resin = json.loads(json.dumps(WINDOW))
+        resin["continuous"] |= continuous
+        return self.daemon(config, resin).start()
+
+    def test_a_rise_at_the_speed_of_the_masks_is_not_interrupted(self):
+        for name, config in (("bright", {"projector": {"irradiance_mw_cm2": 100}}), ("slow", {"display": {"refresh_hz": 10}})):
+            daemon = self.window_daemon(config)
+            report = daemon.printed(f"{name}.stl", NEEDLE)
+            self.assertEqual(report["interruptions"], [])
+            self.assertEqual(report["frames"]["missed"], 0)
+            self.assertAlmostEqual(report["exposed_volume_mm3"], 8, delta=0.05)
+            daemon.stop()
+
+    def test_steps_too_coarse_for_masks_are_refused(self):
+        daemon = self.window_daemon({"z_axis": {"microsteps_per_mm": 100}})
+        self.assert_words(daemon.refused("needle.stl", NEEDLE), "microsteps of 10 um", "mask_step_um")
+
+    def test_a_print_too_low_for_a_rise_is_refused_with_the_reason(self):
+        daemon = self.window_daemon()
+        self.assert_words(daemon.refused("low.stl", binary_stl(box((0, 0, 0), (2, 2, 0.3)))), "too low", "in layers")
+
+    def test_the_cured_part_is_not_compared_with_single_masks_of_a_rise(self):
+        daemon = self.window_daemon()
+        model = binary_stl(wedge(4, 4, 2))
+        report = daemon.printed("wedge.stl", model)
+        self.assertAlmostEqual(report["exposed_volume_mm3"], 16, delta=0.05)
+        result = contourctl("cure", "--json", self.write("wedge.stl", model), "--printer", self.path("contourd.json"),
+                            "--report", daemon.file("done", "wedge.report.json"), expect=OK)  # fmt: skip
+        self.assertNotIn("not those of the print", " ".join(json.loads(result.stdout)["warnings"]))
+
+    def test_after_a_power_cut_within_a_rise_the_part_is_lifted_out_and_nothing_offers_to_resume(self):
+        nimble = {key: value for key, value in NIMBLE_RESIN.items() if "exposure" not in key}
+        daemon = self.daemon(realtime(z_axis={"travel_mm": 30}, projector={"irradiance_mw_cm2": 25}), {**nimble, **WINDOW}).start()
+        daemon.drop("needle.stl", NEEDLE)
+        daemon.wait_state("rising")
+        daemon.kill()
+        daemon.start()
+        held = daemon.rpc("resume")["error"]["message"]
+        self.assertIn("the print cannot go on", held)
+        self.assertNotIn("contourctl resume", held)
+        self.assert_refusal(daemon.ctl("resume", "--trust-position"), 1, "within its rise is not known")
+        daemon.ctl("rescue", expect=OK)
