@@ -219,7 +219,7 @@ class Record(PowerCutTest):
 
 class Pause(PowerCutTest):
     def paused(self):
-        daemon = self.daemon(realtime(z_axis={"travel_mm": 50}), {**SLOW, "bottom_exposure_ms": 100}).start()
+        daemon = self.daemon(realtime(z_axis={"travel_mm": 50}), SLOW).start()
         daemon.begin("part.stl", RAMP)
         daemon.rpc("pause")
         daemon.wait_state("paused")
@@ -324,9 +324,9 @@ class Resume(PowerCutTest):
         self.assertEqual([(each["setting"], each["value"], each["from_layer"]) for each in report["changes"]],
                          [("exposure", 110, 3)])  # fmt: skip
         for mask in self.masks("part"):
-            middle = len(mask[0]) // 2
-            self.assertFalse(any(any(row[:middle]) for row in mask))
-            self.assertTrue(any(any(row[middle:]) for row in mask))
+            middle = mask.width // 2
+            self.assertFalse(any(any(row[:middle]) for row in mask.rows))
+            self.assertTrue(any(any(row[middle:]) for row in mask.rows))
 
     def test_a_print_with_its_switch_at_the_top_goes_on_after_a_cut_at_any_instant(self):
         chance = random.Random(int(os.environ.get("SEED", "1")))
