@@ -252,8 +252,9 @@ std::optional<PrintPhase> LayeredPrint::phase() const {
   return is_in(LayeredState::WarmingUp) ? std::nullopt : phase_of(layered_state());
 }
 
-// Returns the progress of a phase that has just begun.
+// Returns the progress of a phase that has just begun. A cancelled print only moves up.
 PrintProgress LayeredPrint::progress(PrintPhase phase) const {
+  if (canceled_) phase = PrintPhase::Parking;
   PrintProgress progress{
       phase, layer_, bottom_, thickness_, record_.exposure_asked, record_.exposure_most, layer_exposed_, {}};
   const std::optional<Nanometers> height = machine_.z_axis().height();

@@ -47,9 +47,10 @@ struct PrintProgress {
   bool operator==(const PrintProgress&) const = default;
 };
 
-// True if something may stick to the plate.
+// True if something may stick to the plate: the record of a first layer's light may not have reached the disk
+// before the light.
 [[nodiscard]] inline bool has_part(const PrintProgress& progress) {
-  return progress.layer > 0 || progress.phase >= PrintPhase::BeforeLight;
+  return progress.layer > 0 || progress.phase != PrintPhase::Starting;
 }
 // True if the plate rests in this phase.
 [[nodiscard]] inline bool is_at_rest(const PrintProgress& progress) {

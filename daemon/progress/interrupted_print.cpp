@@ -57,7 +57,7 @@ std::string why_not_resumable(const InterruptedPrint& interrupted, bool homes_up
   if (print.phase == PrintPhase::Moved)
     return "the plate was moved by hand since the power cut; \"contourctl plate-cleared\" gives the print up";
   if (print.phase == PrintPhase::Parking || (print.exposed && print.layer + 1 >= interrupted.progress.layers))
-    return "the print was over: all that it lacks is the plate's way up";
+    return "the print was over, or cancelled: all that it lacks is the plate's way up";
   if (print.phase == PrintPhase::Rising)
     return "where the light of a continuous print ended within its rise is not known; \"contourctl rescue\" "
            "lifts "

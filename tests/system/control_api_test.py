@@ -189,6 +189,7 @@ class ControlApiTest(FolderTest):
         daemon.rpc("stop")  # ends the picture
         daemon.begin("cut.stl", SMALL)
         for method, parameters in (("go_on", {"trust_position": True}), ("rescue", {})):
+            wait_until(lambda: daemon.records_a_part(), "the record of the print")
             daemon.kill()
             daemon.start()
             answers[method] = daemon.rpc(method, **parameters)

@@ -570,6 +570,16 @@ class Daemon:
     def state_folder(self):
         return self.environment.get("STATE_DIRECTORY", self.spool + ".state")
 
+    def records_a_part(self):
+        """True if the print's record says that its plate has come down (daemon/progress/progress_record.cpp)."""
+        try:
+            text = contents(os.path.join(self.state_folder, "print-progress"))
+        except FileNotFoundError:
+            return False
+        copies = [text[at + 36:at + 4096].split(b"\0") for at in (0, 65536)]
+        latest = max((copy for copy in copies if copy[0]), key=lambda copy: int(copy[0]), default=None)
+        return latest is not None and latest[7] != b"0"
+
     def kill(self, while_reading=False):
         """Kills the daemon. Waits for the end of a reading first, unless `while_reading`: the next daemon refuses a file during
         whose reading it was killed (daemon/spool/reading_record.hpp)."""

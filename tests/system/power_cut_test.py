@@ -14,8 +14,8 @@ PHASES = ("lowering", "before the light", "lit", "lifting", "raising", "paused",
 QUICK = {**NIMBLE_RESIN, "exposure_ms": 20, "bottom_exposure_ms": 20, "settle_ms": 10, "rest_ms": 10, "lift_mm": 1}
 
 
-# Layers whose light lasts for seconds.
-SLOW = {**QUICK, "exposure_ms": 3000, "bottom_exposure_ms": 3000}
+# Layers whose light lasts for seconds, after a wait in which even a slow disk takes the record.
+SLOW = {**QUICK, "exposure_ms": 3000, "bottom_exposure_ms": 3000, "settle_ms": 500}
 
 
 # A part whose masks differ from layer to layer: 20 layers.

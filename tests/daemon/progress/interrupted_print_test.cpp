@@ -125,6 +125,21 @@ TEST_CASE("A print that was cut at any recorded phase goes on to the same exposu
   CHECK(resumed >= 2 * 6 * (kLayers - 1));
 }
 
+TEST_CASE("A print that is cut while it is being cancelled does not go on") {
+  RecordedPrint print(true);
+  print.run(std::nullopt, 6);
+  REQUIRE(has_part(print.progresses.back()));
+  print.process->cancel();
+  const std::size_t before = print.progresses.size();
+  while (print.clock.run_next()) {
+  }
+  REQUIRE(print.outcome == PrintOutcome::Canceled);
+  REQUIRE(print.progresses.size() > before);
+  for (std::size_t i = before; i < print.progresses.size(); ++i)
+    CHECK(why_not_resumable(interrupted_in(print.progresses[i]), true, false).find("cancelled") !=
+          std::string::npos);
+}
+
 TEST_CASE("An interrupted print goes on only from a position that is known without a move down") {
   PrintProgress print{PrintPhase::BeforeLight,
                       1,
