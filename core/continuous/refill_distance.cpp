@@ -52,8 +52,9 @@ class Areas {
     const double column = area.column_sum / count, row = area.row_sum / count;
     double square = 0;
     for (const std::size_t cell : area.cells) {
-      const double across = static_cast<double>(cell % columns_) - column;
-      const double along = static_cast<double>(cell / columns_) - row;
+      const std::size_t cell_column = cell % columns_, cell_row = cell / columns_;
+      const double across = static_cast<double>(cell_column) - column;
+      const double along = static_cast<double>(cell_row) - row;
       square = std::max(square, across * across + along * along);
     }
     return std::sqrt(square) + kToCorner;
@@ -65,8 +66,9 @@ class Areas {
   void visit(std::size_t cell, Area& area) {
     seen_[cell] = 1;
     area.cells.push_back(cell);
-    area.column_sum += static_cast<double>(cell % columns_);
-    area.row_sum += static_cast<double>(cell / columns_);
+    const std::size_t column = cell % columns_, row = cell / columns_;
+    area.column_sum += static_cast<double>(column);
+    area.row_sum += static_cast<double>(row);
     area.widest = std::max(area.widest, distances_[cell]);
   }
 
