@@ -39,7 +39,7 @@ Limits<double> exposure_bounds(const JobSummary& job, std::int32_t layer) {
   if (const auto* const fixed = std::get_if<FixedExposure>(&resin.exposure))
     for (const ExposureStep& step : fixed->steps)
       keep(step.exposure, resin.limits.exposure);
-  // Rounded inwards, so that a bound that is told is allowed.
+  // Rounded inwards, so that each bound in a message is itself allowed.
   return {std::min(100.0, std::ceil(percent.least * 10) / 10),
           std::max(100.0, std::floor(percent.most * 10) / 10)};
 }

@@ -21,7 +21,7 @@ struct SetValue {
 };
 
 // Writes the progress of an interrupted print, and returns why that failed; empty if it did not.
-std::string write_anew(const std::filesystem::path& file, const JobProgress& progress) {
+std::string write_over(const std::filesystem::path& file, const JobProgress& progress) {
   try {
     ProgressRecord record(file);
     record.go_on();
@@ -123,7 +123,7 @@ void QueueHold::interrupted_moves(std::optional<Nanometers> distance) {
   if (!interrupted_) return;
   move_by_hand(interrupted_->progress.print, distance);
   spool_.run([file = progress_file(context_.config.spool_folder),
-              progress = interrupted_->progress] { return write_anew(file, progress); },
+              progress = interrupted_->progress] { return write_over(file, progress); },
              [this](const std::string& trouble) {
                if (!trouble.empty())
                  context_.log.error("progress",

@@ -32,8 +32,8 @@ ContinuousPrint::ContinuousPrint(Machine& machine, Clock& clock, PrintObserver& 
       layers_(machine, clock, *this) {}
 
 ContinuousPrint::~ContinuousPrint() {
+  make_machine_safe();  // before the wait for the masks' thread
   frames_.reset();
-  make_machine_safe();
 }
 
 void ContinuousPrint::start(PrintPlan plan) {

@@ -11,7 +11,7 @@ namespace contourd {
 
 MaskAhead::MaskAhead(ContourEngine& engine, const Clock& clock, Duration budget)
     : engine_(engine), clock_(clock), budget_(budget), thread_([this] {
-        (void)::pthread_setname_np(::pthread_self(), "masks");
+        (void)::pthread_setname_np(::pthread_self(), "contourd-masks");
         work();
       }) {}
 

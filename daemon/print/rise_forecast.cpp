@@ -98,8 +98,8 @@ std::string continuous_refusal(const ResinProfile& resin, const ContinuousMachin
   if (most_a_refresh(continuous, machine).count() <= 0)
     return fmt::format(
         "a plate that moves in microsteps of {:.3g} um cannot rise with a mask for every {:g} um of the "
-        "resin "
-        "{}, because no mask may be more than {:.0f} um from it: lower the resin's continuous/mask_step_um, "
+        "resin {}, because no mask may be more than {:.0f} um from it: lower the resin's "
+        "continuous/mask_step_um, "
         "use more microsteps, or print in layers",
         machine.microstep.count(), continuous.mask_step.count(), resin.name,
         in_mm(RiseFrames::kFarthest) * 1000);

@@ -9,7 +9,7 @@
 namespace contourd {
 namespace {
 
-const std::string kUnknownHeight = "the plate's position is unknown";
+constexpr const char* kUnknownHeight = "the plate's position is unknown";
 
 Nanometers apart(Nanometers a, Nanometers b) {
   return std::max(a, b) - std::min(a, b);

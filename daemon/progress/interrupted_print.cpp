@@ -95,8 +95,7 @@ std::string describe_trust(const JobProgress& progress, double microsteps_per_mm
   constexpr double kTwoFullSteps = 2 * 16;  // in microsteps
   const double height = progress.print.plate ? millimetres(progress.print.plate->least) : 0;
   return fmt::format(
-      "the plate has stood at {:.3f} mm since {}, was not turned by hand, and the "
-      "motor "
+      "the plate has stood at {:.3f} mm since {}, was not turned by hand, and the motor "
       "settles within 2 full steps of where it stood ({:.0f} um for this screw at 16 microsteps a step)",
       height, iso_time(progress.written), 1000 * kTwoFullSteps / microsteps_per_mm);
 }

@@ -68,7 +68,8 @@ TEST_CASE("What keeps a job waiting refuses, and the reply has the worst verdict
   CHECK(verdict_of("findings", asks, sound()) == Verdict::Refuse);
 }
 
-TEST_CASE("Worn parts, warm resin and findings are told, and a sensor that cannot be read is warned about") {
+TEST_CASE(
+    "Preflight warns of worn parts, findings and a sensor that cannot be read, and reports the temperature") {
   PreflightFacts facts = sound();
   facts.due = {"the film is due"};
   CHECK(verdict_of("wear", checked_job(20), facts) == Verdict::Warn);
