@@ -74,11 +74,10 @@ struct ControlMethod {
   bool changes = false;               // changes the printer; logged with its caller
   bool needs_service_rights = false;  // moves or lights the printer by hand
 
-  // Used instead of `call` if set. Returns the result, or returns nullopt and later calls `later` once with
-  // the result or a refusal, from the event loop. The connection's next request waits for that call.
+  // Used instead of `call` if set. Calls `later` once with the result or a refusal, before it returns or
+  // afterwards from the event loop. The connection's next request waits for that call.
   using Later = std::function<void(std::variant<Json, ControlRefusal> result)>;
-  std::function<std::optional<Json>(const Json& parameters, const ControlCaller& caller, Later later)>
-      call_later{};
+  std::function<void(const Json& parameters, const ControlCaller& caller, Later later)> call_later{};
 
   // Checks the "params" of a request for the method `name`; null if there are none. Returns them as an
   // object. Throws InvalidParameters.

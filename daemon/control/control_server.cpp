@@ -429,9 +429,18 @@ Json ControlServer::call(const Json& message, Client& client) {
 // Returns the result, or a discarded value if the answer comes later.
 Json ControlServer::call_later(const ControlMethod& method, const Json& parameters, const Json& message,
                                Client& client) {
+  using Result = std::variant<Json, ControlRefusal>;
+  struct Call {
+    bool returned = false;
+    std::optional<Result> result;  // set before the method has returned
+  };
+  const auto call = std::make_shared<Call>();
   const Json id = message.contains("id") ? message["id"] : Json(Json::value_t::discarded);
-  const auto later = [this, alive = std::weak_ptr(alive_), number = client.number,
-                      id](std::variant<Json, ControlRefusal> result) {
+  const auto later = [this, alive = std::weak_ptr(alive_), number = client.number, id, call](Result result) {
+    if (!call->returned) {
+      call->result = std::move(result);
+      return;
+    }
     if (alive.expired()) return;
     const auto is_asker = [number](const auto& entry) {
       return entry.second->number == number && !entry.second->closed();
@@ -444,9 +453,12 @@ Json ControlServer::call_later(const ControlMethod& method, const Json& paramete
     asker->second->answer_later(
         {{"jsonrpc", "2.0"}, {"result", std::move(std::get<Json>(result))}, {"id", id}});
   };
-  const ControlCaller caller{client.number, client.peer.user};
-  if (const std::optional<Json> result = method.call_later(parameters, caller, later))
-    return Json{{"result", *result}};
+  method.call_later(parameters, {client.number, client.peer.user}, later);
+  call->returned = true;
+  if (call->result) {
+    if (const auto* const refusal = std::get_if<ControlRefusal>(&*call->result)) throw *refusal;
+    return Json{{"result", std::move(std::get<Json>(*call->result))}};
+  }
   client.wait_for_answer();
   return Json(Json::value_t::discarded);
 }

@@ -130,22 +130,20 @@ ControlMethods HistoryControl::methods() {
         }}}};
 }
 
-std::optional<Json> HistoryControl::history(const Json& given, const ControlCaller& caller,
-                                            ControlMethod::Later later) {
+void HistoryControl::history(const Json& given, const ControlCaller& caller, ControlMethod::Later later) {
   const HistoryQuery query{.last = given.value("last", kLongestPage),
                            .before = given_value<std::int64_t>(given, "before"),
                            .since = since_of(given),
                            .outcome = given_value<std::string>(given, "outcome"),
                            .resin = given_value<std::string>(given, "resin"),
                            .name = given_value<std::string>(given, "job")};
-  if (given.value("this_run", false)) return reply(recent_jobs(recent_, query), "");
+  if (given.value("this_run", false)) return later(reply(recent_jobs(recent_, query), ""));
   worker_.list(query, caller,
                [this, query, later = std::move(later)](const std::optional<HistoryPage>& page,
                                                        const std::string& trouble) {
                  if (!page && trouble.empty()) return later(ControlRefusal(kDisconnected));
                  later(page ? reply(*page, "") : reply(recent_jobs(recent_, query), trouble));
                });
-  return std::nullopt;
 }
 
 Json HistoryControl::usage_reply(const std::optional<HistoryWorker::AllUsage>& usage,
@@ -167,17 +165,15 @@ Json HistoryControl::usage_reply(const std::optional<HistoryWorker::AllUsage>& u
       {"trouble", or_null(trouble)}};
 }
 
-std::optional<Json> HistoryControl::usage(const ControlCaller& caller, ControlMethod::Later later) {
+void HistoryControl::usage(const ControlCaller& caller, ControlMethod::Later later) {
   worker_.usage(caller, [this, later = std::move(later)](const std::optional<HistoryWorker::AllUsage>& usage,
                                                          const std::string& trouble) {
     if (!usage && trouble.empty()) return later(ControlRefusal(kDisconnected));
     later(usage_reply(usage, trouble));
   });
-  return std::nullopt;
 }
 
-std::optional<Json> HistoryControl::replace(const Json& given, const ControlCaller& caller,
-                                            ControlMethod::Later later) {
+void HistoryControl::replace(const Json& given, const ControlCaller& caller, ControlMethod::Later later) {
   const WearPart part = part_of(given);
   worker_.replace(
       part, caller,
@@ -189,7 +185,6 @@ std::optional<Json> HistoryControl::replace(const Json& given, const ControlCall
         later(usage_reply(usage, trouble));
         replaced_(part);
       });
-  return std::nullopt;
 }
 
 }  // namespace contourd

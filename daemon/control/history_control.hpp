@@ -32,9 +32,9 @@ class HistoryControl {
   void disconnected(std::uint64_t connection) { worker_.disconnected(connection); }
 
  private:
-  std::optional<Json> history(const Json& given, const ControlCaller& caller, ControlMethod::Later later);
-  std::optional<Json> usage(const ControlCaller& caller, ControlMethod::Later later);
-  std::optional<Json> replace(const Json& given, const ControlCaller& caller, ControlMethod::Later later);
+  void history(const Json& given, const ControlCaller& caller, ControlMethod::Later later);
+  void usage(const ControlCaller& caller, ControlMethod::Later later);
+  void replace(const Json& given, const ControlCaller& caller, ControlMethod::Later later);
   [[nodiscard]] Json usage_reply(const std::optional<HistoryWorker::AllUsage>& usage,
                                  const std::string& trouble) const;
 

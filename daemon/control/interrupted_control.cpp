@@ -39,11 +39,10 @@ ControlMethods InterruptedControl::methods() {
         .parameters = {ControlParameter::flag(
             "trust_position", "true to trust the recorded position: see `interrupted.trust` of the status")},
         .changes = true,
-        .call_later = [this](const Json& given, const ControlCaller&,
-                             const ControlMethod::Later& later) -> std::optional<Json> {
-          go_on(given.value("trust_position", false), later);
-          return std::nullopt;
-        }}},
+        .call_later =
+            [this](const Json& given, const ControlCaller&, const ControlMethod::Later& later) {
+              go_on(given.value("trust_position", false), later);
+            }}},
       {"rescue",
        {.description = "Lifts the part of a print that a power cut ended out of the resin: the plate "
                        "moves up, and nothing else.",

@@ -332,14 +332,12 @@ Json ManualControl::stop() {
   return parts_.status.status();
 }
 
-std::optional<Json> ManualControl::show(const Json& given, const ControlCaller& caller,
-                                        ControlMethod::Later later) {
+void ManualControl::show(const Json& given, const ControlCaller& caller, ControlMethod::Later later) {
   require_display();
   const Duration time = seconds(given.value("seconds", kLongestPictureS));
   if (is_set(given, "uploaded")) {
     if (given.contains("pattern")) throw InvalidParameters("show takes either pattern or uploaded");
-    read_uploaded(caller, time, std::move(later));
-    return std::nullopt;
+    return read_uploaded(caller, time, std::move(later));
   }
   // Without `uploaded` the pattern is needed, and check() has accepted it if it is given.
   const std::string name = given.value("pattern", "");
@@ -347,8 +345,8 @@ std::optional<Json> ManualControl::show(const Json& given, const ControlCaller& 
   if (!pattern)
     throw InvalidParameters(fmt::format("pattern must be one of {}", fmt::join(pattern_names(), ", ")));
   const MaskDisplay& display = context_.machine.display();
-  return present(draw_test_pattern(*pattern, display.width(), display.height(), context_.config.pixel_pitch),
-                 name, time, caller);
+  later(present(draw_test_pattern(*pattern, display.width(), display.height(), context_.config.pixel_pitch),
+                name, time, caller));
 }
 
 void ManualControl::require_display() const {

@@ -75,7 +75,7 @@ class ManualControl {
   Json motor_off(const Json& given, const ControlCaller& caller);
   Json light_on(const Json& given, const ControlCaller& caller);
   Json light_off();
-  std::optional<Json> show(const Json& given, const ControlCaller& caller, ControlMethod::Later later);
+  void show(const Json& given, const ControlCaller& caller, ControlMethod::Later later);
   void read_uploaded(const ControlCaller& caller, Duration time, ControlMethod::Later later);
   Json present(Mask picture, const std::string& name, Duration time, const ControlCaller& caller);
   Json upload(const Json& given, const ControlCaller& caller);

@@ -27,10 +27,8 @@ ControlMethods PreflightControl::methods() {
            {.description = "Checks printer and job before the job's first light, and changes nothing.",
             .parameters =
                 {ControlParameter::text("job", "the job: its file in `incoming/`, or its name").needed()},
-            .call_later = [this](const Json& given, const ControlCaller& caller,
-                                 ControlMethod::Later later) -> std::optional<Json> {
+            .call_later = [this](const Json& given, const ControlCaller& caller, ControlMethod::Later later) {
               preflight(given["job"].get<std::string>(), caller, std::move(later));
-              return std::nullopt;
             }}}};
 }
 
@@ -38,15 +36,14 @@ Json PreflightControl::vat_json() const {
   return {{"ml", or_null(parts_.vat.ml())}};
 }
 
-std::optional<Json> PreflightControl::vat(const Json& given, ControlMethod::Later later) {
+void PreflightControl::vat(const Json& given, ControlMethod::Later later) {
   const auto filled_ml = given_value<double>(given, "filled_ml");
-  if (!filled_ml) return vat_json();
+  if (!filled_ml) return later(vat_json());
   parts_.vat.fill(*filled_ml, [this, later = std::move(later)](const std::string& trouble) {
     if (trouble.empty()) return later(vat_json());
     later(ControlRefusal("the vat counts as filled until contourd stops, because this cannot be recorded: " +
                          printable(trouble)));
   });
-  return std::nullopt;
 }
 
 PreflightFacts PreflightControl::facts() const {

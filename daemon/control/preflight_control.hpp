@@ -38,7 +38,7 @@ class PreflightControl {
 
  private:
   [[nodiscard]] Json vat_json() const;
-  std::optional<Json> vat(const Json& given, ControlMethod::Later later);
+  void vat(const Json& given, ControlMethod::Later later);
   // Asks the disk and the sensor, then the history.
   void preflight(const std::string& job, const ControlCaller& caller, ControlMethod::Later later);
   // Returns the facts that are known at once.

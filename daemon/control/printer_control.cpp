@@ -74,7 +74,6 @@ ControlMethods PrinterControl::methods() {
                          .changes = true,
                          .call_later = [this, method](const Json&, const ControlCaller&, Later later) {
                            (this->*method)(std::move(later));
-                           return std::nullopt;
                          }};
   };
   return {

@@ -62,7 +62,7 @@ Json ScreenControl::reply(const ScreenCopy::Picture& picture, std::size_t from) 
           {"data", base64(piece)}};
 }
 
-std::optional<Json> ScreenControl::mask(const Json& given, ControlMethod::Later later) {
+void ScreenControl::mask(const Json& given, ControlMethod::Later later) {
   const auto wanted = given.value("picture", std::uint64_t{0}), from = given.value("from", std::uint64_t{0});
   if (wanted != 0) {
     const std::shared_ptr<const ScreenCopy::Picture> picture = copy_.picture(wanted);
@@ -70,12 +70,12 @@ std::optional<Json> ScreenControl::mask(const Json& given, ControlMethod::Later 
     if (from >= picture->png.size())
       throw InvalidParameters(
           fmt::format("from must be below {}, the size of picture {} in bytes", picture->png.size(), wanted));
-    return reply(*picture, from);
+    return later(reply(*picture, from));
   }
   if (from != 0) throw InvalidParameters("from needs picture");
   const Subject now = subject();
   if (now.shown.mask == nullptr) throw ControlRefusal("nothing is shown: the screen is black");
-  if (const auto picture = copy_.picture(now.shown.number)) return reply(*picture, 0);
+  if (const auto picture = copy_.picture(now.shown.number)) return later(reply(*picture, 0));
   copy_.take([this, later = std::move(later)](const std::shared_ptr<const ScreenCopy::Picture>& picture,
                                               const std::string& trouble) {
     if (picture)
@@ -83,7 +83,6 @@ std::optional<Json> ScreenControl::mask(const Json& given, ControlMethod::Later 
     else
       later(ControlRefusal(trouble));
   });
-  return std::nullopt;
 }
 
 }  // namespace contourd

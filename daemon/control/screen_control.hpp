@@ -31,7 +31,7 @@ class ScreenControl {
     bool on_screen = false;
   };
 
-  std::optional<Json> mask(const Json& given, ControlMethod::Later later);
+  void mask(const Json& given, ControlMethod::Later later);
   [[nodiscard]] Subject subject() const;
   [[nodiscard]] Json reply(const ScreenCopy::Picture& picture, std::size_t from) const;
 

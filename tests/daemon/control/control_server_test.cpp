@@ -226,13 +226,18 @@ class DeferredAnswerFixture {
   [[nodiscard]] ControlMethods methods() {
     ControlMethod deferred;
     deferred.call_later = [this](const ControlServer::Json&, const ControlCaller&,
-                                 ControlMethod::Later later) {
-      waiting.push_back(std::move(later));
-      return std::nullopt;
+                                 ControlMethod::Later later) { waiting.push_back(std::move(later)); };
+    ControlMethod at_once;
+    at_once.call_later = [](const ControlServer::Json& given, const ControlCaller&,
+                            const ControlMethod::Later& later) {
+      if (given.empty()) return later("at once");
+      later(ControlRefusal("refused at once"));
     };
-    return {{"later", deferred}, {"now", {.call = [this](const ControlServer::Json&, const ControlCaller&) {
-                                    return ++answered_now;
-                                  }}}};
+    at_once.parameters = {ControlParameter::flag("refused", "true for a refusal")};
+    return {{"later", deferred},
+            {"at once", at_once},
+            {"now",
+             {.call = [this](const ControlServer::Json&, const ControlCaller&) { return ++answered_now; }}}};
   }
 
   TemporaryFolder folder_;
@@ -262,6 +267,22 @@ TEST_CASE("A client gets its answers in order, including deferred ones, alone or
   CHECK(read == R"({"jsonrpc":"2.0","result":"done","id":1}
 [{"jsonrpc":"2.0","result":"done","id":2},{"jsonrpc":"2.0","result":1,"id":3}]
 {"jsonrpc":"2.0","result":2,"id":4}
+)");
+}
+
+TEST_CASE("A method that can defer its answer may also answer at once, and the next request follows") {
+  DeferredAnswerFixture fixture(R"({"jsonrpc":"2.0","method":"at once","id":1}
+{"jsonrpc":"2.0","method":"at once"}
+{"jsonrpc":"2.0","method":"at once","params":{"refused":true},"id":2}
+[{"jsonrpc":"2.0","method":"at once","id":3},{"jsonrpc":"2.0","method":"now","id":4}]
+{"jsonrpc":"2.0","method":"now","id":5}
+)");
+  const std::string read =
+      fixture.run_until([](const std::string& all) { return std::ranges::count(all, '\n') == 4; });
+  CHECK(read == R"({"jsonrpc":"2.0","result":"at once","id":1}
+{"jsonrpc":"2.0","error":{"code":-32000,"message":"refused at once"},"id":2}
+[{"jsonrpc":"2.0","result":"at once","id":3},{"jsonrpc":"2.0","result":1,"id":4}]
+{"jsonrpc":"2.0","result":2,"id":5}
 )");
 }
 
