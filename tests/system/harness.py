@@ -27,6 +27,7 @@ SOURCE = os.environ["CONTOURD_SOURCE"]
 SHARED = os.path.join(SOURCE, "..", "shared")
 CONTOURCTL = os.path.join(BIN, "contourctl")
 CONTOURD = os.path.join(BIN, "contourd")
+CONTOURD_WEB = os.path.join(BIN, "contourd-web")
 MAKE_MODEL = os.path.join(BIN, "make-model")
 
 OK, FAILED, BAD_USAGE, BAD_DATA, NO_INPUT, UNAVAILABLE, CANNOT_CREATE = 0, 1, 64, 65, 66, 69, 73

@@ -37,6 +37,8 @@ void add_switches(Command& program);
 void add_jog(Command& program);
 // Levels the plate, step by step, together with the user at the printer.
 void add_level(Command& program);
+// Adds web password and web addresses, which set up the printer's web page.
+void add_web(Command& program);
 // Shows the manual page, or the usage of a command of `program`.
 void add_help(Command& program);
 // Adds complete and describe, by which shells and the manual page get the description of the commands.

@@ -1,0 +1,52 @@
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "daemon/ctl/commands/commands.hpp"
+#include "daemon/ctl/terminal/program.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kWebProgram = "contourd-web";
+
+// Returns the program of the web page: beside this program, or else by PATH.
+std::string web_program() {
+  std::error_code error;
+  const fs::path beside = fs::read_symlink("/proc/self/exe", error).parent_path() / kWebProgram;
+  return !error && fs::exists(beside, error) ? beside.string() : kWebProgram;
+}
+
+// The web page's program does the work, so that contourctl needs none of its libraries.
+[[noreturn]] void become_web_program(std::vector<std::string> options) {
+  options.insert(options.begin(), web_program());
+  try {
+    become_program(options);
+  } catch (const std::system_error& error) {
+    if (error.code() != std::errc::no_such_file_or_directory) throw;
+    throw std::runtime_error("the printer's web page is not installed: install the package contourd-web");
+  }
+}
+
+}  // namespace
+
+void add_web(Command& program) {
+  Command& web = program.add("web", "Set up the printer's web page");
+  Command& password = web.add("password", "Set the page's password, and make a new key for slicers");
+  password.run = []() -> int { become_web_program({"--set-password"}); };
+  Command& addresses = web.add("addresses", "Show or set the addresses on which the page is served");
+  auto& given = addresses.arguments<std::vector<std::string>>();
+  addresses.option("ADDRESS", given, "ADDRESS:PORT, such as 192.168.1.20:8080; several possible");
+  addresses.run = [&given]() -> int {
+    std::vector<std::string> options{"--set-addresses"};
+    for (const std::string& each : given)
+      options.insert(options.end(), {"--address", each});
+    become_web_program(options);
+  };
+}
+
+}  // namespace contourd::ctl

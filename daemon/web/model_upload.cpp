@@ -1,0 +1,106 @@
+#include "daemon/web/model_upload.hpp"
+
+#include <fmt/format.h>
+#include <sys/statvfs.h>
+
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include "daemon/spool/spool_folders.hpp"
+#include "daemon/system/durable_file.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd::web {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr unsigned kTooLarge = 413, kFailed = 500, kNoRoom = 507;
+constexpr std::uint64_t kMebibyte = std::uint64_t{1} << 20U;
+
+UploadRefusal refusal_of(const std::string& name, const std::error_code& code) {
+  const bool full = code == std::errc::no_space_on_device || code.value() == EDQUOT;
+  return {full ? kNoRoom : kFailed,
+          fmt::format("{} cannot be stored on the printer: {}", printable(name), why_not_written(code))};
+}
+
+}  // namespace
+
+struct ModelUpload::File {
+  SpoolFolders folders;
+  std::string name;
+  UploadLimits limits;
+  std::optional<NewFile> file{};
+  std::uint64_t bytes = 0;
+
+  [[nodiscard]] fs::path incoming() const { return folders.path(SpoolFolder::Incoming); }
+
+  // Returns a refusal if the disk has no room for more bytes.
+  [[nodiscard]] std::optional<UploadRefusal> why_no_room(std::uint64_t more) const {
+    struct statvfs disk {};
+    if (::statvfs(incoming().c_str(), &disk) != 0) return std::nullopt;  // opening the file tells why
+    if (static_cast<std::uint64_t>(disk.f_bavail) * disk.f_frsize >= limits.free_bytes + more)
+      return std::nullopt;
+    return UploadRefusal{
+        kNoRoom, fmt::format("{} cannot be stored: the printer's disk has less than {} MiB left; delete "
+                             "finished jobs in {}",
+                             printable(name), limits.free_bytes / kMebibyte,
+                             printable(folders.path(SpoolFolder::Done).string()))};
+  }
+
+  [[nodiscard]] std::optional<UploadRefusal> write(const std::string& more) {
+    bytes += more.size();
+    if (bytes > limits.most_bytes)
+      return UploadRefusal{kTooLarge,
+                           fmt::format("{} is too large: the printer takes models of at most {} MiB",
+                                       printable(name), limits.most_bytes / kMebibyte)};
+    if (std::optional<UploadRefusal> refusal = why_no_room(more.size())) return refusal;
+    try {
+      open();
+      file->write(more);
+    } catch (const std::system_error& error) {
+      return refusal_of(name, error.code());
+    }
+    return std::nullopt;
+  }
+
+  void open() {
+    if (file) return;
+    file.emplace(incoming());
+    file->let_group_read();
+  }
+
+  // Returns the job's name.
+  [[nodiscard]] std::string appear() {
+    open();
+    while (true) {
+      const JobFiles files = folders.unused_anywhere({fs::path(name).stem().string(), name, name});
+      if (!file->appear(files.model.filename().string())) continue;
+      sync_folder(incoming());
+      return files.name;
+    }
+  }
+};
+
+ModelUpload::ModelUpload(Worker& disk, fs::path spool, std::string name, UploadLimits limits)
+    : disk_(disk), file_(new File{SpoolFolders(std::move(spool)), std::move(name), limits}) {}
+
+void ModelUpload::write(std::string bytes, Written written) {
+  disk_.run([file = file_, bytes = std::move(bytes)] { return file->write(bytes); }, std::move(written));
+}
+
+void ModelUpload::finish(Finished finished) {
+  using Result = std::pair<std::optional<UploadRefusal>, std::string>;
+  disk_.run(
+      [file = file_]() -> Result {
+        try {
+          return {std::nullopt, file->appear()};
+        } catch (const std::system_error& error) {
+          return {refusal_of(file->name, error.code()), ""};
+        }
+      },
+      [finished = std::move(finished)](const Result& result) { finished(result.first, result.second); });
+}
+
+}  // namespace contourd::web

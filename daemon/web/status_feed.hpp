@@ -1,0 +1,50 @@
+// The printer's status for the pages that are open: asks contourd as long as there are some, and passes each
+// change on as a server-sent event. Event loop's thread only.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "daemon/system/event_loop.hpp"
+#include "daemon/web/control_link.hpp"
+#include "daemon/web/http_request.hpp"
+
+namespace contourd::web {
+
+class StatusFeed {
+ public:
+  static constexpr std::size_t kMostPages = 16;
+
+  // Connects to contourd's control socket when the first page is open.
+  StatusFeed(EventLoop& loop, const std::filesystem::path& socket);
+  StatusFeed(const StatusFeed&) = delete;
+  StatusFeed& operator=(const StatusFeed&) = delete;
+
+  // True if one more page can be served.
+  [[nodiscard]] bool has_room() const { return pages_.size() < kMostPages; }
+  // Answers the request with an endless stream of events: each is a status, or {"unreachable": "why"}.
+  void serve(const std::shared_ptr<HttpRequest>& request);
+
+ private:
+  class Page;
+
+  void ask();
+  void watch();
+  void publish(std::string event);
+  void beat();
+  void wake_pages();
+
+  EventLoop& loop_;
+  ControlLink link_;
+  std::set<Page*> pages_;  // owned by their requests
+  std::string event_;      // the latest
+  std::uint64_t version_ = 0, beats_ = 0;
+  bool watching_ = false, asked_ = false;
+  EventLoop::SourcePtr ask_timer_, beat_timer_;
+};
+
+}  // namespace contourd::web

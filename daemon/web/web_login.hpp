@@ -1,0 +1,46 @@
+// Decides who may use the printer: people who have entered the password, and slicers that send the key. Event
+// loop's thread only; passwords are hashed on a worker thread.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "daemon/system/worker.hpp"
+#include "daemon/web/http_request.hpp"
+#include "daemon/web/login_guard.hpp"
+#include "daemon/web/web_secrets.hpp"
+#include "daemon/web/web_sessions.hpp"
+
+namespace contourd::web {
+
+class WebLogin {
+ public:
+  using Report = std::function<void(const std::string& peer, bool good)>;
+
+  static constexpr int kMostChecks = 4;  // of passwords that wait for the worker
+
+  WebLogin(EventLoop& loop, WebSecrets secrets, std::chrono::seconds session, Report report);
+
+  // True if the request has the cookie of a session.
+  [[nodiscard]] bool has_session(const HttpRequest& request) const;
+  // True if the request has the key of slicers, as X-Api-Key.
+  [[nodiscard]] bool has_key(const HttpRequest& request) const;
+  // Answers a request whose body is {"password": "..."}: opens a session, or refuses.
+  void log_in(const std::shared_ptr<HttpRequest>& request, const std::string& body);
+  // Ends the request's session and answers it.
+  void log_out(HttpRequest& request);
+
+ private:
+  void checked(const std::shared_ptr<HttpRequest>& request, bool good);
+
+  WebSecrets secrets_;
+  WebSessions sessions_;
+  LoginGuard guard_;
+  Report report_;
+  int checks_ = 0;
+  Worker worker_;
+};
+
+}  // namespace contourd::web

@@ -1,0 +1,162 @@
+#include "daemon/web/web_secrets.hpp"
+
+#include <crypt.h>
+#include <fmt/format.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <memory>
+#include <stdexcept>
+#include <system_error>
+#include <vector>
+
+#include "daemon/system/durable_file.hpp"
+#include "daemon/system/readable.hpp"
+#include "daemon/system/regular_file.hpp"
+
+namespace contourd::web {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostBytes = 4096;
+constexpr std::string_view kHashStart = "password ", kKeyStart = "key ";
+constexpr std::string_view kYescrypt = "$y$";
+constexpr std::size_t kKeyDigits = 32;
+
+std::vector<unsigned char> random_bytes(std::size_t count) {
+  std::vector<unsigned char> bytes(count);
+  for (std::size_t got = 0; got < count;) {
+    const ssize_t more = ::getrandom(bytes.data() + got, count - got, 0);
+    if (more < 0 && errno == EINTR) continue;
+    if (more < 0) throw std::system_error(errno, std::generic_category(), "getrandom");
+    got += static_cast<std::size_t>(more);
+  }
+  return bytes;
+}
+
+// Returns the crypt(3) hash of the password by that setting: a salt, or an earlier hash. Empty if crypt(3)
+// fails.
+std::string crypted(const std::string& password, const std::string& setting) {
+  const auto data = std::make_unique<crypt_data>();
+  const char* const hash =
+      ::crypt_rn(password.c_str(), setting.c_str(), data.get(), static_cast<int>(sizeof(crypt_data)));
+  std::string result = hash == nullptr ? "" : hash;
+  ::explicit_bzero(data.get(), sizeof(crypt_data));
+  return result;
+}
+
+std::string text_of(const FileDescriptor& file) {
+  std::array<char, kMostBytes> buffer;
+  std::string text;
+  while (text.size() < kMostBytes) {
+    const ssize_t bytes = ::read(file.get(), buffer.data(), buffer.size() - text.size());
+    if (bytes < 0 && errno == EINTR) continue;
+    if (bytes <= 0) break;
+    text.append(buffer.data(), static_cast<std::size_t>(bytes));
+  }
+  return text;
+}
+
+// Returns the rest of the line that begins with `start`; empty if there is none.
+std::string line_after(const std::string& text, std::string_view start) {
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line = std::string_view(text).substr(at, end - at);
+    if (line.starts_with(start)) return std::string(line.substr(start.size()));
+    at = end + 1;
+  }
+  return "";
+}
+
+bool is_key(std::string_view key) {
+  return key.size() == kKeyDigits && key.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
+}  // namespace
+
+std::string why_bad_password(std::string_view password) {
+  if (password.size() < kShortestPassword)
+    return fmt::format("the password needs at least {} characters", kShortestPassword);
+  if (password.size() > kLongestPassword)
+    return fmt::format("the password may have at most {} bytes", kLongestPassword);
+  const auto is_control = [](char letter) { return static_cast<unsigned char>(letter) < ' '; };
+  return std::ranges::any_of(password, is_control) ? "the password must not contain control characters" : "";
+}
+
+std::string hash_of(const std::string& password) {
+  constexpr unsigned long kDefaultCost = 0;
+  const std::vector<unsigned char> random = random_bytes(16);
+  std::array<char, CRYPT_GENSALT_OUTPUT_SIZE> salt{};
+  if (::crypt_gensalt_rn(kYescrypt.data(), kDefaultCost, reinterpret_cast<const char*>(random.data()),
+                         static_cast<int>(random.size()), salt.data(),
+                         static_cast<int>(salt.size())) == nullptr)
+    throw std::system_error(errno, std::generic_category(), "crypt_gensalt");
+  std::string hash = crypted(password, salt.data());
+  if (!hash.starts_with(kYescrypt)) throw std::system_error(errno, std::generic_category(), "crypt");
+  return hash;
+}
+
+bool is_password(const std::string& password, const std::string& hash) {
+  return hash.starts_with(kYescrypt) && why_bad_password(password).empty() &&
+         equal_in_constant_time(crypted(password, hash), hash);
+}
+
+std::string random_hex(std::size_t bytes) {
+  std::string text;
+  for (const unsigned char byte : random_bytes(bytes))
+    text += fmt::format("{:02x}", byte);
+  return text;
+}
+
+bool equal_in_constant_time(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  unsigned difference = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    difference |= static_cast<unsigned char>(a[i]) ^ static_cast<unsigned>(static_cast<unsigned char>(b[i]));
+  return difference == 0;
+}
+
+WebSecrets read_secrets(const fs::path& file) {
+  const std::string name = printable(file.string());
+  FileDescriptor opened;
+  try {
+    opened = open_regular_file(file, Links::Follow);
+  } catch (const UnreadableFile& error) {
+    throw std::runtime_error(
+        fmt::format("{}: {}; the web page is off until a password is set: sudo contourctl web password", name,
+                    error.what()));
+  }
+  struct stat status {};
+  if (::fstat(opened.get(), &status) != 0 || (status.st_mode & S_IRWXO) != 0)
+    throw std::runtime_error(
+        fmt::format("{}: other users can read the secrets: sudo chmod 600 {}, or set a new password: sudo "
+                    "contourctl web password",
+                    name, name));
+  const std::string text = text_of(opened);
+  WebSecrets secrets{.password_hash = line_after(text, kHashStart), .key = line_after(text, kKeyStart)};
+  if (!secrets.password_hash.starts_with(kYescrypt) || !is_key(secrets.key))
+    throw std::runtime_error(
+        fmt::format("{}: it is not a file of contourctl web password: run that command again", name));
+  return secrets;
+}
+
+void write_secrets(const fs::path& file, const WebSecrets& secrets) {
+  const mode_t before = ::umask(S_IRWXG | S_IRWXO);
+  try {
+    write_durably(file,
+                  fmt::format("{}{}\n{}{}\n", kHashStart, secrets.password_hash, kKeyStart, secrets.key));
+  } catch (...) {
+    ::umask(before);
+    throw;
+  }
+  ::umask(before);
+}
+
+}  // namespace contourd::web

@@ -1,0 +1,214 @@
+#include "daemon/web/web_service.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "daemon/system/readable.hpp"
+#include "daemon/web/printer_answer.hpp"
+#include "daemon/web/request_checks.hpp"
+#include "daemon/web/web_texts.hpp"
+
+namespace contourd::web {
+namespace {
+
+using Json = ControlLink::Json;
+
+constexpr std::string_view kUploadPath = "/api/upload", kCallPath = "/api/call/";
+
+// The methods of contourd that a page may call, besides those that only report.
+constexpr std::array<std::string_view, 7> kMethods{"accept",     "cancel",       "pause", "plate_cleared",
+                                                   "queue_move", "queue_remove", "resume"};
+
+// A file of the page, which anyone may load.
+struct PageFile {
+  std::string_view path;
+  const char* type;
+  const std::string_view& text;
+};
+const std::array<PageFile, 4> kPageFiles{{{"/", "text/html; charset=utf-8", page_html_text},
+                                          {"/page.css", "text/css; charset=utf-8", page_css_text},
+                                          {"/page.js", "text/javascript; charset=utf-8", page_js_text},
+                                          {"/icon.svg", "image/svg+xml", page_icon_text}}};
+
+bool is_get(const HttpRequest& request) {
+  return request.method() == "GET" || request.method() == "HEAD";
+}
+
+HttpReply no_such_page() {
+  return {.status = 404, .body = "there is no such page\n"};
+}
+
+// Collects a small body.
+class SmallBody final : public HttpBody {
+ public:
+  explicit SmallBody(std::function<void(const std::string& body)> received)
+      : received_(std::move(received)) {}
+  [[nodiscard]] bool take(std::string_view piece) override {
+    body_ += piece;
+    return true;
+  }
+  void end() override { received_(body_); }
+
+ private:
+  std::function<void(const std::string& body)> received_;
+  std::string body_;
+};
+
+}  // namespace
+
+WebService::WebService(EventLoop& loop, const Log& log, const WebConfig& config, WebSecrets secrets,
+                       std::vector<std::string> names, std::vector<FileDescriptor> listeners)
+    : log_(log),
+      names_(std::move(names)),
+      login_(loop, std::move(secrets), config.session,
+             [this](const std::string& peer, bool good) { log_login(peer, good); }),
+      printer_(loop, config.control_socket),
+      past_(loop, config.control_socket),
+      mask_(printer_),
+      feed_(loop, config.control_socket),
+      disk_(loop, "web-disk"),
+      uploads_{
+          .disk = disk_,
+          .printer = printer_,
+          .limits = {.most_bytes = config.largest_upload_bytes, .free_bytes = config.min_free_disk_bytes}},
+      server_(loop, std::move(listeners), [this](const RequestPtr& request) { serve(request); }) {
+  names_.insert(names_.end(), config.names.begin(), config.names.end());
+}
+
+void WebService::serve(const RequestPtr& request) {
+  if (refuse_stranger(*request)) return;
+  if (!request->path().starts_with("/api/")) return serve_anyone(request);
+  if (request->path() == "/api/login" && request->method() == "POST") {
+    return receive(request,
+                   [this](const RequestPtr& whole, const std::string& body) { login_.log_in(whole, body); });
+  }
+  if (!login_.has_session(*request) && !login_.has_key(*request))
+    return request->answer(
+        {.status = 401, .body = "log in first: POST /api/login, or send the key as X-Api-Key\n"});
+  request->has_logged_in();
+  serve_user(request);
+}
+
+bool WebService::refuse_stranger(HttpRequest& request) const {
+  const std::string header = request.header("Host");
+  if (!is_own_host(host_of(header), request.local(), names_)) {
+    request.answer(
+        {.status = 403,
+         .body = fmt::format("{}: this printer has another name or address; a further name is a key "
+                             "\"names\" of /etc/contourd/web.json\n",
+                             header.empty() ? "no Host" : printable(shortened(header, 100)))});
+    return true;
+  }
+  if (is_get(request) && !request.path().starts_with("/api/")) return false;
+  if (!is_cross_site({header, request.header("Origin"), request.header("Sec-Fetch-Site")})) return false;
+  request.answer(
+      {.status = 403, .body = "a page of another site has sent this request; open the printer's page\n"});
+  return true;
+}
+
+void WebService::serve_anyone(const RequestPtr& request) {
+  const auto* const file = std::ranges::find(kPageFiles, request->path(), &PageFile::path);
+  if (file == kPageFiles.end()) return request->answer(no_such_page());
+  if (!is_get(*request))
+    return request->answer(
+        {.status = 405, .body = "this page can only be read\n", .headers = {{"Allow", "GET, HEAD"}}});
+  request->answer({.type = file->type, .body = std::string(file->text)});
+}
+
+void WebService::serve_user(const RequestPtr& request) {
+  const std::string& path = request->path();
+  if (is_get(*request)) {
+    if (path == "/api/status") return ask(printer_, request, {"status"});
+    if (path == "/api/queue") return ask(printer_, request, {"queue"});
+    if (path == "/api/history") return serve_history(request);
+    if (path == "/api/mask") return mask_.serve(request);
+    if (path != "/api/events") return request->answer(no_such_page());
+    if (feed_.has_room()) return feed_.serve(request);
+    return request->answer({.status = 503, .body = "too many pages are open\n"});
+  }
+  if (request->method() != "POST")
+    return request->answer(
+        {.status = 405, .body = "no such method\n", .headers = {{"Allow", "GET, HEAD, POST"}}});
+  if (path == "/api/logout") return login_.log_out(*request);
+  if (path == kUploadPath) return upload(request);
+  const std::string_view method =
+      path.starts_with(kCallPath) ? std::string_view(path).substr(kCallPath.size()) : "";
+  if (std::ranges::find(kMethods, method) == kMethods.end()) return request->answer(no_such_page());
+  receive(request, [this, name = std::string(method)](const RequestPtr& whole, const std::string& body) {
+    pass_on(whole, name, body);
+  });
+}
+
+void WebService::receive(const RequestPtr& request, Received received) {
+  if (request->body_bytes().value_or(0) > kMostBodyBytes)
+    return request->answer(
+        {.status = 413, .body = fmt::format("the body has more than {} bytes\n", kMostBodyBytes)});
+  request->receive(std::make_shared<SmallBody>([weak = std::weak_ptr(request),
+                                                received = std::move(received)](const std::string& body) {
+                     if (const RequestPtr whole = weak.lock()) received(whole, body);
+                   }),
+                   kMostBodyBytes);
+}
+
+void WebService::pass_on(const RequestPtr& request, const std::string& method,
+                         const std::string& parameters) {
+  const Json json = parameters.empty() ? Json::object() : Json::parse(parameters, nullptr, false);
+  if (!json.is_object())
+    return request->answer({.status = 400, .body = "expected the parameters as a JSON object\n"});
+  log_.info("command", fmt::format("{} from {}", method, request->peer()));
+  ask(printer_, request, {method, json});
+}
+
+void WebService::ask(ControlLink& link, const RequestPtr& request, Request question) {
+  link.call(std::move(question), [request](const Json& answer) { request->answer(reply_of(answer)); });
+}
+
+void WebService::serve_history(const RequestPtr& request) {
+  constexpr int kJobs = 20;
+  Request question{"history", {{"last", kJobs}}};
+  if (const std::optional<std::string> before = request->parameter("before")) {
+    const Json number = Json::parse(*before, nullptr, false);
+    question.parameters["before"] = number.is_number_integer() ? number : Json(*before);
+  }
+  ask(past_, request, std::move(question));
+}
+
+bool WebService::refuse_upload(HttpRequest& request) const {
+  if (uploads_.under_way >= kMostUploads) {
+    request.answer({.status = 503, .body = "too many uploads at once; try again later\n"});
+    return true;
+  }
+  if (request.body_bytes().value_or(0) <= uploads_.limits.most_bytes + kMostBodyBytes) return false;
+  request.answer({.status = 413,
+                  .body = fmt::format("the model is too large: the printer takes models of at most {} MiB\n",
+                                      uploads_.limits.most_bytes >> 20U)});
+  return true;
+}
+
+UploadBody::Stored WebService::note_upload(const RequestPtr& request) const {
+  return [this, peer = request->peer()](const std::string& job) {
+    log_.info("uploaded", fmt::format("{} from {}", printable(job), peer), job_fields(job));
+  };
+}
+
+void WebService::upload(const RequestPtr& request) {
+  if (refuse_upload(*request)) return;
+  const std::string name = request->parameter("name").value_or("");
+  if (name.empty()) return request->answer({.status = 400, .body = "expected the file's name as ?name=\n"});
+  // The limit of the model's size answers with a sentence; this one ends a client that goes on after that.
+  request->receive(std::make_shared<UploadBody>(uploads_, request, name, note_upload(request)),
+                   2 * (uploads_.limits.most_bytes + kMostBodyBytes));
+}
+
+void WebService::log_login(const std::string& peer, bool good) const {
+  if (good)
+    log_.info("login", fmt::format("{} has logged in", peer));
+  else
+    log_.warning("login", fmt::format("wrong password from {}", peer));
+}
+
+}  // namespace contourd::web

@@ -1,0 +1,66 @@
+// The web page of the printer: its requests, each checked and either answered or passed on to contourd. Event
+// loop's thread only.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/system/event_loop.hpp"
+#include "daemon/system/log.hpp"
+#include "daemon/system/worker.hpp"
+#include "daemon/web/control_link.hpp"
+#include "daemon/web/http_server.hpp"
+#include "daemon/web/mask_picture.hpp"
+#include "daemon/web/status_feed.hpp"
+#include "daemon/web/upload_body.hpp"
+#include "daemon/web/web_config.hpp"
+#include "daemon/web/web_login.hpp"
+
+namespace contourd::web {
+
+class WebService {
+ public:
+  // Uploads at the same time.
+  static constexpr int kMostUploads = 4;
+  // Bytes of a body that is not a model.
+  static constexpr std::size_t kMostBodyBytes = 8192;
+
+  // Serves the clients of these listening sockets, which name this computer by one of `names`. Throws
+  // std::runtime_error.
+  WebService(EventLoop& loop, const Log& log, const WebConfig& config, WebSecrets secrets,
+             std::vector<std::string> names, std::vector<FileDescriptor> listeners);
+
+ private:
+  using RequestPtr = std::shared_ptr<HttpRequest>;
+  using Received = std::function<void(const RequestPtr& request, const std::string& body)>;
+
+  void serve(const RequestPtr& request);
+  // Answers with the reason if the request comes from a page of another site, or asks for another computer.
+  [[nodiscard]] bool refuse_stranger(HttpRequest& request) const;
+  void serve_anyone(const RequestPtr& request);
+  void serve_user(const RequestPtr& request);
+  void pass_on(const RequestPtr& request, const std::string& method, const std::string& parameters);
+  void ask(ControlLink& link, const RequestPtr& request, Request question);
+  void serve_history(const RequestPtr& request);
+  void upload(const RequestPtr& request);
+  // Refuses an upload before its body is received. True if it has.
+  [[nodiscard]] bool refuse_upload(HttpRequest& request) const;
+  [[nodiscard]] UploadBody::Stored note_upload(const RequestPtr& request) const;
+  void receive(const RequestPtr& request, Received received);
+  void log_login(const std::string& peer, bool good) const;
+
+  const Log& log_;
+  std::vector<std::string> names_;
+  WebLogin login_;
+  ControlLink printer_, past_;  // the history waits for the disk, other calls must not wait for it
+  MaskPicture mask_;
+  StatusFeed feed_;
+  Worker disk_;
+  UploadPlaces uploads_;
+  HttpServer server_;  // last: its requests refer to the others
+};
+
+}  // namespace contourd::web

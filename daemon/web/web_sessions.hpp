@@ -1,0 +1,37 @@
+// The sessions of people who have entered the password: random tokens that expire. Not thread-safe.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace contourd::web {
+
+class WebSessions {
+ public:
+  using TimePoint = std::chrono::steady_clock::time_point;
+
+  static constexpr std::size_t kMost = 32;
+
+  explicit WebSessions(std::chrono::seconds lifetime) : lifetime_(lifetime) {}
+
+  [[nodiscard]] std::chrono::seconds lifetime() const { return lifetime_; }
+  // Opens a session and returns its token, 64 hexadecimal digits. The oldest of kMost sessions ends.
+  [[nodiscard]] std::string open(TimePoint now);
+  // True if a session with this token is open. Takes the same time for every token of that length.
+  [[nodiscard]] bool is_open(std::string_view token, TimePoint now) const;
+  void close(std::string_view token);
+
+ private:
+  struct Session {
+    std::string token;
+    TimePoint ends;
+  };
+
+  std::chrono::seconds lifetime_;
+  std::vector<Session> sessions_;  // the oldest first
+};
+
+}  // namespace contourd::web

@@ -1,0 +1,170 @@
+#include "daemon/web/web_setup.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <optional>
+#include <stdexcept>
+#include <system_error>
+
+#include "daemon/system/durable_file.hpp"
+#include "daemon/system/readable.hpp"
+#include "daemon/system/standard_output.hpp"
+#include "daemon/web/listen_sockets.hpp"
+#include "daemon/web/web_secrets.hpp"
+
+namespace contourd::web {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kBadData = 65;
+constexpr const char* kPort = "8080";
+constexpr const char* kDropIn = "addresses.conf";
+constexpr std::string_view kListen = "ListenStream=";
+
+bool on_terminal() {
+  return ::isatty(STDIN_FILENO) != 0;
+}
+
+// Keeps the terminal from showing what is typed.
+class NoEcho {
+ public:
+  NoEcho() : works_(::tcgetattr(STDIN_FILENO, &before_) == 0) {
+    termios quiet = before_;
+    quiet.c_lflag &= ~static_cast<tcflag_t>(ECHO);
+    if (works_) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &quiet);
+  }
+  ~NoEcho() {
+    if (works_) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &before_);
+  }
+  NoEcho(const NoEcho&) = delete;
+  NoEcho& operator=(const NoEcho&) = delete;
+
+ private:
+  termios before_{};
+  bool works_;
+};
+
+std::string line_after(const char* prompt) {
+  fmt::print(stderr, "{}", prompt);
+  std::string line;
+  std::getline(std::cin, line);
+  return line;
+}
+
+// Returns the new password; nullopt if it was refused, with the reason on stderr.
+std::optional<std::string> new_password() {
+  std::string password;
+  if (on_terminal()) {
+    const NoEcho quiet;
+    password = line_after("New password for the printer's page: ");
+    const std::string again = line_after("\nThe same again: ");
+    fmt::print(stderr, "\n");
+    if (password != again) {
+      fmt::print(stderr, "contourctl: the two passwords differ; nothing was changed\n");
+      return std::nullopt;
+    }
+  } else {
+    password = line_after("");
+  }
+  const std::string why = why_bad_password(password);
+  if (why.empty()) return password;
+  fmt::print(stderr, "contourctl: {}; nothing was changed\n", why);
+  return std::nullopt;
+}
+
+// Returns the addresses of the drop-in file; the unit's own address if there is none.
+std::vector<std::string> present_addresses(const std::string& socket_unit) {
+  std::vector<std::string> addresses;
+  std::ifstream file(fs::path(socket_unit) / kDropIn);
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with(kListen) && line.size() > kListen.size())
+      addresses.push_back(line.substr(kListen.size()));
+  return addresses.empty() ? std::vector<std::string>{kDefaultAddress} : addresses;
+}
+
+void write_addresses(const std::vector<std::string>& addresses, const fs::path& folder) {
+  std::string text =
+      "# Written by contourctl web. FreeBind: an address may come later than the service.\n[Socket]\n";
+  text += fmt::format("{}\n", kListen);
+  for (const std::string& address : addresses)
+    text += fmt::format("{}{}\n", kListen, address);
+  text += "FreeBind=yes\n";
+  std::error_code error;
+  fs::create_directories(folder, error);
+  try {
+    NewFile file(folder);
+    file.write(text);
+    file.let_all_read();
+    file.replace(kDropIn);
+  } catch (const std::system_error& failed) {
+    throw OutputError(fmt::format("cannot write {}: {}; run the command as root",
+                                  printable((folder / kDropIn).string()), failed.code().message()));
+  }
+}
+
+void say_how_to_start() {
+  fmt::print(
+      "Start the page with the new settings:\n"
+      "    systemctl daemon-reload\n"
+      "    systemctl stop contourd-web.service\n"
+      "    systemctl restart contourd-web.socket\n");
+}
+
+// Offers the addresses of the local network.
+void ask_for_addresses(const std::string& socket_unit) {
+  std::vector<std::string> addresses = present_addresses(socket_unit);
+  const std::size_t before = addresses.size();
+  for (const std::string& each : network_addresses()) {
+    const std::string address = fmt::format("{}:{}", each, kPort);
+    if (std::ranges::find(addresses, address) != addresses.end()) continue;
+    const std::string question =
+        fmt::format("Serve the page to this computer's network, too, on http://{}/? [y/N] ", address);
+    const std::string answer = line_after(question.c_str());
+    if (answer.starts_with('y') || answer.starts_with('Y')) addresses.push_back(address);
+  }
+  if (addresses.size() > before) write_addresses(addresses, socket_unit);
+}
+
+}  // namespace
+
+int set_password(const std::string& secrets_file, const std::string& socket_unit) {
+  const std::optional<std::string> password = new_password();
+  if (!password) return kBadData;
+  constexpr std::size_t kKeyBytes = 16;
+  const WebSecrets secrets{.password_hash = hash_of(*password), .key = random_hex(kKeyBytes)};
+  try {
+    write_secrets(secrets_file, secrets);
+  } catch (const std::system_error& error) {
+    throw OutputError(
+        fmt::format("{}: {}; run the command as root", printable(secrets_file), error.code().message()));
+  }
+  fmt::print("The password is set. Key for slicers (PrusaSlicer: printer type SL1, API key): {}\n",
+             secrets.key);
+  if (on_terminal()) ask_for_addresses(socket_unit);
+  say_how_to_start();
+  return EXIT_SUCCESS;
+}
+
+int set_addresses(const std::vector<std::string>& addresses, const std::string& socket_unit) {
+  if (addresses.empty()) {
+    fmt::print("{}\n", fmt::join(present_addresses(socket_unit), "\n"));
+    return EXIT_SUCCESS;
+  }
+  for (const std::string& address : addresses)
+    check_address(address);
+  write_addresses(addresses, socket_unit);
+  say_how_to_start();
+  return EXIT_SUCCESS;
+}
+
+}  // namespace contourd::web

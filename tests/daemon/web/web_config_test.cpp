@@ -1,0 +1,50 @@
+#include "daemon/web/web_config.hpp"
+
+#include <fstream>
+
+#include "daemon/json/config_error.hpp"
+#include "tests/catch.hpp"
+#include "tests/message_of.hpp"
+#include "tests/temporary_folder.hpp"
+
+using namespace contourd;
+using namespace contourd::testing;
+using namespace contourd::web;
+using namespace std::chrono_literals;
+
+namespace {
+
+WebConfig config_of(const std::string& text) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "web.json";
+  std::ofstream(file) << text;
+  return load_web_config(file);
+}
+
+}  // namespace
+
+TEST_CASE("the settings of the page have defaults") {
+  const WebConfig config = config_of("{}");
+  CHECK(config.control_socket == "/run/contourd/control.sock");
+  CHECK(config.names.empty());
+  CHECK(config.session == 168h);
+  CHECK(config.largest_upload_bytes == std::uint64_t{1} << 30U);
+  CHECK(config.min_free_disk_bytes == std::uint64_t{256} << 20U);
+}
+
+TEST_CASE("the settings of the page arrive with their units") {
+  const WebConfig config = config_of(R"({"control_socket": "/tmp/x.sock", "names": ["Printer.Example.org"],
+      "session_hours": 2, "largest_upload_mb": 3, "min_free_disk_mb": 0})");
+  CHECK(config.control_socket == "/tmp/x.sock");
+  CHECK(config.names == std::vector<std::string>{"printer.example.org"});
+  CHECK(config.session == 2h);
+  CHECK(config.largest_upload_bytes == 3U << 20U);
+  CHECK(config.min_free_disk_bytes == 0);
+}
+
+TEST_CASE("a wrong setting of the page is refused with its place") {
+  for (const char* text : {R"({"session_hours": 0})", R"({"names": ["a:80"]})", R"({"names": "a"})",
+                           R"({"nmaes": []})", R"({"largest_upload_mb": 1.5})", "[]", ""})
+    CHECK(message_of<ConfigError>([text] { (void)config_of(text); }).find("web.json") != std::string::npos);
+  CHECK_THROWS_AS(load_web_config("/nowhere/web.json"), ConfigError);
+}
