@@ -1,0 +1,151 @@
+"""The printer's page in a real browser, with a real contourd behind it: login, a print, an upload, the keyboard, contrast."""
+
+import os
+
+from browser import CHROMIUM, Browser
+from harness import SLAB, Daemon, contents, realtime, skip_file, wait_until
+from web_test import PASSWORD, WebTest
+
+LONG = "a very long name of a part that somebody has exported again and again " * 2
+
+# The least contrast between a shown text and the background that it stands on (WCAG 2, 1.4.3), and that text.
+LEAST_CONTRAST = """(() => {
+  const parse = (text) => (text.match(/[\\d.]+/g) || []).map(Number);
+  const luminance = (rgb) => rgb.slice(0, 3).map((c) => (c /= 255) <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
+    .reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+  const paper = (element) => {
+    for (; element; element = element.parentElement) {
+      const colour = parse(getComputedStyle(element).backgroundColor);
+      if (colour.length === 3) return colour;
+    }
+    return [255, 255, 255];
+  };
+  let least = [99, ""];
+  for (const element of document.querySelectorAll("body *")) {
+    if (!element.checkVisibility() || ![...element.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim())) continue;
+    const both = [luminance(parse(getComputedStyle(element).color)), luminance(paper(element))].sort((a, b) => b - a);
+    const contrast = (both[0] + 0.05) / (both[1] + 0.05);
+    if (contrast < least[0]) least = [contrast, element.outerHTML.slice(0, 80)];
+  }
+  return least;
+})()"""
+
+# Buttons and inputs that are shown without a name for a screen reader, or too small for a finger (WCAG 2, 2.5.8: 24 px).
+BAD_CONTROLS = """[...document.querySelectorAll("button, input, a, label.button")].filter((each) => each.checkVisibility()
+  && !each.classList.contains("unseen") && !each.classList.contains("skip")).filter((each) => {
+  const box = each.getBoundingClientRect();
+  return box.width < 24 || box.height < 24 || !(each.textContent.trim() || each.getAttribute("aria-label") || (each.labels && each.labels.length));
+}).map((each) => each.outerHTML)"""
+
+
+class PageInABrowser(WebTest):
+    """Screenshots are saved in the folder CONTOURD_SCREENSHOTS, if it is set."""
+
+    def setUp(self):
+        super().setUp()
+        daemon = Daemon(self, realtime(wait_for_plate_cleared=True), {"exposure_ms": 120000, "bottom_exposure_ms": 120000}).start()
+        self.serve(daemon)
+        self.browser = Browser(self, "~NOTFOUND, EXCLUDE 127.0.0.1")
+        self.url = f"http://127.0.0.1:{self.port}/"
+
+    def wait(self, expression):
+        return wait_until(lambda: self.browser.value(f"Boolean({expression})"), expression)
+
+    def log_in(self):
+        self.wait("!document.getElementById('login').hidden")
+        self.browser.value(f"document.getElementById('password').value = '{PASSWORD}'; document.querySelector('#login-form button').click()")
+        self.wait("!document.getElementById('page').hidden && document.getElementById('state').textContent.length > 1")
+
+    def text(self, name):
+        return self.browser.value(f"document.getElementById('{name}').textContent")
+
+    def look(self, name, width, scheme):
+        """Checks what is shown, and saves a screenshot."""
+        self.assertEqual(self.browser.value("document.documentElement.scrollWidth"), width, name)
+        contrast, text = self.browser.value(LEAST_CONTRAST)
+        self.assertGreaterEqual(contrast, 4.5, f"{name}, {scheme}: {text}")
+        self.assertEqual(self.browser.value(BAD_CONTROLS), [], name)
+        folder = os.environ.get("CONTOURD_SCREENSHOTS")
+        if folder:
+            self.browser.screenshot(os.path.join(folder, f"web-{name}-{width}-{scheme}.png"))
+
+    def test_the_page_follows_a_print_on_a_phone_and_a_screen_light_and_dark(self):
+        self.browser.open(self.url, 390, "light")
+        self.wait("!document.getElementById('login').hidden")
+        self.look("login", 390, "light")
+        self.log_in()
+        self.daemon.begin("part.stl", SLAB)
+        self.daemon.drop(LONG[:120] + ".stl", SLAB)
+        self.wait("document.getElementById('state').textContent == 'exposing' && document.querySelectorAll('#queue li').length == 1")
+        self.wait("!document.getElementById('mask').hidden && document.getElementById('mask').naturalWidth > 0")
+        self.assertEqual((self.text("printer"), self.text("job"), self.text("layer"), self.text("light-text")), ("Simulated printer", "part", "1 of 20", "light on"))
+        for width in (390, 1280):
+            for scheme in ("light", "dark"):
+                self.browser.open(self.url, width, scheme)
+                self.wait("document.getElementById('state').textContent == 'exposing' && document.querySelectorAll('#queue .more').length > 0")
+                self.wait("!document.getElementById('mask').hidden && document.getElementById('mask').naturalWidth > 0")
+                self.look("printing", width, scheme)
+                self.assertEqual([url for url in self.browser.requests if not url.startswith(self.url)], [])
+                self.assertEqual(self.browser.errors, [])
+        # Cancelling asks first; "No" has the focus.
+        self.browser.value("document.getElementById('cancel').click()")
+        self.wait("document.getElementById('confirm').open")
+        self.assertEqual(self.browser.value("document.activeElement.value"), "no")
+        self.look("confirm", 1280, "dark")
+        self.browser.value("document.activeElement.click()")
+        self.assertEqual(self.daemon.status()["state"], "exposing")
+        self.browser.value("document.getElementById('cancel').click()")
+        self.browser.value("document.getElementById('yes').click()")
+        self.daemon.wait_ended("part")
+        self.wait("document.querySelectorAll('#history li').length == 1")
+        self.assertIn("cancelled", self.text("history"))
+        self.wait("!document.getElementById('cleared').hidden")
+        self.browser.open(self.url, 390, "light")
+        self.wait("document.querySelectorAll('#history li').length == 1 && !document.getElementById('cleared').hidden")
+        self.look("ended", 390, "light")
+
+    def test_a_dropped_file_is_uploaded_and_a_refused_one_is_told(self):
+        self.browser.open(self.url, 390, "light")
+        self.log_in()
+        self.browser.value("""(() => {
+          const data = new DataTransfer();
+          data.items.add(new File([new Uint8Array(684)], "empty part.stl"));
+          data.items.add(new File(["PK"], "<img src=x onerror=alert(1)>.sl1"));
+          document.getElementById("drop").dispatchEvent(new DragEvent("drop", {dataTransfer: data, bubbles: true, cancelable: true}));
+        })()""")
+        self.wait("document.querySelector('#uploads .error')")
+        self.assertIn("Export plate as STL", self.text("uploads"))
+        self.assertEqual(self.browser.value("document.querySelectorAll('#uploads img').length"), 0)
+        self.look("upload", 390, "light")
+        # A file of zeros has no facet, and is refused by contourd.
+        self.daemon.wait_ended("empty part")
+        self.assertEqual(contents(os.path.join(self.daemon.spool, "failed", "empty part.stl")), bytes(684))
+        self.wait("document.getElementById('history').textContent.includes('empty part')")
+
+    def test_the_page_can_be_used_by_keyboard(self):
+        self.browser.open(self.url, 1280, "light")
+        self.wait("document.activeElement.id == 'password'")
+        self.browser.call("Input.insertText", text=PASSWORD)
+        self.press("Enter")
+        self.wait("!document.getElementById('page').hidden")
+        self.daemon.begin("part.stl", SLAB)
+        self.wait("!document.getElementById('cancel').hidden")
+        seen = []
+        for _ in range(12):
+            self.press("Tab")
+            seen.append(self.browser.value("document.activeElement.id || document.activeElement.textContent"))
+            # Where the focus is can be seen.
+            self.assertNotEqual(self.browser.value("""(() => { const e = document.activeElement;
+              const shown = e.id === "files" ? document.querySelector("label.button") : e;
+              return e === document.body || e.className === "skip" ? "body" : getComputedStyle(shown).outlineStyle; })()"""), "none", seen[-1])
+        self.assert_words(seen, "logout", "pause", "cancel", "files")
+
+    def press(self, key):
+        code = {"Enter": 13, "Tab": 9}[key]
+        for kind in ("keyDown", "keyUp"):
+            text = {"text": "\r"} if key == "Enter" and kind == "keyDown" else {}
+            self.browser.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code, **text)
+
+
+if not CHROMIUM:
+    skip_file("chromium is not installed")
