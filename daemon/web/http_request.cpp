@@ -7,6 +7,8 @@
 #include <cstring>
 #include <system_error>
 
+#include "daemon/web/slicer_digest.hpp"
+
 namespace contourd::web {
 namespace {
 
@@ -133,6 +135,7 @@ bool HttpRequest::send() {
     MHD_add_response_header(response.get(), name.c_str(), value.c_str());
   client_->deadline = {};
   allow_time(body.size());
+  if (reply_->digest_is_stale) return ask_for_digest(connection_, response.get(), *reply_->digest_is_stale);
   return MHD_queue_response(connection_, reply_->status, response.get()) == MHD_YES;
 }
 

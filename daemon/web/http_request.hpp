@@ -26,6 +26,8 @@ struct HttpReply {
   std::string type = "text/plain; charset=utf-8";
   std::string body{};
   std::vector<std::pair<std::string, std::string>> headers{};
+  // Asks for a digest (401); true if the last one was only too old.
+  std::optional<bool> digest_is_stale{};
 };
 
 // Receives the body of a request.

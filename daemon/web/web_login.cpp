@@ -43,6 +43,10 @@ bool WebLogin::has_key(const HttpRequest& request) const {
   return equal_in_constant_time(request.header("X-Api-Key"), secrets_.key);
 }
 
+DigestCheck WebLogin::digest_of(const HttpRequest& request) const {
+  return request.is_open() ? check_digest(request.connection(), secrets_.key) : DigestCheck::Absent;
+}
+
 void WebLogin::log_in(const std::shared_ptr<HttpRequest>& request, const std::string& body) {
   const auto now = steady_clock::now();
   if (const auto wait = guard_.wait_of(request->peer(), now); wait.count() > 0) {

@@ -10,6 +10,7 @@
 #include "daemon/system/worker.hpp"
 #include "daemon/web/http_request.hpp"
 #include "daemon/web/login_guard.hpp"
+#include "daemon/web/slicer_digest.hpp"
 #include "daemon/web/web_secrets.hpp"
 #include "daemon/web/web_sessions.hpp"
 
@@ -27,6 +28,8 @@ class WebLogin {
   [[nodiscard]] bool has_session(const HttpRequest& request) const;
   // True if the request has the key of slicers, as X-Api-Key.
   [[nodiscard]] bool has_key(const HttpRequest& request) const;
+  // Checks the digest of a slicer that sends the key as a password.
+  [[nodiscard]] DigestCheck digest_of(const HttpRequest& request) const;
   // Answers a request whose body is {"password": "..."}: opens a session, or refuses.
   void log_in(const std::shared_ptr<HttpRequest>& request, const std::string& body);
   // Ends the request's session and answers it.

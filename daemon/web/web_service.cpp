@@ -18,6 +18,9 @@ namespace {
 using Json = ControlLink::Json;
 
 constexpr std::string_view kUploadPath = "/api/upload", kCallPath = "/api/call/";
+// The paths that slicers use (PrusaSlicer: OctoPrint.cpp).
+constexpr std::string_view kVersionPath = "/api/version", kFilesPath = "/api/files/local",
+                           kNewerPath = "/api/v1/";
 
 // The methods of contourd that a page may call, besides those that only report.
 constexpr std::array<std::string_view, 7> kMethods{"accept",     "cancel",       "pause", "plate_cleared",
@@ -36,6 +39,11 @@ const std::array<PageFile, 4> kPageFiles{{{"/", "text/html; charset=utf-8", page
 
 bool is_get(const HttpRequest& request) {
   return request.method() == "GET" || request.method() == "HEAD";
+}
+
+bool is_slicers(const HttpRequest& request) {
+  const std::string& path = request.path();
+  return path == kVersionPath || path == kFilesPath || path.starts_with(kNewerPath);
 }
 
 HttpReply no_such_page() {
@@ -86,11 +94,38 @@ void WebService::serve(const RequestPtr& request) {
     return receive(request,
                    [this](const RequestPtr& whole, const std::string& body) { login_.log_in(whole, body); });
   }
-  if (!login_.has_session(*request) && !login_.has_key(*request))
-    return request->answer(
-        {.status = 401, .body = "log in first: POST /api/login, or send the key as X-Api-Key\n"});
+  if (!has_access(*request)) return;
   request->has_logged_in();
+  if (is_slicers(*request)) return serve_slicer(request);
   serve_user(request);
+}
+
+bool WebService::has_access(HttpRequest& request) const {
+  if (login_.has_session(request) || login_.has_key(request)) return true;
+  HttpReply refusal{.status = 401, .body = "log in first: POST /api/login, or send the key as X-Api-Key\n"};
+  // Elsewhere a browser would open its own dialog for a user and a password.
+  if (is_slicers(request)) {
+    const DigestCheck digest = login_.digest_of(request);
+    if (digest == DigestCheck::Good) return true;
+    refusal.body = "the API key is wrong: sudo contourctl web password makes a new one\n";
+    refusal.digest_is_stale = digest == DigestCheck::Stale;
+  }
+  request.answer(std::move(refusal));
+  return false;
+}
+
+void WebService::serve_slicer(const RequestPtr& request) {
+  if (request->path() == kVersionPath) {
+    // PrusaSlicer expects a text that begins with "Prusa SLA" from the hosts of its type SL1.
+    const Json version{{"api", "0.1"}, {"server", "1.1.0"}, {"text", "Prusa SLA contourd"}};
+    return request->answer({.type = "application/json", .body = version.dump()});
+  }
+  if (request->path() != kFilesPath) return request->answer(no_such_page());
+  if (request->method() != "POST")
+    return request->answer({.status = 405, .body = "send a model by POST\n", .headers = {{"Allow", "POST"}}});
+  if (refuse_upload(*request)) return;
+  request->receive(std::make_shared<UploadForm>(uploads_, request, note_upload(request)),
+                   most_upload_bytes());
 }
 
 bool WebService::refuse_stranger(HttpRequest& request) const {
@@ -199,9 +234,8 @@ void WebService::upload(const RequestPtr& request) {
   if (refuse_upload(*request)) return;
   const std::string name = request->parameter("name").value_or("");
   if (name.empty()) return request->answer({.status = 400, .body = "expected the file's name as ?name=\n"});
-  // The limit of the model's size answers with a sentence; this one ends a client that goes on after that.
   request->receive(std::make_shared<UploadBody>(uploads_, request, name, note_upload(request)),
-                   2 * (uploads_.limits.most_bytes + kMostBodyBytes));
+                   most_upload_bytes());
 }
 
 void WebService::log_login(const std::string& peer, bool good) const {

@@ -2,6 +2,7 @@
 // loop's thread only.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -41,7 +42,10 @@ class WebService {
   // Answers with the reason if the request comes from a page of another site, or asks for another computer.
   [[nodiscard]] bool refuse_stranger(HttpRequest& request) const;
   void serve_anyone(const RequestPtr& request);
+  // True if the request has a session or the key; otherwise answers it.
+  [[nodiscard]] bool has_access(HttpRequest& request) const;
   void serve_user(const RequestPtr& request);
+  void serve_slicer(const RequestPtr& request);
   void pass_on(const RequestPtr& request, const std::string& method, const std::string& parameters);
   void ask(ControlLink& link, const RequestPtr& request, Request question);
   void serve_history(const RequestPtr& request);
@@ -49,6 +53,10 @@ class WebService {
   // Refuses an upload before its body is received. True if it has.
   [[nodiscard]] bool refuse_upload(HttpRequest& request) const;
   [[nodiscard]] UploadBody::Stored note_upload(const RequestPtr& request) const;
+  // Returns the limit that ends a client which goes on after the refusal of its model's size.
+  [[nodiscard]] std::uint64_t most_upload_bytes() const {
+    return 2 * (uploads_.limits.most_bytes + kMostBodyBytes);
+  }
   void receive(const RequestPtr& request, Received received);
   void log_login(const std::string& peer, bool good) const;
 

@@ -1,5 +1,6 @@
 """contourd-web with a real contourd: the page, uploads, slicers, and what strangers try."""
 
+import hashlib
 import http.client
 import json
 import os
@@ -457,7 +458,7 @@ class LoadTest(WebTest):
         model = binary_stl(box((0, 0, 0), (10, 5, 0.05 * self.LAYERS)))
         self.daemon.drop(f"{job}.stl", model)
         self.assertEqual(self.daemon.wait_ended(job, 4 * DEADLINE_S)["outcome"], "done")
-        layers = self.daemon.report(job)["layers"]
+        layers = self.daemon.report(job)["layer_records"]
         self.assertEqual(len(layers), self.LAYERS)
         return sorted(layer["exposure_most_ms"] - layer["exposure_asked_ms"] for layer in layers)
 
@@ -507,6 +508,112 @@ class LoadTest(WebTest):
         self.assertGreater(self.attacked, 2 * self.CLIENTS)
         # 1 % of the light is less than a lamp's own noise. The machine of the test may be busy with other things, so the median counts.
         self.assertLess(abs(ratio - 1), 0.01)
+
+
+class SlicerTest(WebTest):
+    """PrusaSlicer's host of the type SL1: its requests as curl writes them for PrusaSlicer 2.9 (OctoPrint.cpp)."""
+
+    BOUNDARY = "------------------------d74496d66958873e"
+    AGENT = "User-Agent: PrusaSlicer/2.9.0\r\nAccept: */*\r\n"
+
+    def setUp(self):
+        super().setUp()
+        self.browser = self.serve()
+
+    def form(self, name, model, parts=(("print", "false"), ("path", ""))):
+        text = "".join(f'--{self.BOUNDARY}\r\nContent-Disposition: form-data; name="{key}"\r\n\r\n{value}\r\n' for key, value in parts)
+        text += f'--{self.BOUNDARY}\r\nContent-Disposition: form-data; name="file"; filename="{name}"\r\nContent-Type: application/octet-stream\r\n\r\n'
+        return text.encode() + model + f"\r\n--{self.BOUNDARY}--\r\n".encode()
+
+    def ask(self, request):
+        """Sends a request without a body. Returns the status and the reply."""
+        reply = self.reply(self.raw(request.encode()))
+        return int(reply.split()[1]), reply
+
+    def reply(self, connection):
+        """Returns the reply up to the end of its body."""
+        reply = b""
+        while True:
+            head, end, body = reply.partition(b"\r\n\r\n")
+            length = re.search(rb"Content-Length: (\d+)", head)
+            if end and length and len(body) >= int(length[1]):
+                return reply
+            more = connection.recv(65536)
+            self.assertTrue(more, reply)
+            reply += more
+
+    def send(self, body, authorization=None, host="127.0.0.1"):
+        """Sends a form as curl does: waits for "100 Continue" before the body. Returns the status and the sentence."""
+        authorization = authorization or f"X-Api-Key: {self.key}"
+        connection = self.raw((f"POST /api/files/local HTTP/1.1\r\nHost: {host}\r\n{self.AGENT}{authorization}\r\nContent-Length: {len(body)}\r\n"
+                               f"Content-Type: multipart/form-data; boundary={self.BOUNDARY}\r\nExpect: 100-continue\r\n\r\n").encode())  # fmt: skip
+        first = connection.recv(65536)
+        self.assertEqual(first, b"HTTP/1.1 100 Continue\r\n\r\n")
+        for at in range(0, len(body), 50_000):
+            connection.sendall(body[at : at + 50_000])
+        reply = self.reply(connection)
+        return int(reply.split()[1]), reply.partition(b"\r\n\r\n")[2]
+
+    def test_a_model_that_prusaslicer_sends_is_printed(self):
+        status, reply = self.ask(f"GET /api/version HTTP/1.1\r\nHost: 127.0.0.1\r\n{self.AGENT}X-Api-Key: {self.key}\r\n\r\n")
+        self.assertEqual(status, 200)
+        version = json.loads(reply.partition(b"\r\n\r\n")[2])
+        self.assertTrue(version["text"].startswith("Prusa SLA"), version)
+        self.assertIn("api", version)
+        status, _ = self.ask(f"GET /api/v1/storage HTTP/1.1\r\nHost: 127.0.0.1\r\n{self.AGENT}X-Api-Key: {self.key}\r\n\r\n")
+        self.assertEqual(status, 404)
+        status, _ = self.send(self.form("my part.stl", SMALL))
+        self.assertLess(status, 400)
+        self.assertEqual(self.daemon.wait_ended("my part")["outcome"], "done")
+        self.assertEqual(contents(os.path.join(self.daemon.spool, "done", "my part.stl")), SMALL)
+
+    def test_layers_are_refused_with_the_sentence_that_says_what_to_do(self):
+        for name in ("plate.sl1", "plate.sl1s", "plate.sl1_svg"):
+            status, sentence = self.send(self.form(name, b"PK\3\4" + bytes(300_000)))
+            self.assertEqual(status, 415)
+            self.assert_one_line(sentence, name, b"Export plate as STL")
+        self.assertEqual(self.incoming(), [])
+
+    def test_a_wrong_key_is_refused_before_the_body(self):
+        status, reply = self.ask(f"GET /api/version HTTP/1.1\r\nHost: 127.0.0.1\r\n{self.AGENT}X-Api-Key: {'0' * 32}\r\n\r\n")
+        self.assertEqual(status, 401)
+        self.assertIn(b"the API key is wrong", reply)
+        status, _ = self.ask(f"POST /api/files/local HTTP/1.1\r\nHost: 127.0.0.1\r\n{self.AGENT}X-Api-Key: {PASSWORD}\r\nContent-Length: 1000000\r\nExpect: 100-continue\r\n\r\n")
+        self.assertEqual(status, 401)
+
+    def digest(self, challenge, method, path, password):
+        """Answers a challenge as curl does for a user and a password."""
+        fields = dict(re.findall(r'(\w+)="?([^",]+)"?', challenge))
+        md5 = lambda text: hashlib.md5(text.encode()).hexdigest()
+        first, second = md5(f"maker:{fields['realm']}:{password}"), md5(f"{method}:{path}")
+        response = md5(f"{first}:{fields['nonce']}:00000001:abcdef:auth:{second}")
+        return (f'Authorization: Digest username="maker", realm="{fields["realm"]}", nonce="{fields["nonce"]}", uri="{path}", cnonce="abcdef", nc=00000001, '
+                f'qop=auth, response="{response}", opaque="{fields.get("opaque", "")}", algorithm=MD5')  # fmt: skip
+
+    def test_a_user_with_the_key_as_password_sends_by_digest(self):
+        for password, expected in ((self.key, 200), ("0" * 32, 401)):
+            status, reply = self.ask(f"GET /api/version HTTP/1.1\r\nHost: 127.0.0.1\r\n{self.AGENT}\r\n")
+            self.assertEqual(status, 401)
+            challenge = re.search(r"WWW-Authenticate: (Digest .*)\r\n", reply.decode())[1]
+            answer = self.digest(challenge, "GET", "/api/version", password)
+            self.assertEqual(self.ask(f"GET /api/version HTTP/1.1\r\nHost: 127.0.0.1\r\n{answer}\r\n{self.AGENT}\r\n")[0], expected)
+        # curl sends its first POST without a body, to be asked for the digest.
+        status, reply = self.ask(f"POST /api/files/local HTTP/1.1\r\nHost: 127.0.0.1\r\n{self.AGENT}Content-Length: 0\r\n\r\n")
+        self.assertEqual(status, 401)
+        challenge = re.search(r"WWW-Authenticate: (Digest .*)\r\n", reply.decode())[1]
+        answer = self.digest(challenge, "POST", "/api/files/local", self.key)
+        self.assertEqual(self.send(self.form("digest.stl", SMALL), answer)[0], 201)
+
+    def test_broken_and_hostile_forms_are_refused(self):
+        model = self.form("a.stl", SMALL)
+        many = self.form("a.stl", SMALL, [(f"k{number}", "v") for number in range(40)])
+        two = self.form("a.stl", SMALL)[: -len(self.BOUNDARY) - 6] + self.form("b.stl", SMALL)
+        for body in (model[: len(model) - 30], b"x" * 100_000, many, self.form("../../x.stl", SMALL), self.form("", SMALL),
+                     self.form("a.stl", SMALL).replace(b'name="file"', b'name="fiel"'), two):  # fmt: skip
+            status, sentence = self.send(body)
+            self.assertIn(status, (400, 415), (body[:80], sentence))
+            self.assert_one_line(sentence)
+        self.assertEqual(self.incoming(), [])
 
 
 if __name__ == "__main__":
