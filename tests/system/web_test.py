@@ -5,14 +5,16 @@ import http.client
 import json
 import os
 import re
+import shutil
 import signal
 import socket
 import subprocess
 import threading
 import time
+import unittest
 
 from harness import (
-    BAD_CONFIG, BAD_DATA, CONTOURD_WEB, DEADLINE_S, NIMBLE_RESIN, SANITIZED, SLAB, SMALL, Daemon, FolderTest, binary_stl, box, contents, realtime, run, wait_until,
+    BAD_CONFIG, BAD_DATA, CONTOURCTL, CONTOURD_WEB, DEADLINE_S, FAILED, NIMBLE_RESIN, SANITIZED, SLAB, SMALL, Daemon, FolderTest, binary_stl, box, contents, realtime, run, wait_until,
 )  # fmt: skip
 
 PASSWORD = "correct horse"
@@ -173,6 +175,73 @@ class LoginTest(WebTest):
             thread.join()
         self.assertLessEqual(got.count(401), 6, got)
         self.assertEqual(len(got), 20)
+
+
+class UnitTest(WebTest):
+    """What systemd does for the service, done by hand: tests/vm has the real one."""
+
+    @unittest.skipUnless(os.geteuid() == 0, "only root can make a network namespace")
+    def test_sockets_that_the_manager_passes_are_enough_in_a_process_without_a_network(self):
+        self.daemon = Daemon(self).start()
+        self.write("web.json", json.dumps({"control_socket": "control.sock", "min_free_disk_mb": 0}))
+        self.set_password()
+        with socket.socket() as listener:
+            listener.bind(("127.0.0.1", 0))
+            listener.listen()
+            self.port = listener.getsockname()[1]
+            script = 'LISTEN_PID=$$ LISTEN_FDS=1 exec unshare --net "$@" 3<&%d' % listener.fileno()
+            self.web = self.killed_at_the_end(subprocess.Popen(
+                ["bash", "-c", script, "-", CONTOURD_WEB, "--config", self.path("web.json"), "--password-file", self.path("web-password")],
+                pass_fds=[listener.fileno()]))  # fmt: skip
+        browser = Browser(self.port)
+        self.assertEqual(browser.log_in()[0], 204)
+        self.assertEqual(browser.upload("part.stl", SMALL)[0], 201)
+        self.assertEqual(self.daemon.wait_ended("part")["outcome"], "done")
+
+    def test_idle_without_pages_it_uses_no_processor_and_little_memory(self):
+        self.serve()
+        before = self.processor_ticks()
+        wait_until(lambda end=time.monotonic() + 3: time.monotonic() > end, "three seconds")
+        self.assertEqual(self.processor_ticks() - before, 0)
+        with open(f"/proc/{self.web.pid}/status", encoding="utf-8") as status:
+            memory = int(re.search(r"RssAnon:\s+(\d+)", status.read())[1])
+        print(f"{memory / 1024:.1f} MiB of its own when idle")
+        if not SANITIZED:
+            self.assertLess(memory, 12 * 1024)
+
+    def processor_ticks(self):
+        with open(f"/proc/{self.web.pid}/stat", encoding="utf-8") as stat:
+            fields = stat.read().rpartition(")")[2].split()
+        return int(fields[11]) + int(fields[12])
+
+
+class AddressesTest(FolderTest):
+    def set(self, *addresses, expect=0):
+        options = [word for each in addresses for word in ("--address", each)]
+        return run(CONTOURD_WEB, "--set-addresses", *options, "--socket-unit", self.path("unit"), expect=expect)
+
+    def test_the_addresses_replace_those_of_the_unit(self):
+        self.assertEqual(self.set().stdout, b"127.0.0.1:8080\n")
+        self.assertIn(b"systemctl restart contourd-web.socket", self.set("127.0.0.1:8080", "[::1]:81").stdout)
+        self.assertEqual(self.set().stdout, b"127.0.0.1:8080\n[::1]:81\n")
+        # An empty setting removes those of the unit.
+        lines = contents(self.path("unit", "addresses.conf")).decode().splitlines()
+        self.assertEqual([line for line in lines if line.startswith("ListenStream")], ["ListenStream=", "ListenStream=127.0.0.1:8080", "ListenStream=[::1]:81"])
+
+    def test_what_is_no_address_is_refused_and_changes_nothing(self):
+        for address in ("printer:80", "127.0.0.1", "127.0.0.1:http", ":80", "", "1.2.3.4:80\nExecStart=x", "[::1:80"):
+            with self.subTest(address):
+                result = run(CONTOURD_WEB, "--set-addresses", f"--address={address}", "--socket-unit", self.path("unit"))
+                self.assertNotEqual(result.returncode, 0)
+        self.assertFalse(os.path.exists(self.path("unit")))
+
+    def test_contourctl_runs_the_program_of_the_page_or_says_that_it_is_missing(self):
+        result = run(CONTOURCTL, "web", "addresses")
+        self.assertEqual((result.returncode, result.stderr), (0, b""))
+        alone = self.path("contourctl")
+        shutil.copy(CONTOURCTL, alone)
+        result = run(alone, "web", "password", env={**os.environ, "PATH": self.folder})
+        self.assert_refusal(result, FAILED, b"install the package contourd-web")
 
 
 class StrangersTest(WebTest):
@@ -617,5 +686,4 @@ class SlicerTest(WebTest):
 
 
 if __name__ == "__main__":
-    import unittest
     unittest.main()

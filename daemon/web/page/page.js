@@ -110,8 +110,8 @@ const printing = () => status.job && status.job.layers !== undefined;
 
 function showPrint() {
   const job = status.job;
-  setText("state", status.state === "idle" && status.plate === "occupied" ? "Done" : status.state);
-  setText("job", job ? job.name : status.plate === "occupied" ? `${status.plate_job || "a part"} is on the plate` : "");
+  setText("state", status.state === "idle" && status.plate === "occupied" ? "part on the plate" : status.state);
+  setText("job", job ? job.name : status.plate === "occupied" ? status.plate_job || "" : "");
   $("printing").hidden = !printing();
   const waits = ["paused", "held"].includes(status.state);
   $("pause").hidden = !printing() || waits || job.pause_pending;
@@ -197,7 +197,7 @@ async function control(method, parameters) {
 $("pause").addEventListener("click", () => control("pause"));
 $("resume").addEventListener("click", () => control("resume"));
 $("cancel").addEventListener("click", async () => {
-  if (await confirmed(`Cancel ${status.job ? status.job.name : "the print"}? It cannot be continued.`)) control("cancel");
+  if (await confirmed(`Cancel the print${status.job ? ` of "${status.job.name}"` : ""}? It cannot be continued.`)) control("cancel");
 });
 $("cleared").addEventListener("click", async () => {
   if (await confirmed("Is the plate free of parts, and the printer ready? The next job begins at once.")) control("plate_cleared");
