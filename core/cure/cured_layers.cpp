@@ -63,6 +63,7 @@ void CuredLayers::sum_doses(const LayerDose& layer, double dose, std::span<const
 }
 
 void CuredLayers::remember(const LayerDose& layer, double dose, std::span<const float> light) {
+  if (!layer.peeled && !layers_.empty()) return add_to_last(layer, dose, light);
   while (!layers_.empty() &&
          layers_.back().dose * std::exp(-in_mm(layers_.back().top - layer.top) / depth_mm_) < kFaintest)
     layers_.pop_back();
@@ -76,9 +77,31 @@ void CuredLayers::remember(const LayerDose& layer, double dose, std::span<const 
     }
   }
   layers_.push_front(std::move(lit));
+  reach(layer.top);
+}
+
+// Adds the layer's light to that of the last ones, from which no peel separates it.
+void CuredLayers::add_to_last(const LayerDose& layer, double dose, std::span<const float> light) {
+  LitLayer& last = layers_.front();
+  const double above = last.dose * std::exp(-in_mm(last.top - layer.top) / depth_mm_);
+  const double sum = above + dose;
+  const auto of_above = static_cast<float>(sum > 0 ? above / sum : 0);
+  const auto of_layer = static_cast<float>(sum > 0 ? dose / sum * kAllLight : 0);
+  for (std::size_t pixel = 0; pixel < light.size(); ++pixel) {
+    std::uint16_t& both = last.light[pixel];
+    both = static_cast<std::uint16_t>(static_cast<float>(both) * of_above + light[pixel] * of_layer + 0.5F);
+    if (both > 0) unlit_[pixel] = 0;
+  }
+  last.top = layer.top;
+  last.dose = sum;
+  reach(layer.top);
+}
+
+// Finds how much light of each layer reaches this height.
+void CuredLayers::reach(Nanometers top) {
   reaching_.clear();
   for (const LitLayer& above : layers_)
-    reaching_.push_back(above.dose / kAllLight * std::exp(-in_mm(above.top - layer.top) / depth_mm_));
+    reaching_.push_back(above.dose / kAllLight * std::exp(-in_mm(above.top - top) / depth_mm_));
   most_above_.assign(layers_.size(), 0);
   for (std::size_t above = layers_.size(); above-- > 1;)
     most_above_[above - 1] = std::max(kAllLight * reaching_[above], most_above_[above]);
@@ -102,6 +125,7 @@ double CuredLayers::greatest_dose(std::size_t pixel, double below_top_mm) const 
 double CuredLayers::greatest_solid(std::size_t pixel, double thickness_mm) const {
   const double at_top = greatest_dose(pixel, 0);
   if (lost_ == 0 || at_top < 1) return at_top;
+  if (greatest_dose(pixel, thickness_mm) >= 1) return std::exp(thickness_mm / depth_mm_);
   double solid = 0, liquid = thickness_mm;
   constexpr int kHalvings = 16;  // to a 65536th of the layer
   for (int halving = 0; halving < kHalvings; ++halving) {

@@ -6,7 +6,8 @@
 // ones: E exp(-(top - height) / Dp) of each (Beer and Lambert, thesis equation 2.1). Light on solid resin
 // changes nothing; resin that is still liquid solidifies when its dose reaches the critical dose Ec. That is
 // how undersides grow downwards (print-through). At each peel the liquid is stirred and takes up oxygen: it
-// keeps the share `peel_memory` of its dose, and loses `oxygen_dose` more.
+// keeps the share `peel_memory` of its dose, and loses `oxygen_dose` more. Between layers without a peel
+// nothing is lost, so that a plate that rises without a stop is a sequence of thin layers.
 //
 // Within a layer the dose grows towards the layer's top, by one factor for all later layers. A single figure
 // for each pixel and layer, the greatest dose that the layer's top had over Ec, therefore gives the exact
@@ -40,6 +41,8 @@ struct LayerDose {
   Nanometers top{};  // height of the film above the plate
   Nanometers thickness{};
   MillijoulesPerCm2 dose{};  // at the film, of a fully lit pixel
+  // False if the next layer above is exposed without a peel before: the plate rises without a stop.
+  bool peeled = true;
 };
 
 class CuredLayers {
@@ -63,7 +66,8 @@ class CuredLayers {
   [[nodiscard]] double dose_at_top(Millimeters depth) const;
 
  private:
-  // An exposed layer whose light reaches the last one's top.
+  // An exposed layer whose light reaches the last one's top. Layers that no peel separates are one, with the
+  // light that they give together at the lowest one's top.
   struct LitLayer {
     Nanometers top{};
     double dose = 0;                   // of a fully lit pixel over Ec, above the dead zone
@@ -71,6 +75,8 @@ class CuredLayers {
   };
   void sum_doses(const LayerDose& layer, double dose, std::span<const float> light);
   void remember(const LayerDose& layer, double dose, std::span<const float> light);
+  void add_to_last(const LayerDose& layer, double dose, std::span<const float> light);
+  void reach(Nanometers top);
   [[nodiscard]] double greatest_dose(std::size_t pixel, double below_top_mm) const;
   [[nodiscard]] double greatest_solid(std::size_t pixel, double thickness_mm) const;
 

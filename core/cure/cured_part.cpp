@@ -75,11 +75,14 @@ bool is_stopped(const PrintLight& light) {
 void find_weakest_bond(const PrintLight& light, CuredPart& part) {
   const double depth_mm = to_millimeters(light.cure.curve.penetration_depth).count();
   const double dead_zone_mm = to_millimeters(light.cure.dead_zone).count();
-  for (std::size_t layer = 1; layer < light.layers.size(); ++layer) {
+  double above = 0;  // dose of the layers above, at this layer's top, since the next peel
+  for (std::size_t layer = light.layers.size(); layer-- > 1;) {
     const LayerDose& of = light.layers[layer];
-    const double bond =
-        of.dose / light.cure.curve.critical_dose * std::exp(-(in_mm(of.thickness) + dead_zone_mm) / depth_mm);
-    if (layer > 1 && bond >= part.weakest_bond) continue;
+    const double at_top = of.dose / light.cure.curve.critical_dose + (of.peeled ? 0 : above);
+    above = at_top * std::exp(-in_mm(of.top - light.layers[layer - 1].top) / depth_mm);
+    if (!light.layers[layer - 1].peeled) continue;
+    const double bond = at_top * std::exp(-(in_mm(of.thickness) + dead_zone_mm) / depth_mm);
+    if (part.weakest_bond_layer > 0 && bond > part.weakest_bond) continue;
     part.weakest_bond = bond;
     part.weakest_bond_layer = static_cast<std::int32_t>(layer);
   }

@@ -35,8 +35,8 @@ struct PrintLight {
 
 struct CuredPart {
   CureFigures figures;
-  // Dose at the lower side of a fully lit layer over Ec: from 1 on, the layer is solid down to the one
-  // beneath.
+  // Dose at the lower side of a fully lit layer over Ec, before the next peel: from 1 on, the layer is solid
+  // down to the one beneath. Layers that no peel separates from the one beneath do not count.
   double weakest_bond = 0;  // of all layers but the first; 0 for one layer
   std::int32_t weakest_bond_layer = 0;
   // Layers whose masks exceeded their budget; they count as dark.

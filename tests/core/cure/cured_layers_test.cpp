@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "tests/catch.hpp"
@@ -116,13 +117,16 @@ struct Exposure {
 // time. Shares no code with CuredLayers.
 bool solidifies(const std::vector<Exposure>& print, const CureSettings& of, double z_um) {
   double dose = 0;
+  bool peeled = true;  // before the exposure
   for (const Exposure& exposure : print) {
+    const double kept = peeled ? of.peel_memory : 1, lost = peeled ? of.oxygen_dose.count() : 0;
+    peeled = exposure.layer.peeled;
     const double film_um = static_cast<double>(exposure.layer.top.count()) / 1000;
     const double above_um = film_um - z_um;
     if (above_um < of.dead_zone.count()) continue;  // beyond the film, or kept liquid
-    dose = std::max(0.0, dose * of.peel_memory - of.oxygen_dose.count()) +
-           static_cast<double>(exposure.light) * exposure.layer.dose.count() *
-               std::exp(-above_um / of.curve.penetration_depth.count());
+    dose = std::max(0.0, dose * kept - lost) + static_cast<double>(exposure.light) *
+                                                   exposure.layer.dose.count() *
+                                                   std::exp(-above_um / of.curve.penetration_depth.count());
     if (dose >= of.curve.critical_dose.count()) return true;
   }
   return false;
@@ -149,14 +153,40 @@ std::vector<Exposure> random_print(std::mt19937& random) {
   return print;
 }
 
+// Replaces each layer of some runs by a rise: thin layers without a peel, with the layer's light in all.
+std::vector<Exposure> with_rises(const std::vector<Exposure>& print, std::mt19937& random) {
+  std::uniform_int_distribution choice(0, 5);
+  std::vector<Exposure> risen;
+  bool rises = false;
+  for (const Exposure& exposure : print) {
+    if (choice(random) == 0) rises = !rises;
+    if (!rises) {
+      risen.push_back(exposure);
+      continue;
+    }
+    constexpr int kParts = 10;
+    for (int part = 1; part <= kParts; ++part) {
+      Exposure thin = exposure;
+      thin.layer.top -= exposure.layer.thickness / kParts * (kParts - part);
+      thin.layer.thickness = exposure.layer.thickness / kParts;
+      thin.layer.dose = exposure.layer.dose / kParts;
+      thin.layer.peeled = part == kParts && choice(random) == 0;
+      risen.push_back(thin);
+    }
+  }
+  return risen;
+}
+
 }  // namespace
 
 TEST_CASE("The solid of random prints equals that of resin followed through time on a fine grid") {
   std::mt19937 random(7);
   for (const double memory : {1.0, 0.97, 0.9, 0.6, 0.0}) {
     for (const double oxygen : {0.0, 1.5}) {
-      for (const double dead_zone_um : {0.0, 12.0}) {
-        const std::vector<Exposure> print = random_print(random);
+      for (const auto& [dead_zone_um, rises] :
+           {std::pair{0.0, false}, {12.0, false}, {0.0, true}, {12.0, true}}) {
+        std::vector<Exposure> print = random_print(random);
+        if (rises) print = with_rises(print, random);
         const CureSettings of = settings({120, 50, 50}, memory, oxygen, dead_zone_um);
         CuredLayers cured(of, 1);
         for (auto exposure = print.rbegin(); exposure != print.rend(); ++exposure) {
@@ -168,7 +198,7 @@ TEST_CASE("The solid of random prints equals that of resin followed through time
           for (double below_um = 0.05; below_um < thick_um; below_um += 0.5) {
             // Within 0.1 um of the surface, light that is too faint to be remembered decides.
             if (std::abs(below_um - solid_um) < 0.1) continue;
-            CAPTURE(memory, oxygen, dead_zone_um, top_um, below_um, solid_um);
+            CAPTURE(memory, oxygen, rises, top_um, below_um, solid_um);
             CHECK(solidifies(print, of, top_um - below_um) == (below_um < solid_um));
           }
         }
