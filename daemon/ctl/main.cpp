@@ -37,7 +37,8 @@ void add_commands(Command& program) {
   const std::vector<CommandGroup> groups{
       {"Printing", {add_submit, add_status, add_watch, add_queue, add_preflight, add_mask, add_offer}},
       {"Control of a print", {add_print_control}},
-      {"Models", {add_inspect, add_preview, add_analyze, add_cure, add_orient, add_support, add_slice}},
+      {"Models",
+       {add_inspect, add_preview, add_analyze, add_cure, add_frames, add_orient, add_support, add_slice}},
       {"Calibration", {add_calibrate, add_fit}},
       {"History and wear", {add_history, add_vat}},
       {"By hand", {add_manual, add_jog, add_switches}},

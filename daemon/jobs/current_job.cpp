@@ -137,7 +137,8 @@ CurrentJob::CurrentJob(const PrinterContext& context, Spool& spool, JobReader& r
       analyst_(context.loop),
       archivist_(context.loop, spool, context.config.memory_limit_bytes),
       progress_(context.loop, context.log, progress_file(context.config.spool_folder),
-                [this] { return print_->light_may_be_on(); }) {
+                [this] { return print_->light_may_be_on(); }),
+      frames_(context.loop, frames_file(context.config.spool_folder)) {
   context_.loop.on_turn_over([this](const EventLoop::Turn& turn) {
     if (print_->light_may_be_on()) add_lit_turn(turn);
   });
@@ -480,6 +481,7 @@ void CurrentJob::print_ended(PrintOutcome outcome, const std::string& reason, Pr
   job_->over = EndedPrint{
       job_->claimed.files, std::move(report), std::move(plan.engine), std::move(plan.undersides), end,
       std::move(given)};
+  job_->over->frames = frames_.end();
   if (!job_->had_light) hold_.set_plate_occupant(job_->plate_before);
   // A fault of the machine would hit the next job too, which begins with a motion. A print that was stopped
   // with contourd has left its part in the way.

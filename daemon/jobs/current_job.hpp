@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
+#include "daemon/frames/frame_log.hpp"
 #include "daemon/history/history_worker.hpp"
 #include "daemon/jobs/job_reader.hpp"
 #include "daemon/jobs/print_analyst.hpp"
@@ -109,6 +110,7 @@ class CurrentJob final : private PrintObserver {
   void light_due() override;
   void state_changed(const PrintState& state) override;
   void layer_done(const LayerRecord& layer) override;
+  void frame_over(const FrameRecord& frame) override { frames_.add(frame); }
   void progressed(const PrintProgress& print) override { progress_.keep(print); }
   void interrupted(const std::string& what) override;
   void light_gone() override;
@@ -145,6 +147,7 @@ class CurrentJob final : private PrintObserver {
   PrintAnalyst analyst_;
   PrintArchivist archivist_;
   ProgressKeeper progress_;
+  FrameLog frames_;
   std::optional<State> job_;
   Duration lit_{};
   bool stopping_ = false;

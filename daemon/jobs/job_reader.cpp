@@ -12,6 +12,7 @@
 #include "daemon/prepare/job_memory.hpp"
 #include "daemon/spool/copied_originals.hpp"
 #include "daemon/spool/state_records.hpp"
+#include "daemon/system/checksum.hpp"
 #include "daemon/system/durable_file.hpp"
 #include "daemon/system/readable.hpp"
 

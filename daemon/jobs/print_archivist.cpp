@@ -4,10 +4,14 @@
 
 #include <chrono>
 #include <exception>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
 #include <system_error>
 #include <utility>
 
 #include "core/contract/expects.hpp"
+#include "daemon/frames/frame_file.hpp"
 #include "daemon/report/layer_pictures.hpp"
 #include "daemon/report/print_report_html.hpp"
 #include "daemon/report/print_report_json.hpp"
@@ -21,6 +25,8 @@ namespace {
 constexpr int kArchivistNiceness = 5;
 // Longest time that filing waits for the hold of the queue to be on the disk.
 constexpr std::chrono::seconds kLongestHolding{2};
+// Bytes that the record of frames leaves to the report's files.
+constexpr std::uintmax_t kRoomForReport = 50'000'000;
 // Time limit for all pictures of layers: contourd may be about to stop, and waits for the filing.
 constexpr std::chrono::seconds kLongestLayerPictures{5};
 
@@ -54,8 +60,30 @@ void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& f
   attempt("no preview.png", filed, [&] { spool.write_beside(folder, report.job, "preview.png", picture); });
 }
 
+// Moves the file of the frames beside the report.
+void file_frames(const Spool& spool, EndedPrint& print, FiledPrint& filed) {
+  if (!print.frames.valid()) return;
+  attempt("no record of the masks that it showed while the plate rose", filed, [&] {
+    if (print.frames.wait_for(kLongestHolding) != std::future_status::ready)
+      throw std::runtime_error("the disk does not answer");
+    const EndedFrameLog& log = print.frames.get();
+    if (log.lost > 0)
+      filed.troubles.push_back(fmt::format(
+          "{} masks that it showed while the plate rose are not on record: {}", log.lost, log.trouble));
+    if (log.file.empty()) return;
+    PrintReport& report = print.report;
+    const std::string text = frame_file_text(log.file);
+    if (spool.free_bytes() < text.size() + kRoomForReport)
+      throw std::runtime_error("the disk has no room for it beside the report");
+    spool.write_beside(folder_for(print.end), report.job, FrameLogFile::kSuffix, text);
+    report.frames = {report.job + "." + FrameLogFile::kSuffix, log.recorded, log.lost};
+    std::error_code ignored;
+    std::filesystem::remove(log.file, ignored);
+  });
+}
+
 FiledPrint file_print(Spool& spool, EndedPrint& print) {
-  const PrintReport& report = print.report;
+  PrintReport& report = print.report;
   FiledPrint filed{print.files, false, print.end, {}, {}};
   const Spool::Folder folder = folder_for(print.end);
   attempt("cannot record the end of the print", filed, [&] { spool.ends().add(print.end); });
@@ -64,6 +92,7 @@ FiledPrint file_print(Spool& spool, EndedPrint& print) {
   if (!reason.empty())
     attempt("cannot write its reason file", filed,
             [&] { spool.write_beside(folder, report.job, "reason.txt", reason); });
+  file_frames(spool, print, filed);
   const bool recorded = attempt("no report", filed, [&] {
     spool.write_beside(folder, report.job, "report.json", report_as_json(report));
   });

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/engine/contour_engine.hpp"
+#include "daemon/frames/frame_log.hpp"
 #include "daemon/jobs/cured_part_writer.hpp"
 #include "daemon/report/print_report.hpp"
 #include "daemon/spool/spool.hpp"
@@ -26,6 +27,7 @@ struct EndedPrint {
   JobEnd end;
   std::unique_ptr<GivenLight> given{};  // null: exposures were not split
   std::shared_future<void> held{};  // ready when the hold of the queue is on the disk; filing waits for it
+  std::shared_future<EndedFrameLog> frames{};  // of the print's rises; filing waits for them
 };
 
 struct FiledPrint {

@@ -393,8 +393,14 @@ void ContinuousPrint::rise() {
   estimate(rise_left());
   if (!plan_->dry) lit_from_ = clock_.now();
   wait_ = clock_.call_at(light_end_, [this] { interrupt("the rise takes longer than planned"); });
-  frames_->run(
-      {.refreshed = [this] { refreshed(); }, .unsafe = [this](const std::string& what) { interrupt(what); }});
+  frames_->run({.refreshed = [this] { refreshed(); },
+                .unsafe = [this](const std::string& what) { interrupt(what); },
+                .frame_over =
+                    [this](FrameRecord frame) {
+                      frame.layer = record_.layer;
+                      observer_.frame_over(frame);
+                    },
+                .lit_from = lit_from_});
   machine_.z_axis().rise(rise_, [this](MoveResult result) { risen(result); });
 }
 
@@ -431,6 +437,7 @@ void ContinuousPrint::begin_slice(Nanometers bottom) {
   const std::int32_t layer = record_.layer + 1;
   record_ = LayerRecord{};
   record_.layer = layer;
+  record_.rises = true;
   record_.bottom = bottom;
   record_.thickness = *thickness;
   record_.plate_height = bottom + *thickness;

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <variant>
 
+#include "daemon/frames/frame_record.hpp"
 #include "daemon/print/print_plan.hpp"
 #include "daemon/print/print_progress.hpp"
 #include "daemon/print/print_settings.hpp"
@@ -70,6 +71,8 @@ class PrintObserver {
   virtual void light_due() = 0;
   virtual void state_changed(const PrintState& state) = 0;
   virtual void layer_done(const LayerRecord& layer) = 0;
+  // Called when another mask has replaced one on the screen while the plate rises, or when the rise stops.
+  virtual void frame_over(const FrameRecord& /*frame*/) {}
   // Called when a phase of the print begins, with the light off.
   virtual void progressed(const PrintProgress&) {}
   // Called when the print was interrupted: the light was turned off, and layer() waits for resume(). `what`

@@ -183,6 +183,7 @@ struct LayerRecord {
   std::size_t pictures = 1;    // number of pictures that the exposure was planned to show
   double light_error = 0;      // largest difference of a pixel's planned light from its mask's, over white's
   Duration late_picture{};     // by how much a picture came later than planned, at most
+  bool rises = false;          // a slice of a rise
   FrameFigures frames;         // figures of a slice of a rise
   bool undersides_found = true;  // false if undersides kept their light for lack of time
   std::uint32_t intersecting_facets = 0;

@@ -21,15 +21,17 @@ RiseFrames::RiseFrames(Machine& machine, Clock& clock, const PrintPlan& plan)
     : machine_(machine), clock_(clock), plan_(plan), masks_(*plan.engine, clock, plan.mask_budget) {}
 
 void RiseFrames::stop() {
+  end_frame(clock_.now());
+  calls_.frame_over = nullptr;
   ++stops_;
   refresh_.reset();
   hand_over_.reset();
 }
 
 double RiseFrames::take_lit_pixels() {
-  const double sum = std::exchange(lit_sum_, 0);
-  const std::int64_t masks = std::exchange(lit_masks_, 0);
-  return masks > 0 ? sum / static_cast<double>(masks) : lit_pixels_;
+  const double sum = std::exchange(lit_pixels_.sum, 0);
+  const std::int64_t masks = std::exchange(lit_pixels_.masks, 0);
+  return masks > 0 ? sum / static_cast<double>(masks) : lit_pixels_.last;
 }
 
 TimePoint RiseFrames::next_vblank() const {
@@ -62,12 +64,14 @@ void RiseFrames::await_first(std::function<void()> shown) {
   }
   present([this, shown = std::move(shown)](TimePoint at) {
     vblank_ = at;
+    begin_frame(at);
     shown();
   });
 }
 
 void RiseFrames::run(Calls calls) {
   calls_ = std::move(calls);
+  if (frame_) frame_->begins = true;
   refresh_ = clock_.call_at(next_vblank(), [this] { refresh(); });
 }
 
@@ -104,9 +108,35 @@ void RiseFrames::hand_over(TimePoint vblank, bool is_new) {
     vblank_ = at;
     missed(static_cast<std::uint32_t>(std::max<std::int64_t>((at - vblank + frame / 2) / frame, 0)));
     ++figures_.shown;
-    const std::optional<Nanometers> height = machine_.z_axis().height_at(at + frame / 2);
-    if (height) figures_.farthest = std::max(figures_.farthest, apart(*height, shown_.cut_at));
+    end_frame(at);
+    begin_frame(at);
+    figures_.farthest = std::max(figures_.farthest, apart(frame_->first, frame_->cut));
   });
+}
+
+void RiseFrames::missed(std::uint32_t frames) {
+  figures_.missed += frames;
+  if (frame_) frame_->missed += frames;
+}
+
+// Begins the record of the mask that has appeared on the screen.
+void RiseFrames::begin_frame(TimePoint shown) {
+  const std::optional<Nanometers> height =
+      machine_.z_axis().height_at(shown + machine_.display().frame() / 2);
+  frame_ = FrameRecord{.cut = shown_.cut_at, .first = height.value_or(shown_.cut_at), .shown = shown};
+}
+
+// Ends the record of the mask on the screen, and passes it on if the plate rose meanwhile.
+void RiseFrames::end_frame(TimePoint until) {
+  if (!frame_) return;
+  FrameRecord frame = *std::exchange(frame_, std::nullopt);
+  if (!calls_.frame_over) return;
+  const Duration refresh = machine_.display().frame();
+  frame.last = machine_.z_axis().height_at(until - refresh / 2).value_or(frame.first);
+  frame.refreshes =
+      static_cast<std::uint32_t>(std::max<std::int64_t>((until - frame.shown + refresh / 2) / refresh, 1));
+  if (calls_.lit_from) frame.lit = std::max(until - std::max(frame.shown, *calls_.lit_from), Duration{0});
+  calls_.frame_over(frame);
 }
 
 // Passes the mask that is ready to the display.
@@ -117,9 +147,9 @@ void RiseFrames::present(std::function<void(TimePoint)> presented) {
     return calls_.unsafe(
         fmt::format("the mask at {:.3f} mm was abandoned: {}", in_mm(cut.height), cut.trouble));
   }
-  lit_pixels_ = cut.lit_area;
-  lit_sum_ += cut.lit_area;
-  ++lit_masks_;
+  lit_pixels_.last = cut.lit_area;
+  lit_pixels_.sum += cut.lit_area;
+  ++lit_pixels_.masks;
   shown_ = {&cut.mask, shown_.number + 1, plan_.job, shown_.layer, cut.height};
   machine_.display().show(
       cut.mask, [this, stops = stops_, presented = std::move(presented)](std::optional<TimePoint> at) {

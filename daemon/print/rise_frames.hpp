@@ -7,9 +7,11 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "daemon/frames/frame_record.hpp"
 #include "daemon/print/mask_ahead.hpp"
 #include "daemon/print/print_plan.hpp"
 #include "daemon/print/shown_mask.hpp"
@@ -30,6 +32,9 @@ class RiseFrames {
   struct Calls {
     std::function<void()> refreshed;                 // a refresh has begun, or will within half of one
     std::function<void(const std::string&)> unsafe;  // a sentence: the light must go off now
+    // A mask has left the screen, or is the last one when stop() is called. Its layer is unknown.
+    std::function<void(const FrameRecord&)> frame_over{};
+    std::optional<TimePoint> lit_from{};  // since when there is light; nullopt: there is none
   };
   // Shows the mask for the plate's height, which is at rest, then calls `shown`. Stops what is under way.
   void show_first(std::function<void()> shown, std::function<void(const std::string&)> unsafe);
@@ -51,7 +56,9 @@ class RiseFrames {
   void present(std::function<void(TimePoint)> presented);
   void refresh();
   void hand_over(TimePoint vblank, bool is_new);
-  void missed(std::uint32_t frames) { figures_.missed += frames; }
+  void missed(std::uint32_t frames);
+  void begin_frame(TimePoint shown);
+  void end_frame(TimePoint until);
   [[nodiscard]] TimePoint next_vblank() const;
 
   Machine& machine_;
@@ -61,12 +68,15 @@ class RiseFrames {
   Calls calls_;
   ShownMask shown_;
   Nanometers on_screen_{};  // the cut of the mask that is on the screen
-  double lit_pixels_ = 0;   // of the last mask
-  double lit_sum_ = 0;      // of the masks since the last take_lit_pixels()
-  std::int64_t lit_masks_ = 0;
+  struct LitPixels {
+    double last = 0;         // of the last mask
+    double sum = 0;          // of the masks since the last take_lit_pixels()
+    std::int64_t masks = 0;  // in the sum
+  } lit_pixels_;
   FrameFigures figures_;
-  TimePoint vblank_{};       // a refresh, from which the others are counted
-  std::uint64_t stops_ = 0;  // answers of the display from before the last stop are ignored
+  std::optional<FrameRecord> frame_;  // of the mask that is on the screen
+  TimePoint vblank_{};                // a refresh, from which the others are counted
+  std::uint64_t stops_ = 0;           // answers of the display from before the last stop are ignored
   std::unique_ptr<Timer> refresh_, hand_over_;
 };
 

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "daemon/print/print_settings.hpp"
+#include "daemon/system/checksum.hpp"
 #include "daemon/system/durable_file.hpp"
 #include "daemon/system/regular_file.hpp"
 
@@ -192,12 +193,6 @@ std::pair<std::array<Copy, 2>, std::string> copies_at(const std::filesystem::pat
 }
 
 }  // namespace
-
-std::uint64_t checksum_of(std::string_view bytes, std::uint64_t before) {
-  for (const char byte : bytes)
-    before = (before ^ static_cast<unsigned char>(byte)) * 0x100000001b3;
-  return before;
-}
 
 ProgressRecord::Found ProgressRecord::read() const {
   auto [copies, trouble] = copies_at(path_);

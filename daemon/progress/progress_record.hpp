@@ -51,9 +51,6 @@ struct JobProgress {
   bool operator==(const JobProgress&) const = default;
 };
 
-// Returns a checksum of the bytes (FNV-1a, 64 bits); continues from `before`.
-[[nodiscard]] std::uint64_t checksum_of(std::string_view bytes, std::uint64_t before = 0xcbf29ce484222325);
-
 class ProgressRecord {
  public:
   static constexpr std::size_t kCopyBytes = 4'096, kCopyDistance = 65'536;

@@ -78,6 +78,14 @@ struct PrintedPart {
   std::string why_not;  // a clause, if there is no part
 };
 
+// The file of the masks that a print's rises showed, beside the report.
+struct FrameLogFile {
+  static constexpr const char* kSuffix = "frames.bin";
+
+  std::string name;
+  std::uint64_t recorded = 0, lost = 0;  // masks; the lost ones were shown, too
+};
+
 struct PrintReport {
   std::string job;
   std::string printer;
@@ -86,6 +94,7 @@ struct PrintReport {
   JobSummary summary;
   std::optional<PrintFindings> findings;  // nullopt if the print ended before its analysis
   std::vector<LayerRecord> layers;        // the exposed layers
+  std::optional<FrameLogFile> frames;     // nullopt: nothing rose, or the file could not be written
   PrintStops stops;
   std::vector<SettingChange> changes;  // settings that were changed while it printed
   std::vector<Exclusion> exclusions;

@@ -134,11 +134,16 @@ std::string pictures_row(const std::vector<LayerRecord>& layers) {
 }
 
 // Returns the row about the masks of a rise, if there was one.
-std::string frames_row(const std::vector<LayerRecord>& layers) {
-  const FrameFigures frames = frame_figures(layers);
+std::string frames_row(const PrintReport& report) {
+  const FrameFigures frames = frame_figures(report.layers);
   if (frames.shown == 0 && frames.missed == 0) return "";
-  return table_row("Rise", fmt::format("{} masks shown, {} missed, up to {:.2f} um from the plate's height",
-                                       frames.shown, frames.missed, in_mm(frames.farthest) * 1000));
+  std::string text = fmt::format("{} masks shown, {} missed, up to {:.2f} um from the plate's height",
+                                 frames.shown, frames.missed, in_mm(frames.farthest) * 1000);
+  if (report.frames) {
+    text += fmt::format("; {} lists {} of them", report.frames->name, report.frames->recorded);
+    if (report.frames->lost > 0) text += fmt::format(", {} could not be written", report.frames->lost);
+  }
+  return table_row("Rise", text);
 }
 
 // Returns rows for what went wrong in the print, apart from its stops and the model's warnings.
@@ -205,7 +210,7 @@ std::string facts(const PrintReport& report) {
   rows += settings_rows(report) + exposure_rows(report.layers) + trouble_rows(report);
   rows += table_row("First mask",
                     fmt::format("{:.1f} ms after the job's turn came", in_ms(report.first_mask_after)));
-  rows += mask_row(report.layers) + pictures_row(report.layers) + frames_row(report.layers);
+  rows += mask_row(report.layers) + pictures_row(report.layers) + frames_row(report);
   if (report.findings) rows += table_row("Analysis", findings_line(*report.findings));
   return rows;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "daemon/prepare/job_summary.hpp"
@@ -151,13 +152,22 @@ Json cured_json(const PrintReport& report) {
   return json;
 }
 
-// Returns the masks of a rise or of a slice of it; null if there was none.
+// Returns the masks of a rise or of a slice of it.
 Json frames_json(const FrameFigures& frames) {
-  if (frames.shown == 0 && frames.missed == 0) return {};
   return {{"shown", frames.shown},
           {"missed", frames.missed},
           {"farthest_um", in_mm(frames.farthest) * 1000},
           {"longest_cut_ms", in_ms(frames.longest_cut)}};
+}
+
+// Returns the masks of all rises, and the file that lists them; null if there was no rise.
+Json rise_json(const PrintReport& report) {
+  if (std::ranges::find(report.layers, true, &LayerRecord::rises) == report.layers.end()) return {};
+  Json json = frames_json(frame_figures(report.layers));
+  if (report.frames)
+    json.update(Json{
+        {"file", report.frames->name}, {"recorded", report.frames->recorded}, {"lost", report.frames->lost}});
+  return json;
 }
 
 Json layer_json(const LayerRecord& layer) {
@@ -173,7 +183,7 @@ Json layer_json(const LayerRecord& layer) {
             {"pictures", layer.pictures},
             {"light_error_percent", 100 * layer.light_error},
             {"late_picture_ms", in_ms(layer.late_picture)},
-            {"frames", frames_json(layer.frames)},
+            {"frames", layer.rises ? frames_json(layer.frames) : Json()},
             {"complete", layer.complete},
             {"dark_confirmed", layer.dark_confirmed},
             {"shown_at_s", in_ms(layer.shown_at.time_since_epoch()) / 1000},  // by the machine's clock
@@ -224,7 +234,7 @@ std::string report_as_json(const PrintReport& report) {
   add_layer_figures(summary.layers, json);
   json["layers_exposed"] = layers_exposed(report.layers);
   add_stops(report, json);
-  json["frames"] = frames_json(frame_figures(report.layers));
+  json["frames"] = rise_json(report);
   json["unfound_undersides"] = layers_with_unfound_undersides(report.layers);
   json["late_steps"] = report.late_steps;
   json["loop_busy_ms_worst_lit"] = in_ms(report.busiest_lit.busy);

@@ -64,6 +64,10 @@ std::filesystem::path progress_file(const std::filesystem::path& spool) {
   return state_folder_path(spool) / "print-progress";
 }
 
+std::filesystem::path frames_file(const std::filesystem::path& spool) {
+  return state_folder_path(spool) / "print-frames";
+}
+
 void make_state_folder(const std::filesystem::path& folder) {
   // mkdir may fail although the folder exists already, as on a read-only disk.
   const int not_made = ::mkdir(folder.c_str(), 0700) == 0 || errno == EEXIST ? 0 : errno;

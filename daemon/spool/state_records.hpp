@@ -12,6 +12,7 @@
 //                    by a zero byte
 //   vat              one line: the resin in the vat, in ml
 //   print-progress   how far the print under way is (daemon/progress/progress_record.hpp)
+//   print-frames     the masks that the rise under way has shown (daemon/frames/frame_file.hpp)
 //   accepted         the findings that users have accepted, one line each (acceptances.hpp)
 //
 // A setter syncs the record to the disk before it returns, and does not write a line that is unchanged.
@@ -31,6 +32,8 @@ namespace contourd {
 
 // Returns the record of the print under way in the state folder of this spool.
 [[nodiscard]] std::filesystem::path progress_file(const std::filesystem::path& spool);
+// Returns the file of the frames of the print under way.
+[[nodiscard]] std::filesystem::path frames_file(const std::filesystem::path& spool);
 
 // Makes the folder if it does not exist, and removes all permissions of other users. Throws
 // std::runtime_error if the folder cannot be made or belongs to another user.

@@ -2,7 +2,7 @@
 
 import json
 
-from harness import NIMBLE_RESIN, OK, SpoolTest, binary_stl, box, contourctl, realtime, wedge
+from harness import BAD_DATA, NIMBLE_RESIN, OK, SpoolTest, binary_stl, box, contourctl, realtime, wedge
 
 WINDOW = {
     "working_curve": {"penetration_depth_um": 150, "critical_energy_mj_cm2": 8, "dead_zone_um": 30, "overcure_um": 50, "bottom_overcure_um": 150},
@@ -43,6 +43,24 @@ class Continuous(SpoolTest):
         result = contourctl("cure", "--json", self.write("wedge.stl", model), "--printer", self.path("contourd.json"),
                             "--report", daemon.file("done", "wedge.report.json"), expect=OK)  # fmt: skip
         self.assertNotIn("not those of the print", " ".join(json.loads(result.stdout)["warnings"]))
+
+    def test_the_masks_of_a_rise_are_on_record_beside_the_report(self):
+        daemon = self.window_daemon()
+        model = binary_stl(wedge(4, 4, 2))
+        report = daemon.printed("wedge.stl", model)
+        self.assertEqual(report["frames"]["file"], "wedge.frames.bin")
+        self.assertEqual(report["frames"]["lost"], 0)
+        path = daemon.file("done", "wedge.frames.bin")
+        found = json.loads(contourctl("frames", "--json", path, expect=OK).stdout)
+        self.assertTrue(found["complete"])
+        self.assertEqual(found["masks"], report["frames"]["recorded"])
+        self.assertEqual(found["masks"], report["frames"]["shown"] + found["rises"])  # and the first one, at rest
+        self.assertAlmostEqual(found["lit_s"], sum(each["exposure_most_ms"] for each in report["layer_records"] if each["frames"]) / 1000, delta=0.01)
+        self.assertLess(found["farthest_um"], 5)
+        lines = contourctl("frames", "--csv", path, expect=OK).stdout.splitlines()
+        self.assertEqual(len(lines), found["masks"] + 1)
+        self.assert_words(contourctl("frames", path, expect=OK).stdout, f"{found['masks']} in 1 rise", "complete")
+        self.assert_refusal(contourctl("frames", daemon.file("done", "wedge.report.json")), BAD_DATA, "no record of frames")
 
     def test_after_a_power_cut_within_a_rise_the_part_is_lifted_out_and_nothing_offers_to_resume(self):
         nimble = {key: value for key, value in NIMBLE_RESIN.items() if "exposure" not in key}

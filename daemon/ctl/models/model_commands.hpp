@@ -1,5 +1,5 @@
-// The commands that read models without contourd. Each function adds one command to the program. The commands
-// throw exceptions for problems with the data (see exit_codes.hpp).
+// The commands that read models and records of prints without contourd. Each function adds one command to the
+// program. The commands throw exceptions for problems with the data (see exit_codes.hpp).
 #pragma once
 
 #include "daemon/ctl/terminal/command.hpp"
@@ -14,6 +14,8 @@ void add_slice(Command& program);
 void add_analyze(Command& program);
 // Computes the part that the light cures.
 void add_cure(Command& program);
+// Shows the masks that a continuous print has shown.
+void add_frames(Command& program);
 // Generates supports.
 void add_support(Command& program);
 // Finds the best orientation of a model.

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <future>
+#include <iterator>
+#include <string>
 #include <thread>
 
 #include "hw/png_file.hpp"
@@ -55,6 +58,10 @@ class ArchivistFixture {
     return result;
   }
 
+  [[nodiscard]] std::string text(const std::string& name) const {
+    std::ifstream file(folder.path() / "spool" / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
   [[nodiscard]] bool has(const std::string& name) const { return fs::exists(folder.path() / "spool" / name); }
 
   testing::TemporaryFolder folder;
@@ -104,6 +111,38 @@ TEST_CASE_METHOD(ArchivistFixture,
   CHECK(filed.troubles.front().starts_with("no report: cannot write "));
   CHECK(has("failed/part.stl"));
   CHECK(has("failed/part.reason.txt"));
+}
+
+TEST_CASE_METHOD(ArchivistFixture, "The masks of a rise go beside the report, which names them") {
+  const fs::path written = folder.path() / "print-frames";
+  std::ofstream(written) << "frames";
+  EndedPrint print = ended(PrintOutcome::Canceled);
+  print.report.layers.resize(1);
+  print.report.layers.front().rises = true;
+  print.report.layers.front().frames.shown = 15;
+  std::promise<EndedFrameLog> log;
+  print.frames = log.get_future().share();
+  log.set_value({written, 12, 3, "the disk was slower than the print"});
+  const FiledPrint filed = file(std::move(print));
+  REQUIRE(filed.troubles.size() == 1);
+  CHECK(filed.troubles.front() ==
+        "3 masks that it showed while the plate rose are not on record: the disk was slower than the print");
+  CHECK(text("failed/part.frames.bin") == "frames");
+  CHECK_FALSE(fs::exists(written));
+  CHECK(text("failed/part.report.json").find(R"("file": "part.frames.bin")") != std::string::npos);
+  CHECK(text("failed/part.report.html").find("part.frames.bin lists 12 of them, 3 could not be written") !=
+        std::string::npos);
+}
+
+TEST_CASE_METHOD(ArchivistFixture, "A disk that never ends the record of masks leaves it out of the report") {
+  EndedPrint print = ended(PrintOutcome::Done);
+  std::promise<EndedFrameLog> log;
+  print.frames = log.get_future().share();
+  const FiledPrint filed = file(std::move(print));
+  REQUIRE(filed.troubles.size() == 1);
+  CHECK(filed.troubles.front() ==
+        "no record of the masks that it showed while the plate rose: the disk does not answer");
+  CHECK(has("done/part.report.json"));
 }
 
 TEST_CASE_METHOD(ArchivistFixture, "A failure to write the page is reported, and everything else is there") {

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <semaphore>
 
+#include "daemon/frames/frame_summary.hpp"
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
 #include "tests/broken_contract.hpp"
@@ -122,6 +123,8 @@ class ContinuousPrintFixture final : public Machine, public PrintObserver {
     screen.presented = [this](TimePoint at) {
       const Nanometers cut = process.shown().cut_at;
       cut_on_screen = cut;
+      if (process.continuous_state() == C::Igniting || process.continuous_state() == C::Rising)
+        masks.emplace_back(at, *screen.on_screen);
       if (process.continuous_state() != C::Rising) return;
       const Nanometers plate = printer.z_axis().height_at(at + screen.frame() / 2).value();
       farthest_cut = std::max(farthest_cut, std::abs((cut - plate).count()));
@@ -172,6 +175,7 @@ class ContinuousPrintFixture final : public Machine, public PrintObserver {
   void light_due() override {}
   void state_changed(const PrintState& state) override { states.emplace_back(state.name); }
   void layer_done(const LayerRecord& layer) override { layers.push_back(layer); }
+  void frame_over(const FrameRecord& frame) override { recorded.push_back(frame); }
   void interrupted(const std::string& what) override { interruptions.push_back(what); }
   void light_gone() override { gone_while_lit = gone_while_lit || printer.light_is_on(); }
   void print_ended(PrintOutcome outcome, const std::string& why, PrintPlan plan) override {
@@ -197,6 +201,8 @@ class ContinuousPrintFixture final : public Machine, public PrintObserver {
   ContourEngine reference = cone_engine();
   std::vector<std::string> states, interruptions;
   std::vector<LayerRecord> layers;
+  std::vector<FrameRecord> recorded;
+  std::vector<std::pair<TimePoint, Mask>> masks;  // of the rise, with their vblanks
   std::vector<PrintOutcome> ends;
   std::string reason;
   bool lit_unknown = false, lit_black = false, gone_while_lit = false, lit_at_end = false, has_plan = false;
@@ -274,6 +280,74 @@ TEST_CASE("Each mask that a rise shows is the core's mask for the plate's height
     CHECK(frame_figures(fixture.layers).missed == 0);
     CHECK(frame_figures(fixture.layers).farthest.count() == fixture.farthest_cut);
   }
+}
+
+TEST_CASE("Each mask of a rise is on record with its heights, refreshes and light") {
+  ContinuousPrintFixture fixture;
+  fixture.process.start(cone_plan());
+  REQUIRE(fixture.run_to_height(0.4));
+  fixture.process.pause();
+  REQUIRE(fixture.run_to(C::Paused));
+  fixture.process.resume();
+  fixture.run_out();
+  REQUIRE(fixture.ends == std::vector{PrintOutcome::Done});
+
+  const std::vector<FrameRecord>& frames = fixture.recorded;
+  REQUIRE(frames.size() == fixture.masks.size());
+  const FrameSummary summary = summary_of(frames);
+  CHECK(summary.rises == 2);
+  CHECK(summary.missed == 0);
+  CHECK(summary.farthest_first.apart == Nanometers{});  // the simulated axis and display keep their times
+  CHECK(summary.farthest.apart < Nanometers{4'000});    // two refreshes of 1.7 um
+  CHECK(summary.lowest == Nanometers{100'000});
+  CHECK(std::abs((summary.highest - Nanometers{1'000'000}).count()) < 10'000);
+  Duration lit{};
+  for (const LayerRecord& layer : fixture.layers)
+    if (layer.rises) lit += layer.exposure_most;
+  CHECK(std::chrono::abs(lit - summary.lit) < 1ms);
+
+  const Duration refresh = fixture.screen.frame();
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    CAPTURE(i);
+    const FrameRecord& frame = frames[i];
+    CHECK(frame.shown == fixture.masks[i].first);
+    CHECK(fixture.reference.mask_at(frame.cut) == fixture.masks[i].second);
+    CHECK((frame.layer >= kFirstLayers && frame.layer < kAllLayers));
+    CHECK(frame.begins == (i == 0 || frames[i - 1].first > frames[i].last ||
+                           frame.shown - frames[i - 1].shown > 100 * refresh));
+    CHECK(frame.last >= frame.first);
+    if (i == 0 || frame.begins) continue;
+    // Masks follow each other without a gap, in time and light.
+    CHECK(frame.shown == frames[i - 1].shown + frames[i - 1].refreshes * refresh);
+    CHECK(frame.first > frames[i - 1].last);
+    if (i + 1 < frames.size() && !frames[i + 1].begins) CHECK(frame.lit == frame.refreshes * refresh);
+  }
+}
+
+TEST_CASE("A mask that came late counts as missed for the one that stayed") {
+  ContinuousPrintFixture fixture;
+  fixture.process.start(cone_plan(0.05));
+  REQUIRE(fixture.run_to_height(0.3));
+  const std::size_t before = fixture.recorded.size();
+  fixture.screen.late_by = 1;
+  REQUIRE(fixture.run_to_height(0.31));
+  fixture.screen.late_by = 0;
+  fixture.run_out();
+  std::uint32_t missed = 0;
+  for (std::size_t i = before; i < fixture.recorded.size(); ++i)
+    missed += fixture.recorded[i].missed;
+  CHECK(missed > 0);
+  CHECK(missed == frame_figures(fixture.layers).missed);
+}
+
+TEST_CASE("A dry rise records its masks without light") {
+  ContinuousPrintFixture fixture;
+  PrintPlan plan = cone_plan();
+  plan.dry = true;
+  fixture.process.start(std::move(plan));
+  fixture.run_out();
+  CHECK(fixture.recorded.size() > 250);
+  CHECK(summary_of(fixture.recorded).lit == Duration{0});
 }
 
 TEST_CASE("A rise at the highest speed that masks allow, 2 um a refresh, is not interrupted") {

@@ -93,6 +93,7 @@ TEST_CASE("The page and the figures count the masks that a rise has shown and mi
   PrintReport report = report_of(3);
   CHECK(report_as_html(report).find("missed") == std::string::npos);
   CHECK(report_as_json(report).find("\"frames\": null") != std::string::npos);
+  report.layers[1].rises = report.layers[2].rises = true;
   report.layers[1].frames = {40, 2, Nanometers{3'750}, 3ms};
   report.layers[2].frames = {41, 0, Nanometers{1'250}, 5ms};
   CHECK(report_as_html(report).find("81 masks shown, 2 missed, up to 3.75 um") != std::string::npos);

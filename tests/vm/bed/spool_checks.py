@@ -12,7 +12,7 @@ _READING = {"state/reading", "state/reading.next"}
 _HISTORY_LOG = "state/history.sqlite-wal"
 _HISTORY = {"state/history.sqlite", _HISTORY_LOG, "state/history.sqlite-shm"}
 _SPARES = {f"state/ended-jobs.spare-{number}" for number in (1, 2)}
-_KNOWN = _READING | _HISTORY | _SPARES | {"spool/.lock", "state/plate-occupied", "state/queue-held", "state/copied-originals", "state/claim", "state/print-progress"}
+_KNOWN = _READING | _HISTORY | _SPARES | {"spool/.lock", "state/plate-occupied", "state/queue-held", "state/copied-originals", "state/claim", "state/print-progress", "state/print-frames"}
 
 
 @dataclass
