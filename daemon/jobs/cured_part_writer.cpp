@@ -12,8 +12,10 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "daemon/report/job_picture.hpp"
+#include "daemon/report/print_frames.hpp"
 #include "daemon/report/print_report_html.hpp"
 #include "daemon/report/print_report_json.hpp"
 #include "daemon/report/printed_light.hpp"
@@ -93,6 +95,21 @@ std::uint64_t most_memory(const ContourEngine& engine, const DisplayGeometry& di
   return per_pixel * window_of(engine.models(), display, 1).pixels() + kBytesPerCrossing * crossings;
 }
 
+// Returns into how many steps a rise may be divided: each takes two masks, and a share of kLongestRise.
+std::size_t most_steps(const std::vector<LayerRecord>& layers) {
+  constexpr std::size_t kMost = 20'000, kFewest = 500;
+  constexpr std::chrono::minutes kLongestRise{3};
+  Duration mask{};
+  std::int64_t slices = 0;
+  for (const LayerRecord& layer : layers) {
+    if (!layer.rises) continue;
+    mask += layer.frames.longest_cut;
+    ++slices;
+  }
+  if (mask <= Duration{0}) return kMost;
+  return std::clamp(static_cast<std::size_t>(Duration(kLongestRise) / 2 * slices / mask), kFewest, kMost);
+}
+
 // True if a file still has this text. Throws UnreadableFile; never waits for a writer of the file.
 bool has_text(const std::filesystem::path& path, std::string_view text) {
   const FileDescriptor file = open_regular_file(path, Links::Follow);
@@ -142,7 +159,7 @@ void CuredPartWriter::write(const Spool& spool, PrintToCure& print, const std::a
   PrintReport& report = print.report;
   if (!report.cured || stop == Stop::Contourd) return;
   const std::string filed = report_as_json(report);
-  PrintedPart cured = cure(print, stop, memory_limit);
+  PrintedPart cured = cure(print, spool.folder(print.folder), stop, memory_limit);
   if (stop == Stop::Contourd) return;
   const ReportFiles files = spool.reports_of(print.folder, report.job);
   if (files.json.empty() || !has_text(files.json, filed)) return;
@@ -152,10 +169,14 @@ void CuredPartWriter::write(const Spool& spool, PrintToCure& print, const std::a
   spool.write_beside(print.folder, report.job, "report.json", report_as_json(report));
 }
 
-PrintedPart CuredPartWriter::cure(PrintToCure& print, const std::atomic<Stop>& stop,
-                                  std::optional<std::uint64_t> memory_limit) {
+PrintedPart CuredPartWriter::cure(PrintToCure& print, const std::filesystem::path& folder,
+                                  const std::atomic<Stop>& stop, std::optional<std::uint64_t> memory_limit) {
   const PrintReport& report = print.report;
-  const std::optional<PrintedLight> light = printed_light(report.layers, report.summary.irradiance_mw_cm2);
+  PrintFrames frames = read_print_frames(
+      report.layers, report.frames ? folder / report.frames->name : std::filesystem::path());
+  const std::optional<PrintedLight> light =
+      printed_light(report.layers, report.summary.irradiance_mw_cm2,
+                    {frames.records, *report.summary.resin.cure, most_steps(report.layers)});
   if (!light) return {{}, "its layers do not lie one upon another from the first one on"};
   if (!report.exclusions.empty())
     return {{}, "copies were excluded while it printed, and have no end to compare"};
@@ -190,7 +211,8 @@ PrintedPart CuredPartWriter::cure(PrintToCure& print, const std::atomic<Stop>& s
         cure.compare(report.summary.supports ? &*report.summary.supports : nullptr);
     if (!part) return {{}, why_not};
     part->unfound_undersides = layers_with_unfound_undersides(report.layers);
-    return {std::move(part), ""};
+    if (part->weakest_bond > 0) part->weakest_bond_layer = layer_of(*light, part->weakest_bond_layer);
+    return {std::move(part), "", light->rise, std::move(frames.why_none)};
   } catch (const std::exception& error) {
     return {{}, error.what()};
   }

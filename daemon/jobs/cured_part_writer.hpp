@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -44,8 +45,8 @@ class CuredPartWriter {
 
   static void write(const Spool& spool, PrintToCure& print, const std::atomic<Stop>& stop,
                     std::optional<std::uint64_t> memory_limit);
-  static PrintedPart cure(PrintToCure& print, const std::atomic<Stop>& stop,
-                          std::optional<std::uint64_t> memory_limit);
+  static PrintedPart cure(PrintToCure& print, const std::filesystem::path& folder,
+                          const std::atomic<Stop>& stop, std::optional<std::uint64_t> memory_limit);
 
   const Spool& spool_;
   std::optional<std::uint64_t> memory_limit_;

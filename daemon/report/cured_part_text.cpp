@@ -81,6 +81,30 @@ std::vector<std::string> cured_part_warnings(const CuredPart& part, bool memory_
   return warnings;
 }
 
+std::vector<std::string> warnings_of(const PrintedPart& cured, bool memory_measured) {
+  if (!cured.part) return {};
+  std::vector<std::string> warnings = cured_part_warnings(*cured.part, memory_measured);
+  if (!cured.without_frames.empty()) warnings.push_back(cured.without_frames);
+  return warnings;
+}
+
+CureLine rise_light_line(const RiseLight& rise) {
+  return {"rise",
+          fmt::format("{} masks in steps of {:.0f} um; {:.2f} times the dose at which resin gels, at the "
+                      "least {:.2f} at {:.2f} mm; light cures {:.0f} um through an underside",
+                      rise.masks, in_mm(rise.step) * 1000, rise.margin, rise.least_margin,
+                      in_mm(rise.least_at), rise.print_through.count())};
+}
+
+Json rise_light_json(const RiseLight& rise) {
+  return {{"masks", rise.masks},
+          {"step_um", in_mm(rise.step) * 1000},
+          {"margin", rise.margin},
+          {"least_margin", rise.least_margin},
+          {"least_margin_at_mm", in_mm(rise.least_at)},
+          {"print_through_um", rise.print_through.count()}};
+}
+
 Json cured_part_json(const CuredPart& part) {
   const CureFigures& found = part.figures;
   Json json{{"undersides", distances_json(found.undersides)},

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "core/cure/cured_part.hpp"
+#include "daemon/report/print_report.hpp"
+#include "daemon/report/printed_light.hpp"
 
 namespace contourd {
 
@@ -22,8 +24,15 @@ struct CureLine {
 // Returns the lines that describe the part.
 [[nodiscard]] std::vector<CureLine> cured_part_lines(const CuredPart& part);
 
+// Returns the line that describes the light of a rise.
+[[nodiscard]] CureLine rise_light_line(const RiseLight& rise);
+[[nodiscard]] nlohmann::ordered_json rise_light_json(const RiseLight& rise);
+
 // Returns sentences about the part and what is unknown about it.
 [[nodiscard]] std::vector<std::string> cured_part_warnings(const CuredPart& part, bool memory_measured);
+
+// Does the same for the part of a report; none if there is no part.
+[[nodiscard]] std::vector<std::string> warnings_of(const PrintedPart& cured, bool memory_measured);
 
 // Returns the figures, without warnings.
 [[nodiscard]] nlohmann::ordered_json cured_part_json(const CuredPart& part);

@@ -16,6 +16,7 @@
 #include "daemon/prepare/print_job.hpp"
 #include "daemon/print/print_settings.hpp"
 #include "daemon/report/job_picture.hpp"
+#include "daemon/report/printed_light.hpp"
 #include "daemon/report/state_times.hpp"
 #include "daemon/system/event_loop.hpp"
 
@@ -76,6 +77,8 @@ struct Exclusion {
 struct PrintedPart {
   std::optional<CuredPart> part;
   std::string why_not;  // a clause, if there is no part
+  std::optional<RiseLight> rise{};
+  std::string without_frames{};  // a sentence, if the rise's light is taken from its slices
 };
 
 // The file of the masks that a print's rises showed, beside the report.

@@ -348,9 +348,11 @@ std::string cured_part_section(const PrintReport& report) {
   html +=
       "<p>By the light that the layers really had, this is the part that you should have in your hand: its "
       "distance from the model, positive where it is too large.</p>\n<table class=\"cured-figures\">\n";
-  for (const CureLine& line : cured_part_lines(part))
+  std::vector<CureLine> lines = cured_part_lines(part);
+  if (report.cured->rise) lines.push_back(rise_light_line(*report.cured->rise));
+  for (const CureLine& line : lines)
     html += table_row(line.name, line.text);
-  for (const std::string& warning : cured_part_warnings(part, report.summary.resin.peel_memory_measured))
+  for (const std::string& warning : warnings_of(*report.cured, report.summary.resin.peel_memory_measured))
     html += table_row("warning", warning);
   return html + "</table>\n" + cured_section(part.figures.section) + distance_plots(part.figures);
 }

@@ -148,7 +148,8 @@ Json cured_json(const PrintReport& report) {
   if (!report.cured) return {};
   if (!report.cured->part) return {{"not_computed", report.cured->why_not}};
   Json json = cured_part_json(*report.cured->part);
-  json["warnings"] = cured_part_warnings(*report.cured->part, report.summary.resin.peel_memory_measured);
+  if (report.cured->rise) json["rise"] = rise_light_json(*report.cured->rise);
+  json["warnings"] = warnings_of(*report.cured, report.summary.resin.peel_memory_measured);
   return json;
 }
 

@@ -1,8 +1,9 @@
 """Continuous prints: profiles that ask for them, rises in the light, reports, and power cuts within a rise."""
 
 import json
+import os
 
-from harness import BAD_DATA, NIMBLE_RESIN, OK, SpoolTest, binary_stl, box, contourctl, realtime, wedge
+from harness import BAD_DATA, NIMBLE_RESIN, OK, SpoolTest, binary_stl, box, contourctl, realtime, wait_until, wedge
 
 WINDOW = {
     "working_curve": {"penetration_depth_um": 150, "critical_energy_mj_cm2": 8, "dead_zone_um": 30, "overcure_um": 50, "bottom_overcure_um": 150},
@@ -10,6 +11,9 @@ WINDOW = {
     "viscosity_mpa_s": 1, "exposure_ms": None, "bottom_exposure_ms": None, "bottom_layers": 2, "fade_layers": 0, "mode": "continuous",
 }  # fmt: skip
 NEEDLE = binary_stl(box((0, 0, 0), (2, 2, 2)))
+
+
+CURING_S = 300  # the thread that computes the cured part gives way to all others
 
 
 class Continuous(SpoolTest):
@@ -61,6 +65,22 @@ class Continuous(SpoolTest):
         self.assertEqual(len(lines), found["masks"] + 1)
         self.assert_words(contourctl("frames", path, expect=OK).stdout, f"{found['masks']} in 1 rise", "complete")
         self.assert_refusal(contourctl("frames", daemon.file("done", "wedge.report.json")), BAD_DATA, "no record of frames")
+
+    def test_the_cured_part_of_a_rise_is_that_of_its_masks(self):
+        daemon = self.window_daemon()
+        model = binary_stl(wedge(4, 4, 2))
+        report = daemon.printed("wedge.stl", model)
+        cured = wait_until(lambda: None if "has not finished" in (part := daemon.report("wedge")["cured_part"]).get("not_computed", "") else part, "the cured part", CURING_S)
+        self.assertEqual(cured["rise"]["masks"], report["frames"]["recorded"])
+        self.assertGreater(cured["rise"]["margin"], 3.9)
+        arguments = ("cure", "--json", self.write("wedge.stl", model), "--printer", self.path("contourd.json"), "--report", daemon.file("done", "wedge.report.json"))
+        result = json.loads(contourctl(*arguments, expect=OK).stdout)
+        self.assertEqual(result["rise"]["masks"], cured["rise"]["masks"])
+        self.assertAlmostEqual(result["tops"]["median_um"], cured["tops"]["median_um"], delta=2)
+        os.remove(daemon.file("done", "wedge.frames.bin"))
+        result = json.loads(contourctl(*arguments, expect=OK).stdout)
+        self.assertNotIn("rise", result)
+        self.assert_words(" ".join(result["warnings"]), "taken from its slices", "wedge.frames.bin")
 
     def test_after_a_power_cut_within_a_rise_the_part_is_lifted_out_and_nothing_offers_to_resume(self):
         nimble = {key: value for key, value in NIMBLE_RESIN.items() if "exposure" not in key}

@@ -48,6 +48,7 @@ CureSettings cure_of(const ResinProfile& resin) {
 
 struct CureResult {
   CuredPart part;
+  std::optional<RiseLight> rise{};        // nullopt: nothing rose
   std::optional<WrittenSurface> surface;  // nullopt: not wanted
   std::vector<std::string> warnings;
 };
@@ -61,27 +62,28 @@ PrintSubject subject_of(const CureOptions& options, const std::optional<Recorded
 }
 
 // Returns a sentence about masks that are not those of the print; empty if all are.
-std::string other_masks(const PrintSubject& subject, const RecordedPrint& recorded,
+std::string other_masks(const PrintSubject& subject, const RecordedPrint& recorded, const PrintedLight& light,
                         std::span<const double> lit_pixels) {
   const double pixel_mm = to_millimeters(subject.settings.display.pixel_pitch).count();
   const double pixel_mm2 = pixel_mm * pixel_mm;
   std::size_t others = 0, worst = 0;
   double most = 0;
-  for (std::size_t layer = 0; layer < recorded.areas_mm2.size(); ++layer) {
-    const double area_mm2 = lit_pixels[layer] * pixel_mm2;
-    const double off = std::abs(area_mm2 - recorded.areas_mm2[layer].value_or(area_mm2));
+  for (std::size_t layer = 0; layer < light.layers.size(); ++layer) {
+    const std::size_t number = light.sources[layer].record;
+    if (recorded.layers[number].rises) continue;  // several masks lit it
+    const double off = std::abs(lit_pixels[layer] * pixel_mm2 - recorded.layers[number].area_mm2);
     if (off <= pixel_mm2) continue;
     ++others;
     if (off <= most) continue;
     most = off;
-    worst = layer;
+    worst = number;
   }
   if (others == 0) return "";
   return fmt::format(
       "the masks of {} of {} layers are not those of the print, that of layer {} is off by {:.2f} mm²: give "
       "the "
       "model, the ticket and the configuration of the print",
-      others, recorded.areas_mm2.size(), worst + 1, most);
+      others, recorded.layers.size(), worst + 1, most);
 }
 
 void print_text(const PrintSubject& subject, const std::optional<RecordedPrint>& recorded,
@@ -90,11 +92,13 @@ void print_text(const PrintSubject& subject, const std::optional<RecordedPrint>&
   fmt::print("layers        {}\n", layers_text(subject.layers));
   if (recorded)
     fmt::print("print         {}, {}, {} with light\n", printable(recorded->job),
-               printable(recorded->outcome), count_of(recorded->light.layers.size(), "layer", "layers"));
+               printable(recorded->outcome), count_of(recorded->layers.size(), "layer", "layers"));
   fmt::print("resin         {}: Dp {:.4g} um, Ec {:.4g} mJ/cm², memory {:.3g}\n",
              printable(subject.resin->name), cure.curve.penetration_depth.count(),
              cure.curve.critical_dose.count(), cure.peel_memory);
-  for (const CureLine& line : cured_part_lines(result.part))
+  std::vector<CureLine> lines = cured_part_lines(result.part);
+  if (result.rise) lines.push_back(rise_light_line(*result.rise));
+  for (const CureLine& line : lines)
     fmt::print("{:<13} {}\n", line.name, line.text);
   if (result.surface)
     fmt::print("surface       {} facets, from lines {} pixel{} apart\n", result.surface->facets,
@@ -116,8 +120,9 @@ void print_json(const PrintSubject& subject, const std::optional<RecordedPrint>&
   if (recorded)
     json["print"] = {{"job", recorded->job},
                      {"outcome", recorded->outcome},
-                     {"layers_with_light", recorded->light.layers.size()}};
+                     {"layers_with_light", recorded->layers.size()}};
   json.update(cured_part_json(result.part));
+  if (result.rise) json["rise"] = rise_light_json(*result.rise);
   if (result.surface)
     json["surface"] = {{"facets", result.surface->facets}, {"step_pixels", result.surface->step}};
   json["warnings"] = result.warnings;
@@ -132,22 +137,28 @@ CureResult compute(const PrintSubject& subject, const std::optional<RecordedPrin
                    .cure = cure_of(*subject.resin),
                    .undersides = undersides.get(),
                    .given = given.get()};
+  std::optional<PrintedLight> printed;
   if (recorded) {
-    if (recorded->light.layers.size() > subject.layers.size())
+    if (recorded->layers.size() > subject.layers.size())
       throw ModelError(
           fmt::format("the print has {} layers, and the model only {}: give the model, the ticket "
                       "and the configuration of the print",
-                      recorded->light.layers.size(), subject.layers.size()));
-    light.layers = recorded->light.layers;
-    light.mask_heights = recorded->light.mask_heights;
+                      recorded->layers.size(), subject.layers.size()));
+    printed = light_of(*recorded, light.cure);
+    light.layers = printed->layers;
+    light.mask_heights = printed->mask_heights;
   }
   PrintCure print(*subject.engine, subject.settings.display, light, subject.analysis.mask_budget);
   CureResult result{
-      print.compare(subject.supports ? &*subject.supports : nullptr).value(), {}, subject.warnings};
+      print.compare(subject.supports ? &*subject.supports : nullptr).value(), {}, {}, subject.warnings};
   if (recorded) {
     result.part.unfound_undersides = recorded->unfound_undersides;
-    if (std::string other = other_masks(subject, *recorded, print.lit_pixels()); !other.empty())
+    if (std::string other = other_masks(subject, *recorded, *printed, print.lit_pixels()); !other.empty())
       result.warnings.push_back(std::move(other));
+    if (!recorded->frames.why_none.empty()) result.warnings.push_back(recorded->frames.why_none);
+    if (result.part.weakest_bond > 0)
+      result.part.weakest_bond_layer = layer_of(*printed, result.part.weakest_bond_layer);
+    result.rise = printed->rise;
   }
   std::ranges::move(cured_part_warnings(result.part, subject.resin->peel_memory_measured),
                     std::back_inserter(result.warnings));

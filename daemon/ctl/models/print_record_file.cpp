@@ -7,9 +7,13 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "core/model/model.hpp"
+#include "daemon/report/print_report.hpp"
 #include "daemon/system/readable.hpp"
 #include "daemon/system/regular_file.hpp"
 
@@ -66,32 +70,37 @@ RecordedPrint recorded_print(const Json& report) {
   print.unfound_undersides = report.at("unfound_undersides").get<std::int64_t>();
   if (!report.value("excluded", Json::array()).empty())
     throw ModelError("copies were excluded while it printed, and have no end to compare");
-  std::vector<LayerRecord> records;
   for (const Json& layer : report.at("layer_records")) {
-    LayerRecord& record = records.emplace_back();
+    LayerRecord& record = print.layers.emplace_back();
     record.layer = static_cast<std::int32_t>(number(layer, "layer", 1, 10'000'000)) - 1;
     record.plate_height = height(layer, "plate_height_mm");
     record.mask_height = height(layer, "mask_height_mm");
     record.exposure_least = exposure(layer, "exposure_least_ms");
     record.exposure_most = exposure(layer, "exposure_most_ms");
     record.dark_confirmed = layer.at("dark_confirmed").get<bool>();
-    const double area_mm2 = number(layer, "area_mm2", 0, 1e9);
-    print.areas_mm2.push_back(layer.value("frames", Json()).is_null() ? std::optional(area_mm2)
-                                                                      : std::nullopt);
+    record.area_mm2 = number(layer, "area_mm2", 0, 1e9);
+    record.rises = !layer.value("frames", Json()).is_null();
   }
-  if (records.empty()) throw ModelError("no layer was exposed");
-  const std::optional<PrintedLight> light =
-      printed_light(records, number(settings, "irradiance_mw_cm2", 1e-6, 1e6));
-  if (!light) throw ModelError("its layers do not lie one upon another from the first one on");
-  print.light = *light;
+  if (print.layers.empty()) throw ModelError("no layer was exposed");
+  print.irradiance_mw_cm2 = number(settings, "irradiance_mw_cm2", 1e-6, 1e6);
   return print;
+}
+
+// Returns the path of the frames of a print with this report.
+std::filesystem::path frames_beside(const std::filesystem::path& report) {
+  constexpr std::string_view kReport = ".report.json";
+  std::string name = report.filename().string();
+  if (name.ends_with(kReport)) name.resize(name.size() - kReport.size());
+  return report.parent_path() / (name + "." + FrameLogFile::kSuffix);
 }
 
 }  // namespace
 
 RecordedPrint read_recorded_print(const std::filesystem::path& path) {
   try {
-    return recorded_print(Json::parse(read_text(path)));
+    RecordedPrint print = recorded_print(Json::parse(read_text(path)));
+    print.frames = read_print_frames(print.layers, frames_beside(path));
+    return print;
   } catch (const UnreadableFile& error) {
     throw UnreadableFile(error.code(),
                          fmt::format("cannot read {}: {}", printable(path.string()), error.what()));
@@ -103,6 +112,17 @@ RecordedPrint read_recorded_print(const std::filesystem::path& path) {
     throw ModelError(fmt::format("{} is not the report of a print that can be computed: {}",
                                  printable(path.string()), error.what()));
   }
+}
+
+PrintedLight light_of(const RecordedPrint& print, const CureSettings& cure) {
+  constexpr std::size_t kMostSteps = 50'000;
+  std::optional<PrintedLight> light =
+      printed_light(print.layers, print.irradiance_mw_cm2, {print.frames.records, cure, kMostSteps});
+  if (!light)
+    throw ModelError(
+        "the report's layers do not lie one upon another from the first one on, so its part cannot be "
+        "computed");
+  return *std::move(light);
 }
 
 }  // namespace contourd::ctl

@@ -3,11 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "daemon/config/resin_profile.hpp"
+#include "daemon/report/print_frames.hpp"
 #include "daemon/report/printed_light.hpp"
 
 namespace contourd::ctl {
@@ -15,13 +15,17 @@ namespace contourd::ctl {
 struct RecordedPrint {
   std::string job, outcome;
   Undersides undersides = Undersides::Plain;  // as they were exposed
-  PrintedLight light;
-  // Lit areas by layer; nullopt for a slice of a rise, which several masks lit.
-  std::vector<std::optional<double>> areas_mm2;
+  std::vector<LayerRecord> layers;            // with light, as far as the cured part depends on them
+  double irradiance_mw_cm2 = 0;
+  PrintFrames frames;
   std::int64_t unfound_undersides = 0;
 };
 
-// Reads NAME.report.json. Throws ModelError if the file cannot be read, or is no such report.
+// Reads NAME.report.json, and the masks of a rise from NAME.frames.bin beside it. Throws ModelError if the
+// report cannot be read, or is no report.
 [[nodiscard]] RecordedPrint read_recorded_print(const std::filesystem::path& path);
+
+// Returns the light of the print, in a resin that cures like this.
+[[nodiscard]] PrintedLight light_of(const RecordedPrint& print, const CureSettings& cure);
 
 }  // namespace contourd::ctl
