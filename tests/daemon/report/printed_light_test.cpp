@@ -1,13 +1,19 @@
-// Tests the light of rises, taken from the masks that they showed.
+// Tests the light of rises, taken from the masks that they showed, and the part that it cures.
 #include "daemon/report/printed_light.hpp"
 
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "core/continuous/rise_laws.hpp"
 #include "core/cure/cured_part.hpp"
+#include "core/layers/layers.hpp"
+#include "daemon/print/continuous_print.hpp"
+#include "hw/simulated_printer.hpp"
+#include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/print/box_print.hpp"
+#include "tests/models/models.hpp"
 
 namespace {
 
@@ -135,4 +141,130 @@ TEST_CASE("Slices count as layers where their masks are not known") {
   const PrintedLight light = printed_light(rise.layers, kIrradiance, {{}, kWindowCure}).value();
   CHECK(light.layers.size() == 20);
   CHECK_FALSE(light.rise);
+}
+
+namespace {
+
+constexpr std::int32_t kFirst = 4;
+
+// A foot, a plate with a level underside, a waist whose walls face up and then down, and a lid.
+models::Facets hourglass() {
+  const std::vector<Point> profile{{0, 0},     {0.9, 0},   {0.9, 1}, {1.9, 1},
+                                   {1.9, 1.4}, {1.2, 2.8}, {1.8, 4}, {0, 4}};
+  return models::lathe(profile, 96);
+}
+constexpr double kHeightMm = 4;
+
+ContourEngine hourglass_engine() {
+  std::vector<PlateModel> models(1);
+  models[0].model = std::make_shared<const HeightIndex>(hourglass());
+  models[0].copies = {PixelMap::true_scale(testing::kSmallDisplay, {0, 0})};
+  return {std::move(models), EngineSettings{.display = testing::kSmallDisplay}};
+}
+
+// Prints on a simulated printer and keeps the records.
+class RecordingPrint final : public PrintObserver {
+ public:
+  explicit RecordingPrint(PrintPlan plan) {
+    process.start(std::move(plan));
+    while (clock.run_next()) {
+    }
+  }
+  RecordedRise recorded;
+  PrintOutcome outcome = PrintOutcome::Failed;
+
+ private:
+  void light_due() override {}
+  void state_changed(const PrintState&) override {}
+  void layer_done(const LayerRecord& layer) override { recorded.layers.push_back(layer); }
+  void frame_over(const FrameRecord& frame) override { recorded.frames.push_back(frame); }
+  void interrupted(const std::string&) override {}
+  void light_gone() override {}
+  void print_ended(PrintOutcome how, const std::string&, PrintPlan) override { outcome = how; }
+
+  VirtualClock clock;
+  SimulatedPrinter printer{clock, testing::small_printer()};
+  ContinuousPrint process{printer, clock, *this};
+};
+
+PrintPlan hourglass_plan() {
+  const auto layers = static_cast<std::int32_t>(std::lround(kHeightMm / in_mm(testing::kBoxLayer)));
+  PrintPlan plan = testing::box_plan(layers);
+  plan.engine = std::make_unique<ContourEngine>(hourglass_engine());
+  plan.exposure = [](std::int32_t, Nanometers) { return 2s; };
+  const auto point = [](double height_mm, double speed) {
+    return RisePoint{Nanometers{std::llround(height_mm * 1e6)}, MillimetersPerSecond{speed}, RiseLimit::Cure};
+  };
+  const double from = in_mm(testing::kBoxLayer) * kFirst;
+  plan.rise.emplace();
+  plan.rise->first_layers = kFirst;
+  plan.rise->plan.points = {point(from, 0), point(from + 0.005, speed_mm_s()),
+                            point(kHeightMm - 0.005, speed_mm_s()), point(kHeightMm, 0)};
+  return plan;
+}
+
+CureFigures cured_in_rise(const RecordedRise& recorded, const CureSettings& cure) {
+  ContourEngine engine = hourglass_engine();
+  const PrintedLight light = printed_light(recorded.layers, kIrradiance, {recorded.frames, cure}).value();
+  return cure_part(engine, testing::kSmallDisplay,
+                   {.layers = light.layers, .cure = cure, .mask_heights = light.mask_heights}, nullptr)
+      .figures;
+}
+
+CureFigures cured_in_layers(Nanometers thickness, const CureSettings& cure) {
+  ContourEngine engine = hourglass_engine();
+  std::vector<LayerDose> layers;
+  const LayerStack stack = layers_for(Millimeters{kHeightMm}, thickness);
+  constexpr double kOvercure = 50;
+  const MillijoulesPerCm2 dose =
+      cure.curve.dose_for(Micrometers{in_mm(thickness) * 1000 + kOvercure + cure.dead_zone.count()});
+  for (std::int32_t layer = 0; layer < stack.count; ++layer)
+    layers.push_back({thickness * (layer + 1), thickness, dose});
+  return cure_part(engine, testing::kSmallDisplay, {.layers = layers, .cure = cure}, nullptr).figures;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "The part of a rise has better undersides and walls than 25 um layers of a resin that keeps its dose") {
+  const RecordingPrint print(hourglass_plan());
+  REQUIRE(print.outcome == PrintOutcome::Done);
+  for (const double memory : {1.0, 0.9}) {
+    CAPTURE(memory);
+    CureSettings cure = kWindowCure;
+    cure.peel_memory = memory;
+    const CureFigures rise = cured_in_rise(print.recorded, cure);
+    const CureFigures layers = cured_in_layers(Nanometers{25'000}, cure);
+    CHECK(rise.undersides.missing == 0);
+    CHECK(rise.undersides.median_um < layers.undersides.median_um);
+    CHECK(rise.undersides.p95_um < layers.undersides.p95_um);
+    CHECK(rise.walls.median_um < layers.walls.median_um);
+    CHECK(rise.walls.p95_um < layers.walls.p95_um);
+    CHECK(rise.too_much_mm3 < layers.too_much_mm3);
+    // No peel takes dose: the print-through is the law's, and the dead zone's, at any memory.
+    const double through_um = print_through(cure.curve, kMargin).count() + cure.dead_zone.count();
+    CHECK(rise.undersides.median_um == Approx(through_um).margin(3));  // steps of 4 um, one way
+    // Resin above the gel gap has gelled when the light ends; the plate is slower at its end.
+    const double gap_um =
+        gel_gap({cure.curve, MilliwattsPerCm2{kIrradiance}, cure.dead_zone}, kMargin).count();
+    CHECK(rise.tops.median_um == Approx(-gap_um).margin(8));
+  }
+}
+
+TEST_CASE("Layers of a resin that forgets its dose at each peel have better undersides than a rise") {
+  const RecordingPrint print(hourglass_plan());
+  CureSettings cure = kWindowCure;
+  cure.peel_memory = 0;
+  CHECK(cured_in_layers(Nanometers{25'000}, cure).undersides.median_um <
+        cured_in_rise(print.recorded, cure).undersides.median_um);
+}
+
+TEST_CASE("The part from a rise's masks is more exact than the one from its slices") {
+  const RecordingPrint print(hourglass_plan());
+  const RecordedRise slices{print.recorded.layers, {}};
+  const CureFigures from_masks = cured_in_rise(print.recorded, kWindowCure);
+  const CureFigures from_slices = cured_in_rise(slices, kWindowCure);
+  const double through_um = print_through(kWindowCure.curve, kMargin).count() + kWindowCure.dead_zone.count();
+  CHECK(std::abs(from_masks.undersides.median_um - through_um) <
+        std::abs(from_slices.undersides.median_um - through_um) / 2);
 }
