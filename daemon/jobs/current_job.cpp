@@ -14,6 +14,7 @@
 #include "daemon/prepare/preprint_analysis.hpp"
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
+#include "daemon/print/layer_durations.hpp"
 #include "daemon/print/print_modes.hpp"
 #include "daemon/report/plate_copies.hpp"
 #include "daemon/spool/job_filing.hpp"
@@ -32,11 +33,8 @@ constexpr Duration kReadingInterval = 1s;
 
 // Returns the task of the job's analysis, and moves the analysis engine into it.
 AnalysisTask analysis_of(PreparedJob& job, const ZAxis& axis) {
-  AnalysisTask task{std::move(job.analysis_engine), job.display, job.plan.expected_layers, {}, job.analysis};
-  for (std::size_t layer = 0; layer < task.layers.size(); ++layer)
-    task.layer_durations.push_back(
-        layer_duration(job.plan, static_cast<std::int32_t>(layer), moves_of(axis)));
-  return task;
+  return {std::move(job.analysis_engine), job.display, job.plan.expected_layers,
+          layer_durations(job.plan, axis), job.analysis};
 }
 
 // Returns why a job with a finding that always needs confirmation is refused: no user was asked, because it

@@ -18,6 +18,7 @@
 #include "daemon/config/printer_config.hpp"
 #include "daemon/config/resin_profile.hpp"
 #include "daemon/prepare/model_orientation.hpp"
+#include "daemon/print/rise_forecast.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd {
@@ -65,12 +66,13 @@ struct JobSummary {
   int grey_bits = 8;             // of the panel
   bool uniformity_mask = false;  // true if the printer has one
   LayerSummary layers;
-  std::optional<Supports> supports;  // nullopt if the job has supports off
-  Duration reading{};                // time to read the files
-  Duration supporting{};             // time to generate the supports
-  Duration indexing{};               // time for placement and height index
-  Duration first_mask{};             // time to build the engine and compute the mask of layer 1
-  bool prepared_before = false;      // true if the job was prepared while it waited, not at its turn
+  std::optional<ContinuousForecast> continuous;  // nullopt: the print is layered
+  std::optional<Supports> supports;              // nullopt if the job has supports off
+  Duration reading{};                            // time to read the files
+  Duration supporting{};                         // time to generate the supports
+  Duration indexing{};                           // time for placement and height index
+  Duration first_mask{};                         // time to build the engine and compute the mask of layer 1
+  bool prepared_before = false;  // true if the job was prepared while it waited, not at its turn
   std::vector<std::string> warnings;
   std::string unit_hint;  // from unit_hint(), of the first model that has one; a warning, too
   std::string wide_gaps;  // a sentence about the first model with gaps far wider than a pixel; a warning, too

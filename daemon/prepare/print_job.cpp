@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <new>
 #include <numeric>
 #include <system_error>
@@ -17,6 +18,7 @@
 #include "daemon/prepare/layer_choice.hpp"
 #include "daemon/prepare/model_checks.hpp"
 #include "daemon/prepare/supports_text.hpp"
+#include "daemon/print/layer_durations.hpp"
 #include "daemon/print/mask_cost.hpp"
 #include "daemon/print/rise_forecast.hpp"
 #include "daemon/system/memory_room.hpp"
@@ -93,7 +95,7 @@ class Preparation {
     summary_.first_mask = job_.first_mask_at - indexed;
     check_layers(stop);
     expect_shapes(stop);
-    plan_rise(stop);
+    plan_rises(stop);
     if (stop.stop_requested()) return std::nullopt;
     for (std::size_t i = 0; i < models_.size(); ++i)
       summary_.models[i].centers = (*arrangement)[i];
@@ -138,28 +140,30 @@ class Preparation {
       refuse("split exposures, which the printer's grey_bits ask for: use a panel of 8 bits");
   }
 
-  // Plans the rise of a continuous print. A stop leaves it unplanned.
-  void plan_rise(const std::stop_token& stop) {
+  // Plans the rises of a continuous print. A stop leaves them unplanned.
+  void plan_rises(const std::stop_token& stop) {
     const ResinProfile& resin = summary_.resin;
-    const std::vector<Nanometers>& layers = job_.plan.expected_layers;
+    PrintPlan& plan = job_.plan;
+    const std::vector<Nanometers>& layers = plan.expected_layers;
     if (resin.mode == PrintWay::Layered || layers.empty()) return;
+    const ContinuousResin& continuous = resin.continuous.value();
+    const ContinuousMachine machine = continuous_machine(printer_);
     const ContinuousSubject subject{volume_.display, layers.front(),
                                     std::accumulate(layers.begin(), layers.end(), Nanometers{})};
     StopCheck stopped([&stop] { return stop.stop_requested(); });
     std::vector<RisePlan> rises;
     try {
-      rises = plan_continuous(*job_.plan.engine, subject, resin, continuous_machine(printer_), stopped);
+      rises = plan_continuous(*plan.engine, subject, resin, machine, stopped);
     } catch (const ComputationStopped&) {
       return;
     }
-    job_.plan.rise = rise_to_top(std::move(rises), subject, resin.continuous.value());
-    if (!job_.plan.rise) throw JobRefused(why_no_rise(subject, resin));
-    const Nanometers bottom = job_.plan.rise->plan.points.front().height;
-    constexpr Nanometers kWorthTelling{1'000'000};
-    if (bottom - resin.continuous->layered > kWorthTelling)
-      warn(fmt::format(
-          "the print is layered up to {:.2f} mm: only from there on can the plate rise without a stop",
-          in_mm(bottom)));
+    if (rises.empty()) throw JobRefused(why_no_rise(subject, resin));
+    plan.rises =
+        PlannedRises{rises_between(std::move(rises), layers, layer_durations(plan, printer_), continuous),
+                     Nanometers{std::llround(continuous.mask_step.count() * 1000)}};
+    summary_.continuous =
+        ContinuousForecast{rise_bounds(resin, machine), ranges_of(plan, layer_durations(plan, printer_))};
+    warn(layered_parts_sentence(*summary_.continuous, continuous.layered));
   }
 
   void warn(const std::string& warning) {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
-#include "hw/rise_curve.hpp"
+#include "daemon/print/layer_durations.hpp"
 
 namespace contourd {
 namespace {
@@ -23,6 +23,18 @@ constexpr Duration kRiseMargin = 2s;
 constexpr EnumSet<ContinuousState> kEnding{ContinuousState::Parking, ContinuousState::Ending};
 constexpr EnumSet<ContinuousState> kStopping{ContinuousState::Braking, ContinuousState::Darkening,
                                              ContinuousState::Lifting};
+
+// True if the plan has rises, and each begins on top of a layer, where the one before ends or higher.
+bool rise_in_order(const PrintPlan& plan) {
+  Nanometers from{1};
+  for (const PlannedRise& rise : plan.rises->each) {
+    if (rise.first_layer < 1 || rise.plan.points.size() < 3) return false;
+    const Nanometers bottom = rise.plan.points.front().height;
+    if (bottom < from || !plan.layers.thickness_at(bottom)) return false;
+    from = rise.plan.points.back().height;
+  }
+  return !plan.rises->each.empty();
+}
 
 }  // namespace
 
@@ -39,12 +51,13 @@ ContinuousPrint::~ContinuousPrint() {
 void ContinuousPrint::start(PrintPlan plan) {
   expects(!under_way(), "no print is under way");
   expects(plan.layers.thickness_at(Nanometers{}) && plan.exposure, "a print has a layer and its exposure");
-  expects(!plan.rise || (plan.rise->first_layers > 0 && plan.rise->plan.points.size() > 2 &&
-                         !plan.undersides && !plan.split),
-          "a rise follows at least one layer, with masks as they are");
+  expects(!plan.rises || (rise_in_order(plan) && !plan.undersides && !plan.split),
+          "rises follow at least one layer, with masks as they are");
   plan_ = std::move(plan);
+  rises_ = {};
+  if (plan_->rises) rises_ = {plan_->rises->each, plan_->resume.value_or(ResumePoint{}).bottom};
   planned_pause_.reset();
-  canceled_ = over_ = resume_wanted_ = false;
+  canceled_ = over_ = pause_wanted_ = false;
   reason_.clear();
   interruption_.clear();
   handle(ContinuousEvent::Started);
@@ -55,7 +68,7 @@ void ContinuousPrint::start(PrintPlan plan) {
 void ContinuousPrint::pause() {
   if (layering()) return layers_.pause();
   planned_pause_.reset();
-  resume_wanted_ = false;
+  pause_wanted_ = !is_in(ContinuousState::Paused);
   if (!ends() && !is_in(kStopping)) handle(ContinuousEvent::Interrupted);
 }
 
@@ -73,16 +86,16 @@ void ContinuousPrint::set(const PrintSettings& settings) {
 
 void ContinuousPrint::exclude(ExcludedCopy copy) {
   expects(under_way(), "a print is under way");
-  expects(layering(), "copies are left dark in the first layers");
+  expects(layering(), "copies are left dark while layers are printed");
   layers_.exclude(std::move(copy));
 }
 
 void ContinuousPrint::resume() {
   if (layering()) return layers_.resume();
   if (!is_in(kStopping) && !is_in(ContinuousState::Paused)) planned_pause_.reset();
-  resume_wanted_ = pause_pending();
+  pause_wanted_ = false;
   interruption_.clear();
-  handle(ContinuousEvent::Resumed);
+  if (is_in(ContinuousState::Paused)) handle(next_due());
 }
 
 void ContinuousPrint::interrupt(const std::string& what) {
@@ -97,7 +110,7 @@ void ContinuousPrint::stop_for(const std::string& what, ContinuousEvent event) {
   }
   const bool is_new = interruption_.find(what) == std::string::npos;
   if (is_new) interruption_ += (interruption_.empty() ? "" : "; ") + what;
-  resume_wanted_ = false;
+  pause_wanted_ = !is_in(ContinuousState::Paused);
   handle(event);
   if (is_new && under_way()) observer_.interrupted(what);
 }
@@ -122,7 +135,7 @@ const PrintState& ContinuousPrint::state() const {
 }
 
 bool ContinuousPrint::pause_pending() const {
-  return layering() ? layers_.pause_pending() : is_in(kStopping) && !ends();
+  return layering() ? layers_.pause_pending() : is_in(kStopping) && pause_wanted_ && !ends();
 }
 
 const std::optional<PausePoint>& ContinuousPrint::planned_pause() const {
@@ -133,7 +146,7 @@ std::string_view ContinuousPrint::why_fixed(std::string_view what) const {
   expects(under_way(), "a print is under way");
   if (layering()) return layers_.why_fixed(what);
   if (what == "exposure") return LayeredPrint::kFixedExposure;
-  return what == "copies" ? "a continuous print leaves copies dark in its first layers only" : "";
+  return what == "copies" ? "a continuous print leaves copies dark only while it prints layers" : "";
 }
 
 PrintSettings ContinuousPrint::settings() const {
@@ -198,15 +211,28 @@ std::optional<Duration> ContinuousPrint::state_left() const {
 
 Duration ContinuousPrint::time_left() const {
   if (layering()) return layers_.time_left();
-  const Duration left = state_left().value_or(Duration{0});
-  if (is_in(kEnding)) return left;
-  const Duration after = left + parking_duration();
-  if (ends() || is_in(ContinuousState::Rising)) return after;
-  return after + rise_left();
+  return state_left().value_or(Duration{0}) + left_after_state();
+}
+
+Duration ContinuousPrint::left_after_state() const {
+  if (is_in(kEnding)) return Duration{0};
+  if (ends()) return parking_duration();
+  const std::vector<Duration> to_end = durations_to_end(*plan_, machine_.z_axis());
+  const auto next = static_cast<std::size_t>(record_.layer);
+  if (!rises_.begun()) {
+    const bool rests = is_in(ContinuousState::Recovering);
+    return to_end[next] - (rests ? rises_.current().rest : Duration{0});
+  }
+  const Nanometers top = rises_.current().plan.points.back().height;
+  std::size_t above = next;
+  for (Nanometers bottom = record_.bottom; bottom < top; ++above)
+    bottom += plan_->expected_layers[above];
+  const Duration lift = lift_duration(plan_->motion, moves_of(machine_.z_axis()));
+  return to_end[above] + lift + (is_in(ContinuousState::Rising) ? Duration{0} : rise_left());
 }
 
 Duration ContinuousPrint::rise_left() const {
-  return rise_.points.empty() ? Duration{0} : std::chrono::duration_cast<Duration>(duration(rise_));
+  return rises_.begun() ? std::chrono::duration_cast<Duration>(duration(rises_.rest())) : Duration{0};
 }
 
 Duration ContinuousPrint::parking_duration() const {
@@ -226,8 +252,13 @@ void ContinuousPrint::print_ended(PrintOutcome outcome, const std::string& reaso
   plan_ = std::move(plan);
   layers_outcome_ = outcome;
   reason_ = reason;
-  handle(outcome == PrintOutcome::Done && plan_->rise ? ContinuousEvent::LayersDone
-                                                      : ContinuousEvent::LayeringEnded);
+  if (outcome != PrintOutcome::Done || !rises_.any_left()) return handle(ContinuousEvent::LayeringEnded);
+  planned_pause_ = layers_.planned_pause();
+  rises_.reach();
+  record_ = {};
+  record_.layer = rises_.current().first_layer - 1;
+  begin_slice(rises_.current().plan.points.front().height);
+  handle(next_due());
 }
 
 // --- The table
@@ -236,28 +267,60 @@ void ContinuousPrint::performed(ContinuousEvent) {
   if (is_in(ContinuousState::Layering)) return;
   if (is_in(ContinuousState::Showing)) observer_.light_due();
   observer_.state_changed(state());
-  if (is_in({ContinuousState::Lowering, ContinuousState::Lifting, ContinuousState::Paused,
-             ContinuousState::Parking}))
+  if (is_in({ContinuousState::Recovering, ContinuousState::Lowering, ContinuousState::Lifting,
+             ContinuousState::Paused, ContinuousState::Parking}))
     report_progress();
 }
 
-// Reports the bounds of the plate's height until the next report.
+// Returns what comes next, once the plate is up in the dark.
+ContinuousEvent ContinuousPrint::next_due() const {
+  if (ends()) return ContinuousEvent::RisesOver;
+  if (pause_wanted_) return ContinuousEvent::PauseDue;
+  switch (rises_.next()) {
+    case NextPart::Layers:
+      return ContinuousEvent::LayersDue;
+    case NextPart::Rest:
+      return ContinuousEvent::RestDue;
+    case NextPart::Rise:
+      break;
+  }
+  return ContinuousEvent::RiseDue;
+}
+
+// Reports the bounds of the plate's height until the next report. Between two parts, what is printed is known
+// to the layer.
 void ContinuousPrint::report_progress() {
   PrintProgress progress;
-  progress.phase = is_in(ContinuousState::Parking) ? PrintPhase::Parking : PrintPhase::Rising;
   progress.layer = record_.layer;
   progress.bottom = record_.bottom;
   progress.thickness = record_.thickness;
+  if (!rises_.begun()) {
+    progress.exposed = true;
+    if (!over_) {
+      --progress.layer;
+      progress.thickness = plan_->expected_layers[static_cast<std::size_t>(progress.layer)];
+      progress.bottom -= progress.thickness;
+    }
+  }
+  progress.phase = phase();
   const ZAxis& axis = machine_.z_axis();
   if (const std::optional<Nanometers> height = axis.height()) {
     progress.plate = {*height, *height};
     if (is_in(ContinuousState::Lowering))
-      progress.plate = {std::min(*height, rise_.points.front().height),
-                        std::max(*height, rise_.points.back().height)};
+      progress.plate = {std::min(*height, rises_.rest().points.front().height),
+                        std::max(*height, rises_.rest().points.back().height)};
     if (is_in(ContinuousState::Lifting)) progress.plate->most = std::min(*height + kLookUp, axis.travel());
     if (is_in(ContinuousState::Parking)) progress.plate->most = axis.travel();
   }
   observer_.progressed(progress);
+}
+
+// Returns the phase that begins with the state. A cancelled print only moves up.
+PrintPhase ContinuousPrint::phase() const {
+  if (canceled_ || is_in(ContinuousState::Parking)) return PrintPhase::Parking;
+  if (rises_.begun()) return PrintPhase::Rising;
+  if (is_in(ContinuousState::Lifting)) return PrintPhase::Lifting;
+  return is_in(ContinuousState::Paused) ? PrintPhase::Paused : PrintPhase::Lit;
 }
 
 void ContinuousPrint::effect_threw(const std::string& what) {
@@ -267,14 +330,14 @@ void ContinuousPrint::effect_threw(const std::string& what) {
 
 void ContinuousPrint::settled() {
   if (is_in(ContinuousState::Idle) && plan_) finish();
-  if (is_in(ContinuousState::Paused) && std::exchange(resume_wanted_, false))
-    handle(ContinuousEvent::Resumed);
 }
 
 void ContinuousPrint::perform(ContinuousEffect effect) {
   switch (effect) {
     case ContinuousEffect::PrintLayers:
       return layers_.start(*std::exchange(plan_, std::nullopt));
+    case ContinuousEffect::PrintMoreLayers:
+      return print_more_layers();
     case ContinuousEffect::InterruptLayers:
       return layers_.interrupt(layers_interruption_);
     case ContinuousEffect::CancelLayers:
@@ -291,6 +354,9 @@ void ContinuousPrint::perform(ContinuousEffect effect) {
       return stop_axis();
     case ContinuousEffect::PowerOff:
       return machine_.projector().power_off();
+    case ContinuousEffect::AwaitOxygen:
+      estimated_end_ = std::max(rises_.rest_until(clock_.now()), clock_.now());
+      return handle_at(*estimated_end_, ContinuousEvent::WaitOver);
     case ContinuousEffect::LowerToRise:
       return lower();
     case ContinuousEffect::WaitToSettle:
@@ -320,12 +386,23 @@ void ContinuousPrint::perform(ContinuousEffect effect) {
   }
 }
 
+// --- Layers on top of a rise
+
+void ContinuousPrint::print_more_layers() {
+  frames_.reset();
+  layers_.go_on(*std::exchange(plan_, std::nullopt), record_.layer, record_.bottom);
+  if (planned_pause_) layers_.pause_at(*std::exchange(planned_pause_, std::nullopt));
+}
+
 // --- Moves
 
-// Plans the rest of the rise from where the plate has come to rest in it.
-void ContinuousPrint::plan_rest() {
-  rise_ = rest_of(rise_, std::max(current_height(), rise_.points.front().height));
-  over_ = rise_.points.empty();
+// Notes where the plate has come to rest in a rise.
+void ContinuousPrint::stop_here() {
+  const Nanometers top = rises_.rest().points.back().height;
+  rises_.stop_at(current_height());
+  if (rises_.begun()) return;
+  record_.complete = true;
+  over_ = !plan_->layers.thickness_at(top);
 }
 
 Nanometers ContinuousPrint::current_height() const {
@@ -349,16 +426,10 @@ void ContinuousPrint::move_to(Nanometers target, MillimetersPerSecond speed, std
 
 // Lowers the plate to the height from which it rises, slowly at the end, where it presses out resin.
 void ContinuousPrint::lower() {
-  if (!frames_) {
-    frames_ = std::make_unique<RiseFrames>(machine_, clock_, *plan_);
-    rise_ = plan_->rise->plan;
-    planned_pause_ = layers_.planned_pause();
-    record_ = {};
-    record_.layer = plan_->rise->first_layers - 1;
-    begin_slice(rise_.points.front().height);
-  }
+  if (!frames_) frames_ = std::make_unique<RiseFrames>(machine_, clock_, *plan_);
+  rises_.begin();
   const LayerMotion& motion = plan_->motion;
-  const Nanometers height = rise_.points.front().height;
+  const Nanometers height = rises_.rest().points.front().height;
   const Nanometers slow_from = std::min(height + motion.slow_retract, current_height());
   const auto there = [this] { handle(ContinuousEvent::MoveEnded); };
   if (slow_from <= height) return move_to(height, motion.retract_speed, there);
@@ -366,13 +437,30 @@ void ContinuousPrint::lower() {
           [this, height, there] { move_to(height, plan_->motion.slow_retract_speed, there); });
 }
 
-// Moves the plate up slowly, as after a layer, then further.
+// Peels the part off as after a layer; for a pause and at the end, moves the plate further up.
 void ContinuousPrint::lift() {
+  if (record_.complete) end_rise();
+  const LayerMotion& motion = plan_->motion;
   const Nanometers from = current_height(), highest = machine_.z_axis().travel();
-  move_to(std::min(from + plan_->motion.lift, highest), plan_->motion.lift_speed, [this, from, highest] {
-    move_to(std::min(from + kLookUp, highest), plan_->travel_speed,
-            [this] { handle(ends() ? ContinuousEvent::RiseOver : ContinuousEvent::PauseDue); });
+  move_to(std::min(from + motion.lift, highest), motion.lift_speed, [this, from, highest] {
+    const bool looks = ends() || pause_wanted_;
+    const Nanometers whole = looks ? kLookUp : plan_->motion.whole_lift();
+    const Nanometers target = std::max(std::min(from + whole, highest), current_height());
+    if (target == current_height()) return handle(next_due());
+    move_to(target, looks ? plan_->travel_speed : plan_->motion.second_lift_speed,
+            [this] { handle(next_due()); });
   });
+}
+
+// Reports the last slice of a rise. The next layer or slice, if there is one, begins.
+void ContinuousPrint::end_rise() {
+  report_slice(true);
+  record_.exposure_parts = 0;
+  if (over_) return;
+  begin_slice(layer_top());
+  if (!planned_pause_ || !is_reached(*planned_pause_, record_.layer, record_.bottom)) return;
+  planned_pause_.reset();
+  pause_wanted_ = true;
 }
 
 // --- Light
@@ -401,11 +489,11 @@ void ContinuousPrint::rise() {
                       observer_.frame_over(frame);
                     },
                 .lit_from = lit_from_});
-  machine_.z_axis().rise(rise_, [this](MoveResult result) { risen(result); });
+  machine_.z_axis().rise(rises_.rest(), [this](MoveResult result) { risen(result); });
 }
 
 void ContinuousPrint::risen(MoveResult result) {
-  if (result == MoveResult::Reached || result == MoveResult::Stopped) plan_rest();
+  if (result == MoveResult::Reached || result == MoveResult::Stopped) stop_here();
   if (is_in(ContinuousState::Braking) && (result == MoveResult::Reached || result == MoveResult::Stopped))
     return handle(ContinuousEvent::MoveEnded);
   if (result == MoveResult::Stopped)
@@ -419,13 +507,14 @@ void ContinuousPrint::refreshed() {
   const std::optional<LightSpan> light = machine_.projector().last_light();
   if (!plan_->dry && light && light->off_earliest) return interrupt("the light went off during the rise");
   const std::optional<Nanometers> height = machine_.z_axis().height();
-  while (height && *height >= layer_top()) {
+  const Nanometers end = rises_.rest().points.back().height;
+  while (height && *height >= layer_top() && layer_top() < end) {
     const Nanometers top = layer_top();
-    if (!plan_->layers.thickness_at(top)) return;
     report_slice(true);
     begin_slice(top);
     if (planned_pause_ && is_reached(*planned_pause_, record_.layer, record_.bottom)) {
       planned_pause_.reset();
+      pause_wanted_ = true;
       return handle(ContinuousEvent::Interrupted);
     }
   }
@@ -482,7 +571,7 @@ void ContinuousPrint::finish() {
                                : canceled_      ? PrintOutcome::Canceled
                                                 : layers_outcome_;
   if (std::exchange(light_asked_, false)) observer_.light_gone();
-  if (frames_ && record_.exposure_parts > 0) report_slice(over_);
+  if (frames_ && record_.exposure_parts > 0) report_slice(record_.complete);
   frames_.reset();
   PrintPlan plan = std::move(*plan_);
   plan_.reset();

@@ -1,8 +1,10 @@
 // The continuous print mode: prints the first layers with a layered print, so that the part holds, then lets
-// the plate rise in the light without a stop, with the masks of RiseFrames. A plan without a rise is printed
+// the plate rise in the light without a stop, with the masks of RiseFrames. Between two rises, it prints
+// layers again, or rests in the dark until the window has its oxygen again. A plan without a rise is printed
 // layer by layer to its end. Looks up the events of a rise in the table of continuous_states.hpp and performs
-// the effects found there. The rise is recorded in slices with the thicknesses of the plan's layers. Event
-// loop's thread only.
+// the effects found there. A rise is recorded in slices with the thicknesses of the plan's layers. Event
+// loop's thread only. Like LayeredPrint, it has a method for each effect of its table, and all of them work
+// on the rise under way and account for its light. It is larger than other classes for this reason.
 #pragma once
 
 #include <functional>
@@ -15,6 +17,7 @@
 #include "daemon/print/machine_process.hpp"
 #include "daemon/print/print_mode.hpp"
 #include "daemon/print/rise_frames.hpp"
+#include "daemon/print/rise_progress.hpp"
 #include "hw/machine.hpp"
 
 namespace contourd {
@@ -28,8 +31,8 @@ class ContinuousPrint final : public PrintMode,
   // Makes the machine safe and powers the projector off.
   ~ContinuousPrint() override;
 
-  // REQUIRES: as in PrintMode; a rise starts on top of its first layers, and its masks are neither dimmed nor
-  // split.
+  // REQUIRES: as in PrintMode; rises start on top of layers, one after another, and their masks are neither
+  // dimmed nor split.
   void start(PrintPlan plan) override;
   void pause() override;
   void pause_at(PausePoint point) override;
@@ -84,8 +87,12 @@ class ContinuousPrint final : public PrintMode,
   void move_to(Nanometers target, MillimetersPerSecond speed, std::function<void()> arrived);
   void lower();
   void lift();
-  void plan_rest();
+  void print_more_layers();
+  void end_rise();
+  void stop_here();
+  [[nodiscard]] ContinuousEvent next_due() const;
   void report_progress();
+  [[nodiscard]] PrintPhase phase() const;
   void stop_for(const std::string& what, ContinuousEvent event);
 
   void expose();
@@ -99,6 +106,7 @@ class ContinuousPrint final : public PrintMode,
   void is_dark();
   void finish();
   [[nodiscard]] Duration rise_left() const;
+  [[nodiscard]] Duration left_after_state() const;
   [[nodiscard]] Duration parking_duration() const;
 
   PrintObserver& observer_;
@@ -110,12 +118,12 @@ class ContinuousPrint final : public PrintMode,
   std::string layers_interruption_;          // to be passed on to the layered print
   std::optional<PausePoint> planned_pause_;  // in the rise
   bool canceled_ = false;
-  bool over_ = false;           // the plate has risen to its end
-  bool resume_wanted_ = false;  // requested before the plate was up
-  RisePlan rise_;               // the rest of the rise
+  bool over_ = false;          // the last rise has ended, and nothing is on top of it
+  bool pause_wanted_ = false;  // when the plate is up
+  RiseProgress rises_;
   std::unique_ptr<RiseFrames> frames_;
   std::optional<TimePoint> lit_from_;  // from when on the slice has had light, while there is light
-  LayerRecord record_;                 // the slice under way
+  LayerRecord record_;                 // the slice under way, or what comes next
 };
 
 }  // namespace contourd

@@ -13,8 +13,8 @@ using S = ContinuousState;
 using E = ContinuousEvent;
 using F = ContinuousEffect;
 
-// There may be light, or there will be at once.
-constexpr EnumSet<S> kAtRest{S::Settling, S::Showing, S::Igniting};
+// There may be light, or there will be, or the plate is not up for a pause.
+constexpr EnumSet<S> kAtRest{S::Recovering, S::Settling, S::Showing, S::Igniting};
 constexpr EnumSet<S> kMoving{S::Lowering, S::Rising};
 // These states already do what an interruption or a cancellation needs, apart from light and screen.
 constexpr EnumSet<S> kGoingDark{S::Braking, S::Darkening, S::Lifting};
@@ -23,9 +23,11 @@ constexpr auto kBeforeItsEnd = EnumSet<S>::all_except({S::Idle, S::Layering, S::
 
 constexpr auto kRows = std::to_array<ContinuousTransition>({
     {S::Idle, E::Started, S::Layering, F::PrintLayers},
-    {S::Layering, E::LayersDone, S::Lowering, F::LightOff, F::BlackNow, F::LowerToRise},
+    {S::Layering, E::RiseDue, S::Lowering, F::LightOff, F::BlackNow, F::LowerToRise},
+    {S::Layering, E::RestDue, S::Recovering, F::LightOff, F::BlackNow, F::AwaitOxygen},
     {S::Layering, E::LayeringEnded, S::Idle, F::Finish},
 
+    {S::Recovering, E::WaitOver, S::Lowering, F::LowerToRise},
     {S::Lowering, E::MoveEnded, S::Settling, F::WaitToSettle},
     {S::Settling, E::WaitOver, S::Showing, F::ShowMask},
     {S::Showing, E::MaskShown, S::Igniting, F::LightOn},
@@ -33,9 +35,12 @@ constexpr auto kRows = std::to_array<ContinuousTransition>({
     {S::Rising, {E::MoveEnded, E::RiseBroken}, S::Darkening, F::LightOff, F::BlackNow, F::AwaitDark},
     {S::Darkening, E::LightIsOff, S::Lifting, F::Lift},
 
+    // What follows the rise, or what was stopped within it or before it.
     {S::Lifting, E::PauseDue, S::Paused},
-    {S::Paused, E::Resumed, S::Lowering, F::LightOff, F::BlackNow, F::LowerToRise},
-    {S::Lifting, E::RiseOver, S::Parking, F::Park},
+    {{S::Lifting, S::Paused}, E::RiseDue, S::Lowering, F::LightOff, F::BlackNow, F::LowerToRise},
+    {{S::Lifting, S::Paused}, E::RestDue, S::Recovering, F::LightOff, F::BlackNow, F::AwaitOxygen},
+    {{S::Lifting, S::Paused}, E::LayersDue, S::Layering, F::LightOff, F::BlackNow, F::PrintMoreLayers},
+    {S::Lifting, E::RisesOver, S::Parking, F::Park},
     {S::Parking, E::MoveEnded, S::Ending, F::LightOff, F::PowerOff, F::AwaitDark},
     {S::Ending, {E::LightIsOff, E::GaveUp}, S::Idle, F::Finish},
 
@@ -68,7 +73,7 @@ PrintState print_state(S state) {
   if (same != layered.end()) return *same;
   const std::size_t number = layered.size() + static_cast<std::size_t>(state);
   return {number, name, state == S::Rising ? PrintActivity::Exposing : PrintActivity::Waiting,
-          state == S::Rising, false};
+          EnumSet<S>{S::Recovering, S::Rising}.contains(state), false};
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // A print whose plate rises without a stop, as one table of transitions: for a state and an event, the next
-// state and the effects on the way. Its first layers are a layered print of their own.
+// state and the effects on the way. The layers beneath, between and above its rises are layered prints of
+// their own.
 #pragma once
 
 #include <span>
@@ -11,15 +12,16 @@ namespace contourd {
 
 enum class ContinuousState {
   Idle,
-  Layering,   // the first layers, or all layers of a print without a rise, are printed layer by layer
-  Lowering,   // the plate moves to the height from which it rises
-  Settling,   // the resin settles
-  Showing,    // until the kernel reports that the first mask is on the screen
-  Igniting,   // until the light-on command is sent
-  Rising,     // the plate rises in the light, and each refresh shows the mask for its height
-  Braking,    // light off is sent; until the plate has come to a standstill
-  Darkening,  // until the light is confirmed off
-  Lifting,    // the plate moves up, out of the resin
+  Layering,    // layers are printed one by one: the first ones, those between two rises, or all
+  Recovering,  // in the dark, until the window has its oxygen again
+  Lowering,    // the plate moves to the height from which it rises
+  Settling,    // the resin settles
+  Showing,     // until the kernel reports that the first mask is on the screen
+  Igniting,    // until the light-on command is sent
+  Rising,      // the plate rises in the light, and each refresh shows the mask for its height
+  Braking,     // light off is sent; until the plate has come to a standstill
+  Darkening,   // until the light is confirmed off
+  Lifting,     // the plate moves up, out of the resin
   Paused,
   Parking,  // the plate moves up to its parking height
   Ending,   // until the light is confirmed off; everything else is done
@@ -27,7 +29,6 @@ enum class ContinuousState {
 
 enum class ContinuousEvent {
   Started,
-  LayersDone,     // the first layers are printed, and the light is confirmed off
   LayeringEnded,  // the layered print has ended, and no rise follows
   MoveEnded,
   WaitOver,
@@ -35,10 +36,13 @@ enum class ContinuousEvent {
   LightOnSent,  // there may be light from now on
   RiseBroken,   // a disturbance has stopped the plate
   LightIsOff,   // confirmed
-  PauseDue,     // the plate is up, and the print goes on later
-  RiseOver,     // the plate is up, and the print is over
+  // The plate is up in the dark, and next comes:
+  RiseDue,    // a rise, or the rest of one
+  RestDue,    // the rest before a rise
+  LayersDue,  // layers on top of a rise
+  PauseDue,
+  RisesOver,    // the plate's way to its parking height: nothing is on top of the last rise
   Interrupted,  // by the user's pause, the lid, the display, a missed mask: turn dark, move up, wait
-  Resumed,
   Canceled,
   Failed,  // a device failed, did not answer in time, or an effect threw
   GaveUp,  // the light was not confirmed off in time
@@ -46,6 +50,7 @@ enum class ContinuousEvent {
 
 enum class ContinuousEffect {
   PrintLayers,
+  PrintMoreLayers,
   InterruptLayers,
   CancelLayers,
   FailLayers,
@@ -54,6 +59,7 @@ enum class ContinuousEffect {
   AbortAxis,
   StopAxis,
   PowerOff,
+  AwaitOxygen,
   LowerToRise,
   WaitToSettle,
   ShowMask,
@@ -67,18 +73,18 @@ enum class ContinuousEffect {
 
 template <>
 inline constexpr auto kNames<ContinuousState> = names_to<ContinuousState::Ending>(
-    "idle, layering, lowering, settling, showing, igniting, rising, braking, darkening, lifting, paused, "
+    "idle, layering, recovering, lowering, settling, showing, igniting, rising, braking, darkening, lifting, "
+    "paused, "
     "parking, ending");
 template <>
 inline constexpr auto kNames<ContinuousEvent> = names_to<ContinuousEvent::GaveUp>(
-    "started, layers done, layering ended, move ended, wait over, mask shown, light on sent, "
-    "rise broken, light is off, pause due, rise over, interrupted, resumed, cancelled, failed, gave up");
+    "started, layering ended, move ended, wait over, mask shown, light on sent, rise broken, light is off, "
+    "rise due, rest due, layers due, pause due, rises over, interrupted, cancelled, failed, gave up");
 template <>
 inline constexpr auto kNames<ContinuousEffect> = names_to<ContinuousEffect::Finish>(
-    "print layers, interrupt layers, cancel layers, fail layers, light off, black now, abort axis, stop "
-    "axis, "
-    "power off, lower to rise, wait to settle, show mask, light on, rise, await dark, lift, park, "
-    "finish");
+    "print layers, print more layers, interrupt layers, cancel layers, fail layers, light off, black now, "
+    "abort axis, stop axis, power off, await oxygen, lower to rise, wait to settle, show mask, light on, "
+    "rise, await dark, lift, park, finish");
 
 using ContinuousTransition = StateTransition<ContinuousState, ContinuousEvent, ContinuousEffect>;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <numeric>
+#include <span>
 
 #include "core/contract/expects.hpp"
 #include "hw/gpio/axis_motion.hpp"
@@ -10,6 +11,13 @@
 
 namespace contourd {
 namespace {
+
+// Returns the duration of the way from a lift down to the height from which the plate rises, and of the wait
+// there.
+template <typename Move>
+Duration approach_duration(const PrintPlan& plan, std::int32_t layer, const Move& move) {
+  return lowering_duration(plan.motion, Nanometers{}, move) + expected_settling(plan, layer);
+}
 
 // Returns the function that computes the duration of a move on this printer.
 auto moves_of(const PrinterConfig& printer) {
@@ -19,20 +27,52 @@ auto moves_of(const PrinterConfig& printer) {
   };
 }
 
+// Returns the duration of the expected layers of a part of the print, of a rise or of one layer, on an axis
+// described by `move(distance, speed)`. The first layer of a rise has the rest and the moves before it, the
+// last one the lift after it.
+template <typename Move>
+std::vector<Duration> durations_of(const PrintPlan& plan, const Move& move) {
+  std::vector<Duration> durations;
+  const std::span<const PlannedRise> rises =
+      plan.rises ? std::span<const PlannedRise>(plan.rises->each) : std::span<const PlannedRise>();
+  auto rise = rises.begin();
+  Nanometers top{};
+  for (std::size_t i = 0; i < plan.expected_layers.size(); ++i) {
+    const auto layer = static_cast<std::int32_t>(i);
+    const Nanometers bottom = top;
+    top += plan.expected_layers[i];
+    if (rise != rises.end() && bottom >= rise->plan.points.back().height) ++rise;
+    if (rise == rises.end() || layer < rise->first_layer) {
+      durations.push_back(layer_duration(plan, layer, move));
+      continue;
+    }
+    Duration time = std::chrono::duration_cast<Duration>(duration(rise->plan, bottom, top));
+    if (layer == rise->first_layer) time += rise->rest + approach_duration(plan, layer, move);
+    if (top >= rise->plan.points.back().height) time += lift_duration(plan.motion, move);
+    durations.push_back(time);
+  }
+  return durations;
+}
+
 }  // namespace
 
 std::vector<Duration> layer_durations(const PrintPlan& plan, const PrinterConfig& printer) {
-  std::vector<Duration> durations;
-  Nanometers top{};
-  for (std::size_t layer = 0; layer < plan.expected_layers.size(); ++layer) {
-    const Nanometers bottom = top;
-    top += plan.expected_layers[layer];
-    const auto number = static_cast<std::int32_t>(layer);
-    durations.push_back(plan.rise && number >= plan.rise->first_layers
-                            ? std::chrono::duration_cast<Duration>(duration(plan.rise->plan, bottom, top))
-                            : layer_duration(plan, number, moves_of(printer)));
-  }
-  return durations;
+  return durations_of(plan, moves_of(printer));
+}
+
+std::vector<Duration> layer_durations(const PrintPlan& plan, const ZAxis& axis) {
+  return durations_of(plan, contourd::moves_of(axis));
+}
+
+std::vector<Duration> durations_to_end(const PrintPlan& plan, const ZAxis& axis) {
+  std::vector<Duration> left = layer_durations(plan, axis);
+  const Nanometers top =
+      std::accumulate(plan.expected_layers.begin(), plan.expected_layers.end(), Nanometers{});
+  const Nanometers to_park = std::max(axis.travel() - top - plan.motion.whole_lift(), Nanometers{});
+  left.push_back(axis.move_duration(to_park, plan.travel_speed));
+  for (std::size_t i = left.size() - 1; i-- > 0;)
+    left[i] += left[i + 1];
+  return left;
 }
 
 Duration print_duration(const PrintPlan& plan, const PrinterConfig& printer) {

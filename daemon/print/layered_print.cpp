@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 
 #include "core/contract/expects.hpp"
+#include "daemon/print/layer_durations.hpp"
 #include "daemon/print/mask_cost.hpp"
 #include "hw/z_axis.hpp"
 
@@ -65,36 +65,45 @@ bool LayeredPrint::shows_mask() const {
 void LayeredPrint::start(PrintPlan plan) {
   expects(!under_way(), "no print is under way");
   expects(plan.layers.thickness_at(Nanometers{}) && plan.exposure, "a print has a layer and its exposure");
-  plan_ = std::move(plan);
-  const ResumePoint from = plan_->resume.value_or(ResumePoint{});
-  layer_ = from.layer;
+  const ResumePoint from = plan.resume.value_or(ResumePoint{});
+  begin(std::move(plan), from.layer, from.bottom);
   pressed_shape_mm4_ = plan_->plate_shape_mm4;
+  handle(LayeredEvent::Started);
+}
+
+void LayeredPrint::go_on(PrintPlan plan, std::int32_t layer, Nanometers bottom) {
+  expects(!under_way(), "no print is under way");
+  expects(plan.layers.thickness_at(bottom) && plan.exposure, "a print has a layer and its exposure");
+  begin(std::move(plan), layer, bottom);
+  if (plan_->pressed) pressed_shape_mm4_ = last_shape_mm4();
+  handle(LayeredEvent::WentOn);
+}
+
+void LayeredPrint::begin(PrintPlan plan, std::int32_t layer, Nanometers bottom) {
+  plan_ = std::move(plan);
+  layer_ = layer;
   pause_wanted_ = resume_wanted_ = canceled_ = false;
   planned_pause_.reset();
   failure_.clear();
   interruption_.clear();
   new_settings_.reset();
   new_exclusions_.clear();
-  begin_layer(from.bottom);
+  begin_layer(bottom);
   expect_layers();
-  handle(LayeredEvent::Started);
+  if (layer_ > 0 && rise_begins_at(*plan_, bottom)) take_layer_beneath();
+}
+
+// Makes the layer beneath the one under way, which has had its light before a power cut. What follows is a
+// rise.
+void LayeredPrint::take_layer_beneath() {
+  --layer_;
+  thickness_ = plan_->expected_layers[static_cast<std::size_t>(layer_)];
+  begin_layer(bottom_ - thickness_);
+  layer_exposed_ = layer_reported_ = true;
 }
 
 void LayeredPrint::expect_layers() {
-  const Nanometers top =
-      std::accumulate(plan_->expected_layers.begin(), plan_->expected_layers.end(), Nanometers{});
-  std::size_t count = plan_->expected_layers.size();
-  left_after_.assign(count + 1, parking_duration(top + plan_->motion.whole_lift()));
-  if (plan_->rise) {
-    const auto rising = std::chrono::duration_cast<Duration>(duration(plan_->rise->plan));
-    count = std::min(count, static_cast<std::size_t>(plan_->rise->first_layers));
-    left_after_[count] +=
-        rising + contourd::lowering_duration(plan_->motion, Nanometers{}, moves_of(machine_.z_axis()));
-  }
-  for (std::size_t i = count; i-- > 0;) {
-    left_after_[i] = left_after_[i + 1] +
-                     layer_duration(*plan_, static_cast<std::int32_t>(i), moves_of(machine_.z_axis()));
-  }
+  left_after_ = durations_to_end(*plan_, machine_.z_axis());
 }
 
 void LayeredPrint::set(const PrintSettings& settings) {
@@ -108,7 +117,7 @@ void LayeredPrint::set(const PrintSettings& settings) {
 
 std::string_view LayeredPrint::why_fixed(std::string_view what) const {
   expects(under_way(), "a print is under way");
-  return plan_->rise && what == "exposure" ? kFixedExposure : "";
+  return plan_->rises && what == "exposure" ? kFixedExposure : "";
 }
 
 PrintSettings LayeredPrint::settings() const {
@@ -433,6 +442,10 @@ void LayeredPrint::after_move(LayeredState move_state, MoveResult result) {
   handle(LayeredEvent::MoveEnded);
 }
 
+bool LayeredPrint::rises_next() const {
+  return rise_begins_at(*plan_, layer_top());
+}
+
 LayeredEvent LayeredPrint::next_due() const {
   if (canceled_) return LayeredEvent::Canceled;
   const LayeredEvent due = !has_all_light()  ? LayeredEvent::LayerUnfinished
@@ -564,12 +577,15 @@ void LayeredPrint::report_layer() {
   record_.complete = layer_exposed_ && !plan_->dry;
   if (layer_exposed_) {
     record_.loops = plan_->engine->count_loops();
-    if (plan_->pressed)
-      pressed_shape_mm4_ =
-          press_shape_mm4(plan_->engine->coverage(), Micrometers{1000 * std::sqrt(plan_->pixel_area_mm2)});
+    if (plan_->pressed) pressed_shape_mm4_ = last_shape_mm4();
   }
   observer_.layer_done(record_);
   if (layer_exposed_) judge_exposure();
+}
+
+// Returns the factor of the face with the last mask.
+double LayeredPrint::last_shape_mm4() const {
+  return press_shape_mm4(plan_->engine->coverage(), Micrometers{1000 * std::sqrt(plan_->pixel_area_mm2)});
 }
 
 // Requests a pause if the layer's exposure is less certain than its resin tolerates. No other transition is
@@ -647,7 +663,7 @@ void LayeredPrint::finish() {
                                                  : PrintOutcome::Done;
   count_light();
   if (record_.exposure_parts > 0 && !layer_reported_) report_layer();
-  if (plan_->rise) {  // which follows, with what was changed since the last layer began
+  if (plan_->rises) {  // what follows goes on with what was changed since the last layer began
     if (new_settings_) take_settings(*new_settings_);
     for (const ExcludedCopy& copy : new_exclusions_)
       leave_dark(*plan_, copy, layer_ + 1, layer_top());

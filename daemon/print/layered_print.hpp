@@ -1,8 +1,8 @@
 // The layered print mode: exposes a layer, peels it off, lifts the plate and lowers it for the next layer.
 // Looks up the events from the machine, the clock and the user in the table of layered_states.hpp and
 // performs the effects found there. Whatever happens, a print ends with the light off. Event loop's thread
-// only. If the plan has a rise, the layered print ends in the dark after the first layers, with the plate
-// lifted and the projector on. LayeredPrint has a method for each effect of the table, and all of them work
+// only. Where a rise of the plan begins, the layered print ends in the dark, with the plate lifted and the
+// projector on. LayeredPrint has a method for each effect of the table, and all of them work
 // on the layer under way and account for its light. It is larger than other classes for this reason.
 #pragma once
 
@@ -20,7 +20,7 @@ namespace contourd {
 
 class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTransition> {
  public:
-  // The reason why the exposure of a print that rises after its layers is fixed.
+  // The reason why the exposure of a print with rises is fixed.
   static constexpr std::string_view kFixedExposure =
       "the exposure of a continuous print follows from the speeds that were planned before it began";
 
@@ -30,6 +30,9 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   ~LayeredPrint() override;
 
   void start(PrintPlan plan) override;
+  // Goes on with the layers on top of a rise, in the dark, with the plate lifted and the projector on.
+  // REQUIRES: !under_way(); the plan has a layer at `bottom`, which is the layer with this number, from 0.
+  void go_on(PrintPlan plan, std::int32_t layer, Nanometers bottom);
   void pause() override;
   void pause_at(PausePoint point) override;
   void resume() override;
@@ -66,7 +69,10 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   void settled() override;
   void wait(Duration duration);
   [[nodiscard]] bool on_last_layer() const { return !plan_->layers.thickness_at(layer_top()); }
-  [[nodiscard]] bool rises_next() const { return plan_->rise && layer_ + 1 == plan_->rise->first_layers; }
+  [[nodiscard]] bool rises_next() const;
+  void begin(PrintPlan plan, std::int32_t layer, Nanometers bottom);
+  void take_layer_beneath();
+  [[nodiscard]] double last_shape_mm4() const;
   [[nodiscard]] Duration exposure_left() const { return record_.exposure_asked - record_.exposure_most; }
   void estimate(Duration duration) { estimated_end_ = clock_.now() + duration; }
   [[nodiscard]] Duration homing_duration() const;

@@ -41,7 +41,8 @@ constexpr auto kRows = std::to_array<LayeredTransition>({
     {S::AwaitingDark, E::PauseDue, S::Raising, F::RaiseForALook},
     {S::AwaitingDark, E::LayersDone, S::Parking, F::RecordLayer, F::Park},
 
-    // A rise takes over the machine as it is.
+    // A rise takes over the machine as it is, and hands it back to the layers on top of it.
+    {S::Idle, E::WentOn, S::AwaitingDark, F::LightOff, F::BlackNow, F::AwaitDark},
     {S::AwaitingDark, E::RiseDue, S::Idle, F::RecordLayer, F::Finish},
 
     {S::Raising, E::MoveEnded, S::Paused},

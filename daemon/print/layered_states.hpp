@@ -36,6 +36,7 @@ enum class LayeredState {
 
 enum class LayeredEvent {
   Started,
+  WentOn,  // on top of a rise: the projector is on, the plate up at a known height
   ProjectorReady,
   Homed,
   MoveEnded,
@@ -89,7 +90,7 @@ inline constexpr auto kNames<LayeredState> = names_to<LayeredState::Ending>(
     "ending");
 template <>
 inline constexpr auto kNames<LayeredEvent> = names_to<LayeredEvent::GaveUp>(
-    "started, projector ready, homed, move ended, wait over, mask shown, light on sent, "
+    "started, went on, projector ready, homed, move ended, wait over, mask shown, light on sent, "
     "picture due, screen black, light is off, layer due, layer unfinished, pause due, layers done, rise due, "
     "interrupted, resumed, cancelled, "
     "failed, gave up");

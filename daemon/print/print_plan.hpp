@@ -22,11 +22,18 @@
 
 namespace contourd {
 
-// The rise of a continuous print: after the first layers the plate rises without a stop.
+// A rise of a continuous print.
 struct PlannedRise {
-  RisePlan plan;                  // begins on top of the first layers
-  std::int32_t first_layers = 1;  // printed layer by layer, so that the part holds
-  Nanometers mask_step{2'000};    // a new mask when the height has changed by this much
+  RisePlan plan;                 // begins on top of a layer
+  std::int32_t first_layer = 1;  // number of layers beneath it
+  Duration rest{};               // before it, in the dark, until the window has its oxygen again
+};
+
+// The rises of a continuous print, from the plate up. What lies beneath, between and above them is printed
+// layer by layer.
+struct PlannedRises {
+  std::vector<PlannedRise> each;
+  Nanometers mask_step{2'000};  // a new mask when the height has changed by this much
 };
 
 // The point from which a print goes on that a power cut ended. Its part hangs on the plate.
@@ -46,7 +53,7 @@ struct PrintPlan {
       undersides;                        // makes the masks from the engine's coverage; null: none are dimmed
   std::unique_ptr<SplitExposure> split;  // makes pictures of few greys from the masks, whose values are then
                                          // linear; null: masks are shown as they are
-  std::optional<PlannedRise> rise;       // nullopt: the print is layered to its end
+  std::optional<PlannedRises> rises;     // nullopt: the print is layered throughout
   PrintLayers layers;                    // queried layer by layer during the print
   // Returns the exposure of a layer, counted from 0, of this thickness.
   std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure;
@@ -65,6 +72,13 @@ struct PrintPlan {
   Nanometers home_height{};
   std::optional<ResumePoint> resume{};  // nullopt: the print begins with its first layer
 };
+
+// True if a rise of the print begins at this height.
+[[nodiscard]] inline bool rise_begins_at(const PrintPlan& plan, Nanometers height) {
+  return plan.rises && std::ranges::any_of(plan.rises->each, [&](const PlannedRise& rise) {
+           return rise.plan.points.front().height == height;
+         });
+}
 
 // The longest wait before the light, whatever a layer's area is.
 inline constexpr Duration kLongestSettling = std::chrono::seconds{60};
@@ -213,7 +227,7 @@ struct SplitFigures {
   return figures;
 }
 
-// Returns the figures of all masks of a print's rise.
+// Returns the figures of all masks of a print's rises.
 [[nodiscard]] inline FrameFigures frame_figures(const std::vector<LayerRecord>& layers) {
   FrameFigures figures;
   for (const LayerRecord& layer : layers)

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
+#include <numeric>
 #include <string_view>
 #include <utility>
 
@@ -44,18 +44,25 @@ Nanometers end_of_layers(const ResinProfile& resin, Nanometers layer) {
   return layer * std::max<std::int64_t>((layered + layer - Nanometers{1}) / layer, 1);
 }
 
-// Adds the layers from a height up to another.
-void add_layers(Nanometers from, Nanometers to, std::span<const Nanometers> layers,
-                std::span<const Duration> times, std::vector<ContinuousRange>& ranges) {
-  if (from >= to) return;
-  ContinuousRange range{.bottom = from, .top = to};
-  Nanometers bottom{};
-  for (std::size_t i = 0; i < layers.size(); ++i) {
-    if (bottom >= from && bottom < to) range.time += times[i];
-    bottom += layers[i];
+constexpr double kSecondsPerHour = 3600;
+
+// Walks up a print's layers.
+struct LayerWalk {
+  std::span<const Nanometers> layers;
+  std::span<const Duration> times;
+  std::size_t layer = 0;  // the next one
+  Nanometers height{};    // of its lower side
+
+  // Goes up to a height, and returns the time of the layers on the way.
+  Duration to(Nanometers top) {
+    Duration time{};
+    for (; layer < layers.size() && height < top; ++layer) {
+      time += times[layer];
+      height += layers[layer];
+    }
+    return time;
   }
-  ranges.push_back(range);
-}
+};
 
 // Adds a stretch of a rise to the range before it, or begins a new one.
 void add_stretch(const RisePoint& from, const RisePoint& to, bool begins,
@@ -93,7 +100,6 @@ ContinuousMachine continuous_machine(const PrinterConfig& printer) {
 std::string continuous_refusal(const ResinProfile& resin, const ContinuousMachine& machine) {
   std::string missing = missing_for_continuous(resin);
   if (!missing.empty()) return missing;
-  constexpr double kSecondsPerHour = 3600;
   const ContinuousResin& continuous = *resin.continuous;
   if (most_a_refresh(continuous, machine).count() <= 0)
     return fmt::format(
@@ -141,15 +147,27 @@ std::vector<RisePlan> plan_continuous(ContourEngine& engine, const ContinuousSub
   return plan_rises(sweep_slabs(engine, settings, stop), end_of_layers(resin, subject.layer), bounds);
 }
 
-std::optional<PlannedRise> rise_to_top(std::vector<RisePlan> rises, const ContinuousSubject& subject,
-                                       const ContinuousResin& resin) {
-  if (rises.empty() || rises.back().points.back().height != subject.top) return std::nullopt;
-  const Nanometers bottom = rises.back().points.front().height;
-  const std::int64_t layers = bottom / subject.layer;
-  if (subject.layer * layers != bottom) return std::nullopt;
-  return PlannedRise{.plan = std::move(rises.back()),
-                     .first_layers = static_cast<std::int32_t>(layers),
-                     .mask_step = Nanometers{std::llround(resin.mask_step.count() * 1000)}};
+std::vector<PlannedRise> rises_between(std::vector<RisePlan> rises, std::span<const Nanometers> layers,
+                                       std::span<const Duration> layer_times, const ContinuousResin& resin) {
+  expects(layers.size() == layer_times.size(), "each layer has a time");
+  std::vector<PlannedRise> planned;
+  LayerWalk walk{layers, layer_times};
+  Duration lit{};  // by rises, since the window had all its oxygen
+  for (RisePlan& rise : rises) {
+    const Duration layered = walk.to(rise.points.front().height);
+    expects(walk.height == rise.points.front().height, "a rise begins on top of a layer");
+    PlannedRise next{.plan = std::move(rise), .first_layer = static_cast<std::int32_t>(walk.layer)};
+    const auto time = std::chrono::duration_cast<Duration>(duration(next.plan));
+    if (layered >= resin.recovery) lit = Duration{};
+    if (lit > Duration{} && lit + time > resin.window) {
+      next.rest = resin.recovery - layered;
+      lit = Duration{};
+    }
+    lit += time;
+    (void)walk.to(next.plan.points.back().height);
+    planned.push_back(std::move(next));
+  }
+  return planned;
 }
 
 std::string why_no_rise(const ContinuousSubject& subject, const ResinProfile& resin) {
@@ -160,29 +178,61 @@ std::string why_no_rise(const ContinuousSubject& subject, const ResinProfile& re
         "would have to rise {:.0f} mm: print it in layers (\"mode\": \"layered\")",
         in_mm(subject.top), in_mm(layers), in_mm(kLowestRise));
   return fmt::format(
-      "the plate cannot rise to the top, {:.2f} mm, without a stop, because the last section is too wide for "
-      "the resin to flow in, or the window's oxygen lasts for too short a rise: contourctl analyze --mode "
-      "continuous shows the plan; turn the model, or print in layers (\"mode\": \"layered\")",
-      in_mm(subject.top));
+      "nowhere can the plate rise {:.0f} mm without a stop at {:.3g} mm/h, the resin's "
+      "continuous/least_speed_mm_h, or faster, because the sections are too wide for the resin to flow in, "
+      "or "
+      "the window's oxygen lasts for too short a rise: turn the model, lower that speed, or print in layers "
+      "(\"mode\": \"layered\")",
+      in_mm(kLowestRise), resin.continuous.value().slowest.count() * kSecondsPerHour);
 }
 
-std::vector<ContinuousRange> ranges_of(std::span<const RisePlan> rises, std::span<const Nanometers> layers,
-                                       std::span<const Duration> layer_times) {
-  expects(layers.size() == layer_times.size(), "each layer has a time");
+std::vector<ContinuousRange> ranges_of(const PrintPlan& plan, std::span<const Duration> times) {
+  expects(plan.expected_layers.size() == times.size(), "each layer has a time");
   std::vector<ContinuousRange> ranges;
-  Nanometers bottom{}, top{};
-  for (const RisePlan& rise : rises) {
-    const std::vector<RisePoint>& points = rise.points;
-    if (!ranges.empty() && points.front().height == bottom) ranges.back().rests = true;
-    add_layers(bottom, points.front().height, layers, layer_times, ranges);
+  LayerWalk walk{plan.expected_layers, times};
+  const auto add_layers = [&](Nanometers to) {
+    ContinuousRange range{.bottom = walk.height};
+    range.time = walk.to(to);
+    range.top = walk.height;
+    if (range.bottom < range.top) ranges.push_back(range);
+  };
+  for (const PlannedRise& rise : plan.rises ? plan.rises->each : std::vector<PlannedRise>()) {
+    const std::vector<RisePoint>& points = rise.plan.points;
+    add_layers(points.front().height);
+    if (!ranges.empty()) ranges.back().rest = rise.rest;
+    const std::size_t first = ranges.size();
     for (std::size_t i = 1; i < points.size(); ++i)
       add_stretch(points[i - 1], points[i], i == 1, ranges);
-    bottom = points.back().height;
+    Duration moves = walk.to(points.back().height) - rise.rest;
+    for (std::size_t i = first; i < ranges.size(); ++i)
+      moves -= ranges[i].time;
+    ranges[first].time += moves;
   }
-  for (const Nanometers layer : layers)
-    top += layer;
-  add_layers(bottom, top, layers, layer_times, ranges);
+  add_layers(std::accumulate(plan.expected_layers.begin(), plan.expected_layers.end(), Nanometers{}));
   return ranges;
+}
+
+Duration ContinuousForecast::time() const {
+  Duration time{};
+  for (const ContinuousRange& range : ranges)
+    time += range.time + range.rest;
+  return time;
+}
+
+std::string layered_parts_sentence(const ContinuousForecast& forecast, Nanometers first_layers) {
+  constexpr Nanometers kWorthTelling{1'000'000};
+  Nanometers layered{};
+  const ContinuousRange* widest = nullptr;
+  for (const ContinuousRange& range : forecast.ranges) {
+    if (range.limit) continue;
+    layered += range.top - range.bottom;
+    if (widest == nullptr || range.top - range.bottom > widest->top - widest->bottom) widest = &range;
+  }
+  if (layered - first_layers <= kWorthTelling) return "";
+  return fmt::format(
+      "{:.2f} of {:.2f} mm are printed layer by layer, such as from {:.2f} to {:.2f} mm, because the plate "
+      "cannot rise there without a stop",
+      in_mm(layered), in_mm(forecast.ranges.back().top), in_mm(widest->bottom), in_mm(widest->top));
 }
 
 }  // namespace contourd

@@ -49,13 +49,16 @@ struct ContinuousSubject {
                                                     const ResinProfile& resin,
                                                     const ContinuousMachine& machine, StopCheck& stop);
 
-// Returns the rise of a print in layers of one thickness: the last one, if it reaches the top; the print is
-// layered up to it. nullopt if no rise reaches the top, or if the last one does not begin on top of a layer.
-[[nodiscard]] std::optional<PlannedRise> rise_to_top(std::vector<RisePlan> rises,
-                                                     const ContinuousSubject& subject,
+// Returns the rises as parts of a print whose layers have these thicknesses, and these times if printed one
+// by one. A rise follows a rest where it and the rises before would use up the window's oxygen; the time of
+// the layers between them is part of that rest. REQUIRES: a time for each layer, and rises that begin and end
+// between layers.
+[[nodiscard]] std::vector<PlannedRise> rises_between(std::vector<RisePlan> rises,
+                                                     std::span<const Nanometers> layers,
+                                                     std::span<const Duration> layer_times,
                                                      const ContinuousResin& resin);
 
-// Returns a sentence with the reason why a print has no rise_to_top().
+// Returns a sentence with the reason why a print has no rise.
 [[nodiscard]] std::string why_no_rise(const ContinuousSubject& subject, const ResinProfile& resin);
 
 // A range of heights that is printed in one way.
@@ -63,14 +66,26 @@ struct ContinuousRange {
   Nanometers bottom{}, top{};
   std::optional<RiseLimit> limit{};           // nullopt: layers
   MillimetersPerSecond slowest{}, fastest{};  // but for ramps of less than a hundredth of the range
-  Duration time{};
-  bool rests = false;  // in the dark at the top, until the window has its oxygen again
+  Duration time{};                            // the moves before and after a rise are part of its first range
+  Duration rest{};                            // at the top, in the dark, before a rise
 };
 
 // Returns the ranges of a print, from the plate up: each rise in ranges with one limit, and the layers
-// between, whose times are `layer_times`, by their thicknesses. REQUIRES: a time for each layer.
-[[nodiscard]] std::vector<ContinuousRange> ranges_of(std::span<const RisePlan> rises,
-                                                     std::span<const Nanometers> layers,
-                                                     std::span<const Duration> layer_times);
+// between. Their times and rests add up to `times`, those of layer_durations(). REQUIRES: a time for each
+// expected layer.
+[[nodiscard]] std::vector<ContinuousRange> ranges_of(const PrintPlan& plan, std::span<const Duration> times);
+
+// The plan of a continuous print, for a person.
+struct ContinuousForecast {
+  RiseBounds bounds{};
+  std::vector<ContinuousRange> ranges{};
+
+  // Returns the time of all ranges and rests.
+  [[nodiscard]] Duration time() const;
+};
+
+// Returns a sentence about what is printed layer by layer above the first layers, if that is more than a
+// millimetre high; else an empty text.
+[[nodiscard]] std::string layered_parts_sentence(const ContinuousForecast& forecast, Nanometers first_layers);
 
 }  // namespace contourd

@@ -84,7 +84,7 @@ void RiseFrames::refresh() {
   const TimePoint vblank = next_vblank();
   const std::optional<Nanometers> height = machine_.z_axis().height_at(vblank + frame / 2);
   if (!height) return calls_.unsafe(kUnknownHeight);
-  const bool is_new = apart(*height, shown_.cut_at) >= plan_.rise->mask_step;
+  const bool is_new = apart(*height, shown_.cut_at) >= plan_.rises->mask_step;
   if (is_new && !masks_.busy()) masks_.begin(*height);
   hand_over_ = clock_.call_at(vblank - frame / 2, [this, vblank, is_new] { hand_over(vblank, is_new); });
   refresh_ = clock_.call_at(vblank, [this] { refresh(); });

@@ -50,8 +50,17 @@ Duration time_of(const ContinuousForecast& forecast, bool in_layers) {
   return time;
 }
 
-std::int64_t rests_of(const ContinuousForecast& forecast) {
-  return std::ranges::count(forecast.ranges, true, &ContinuousRange::rests);
+struct Rests {
+  std::uint64_t count = 0;
+  Duration time{};
+};
+Rests rests_of(const ContinuousForecast& forecast) {
+  Rests rests;
+  for (const ContinuousRange& range : forecast.ranges) {
+    if (range.rest > Duration{}) ++rests.count;
+    rests.time += range.rest;
+  }
+  return rests;
 }
 
 // The speeds of all rises.
@@ -91,22 +100,18 @@ Json range_json(const ContinuousRange& range) {
             {"limit", range.limit ? Json(name_of(*range.limit)) : Json()},
             {"time_s", seconds(range.time)}};
   if (range.limit) json["speed_mm_h"] = {mm_h(range.slowest), mm_h(range.fastest)};
-  json["rests"] = range.rests;
+  json["rest_s"] = seconds(range.rest);
   return json;
 }
 
 }  // namespace
 
-Duration ContinuousForecast::time() const {
-  return time_of(*this, true) + time_of(*this, false) + recovery * rests_of(*this);
-}
-
 std::string continuous_line(const ContinuousForecast& forecast) {
-  const auto rests = static_cast<std::uint64_t>(rests_of(forecast));
+  const Rests rests = rests_of(forecast);
   std::string line = fmt::format("{}: {} rising, {} in layers", readable(forecast.time()),
                                  readable(time_of(forecast, false)), readable(time_of(forecast, true)));
-  if (rests > 0)
-    line += fmt::format(", {} of {}", count_of(rests, "rest", "rests"), readable(forecast.recovery));
+  if (rests.count > 0)
+    line += fmt::format(", {}, {}", count_of(rests.count, "rest", "rests"), readable(rests.time));
   return line;
 }
 
@@ -131,7 +136,7 @@ std::vector<std::string> range_lines(const ContinuousForecast& forecast) {
     }
     lines.push_back(fmt::format("{:8.2f} to {:8.2f} mm  {:7}  {:20}  {}{}", in_mm(range.bottom),
                                 in_mm(range.top), name_of(range), speeds, readable(range.time),
-                                range.rests ? ", then a rest" : ""));
+                                range.rest > Duration{} ? ", then a rest of " + readable(range.rest) : ""));
   }
   return lines;
 }
@@ -140,8 +145,8 @@ nlohmann::ordered_json continuous_json(const ContinuousForecast& forecast) {
   Json json{{"time_s", seconds(forecast.time())},
             {"rising_s", seconds(time_of(forecast, false))},
             {"layers_s", seconds(time_of(forecast, true))},
-            {"rests", rests_of(forecast)},
-            {"rest_s", seconds(forecast.recovery)}};
+            {"rests", rests_of(forecast).count},
+            {"rests_s", seconds(rests_of(forecast).time)}};
   if (const std::optional<Speeds> speeds = speeds_of(forecast)) {
     const Gel narrowest = gel_at(forecast, speeds->slowest), widest = gel_at(forecast, speeds->fastest);
     json["speed_mm_h"] = {mm_h(speeds->slowest), mm_h(speeds->fastest)};

@@ -9,16 +9,7 @@
 
 namespace contourd {
 
-struct ContinuousForecast {
-  RiseBounds bounds{};
-  Duration recovery{};  // length of a rest
-  std::vector<ContinuousRange> ranges{};
-
-  // Returns the time of all ranges and rests.
-  [[nodiscard]] Duration time() const;
-};
-
-// Returns one line: "1 h 05 min: 58 min 10 s rising, 6 min in layers, 1 rest of 30 min".
+// Returns one line: "1 h 05 min: 58 min 10 s rising, 6 min in layers, 1 rest, 30 min".
 [[nodiscard]] std::string continuous_line(const ContinuousForecast& forecast);
 // Returns one line with the gap that resin flows through and the depth to which light cures through
 // undersides, or with the reason why nothing is continuous.

@@ -164,7 +164,7 @@ class WithPrinter(AnalyzeTest):
         self.assertLess(found["speed_mm_h"][0], 15)
         slow = min((each for each in found["ranges"] if each["limit"] == "refill"), key=lambda each: each["speed_mm_h"][0])
         self.assertTrue(3.5 <= slow["bottom_mm"] <= 4.2, slow)
-        self.assertAlmostEqual(sum(each["time_s"] for each in found["ranges"]), found["time_s"], delta=1e-6)
+        self.assertAlmostEqual(sum(each["time_s"] + each["rest_s"] for each in found["ranges"]), found["time_s"], delta=1e-6)
         text = contourctl("analyze", self.path("model.stl"), "--printer", self.path("printer.json"), "--mode", "continuous", expect=OK).stdout.decode()
         for part in ("continuous    ", "gel gap       ", "refill  ", "mm/h"):
             self.assertIn(part, text)
@@ -175,6 +175,14 @@ class WithPrinter(AnalyzeTest):
                               ({"continuous": {"window_s": 60, "recovery_s": 60, "margin": 100}}, "least_speed_mm_h")):  # fmt: skip
             result = contourctl("analyze", path, "--printer", self.continuous_printer(**changes), "--mode", "continuous")
             self.assert_refusal(result, BAD_DATA, "standard", said)
+        # The settings that a job refuses, too.
+        for changes, said in (({"undersides": "dose"}, "undersides"), ({"mode": "continuous", "undersides": "dose"}, "undersides")):
+            result = contourctl("analyze", path, "--printer", self.continuous_printer(**changes), "--mode", "continuous")
+            self.assert_refusal(result, BAD_DATA, said)
+        printer = json.loads(open(self.continuous_printer(), "rb").read())
+        printer["display"] = {**printer["display"], "grey_bits": 3}
+        coarse = self.write("coarse.json", json.dumps(printer).encode())
+        self.assert_refusal(contourctl("analyze", path, "--printer", coarse, "--mode", "continuous"), BAD_DATA, "grey_bits")
         self.assertEqual(contourctl("analyze", path, "--mode", "continuous").returncode, BAD_USAGE)
         self.assertIsNone(self.analyze(binary_stl(cube(3)), "--printer", self.continuous_printer())["continuous"])
 

@@ -8,14 +8,12 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/analysis/print_analysis.hpp"
-#include "core/cure/stop_check.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/layers/print_layers.hpp"
 #include "daemon/ctl/models/analyze_page.hpp"
@@ -27,7 +25,6 @@
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
-#include "daemon/print/rise_forecast.hpp"
 #include "daemon/report/job_picture.hpp"
 #include "daemon/report/rise_forecast_text.hpp"
 #include "daemon/system/readable.hpp"
@@ -41,7 +38,6 @@ struct AnalyzeOptions {
   bool json = false;
   std::optional<std::filesystem::path> html;  // one self-contained page
   double layer_time_s = 10;                   // without a configuration: the time of each layer
-  std::string mode = "layered";
 };
 
 Duration parse_layer_time(double seconds) {
@@ -95,22 +91,6 @@ void expose_by_dose(const PrintSubject& subject, AnalyzedModel& model) {
   found.largest_area_layer = static_cast<std::int32_t>(largest - found.area_mm2.begin());
 }
 
-// Plans the print as a continuous one. Throws ModelError if it cannot be continuous.
-ContinuousForecast forecast_rises(const PrintSubject& subject) {
-  const ResinProfile& resin = subject.resin.value();
-  const ContinuousMachine& machine = subject.machine.value();
-  const std::string refusal = continuous_refusal(resin, machine);
-  if (!refusal.empty()) throw ModelError(printable(refusal));
-  ContinuousForecast forecast{rise_bounds(resin, machine), resin.continuous.value().recovery, {}};
-  if (subject.layers.empty()) return forecast;
-  const Nanometers top = std::accumulate(subject.layers.begin(), subject.layers.end(), Nanometers{});
-  StopCheck never;
-  const std::vector<RisePlan> rises = plan_continuous(
-      *subject.engine, {subject.settings.display, subject.layers.front(), top}, resin, machine, never);
-  forecast.ranges = ranges_of(rises, subject.layers, subject.layer_durations.value());
-  return forecast;
-}
-
 AnalyzedModel analyze(PrintSubject subject, Duration layer_time, bool with_picture) {
   AnalyzedModel model;
   model.size_mm = subject.size_mm;
@@ -128,6 +108,7 @@ AnalyzedModel analyze(PrintSubject subject, Duration layer_time, bool with_pictu
       analyze_print(*subject.engine, model.display, model.layers, duration_of, {}, subject.analysis).value();
   expose_by_dose(subject, model);
   model.supports = std::move(subject.supports);
+  model.continuous = std::move(subject.continuous);
   LayerStopwatch stopwatch;
   for (const Nanometers middle : model.layer_middles)
     model.measurements.push_back(measure(*subject.engine, middle, stopwatch));
@@ -185,10 +166,7 @@ int analyze(const AnalyzeOptions& options) {
   const Duration layer_time = parse_layer_time(options.layer_time_s);
   refuse_to_overwrite_model(options.print.model, "--html", options.html);
   PrintSubject subject = print_subject(options.print);
-  std::optional<ContinuousForecast> continuous;
-  if (options.mode == "continuous") continuous = forecast_rises(subject);
   AnalyzedModel model = analyze(std::move(subject), layer_time, options.html.has_value());
-  model.continuous = std::move(continuous);
   model.name = options.print.model.filename().string();
   if (options.html) write_text(*options.html, analysis_page(model));
   if (options.json) {
@@ -210,7 +188,7 @@ void add_analyze(Command& program) {
   command.option("--html", options.html, "Write a page with plots and a picture");
   command.option("--layer-time-s", options.layer_time_s, "Time that the printer needs per layer, s")
       .excludes(printer);
-  command.option("--mode", options.mode, "Print mode: layered, or continuous with its plan")
+  command.option("--mode", options.print.mode, "Print mode: layered, or continuous with its plan")
       .one_of({"layered", "continuous"})
       .needs(printer);
   command.run = [&options] { return analyze(options); };

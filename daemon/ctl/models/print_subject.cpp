@@ -133,6 +133,7 @@ PrintSubject subject_of_printer(const PrintArgs& args) {
   AskedOfJob asked{.supports = {}, .undersides = {}, .scale = parse_size(args.size)};
   if (args.supports) asked.supports = support_policy(*args.supports);
   if (args.undersides) asked.undersides = undersides_of(*args.undersides);
+  if (args.mode) asked.mode = print_way_of(*args.mode);
   PreparedJob job = prepare_model({args.model.stem().string(), args.model, args.ticket}, printer, asked);
   PrintSubject subject;
   subject.settings = engine_settings(printer, job.summary.resin);
@@ -140,7 +141,7 @@ PrintSubject subject_of_printer(const PrintArgs& args) {
   subject.doses = layer_doses(job.summary.resin, subject.layers, printer.irradiance_mw_cm2);
   subject.split = split_of(job.plan, printer);
   subject.layer_durations = layer_durations(job.plan, printer);
-  subject.machine = continuous_machine(printer);
+  subject.continuous = std::move(job.summary.continuous);
   subject.resin = std::move(job.summary.resin);
   refuse_plain_undersides(args, subject);
   subject.engine = std::move(job.analysis_engine);

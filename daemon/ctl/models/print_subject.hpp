@@ -31,6 +31,7 @@ struct PrintArgs {
 
   // Configuration and ticket of a print by contourd.
   std::optional<std::filesystem::path> printer, ticket;
+  std::optional<std::string> mode;  // default: as the resin's profile and the ticket say
   // Without a configuration: the resin, the direction that points up, the display and its projector.
   std::optional<std::filesystem::path> resin;
   std::optional<std::string> up;
@@ -63,7 +64,7 @@ struct PrintSubject {
   std::optional<Supports> supports;
   AnalysisOptions analysis;
   std::optional<std::vector<Duration>> layer_durations;  // nullopt without a printer's configuration
-  std::optional<ContinuousMachine> machine;              // nullopt without one
+  std::optional<ContinuousForecast> continuous;          // nullopt: the print is layered
   std::array<double, 3> size_mm{};                       // of the model, as printed
   std::vector<std::string> warnings;
 

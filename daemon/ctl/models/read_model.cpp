@@ -39,6 +39,7 @@ PreparedJob prepare_model(const JobFiles& files, const PrinterConfig& printer, c
     JobSettings settings = read_settings(files, printer);
     if (asked.supports) settings.supports = *asked.supports;
     settings.resin.undersides = asked.undersides.value_or(settings.resin.undersides);
+    settings.resin.mode = asked.mode.value_or(settings.resin.mode);
     if (asked.scale) {
       settings.ticket.models.front().scale = Scale{*asked.scale};
       settings.ticket.models.front().fit = false;

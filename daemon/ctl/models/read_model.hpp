@@ -20,6 +20,7 @@ struct AskedOfJob {
   std::optional<SupportPolicy> supports{};
   std::optional<Undersides> undersides{};
   std::optional<double> scale{};
+  std::optional<PrintWay> mode{};
 };
 
 // Prepares a job as contourd does with this configuration and the job's ticket, if it has one. Throws

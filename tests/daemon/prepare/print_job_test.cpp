@@ -1,6 +1,7 @@
 #include "daemon/prepare/print_job.hpp"
 
 #include <fstream>
+#include <numeric>
 
 #include "core/layers/layers.hpp"
 #include "daemon/prepare/job_memory.hpp"
@@ -78,35 +79,48 @@ void make_continuous(PrintJobFixture& fixture) {
 }
 
 TEST_CASE_METHOD(PrintJobFixture, "A continuous job rises from its first layers to its top") {
-  CHECK_FALSE(prepare(kCube).plan.rise);
+  CHECK_FALSE(prepare(kCube).plan.rises);
   make_continuous(*this);
   const models::Facets column = models::box({0, 0, 0}, {6, 6, 10});
   const PreparedJob job = prepare(column);
-  REQUIRE(job.plan.rise);
-  const RisePlan& rise = job.plan.rise->plan;
-  CHECK(rise.points.front().height == Nanometers{50'000} * job.plan.rise->first_layers);
-  CHECK(rise.points.front().height >= Nanometers{940'000});
-  CHECK(rise.points.back().height == Nanometers{10'000'000});
+  REQUIRE(job.plan.rises);
+  REQUIRE(job.plan.rises->each.size() == 1);
+  const PlannedRise& rise = job.plan.rises->each[0];
+  CHECK(rise.plan.points.front().height == Nanometers{50'000} * rise.first_layer);
+  CHECK(rise.plan.points.front().height >= Nanometers{940'000});
+  CHECK(rise.plan.points.back().height == Nanometers{10'000'000});
+  CHECK(job.plan.rises->mask_step == Nanometers{2'000});
   CHECK(job.summary.warnings.empty());
   // 50 um at 55.26 mm/h, instead of exposures and lifts.
   const std::vector<Duration> durations = layer_durations(job.plan, printer);
-  CHECK(durations.back() > 3250ms);
-  CHECK(durations.back() < 3265ms);
+  CHECK(durations[100] > 3250ms);
+  CHECK(durations[100] < 3265ms);
   CHECK(durations.front() > 30s);
 }
 
-TEST_CASE_METHOD(PrintJobFixture, "A continuous job is layered up to where it need not stop, or refused") {
+TEST_CASE_METHOD(PrintJobFixture,
+                 "A continuous job is layered where it cannot rise, or refused if that is everywhere") {
   make_continuous(*this);
   resin.viscosity_mpa_s = 2000;
-  const models::Facets foot = models::box({-20, -20, 0}, {20, 20, 4}),
-                       stem = models::box({-2, -2, 3}, {2, 2, 10});
-  const PreparedJob job = prepare(models::together(foot, stem));
-  REQUIRE(job.plan.rise);
-  CHECK(job.plan.rise->plan.points.front().height >= Nanometers{4'000'000});
-  CHECK(job.plan.rise->plan.points.front().height < Nanometers{4'300'000});
+  const models::Facets stem = models::box({-2, -2, 0}, {2, 2, 12}),
+                       flange = models::box({-20, -20, 5}, {20, 20, 7});
+  const PreparedJob job = prepare(models::together(stem, flange));
+  REQUIRE(job.plan.rises);
+  REQUIRE(job.plan.rises->each.size() == 2);
+  const RisePlan &first = job.plan.rises->each[0].plan, &second = job.plan.rises->each[1].plan;
+  CHECK(first.points.back().height <= Nanometers{5'000'000});
+  CHECK(first.points.back().height > Nanometers{4'700'000});
+  CHECK(second.points.front().height >= Nanometers{7'000'000});
+  CHECK(second.points.front().height < Nanometers{7'300'000});
   REQUIRE(job.summary.warnings.size() == 1);
-  CHECK(lacking(job.summary.warnings[0], {"is layered up to 4."}) == "");
-  CHECK(lacking(refusal_of(foot), {"cannot rise to the top, 4.00 mm", "print in layers"}) == "");
+  CHECK(lacking(job.summary.warnings[0], {"are printed layer by layer"}) == "");
+  // The forecast has the times of the plan.
+  REQUIRE(job.summary.continuous);
+  const std::vector<Duration> durations = layer_durations(job.plan, printer);
+  const Duration sum = std::accumulate(durations.begin(), durations.end(), Duration{});
+  CHECK(std::chrono::abs(job.summary.continuous->time() - sum) < 1us);
+  const models::Facets foot = models::box({-20, -20, 0}, {20, 20, 4});
+  CHECK(lacking(refusal_of(foot), {"nowhere can the plate rise 1 mm", "print in layers"}) == "");
 }
 
 TEST_CASE_METHOD(PrintJobFixture,

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <atomic>
 #include <semaphore>
+#include <set>
 
 #include "daemon/frames/frame_summary.hpp"
 #include "hw/simulated_printer.hpp"
@@ -50,10 +52,10 @@ PrintPlan cone_plan(double speed_mm_s = 0.1, std::shared_ptr<const SectionSource
   const auto point = [](double height_mm, double speed) {
     return RisePoint{Nanometers{std::llround(height_mm * 1e6)}, MillimetersPerSecond{speed}, RiseLimit::Cure};
   };
-  plan.rise.emplace();
-  plan.rise->first_layers = kFirstLayers;
-  plan.rise->plan.points = {point(0.1, 0), point(0.15, speed_mm_s), point(0.7, speed_mm_s),
-                            point(0.75, speed_mm_s / 4), point(1, 0)};
+  PlannedRise rise{.plan = {}, .first_layer = kFirstLayers};
+  rise.plan.points = {point(0.1, 0), point(0.15, speed_mm_s), point(0.7, speed_mm_s),
+                      point(0.75, speed_mm_s / 4), point(1, 0)};
+  plan.rises.emplace().each = {std::move(rise)};
   return plan;
 }
 
@@ -111,10 +113,11 @@ class NotedFrames final : public testing::PlainDisplay {
 
 class ContinuousPrintFixture final : public Machine, public PrintObserver {
  public:
-  ContinuousPrintFixture()
+  explicit ContinuousPrintFixture(ContourEngine masks = cone_engine())
       : printer(clock, testing::small_printer()),
         screen(printer.display(), clock),
         threaded(clock),
+        reference(std::move(masks)),
         process(*this, threaded, *this) {
     printer.on_event([this](const MachineEvent& event) {
       if (event.kind == MachineEvent::Kind::Interlock) process.interrupt(event.what);
@@ -125,6 +128,12 @@ class ContinuousPrintFixture final : public Machine, public PrintObserver {
       cut_on_screen = cut;
       if (process.continuous_state() == C::Igniting || process.continuous_state() == C::Rising)
         masks.emplace_back(at, *screen.on_screen);
+      if (!compares) return;
+      if (process.shows_mask() && process.continuous_state() == C::Layering) {
+        const Nanometers middle = printer.z_axis().height().value() - testing::kBoxLayer / 2;
+        wrong_masks += cut == middle && reference.mask_at(cut) == *screen.on_screen ? 0 : 1;
+        ++layers_shown;
+      }
       if (process.continuous_state() != C::Rising) return;
       const Nanometers plate = printer.z_axis().height_at(at + screen.frame() / 2).value();
       farthest_cut = std::max(farthest_cut, std::abs((cut - plate).count()));
@@ -176,6 +185,7 @@ class ContinuousPrintFixture final : public Machine, public PrintObserver {
   void state_changed(const PrintState& state) override { states.emplace_back(state.name); }
   void layer_done(const LayerRecord& layer) override { layers.push_back(layer); }
   void frame_over(const FrameRecord& frame) override { recorded.push_back(frame); }
+  void progressed(const PrintProgress& now) override { progress.push_back(now); }
   void interrupted(const std::string& what) override { interruptions.push_back(what); }
   void light_gone() override { gone_while_lit = gone_while_lit || printer.light_is_on(); }
   void print_ended(PrintOutcome outcome, const std::string& why, PrintPlan plan) override {
@@ -198,16 +208,18 @@ class ContinuousPrintFixture final : public Machine, public PrintObserver {
   SimulatedPrinter printer;
   NotedFrames screen;
   ThreadedClock threaded;
-  ContourEngine reference = cone_engine();
+  ContourEngine reference;
   std::vector<std::string> states, interruptions;
   std::vector<LayerRecord> layers;
   std::vector<FrameRecord> recorded;
   std::vector<std::pair<TimePoint, Mask>> masks;  // of the rise, with their vblanks
+  std::vector<PrintProgress> progress;
   std::vector<PrintOutcome> ends;
   std::string reason;
   bool lit_unknown = false, lit_black = false, gone_while_lit = false, lit_at_end = false, has_plan = false;
   std::int64_t farthest_lit = 0, farthest_cut = 0;  // nm
-  int wrong_masks = 0, frames = 0;
+  int wrong_masks = 0, frames = 0, layers_shown = 0;
+  bool compares = true;  // the masks
   Nanometers cut_on_screen{};
   ContinuousPrint process;
 };
@@ -262,7 +274,7 @@ TEST_CASE("A continuous print prints its first layers, then rises in the light t
         fixture.reference.mask_at(layer.mask_height).lit_area() * cone_plan().pixel_area_mm2;
     CHECK(layer.area_mm2 == Approx(middle_mm2).margin(0.2));
   }
-  const auto planned = std::chrono::duration_cast<Duration>(duration(cone_plan().rise->plan));
+  const auto planned = std::chrono::duration_cast<Duration>(duration(cone_plan().rises->each[0].plan));
   CHECK(std::chrono::abs(lit - planned) < 100ms);  // light on and off at the ends
 }
 
@@ -353,7 +365,8 @@ TEST_CASE("A dry rise records its masks without light") {
 TEST_CASE("A rise at the highest speed that masks allow, 2 um a refresh, is not interrupted") {
   ContinuousPrintFixture fixture;
   PrintPlan plan = cone_plan(0.12);
-  plan.rise->plan.points[1].height = plan.rise->plan.points[0].height + Nanometers{10'000};
+  std::vector<RisePoint>& points = plan.rises->each[0].plan.points;
+  points[1].height = points[0].height + Nanometers{10'000};
   fixture.process.start(std::move(plan));
   fixture.run_out();
   CHECK(fixture.interruptions == std::vector<std::string>{});
@@ -364,7 +377,7 @@ TEST_CASE("A rise at the highest speed that masks allow, 2 um a refresh, is not 
 TEST_CASE("A plan without a rise is printed layer by layer, as by the layered mode alone") {
   ContinuousPrintFixture fixture;
   PrintPlan plan = cone_plan();
-  plan.rise.reset();
+  plan.rises.reset();
   fixture.process.start(std::move(plan));
   fixture.run_out();
   CHECK(fixture.ends == std::vector{PrintOutcome::Done});
@@ -511,7 +524,7 @@ TEST_CASE(
   CHECK_FALSE(fixture.process.why_fixed("exposure").empty());
   CHECK_FALSE(fixture.process.why_fixed("copies").empty());
   CHECK(contract_broken_by([&] { fixture.process.exclude({}); }) ==
-        "copies are left dark in the first layers");
+        "copies are left dark while layers are printed");
 }
 
 TEST_CASE("A dry run of a continuous print makes its moves and masks, and never has light") {
@@ -641,4 +654,250 @@ TEST_CASE("The first layers of a continuous print are paused, interrupted and ca
     CHECK(std::chrono::abs(fixture.clock.now() - then - left) < 12s);
   }
   CHECK(fixture.dangers() == "");
+}
+
+namespace {
+
+// Returns the masks of two stems with a flange between them, from 0.4 to 0.6 mm.
+ContourEngine flange_engine() {
+  std::vector<PlateModel> models(1);
+  models[0].model = std::make_shared<const HeightIndex>(models::together(
+      {models::box({-1, -1, 0}, {1, 1, 0.4F}), models::box({-2.5F, -2, 0.4F}, {2.5F, 2, 0.6F}),
+       models::box({-0.8F, -0.8F, 0.6F}, {0.8F, 0.8F, 1})}));
+  models[0].copies = {PixelMap::true_scale(testing::kSmallDisplay, {0, 0})};
+  return {std::move(models), EngineSettings{.display = testing::kSmallDisplay}};
+}
+
+constexpr Duration kOxygenRest = 60s;
+
+// The numbers of layers up to which the parts of a print reach: layers, a rise, layers, a rise, a rise after
+// a rest, layers.
+using Parts = std::array<int, 6>;
+constexpr Parts kFlange{2, 8, 12, 16, 19, kAllLayers};
+constexpr Parts kShort{1, 3, 4, 5, 6, 7};
+
+PrintPlan parts_plan(const Parts& parts = kFlange) {
+  PrintPlan plan = testing::box_plan(parts.back());
+  plan.job = "flange";
+  plan.engine = std::make_unique<ContourEngine>(flange_engine());
+  const auto rise = [](int first_layer, int end, Duration rest) {
+    const Nanometers bottom = testing::kBoxLayer * first_layer, top = testing::kBoxLayer * end;
+    const MillimetersPerSecond rest_speed{0}, speed{0.1};
+    return PlannedRise{{{{bottom, rest_speed, RiseLimit::Machine},
+                         {bottom + Nanometers{10'000}, speed, RiseLimit::Cure},
+                         {top - Nanometers{10'000}, speed, RiseLimit::Machine},
+                         {top, rest_speed, RiseLimit::Machine}}},
+                       first_layer,
+                       rest};
+  };
+  plan.rises.emplace().each = {rise(parts[0], parts[1], 0s), rise(parts[2], parts[3], 0s),
+                               rise(parts[3], parts[4], kOxygenRest)};
+  return plan;
+}
+constexpr std::ptrdiff_t kLayersOfParts = 7;
+
+// Checks that every layer was printed once, with masks that were right, and without danger.
+void check_whole(const ContinuousPrintFixture& fixture, int layers = kAllLayers) {
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  CHECK(fixture.dangers() == "");
+  CHECK(fixture.wrong_masks == 0);
+  REQUIRE(fixture.layers.size() == static_cast<std::size_t>(layers));
+  for (std::size_t i = 0; i < fixture.layers.size(); ++i) {
+    CAPTURE(i);
+    CHECK(fixture.layers[i].layer == static_cast<std::int32_t>(i));
+    CHECK(fixture.layers[i].bottom == testing::kBoxLayer * static_cast<std::int64_t>(i));
+    CHECK(fixture.layers[i].complete);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("A print with a wide middle section rises, is layered there, rises again, rests and rises on") {
+  ContinuousPrintFixture fixture(flange_engine());
+  fixture.process.start(parts_plan());
+  while (fixture.process.state().name != "exposing")
+    REQUIRE(fixture.step());
+  const TimePoint then = fixture.clock.now();
+  const Duration left = fixture.process.time_left();
+  REQUIRE(fixture.run_to(C::Recovering));
+  const TimePoint rest_began = fixture.clock.now();
+  while (fixture.process.continuous_state() == C::Recovering) {
+    CHECK_FALSE(fixture.printer.light_is_on());
+    REQUIRE(fixture.step());
+  }
+  CHECK(fixture.clock.now() - rest_began == kOxygenRest);
+  fixture.run_out();
+  check_whole(fixture);
+  CHECK(fixture.interruptions.empty());
+  CHECK(std::ranges::count(fixture.states, "rising") == 3);
+  CHECK(std::ranges::count(fixture.states, "recovering") == 1);
+  CHECK(std::ranges::count(fixture.states, "exposing") == kLayersOfParts);
+  CHECK(std::ranges::count(fixture.states, "idle") == 1);
+  CHECK(fixture.layers_shown == kLayersOfParts);
+  CHECK(fixture.frames > 250);  // 0.65 mm, in steps of up to twice 1.7 um
+  CHECK(fixture.farthest_cut == 0);
+  // The first masks, and light on and off.
+  CHECK(std::chrono::abs(fixture.clock.now() - then - left) < 5s);
+}
+
+TEST_CASE(
+    "In every state of a print with several parts, light goes off at once, and resumed prints are whole") {
+  enum class What { Cancel, Pause, Lid, Fault };
+  // The first change into each state of each part from the end of the first rise on.
+  std::vector<std::size_t> changes;
+  {
+    ContinuousPrintFixture whole(flange_engine());
+    whole.process.start(parts_plan(kShort));
+    whole.run_out();
+    std::set<std::pair<std::string, std::ptrdiff_t>> seen;
+    for (std::size_t i = 0; i + 1 < whole.states.size(); ++i) {
+      const auto end = whole.states.begin() + static_cast<std::ptrdiff_t>(i);
+      const std::ptrdiff_t rises = std::count(whole.states.begin(), end, "rising");
+      if (rises > 0 && seen.emplace(*end, rises).second) changes.push_back(i + 1);
+    }
+  }
+  for (const std::size_t change : changes) {
+    for (const What what : {What::Cancel, What::Pause, What::Lid, What::Fault}) {
+      ContinuousPrintFixture fixture(flange_engine());
+      fixture.compares = false;
+      fixture.process.start(parts_plan(kShort));
+      while (fixture.states.size() < change)
+        REQUIRE(fixture.step());
+      const std::string state = fixture.states.back();
+      CAPTURE(change, state, static_cast<int>(what));
+      const bool ended = state == "ending", parks = ended || state == "parking";
+      const TimePoint when = fixture.clock.now();
+      if (what == What::Cancel) fixture.process.cancel();
+      if (what == What::Pause) fixture.process.pause();
+      if (what == What::Lid) fixture.printer.open_lid();
+      if (what == What::Fault) fixture.process.fail("the chip is gone");
+      if (what != What::Pause) {
+        CHECK(fixture.printer.screen_is_black());
+        while (fixture.printer.light_is_on())
+          REQUIRE(fixture.step());
+        CHECK(fixture.clock.now() - when <= 20ms);  // the projector's reply
+      }
+      fixture.run_out();
+      if (what == What::Fault) {
+        CHECK(fixture.ends == std::vector{ended ? PrintOutcome::Done : PrintOutcome::Failed});
+        CHECK(fixture.dangers() == "");
+        continue;
+      }
+      if (what == What::Cancel) {
+        CHECK(fixture.ends == std::vector{parks ? PrintOutcome::Done : PrintOutcome::Canceled});
+        CHECK(fixture.dangers() == "");
+        continue;
+      }
+      if (fixture.ends.empty()) {
+        CHECK_FALSE(fixture.printer.light_is_on());
+        if (what == What::Lid) fixture.printer.close_lid();
+        REQUIRE(fixture.process.can_resume());
+        fixture.process.resume();
+        fixture.run_out();
+      }
+      check_whole(fixture, kShort.back());
+    }
+  }
+}
+
+TEST_CASE("A pause while the window recovers counts for its rest, and one at a rise's end waits there") {
+  ContinuousPrintFixture fixture(flange_engine());
+  fixture.process.start(parts_plan());
+  SECTION("Recovering") {
+    REQUIRE(fixture.run_to(C::Recovering));
+    const TimePoint began = fixture.clock.now();
+    fixture.process.pause();
+    REQUIRE(fixture.run_to(C::Paused));
+    fixture.process.resume();
+    CHECK(fixture.process.continuous_state() == C::Recovering);
+    REQUIRE(fixture.run_to(C::Lowering));
+    CHECK(fixture.clock.now() - began >= kOxygenRest);
+    CHECK(fixture.clock.now() - began < kOxygenRest + 1s);
+  }
+  SECTION("Planned for the top of the first rise") {
+    REQUIRE(fixture.run_to(C::Rising));
+    fixture.process.pause_at(std::int32_t{8});
+    REQUIRE(fixture.run_to(C::Paused));
+    CHECK(fixture.process.layer() == 8);
+    CHECK(fixture.layers.size() == 8);
+    fixture.process.resume();
+    CHECK(fixture.process.state().name == "awaiting dark");
+  }
+  SECTION("Planned in a rise for a layer of the flange") {
+    REQUIRE(fixture.run_to(C::Rising));
+    fixture.process.pause_at(std::int32_t{10});
+    while (fixture.process.state().name != "paused")
+      REQUIRE(fixture.step());
+    CHECK(fixture.layers.size() == 10);
+    CHECK_FALSE(fixture.process.planned_pause());
+    fixture.process.resume();
+  }
+  fixture.run_out();
+  check_whole(fixture);
+}
+
+TEST_CASE(
+    "Between two parts of a print, it is known to the layer what is printed, and a print goes on there") {
+  // Resumes the print from what was reported last in a state, as after a power cut.
+  const auto resumed_from = [](C state, int rise) {
+    ContinuousPrintFixture cut(flange_engine());
+    cut.process.start(parts_plan());
+    for (int i = 0; i < rise; ++i) {
+      REQUIRE(cut.run_to(C::Rising));
+      REQUIRE(cut.run_to(C::Lifting));
+    }
+    REQUIRE(cut.run_to(state));
+    const PrintProgress last = cut.progress.back();
+    REQUIRE(last.exposed);
+    ContinuousPrintFixture fixture(flange_engine());
+    PrintPlan plan = parts_plan();
+    plan.resume = ResumePoint{.layer = last.layer + 1, .bottom = last.bottom + last.thickness};
+    fixture.layers = {cut.layers.begin(), cut.layers.begin() + last.layer + 1};
+    // The axis of the simulated printer homes downwards, so it trusts a height above the part.
+    plan.resume->height = Nanometers{5'000'000};
+    fixture.process.start(std::move(plan));
+    fixture.run_out();
+    check_whole(fixture);
+    return std::pair(last, std::ranges::count(fixture.states, "rising"));
+  };
+  SECTION("After the first layers: the print rises next") {
+    ContinuousPrintFixture fixture(flange_engine());
+    PrintPlan plan = parts_plan();
+    plan.resume = ResumePoint{2, testing::kBoxLayer * 2, Nanometers{5'000'000}};
+    fixture.process.start(std::move(plan));
+    fixture.run_out();
+    CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+    CHECK(fixture.dangers() == "");
+    CHECK(fixture.layers.size() == kAllLayers - 2);
+    CHECK(fixture.layers.front().layer == 2);
+    CHECK(std::ranges::count(fixture.states, "rising") == 3);
+  }
+  SECTION("On the way up from the first rise: layers follow") {
+    const auto [last, rises] = resumed_from(C::Lifting, 1);
+    CHECK(last.phase == PrintPhase::Lifting);
+    CHECK(last.layer == 7);
+    CHECK(rises == 2);
+  }
+  SECTION("In the rest: a rise follows") {
+    const auto [last, rises] = resumed_from(C::Recovering, 2);
+    CHECK(last.phase == PrintPhase::Lit);
+    CHECK(last.layer == 15);
+    CHECK(is_at_rest(last));
+    CHECK(rises == 1);
+  }
+}
+
+TEST_CASE("A dry run makes all parts of a print without light") {
+  ContinuousPrintFixture fixture(flange_engine());
+  PrintPlan plan = parts_plan();
+  plan.dry = true;
+  fixture.process.start(std::move(plan));
+  bool lit = false;
+  while (fixture.step())
+    lit = lit || fixture.printer.light_is_on();
+  CHECK_FALSE(lit);
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  CHECK(fixture.wrong_masks == 0);
+  CHECK(std::ranges::count(fixture.states, "rising") == 3);
+  CHECK(std::ranges::none_of(fixture.layers, &LayerRecord::complete));
 }

@@ -4,6 +4,7 @@
 #include "daemon/print/manual_process.hpp"
 #include "daemon/print/mask_ahead.hpp"
 #include "daemon/print/print_mode.hpp"
+#include "daemon/print/rise_progress.hpp"
 #include "daemon/print/split_exposure.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
@@ -35,23 +36,39 @@ TEST_CASE("A setting of a print is one of those that can be changed") {
 }
 
 TEST_CASE(
-    "A rise requires at least one layer before it, a plan, and masks that are neither dimmed nor split") {
+    "Rises require a layer beneath them, an order, a plan, and masks that are neither dimmed nor split") {
   testing::CurrentJobFixture fixture;
   PrintMode& process = fixture.job.print();
-  const std::string why = "a rise follows at least one layer, with masks as they are";
-  const auto point = [](std::int64_t height, double speed) {
-    return RisePoint{Nanometers{height}, MillimetersPerSecond{speed}, RiseLimit::Cure};
+  const std::string why = "rises follow at least one layer, with masks as they are";
+  const auto rise = [](std::int64_t bottom, std::int32_t first_layer) {
+    const auto point = [&](std::int64_t height, double speed) {
+      return RisePoint{Nanometers{height}, MillimetersPerSecond{speed}, RiseLimit::Cure};
+    };
+    return PlannedRise{
+        {{point(bottom, 0), point(bottom + 20'000, 1), point(bottom + 50'000, 0)}}, first_layer, {}};
   };
-  const auto start = [&](std::int32_t first_layers, bool planned, bool split) {
-    PrintPlan plan = testing::box_plan(3);
-    plan.rise.emplace().first_layers = first_layers;
-    if (planned) plan.rise->plan.points = {point(50'000, 0), point(100'000, 1), point(150'000, 0)};
+  const auto start = [&](std::vector<PlannedRise> rises, bool split = false) {
+    PrintPlan plan = testing::box_plan(4);
+    plan.rises.emplace().each = std::move(rises);
     if (split) plan.split = std::make_unique<SplitExposure>(PanelTone{1, 1}, Pixels{4}, Pixels{3});
     return contract_broken_by([&] { process.start(std::move(plan)); });
   };
-  CHECK(start(0, true, false) == why);
-  CHECK(start(1, false, false) == why);
-  CHECK(start(1, true, true) == why);
+  CHECK(start({}) == why);
+  CHECK(start({PlannedRise{}}) == why);
+  CHECK(start({rise(0, 0)}) == why);
+  CHECK(start({rise(100'000, 2), rise(50'000, 1)}) == why);
+  CHECK(start({rise(200'000, 4)}) == why);  // above the print
+  CHECK(start({rise(50'000, 1)}, true) == why);
+}
+
+TEST_CASE("The parts of a print follow each other: a rise begins once it is reached, and has a rest") {
+  RiseProgress none;
+  CHECK(contract_broken_by([&] { (void)none.current(); }) == "a rise is left");
+  CHECK(contract_broken_by([&] { none.reach(); }) == "a rise is left");
+  CHECK(contract_broken_by([&] { (void)none.rest_until({}); }) == "a rise is left");
+  CHECK(contract_broken_by([&] { none.begin(); }) == "a rise is next");
+  CHECK(contract_broken_by([&] { (void)none.rest(); }) == "a rise is under way");
+  CHECK(contract_broken_by([&] { none.stop_at({}); }) == "a rise is under way");
 }
 
 TEST_CASE("MaskAhead cuts one mask at a time, and each is taken once") {

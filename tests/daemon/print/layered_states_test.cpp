@@ -24,6 +24,7 @@ TEST_CASE_METHOD(LayeredTable,
                  "Every row of the print process leads to the expected state with the expected effects") {
   check_lines(R"(
 started -> warming up: light off, black now, power on (idle)
+went on -> awaiting dark: light off, black now, await dark (idle)
 projector ready -> homing: home (warming up)
 interrupted -> held: light off, black now (warming up)
 cancelled -> ending: light off, black now, power off, await dark (warming up, held)

@@ -20,7 +20,6 @@ const MillimetersPerSecond kCure = cure_speed(rise_bounds(window_resin(), kWindo
 
 TEST_CASE("The forecast of a continuous print is a few lines, and JSON") {
   const ContinuousForecast forecast{rise_bounds(window_resin(), kWindowPrinter),
-                                    2min,
                                     {{.bottom = {}, .top = mm(1), .time = 100s},
                                      {.bottom = mm(1),
                                       .top = mm(18),
@@ -28,7 +27,7 @@ TEST_CASE("The forecast of a continuous print is a few lines, and JSON") {
                                       .slowest = kCure,
                                       .fastest = kCure,
                                       .time = 1100s,
-                                      .rests = true},
+                                      .rest = 2min},
                                      {.bottom = mm(18),
                                       .top = mm(20),
                                       .limit = RiseLimit::Refill,
@@ -37,13 +36,13 @@ TEST_CASE("The forecast of a continuous print is a few lines, and JSON") {
                                       .time = 300s}}};
   CHECK(forecast.time() == 1620s);
   CHECK(continuous_line(forecast) ==
-        "27 min 00 s: 23 min 20 s rising, 1 min 40 s in layers, 1 rest of 2 min 00 s");
+        "27 min 00 s: 23 min 20 s rising, 1 min 40 s in layers, 1 rest, 2 min 00 s");
   // At half the speed, the margin is 8.
   CHECK(gel_line(forecast) == "50 to 73.2 um wide, cured 208 to 312 um through undersides (margin 4 to 8)");
   CHECK(range_lines(forecast) ==
         std::vector<std::string>{
             "    0.00 to     1.00 mm  layers                         1 min 40 s",
-            "    1.00 to    18.00 mm  cure     55.3 mm/h             18 min 20 s, then a rest",
+            "    1.00 to    18.00 mm  cure     55.3 mm/h             18 min 20 s, then a rest of 2 min 00 s",
             "   18.00 to    20.00 mm  refill   27.6 to 55.3 mm/h     5 min 00 s"});
   const nlohmann::ordered_json json = continuous_json(forecast);
   CHECK(json["time_s"] == 1620);
@@ -52,13 +51,14 @@ TEST_CASE("The forecast of a continuous print is a few lines, and JSON") {
   CHECK(json["ranges"].size() == 3);
   CHECK(json["ranges"][0]["limit"].is_null());
   CHECK(json["ranges"][1]["limit"] == "cure");
-  CHECK(json["ranges"][1]["rests"] == true);
+  CHECK(json["ranges"][1]["rest_s"] == 120);
+  CHECK(json["rests_s"] == 120);
   CHECK(json["ranges"][2]["speed_mm_h"][0].get<double>() == Approx(27.63).epsilon(1e-3));
 }
 
 TEST_CASE("A print without a rise says so") {
-  const ContinuousForecast forecast{rise_bounds(window_resin(), kWindowPrinter), 2min,
-                                    ranges_of({}, std::array{mm(1)}, std::array{Duration{5s}})};
+  const ContinuousForecast forecast{rise_bounds(window_resin(), kWindowPrinter),
+                                    {{.bottom = {}, .top = mm(1), .time = 5s}}};
   CHECK(gel_line(forecast) == "none: nowhere can the plate rise a millimetre at 5 mm/h or faster");
   CHECK(continuous_line(forecast) == "5.0 s: 0.0 s rising, 5.0 s in layers");
 }

@@ -1,0 +1,58 @@
+// How far a print is in its rises, and what follows. A value; not thread-safe.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "daemon/print/print_plan.hpp"
+#include "hw/clock.hpp"
+
+namespace contourd {
+
+// What a print does after its present part.
+enum class NextPart : std::uint8_t {
+  Layers,
+  Rest,  // before a rise
+  Rise,  // the next one, or the rest of the one under way
+};
+
+class RiseProgress {
+ public:
+  RiseProgress() = default;
+  // Starts a print, in layers. Rises that begin beneath `from` are over: the print goes on from there.
+  RiseProgress(std::vector<PlannedRise> rises, Nanometers from);
+
+  // True until the last rise is over.
+  [[nodiscard]] bool any_left() const { return at_ < rises_.size(); }
+  // Notes that the print has reached the next rise in layers. REQUIRES: any_left().
+  void reach();
+  // Begins the next rise, unless it has begun. REQUIRES: next() is not Layers.
+  void begin();
+  // True while a rise is under way.
+  [[nodiscard]] bool begun() const { return begun_; }
+  // Returns the rise under way, or else the next one. REQUIRES: any_left().
+  [[nodiscard]] const PlannedRise& current() const;
+  // Returns what is left of the rise. REQUIRES: begun(), as for the next one.
+  [[nodiscard]] const RisePlan& rest() const;
+  // Notes that the plate has come to rest at a height within the rise. Ends the rise if what is left is not
+  // worth a motion.
+  void stop_at(Nanometers height);
+
+  // Returns the part that follows. There may be no layers above the last rise.
+  [[nodiscard]] NextPart next() const;
+  // Returns the time at which the rest before the next rise is over, which it began at `now` or before.
+  // REQUIRES: any_left().
+  [[nodiscard]] TimePoint rest_until(TimePoint now);
+
+ private:
+  std::vector<PlannedRise> rises_;
+  std::size_t at_ = 0;  // of rises_: the one under way, or else the next
+  bool begun_ = false;
+  RisePlan rest_;                        // of the rise under way
+  Nanometers here_{};                    // the height up to which the print has whole parts
+  std::optional<TimePoint> rest_until_;  // once the rest has begun
+};
+
+}  // namespace contourd
