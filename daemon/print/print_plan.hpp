@@ -203,7 +203,8 @@ struct LayerRecord {
   std::uint32_t intersecting_facets = 0;
   std::uint32_t loops = 0;
   LayerCracks cracks;
-  TimePoint shown_at{};  // vblank at which the mask appeared on the screen
+  TimePoint shown_at{};   // vblank at which the mask appeared on the screen
+  Duration done_after{};  // time since the print's start, once the layer is in its record
 };
 
 // Returns the number of layers that had all their light.

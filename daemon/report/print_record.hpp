@@ -24,7 +24,10 @@ class PrintRecord {
   // that it shows. Machine and clock must outlive the record.
   PrintRecord(Machine& machine, Clock& clock, std::optional<std::filesystem::path> masks);
 
-  void add(const LayerRecord& layer) { layers_.push_back(layer); }
+  void add(const LayerRecord& layer) {
+    layers_.push_back(layer);
+    layers_.back().done_after = elapsed();
+  }
   // Records that the print is in this state from now on, at this layer, counted from 0.
   void enter(const PrintState& state, std::int32_t layer);
   void add_interruption(std::int32_t layer, const std::string& what);

@@ -16,6 +16,8 @@
 #include "daemon/report/first_items.hpp"
 #include "daemon/report/html_page.hpp"
 #include "daemon/report/light_histogram.hpp"
+#include "daemon/report/range_times.hpp"
+#include "daemon/report/rise_forecast_text.hpp"
 #include "daemon/report/state_time_line.hpp"
 #include "daemon/system/base64.hpp"
 #include "daemon/system/readable.hpp"
@@ -280,6 +282,14 @@ std::string time_section(const PrintReport& report) {
   return "<h2>Where the time went</h2>\n" + line + stop_list(report) + state_table(report.states);
 }
 
+// Returns the plan of a continuous print, and how long its ranges took.
+std::string rises_section(const PrintReport& report) {
+  if (!report.summary.continuous) return "";
+  const ContinuousForecast& plan = *report.summary.continuous;
+  return "<h2>Rises</h2>\n<table>\n" + table_row("Planned", continuous_line(plan)) +
+         table_row("Gel gap", gel_line(plan)) + "</table>\n" + ranges_table(plan, range_times(report));
+}
+
 std::string light_section(const PrintReport& report) {
   const LightHistogram histogram = histogram_of_light(report.layers);
   if (histogram.bins.empty()) return "";
@@ -387,7 +397,7 @@ std::string report_as_html(const PrintReport& report) {
                   outcome, reason);
   html += preview_figure(report) + "<table>\n" + facts(report) + "</table>\n</div>\n";
   html += warning_list(report) + orientation_section(report.summary.models) + layer_section(report) +
-          time_section(report) + light_section(report) + cured_part_section(report);
+          rises_section(report) + time_section(report) + light_section(report) + cured_part_section(report);
   return html + plots(report) + "</html>\n";
 }
 

@@ -10,6 +10,8 @@
 #include "daemon/prepare/print_findings.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/report/cured_part_text.hpp"
+#include "daemon/report/range_times.hpp"
+#include "daemon/report/rise_forecast_text.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd {
@@ -235,6 +237,8 @@ std::string report_as_json(const PrintReport& report) {
   add_layer_figures(summary.layers, json);
   json["layers_exposed"] = layers_exposed(report.layers);
   add_stops(report, json);
+  json["continuous"] =
+      summary.continuous ? continuous_json(*summary.continuous, range_times(report)) : Json();
   json["frames"] = rise_json(report);
   json["unfound_undersides"] = layers_with_unfound_undersides(report.layers);
   json["late_steps"] = report.late_steps;

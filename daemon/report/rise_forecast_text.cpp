@@ -141,7 +141,29 @@ std::vector<std::string> range_lines(const ContinuousForecast& forecast) {
   return lines;
 }
 
-nlohmann::ordered_json continuous_json(const ContinuousForecast& forecast) {
+std::string ranges_table(const ContinuousForecast& forecast, std::span<const std::optional<Duration>> took) {
+  std::string table =
+      "<table class=\"figures\" id=\"ranges\">\n<tr><th>from, mm</th><th>to, mm</th><th>limit</th>"
+      "<th>speed, mm/h</th><th>planned</th>";
+  table += took.empty() ? "<th>rest</th></tr>\n" : "<th>took</th><th>rest</th></tr>\n";
+  const std::size_t shown = std::min(forecast.ranges.size(), kMostLines);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const ContinuousRange& range = forecast.ranges[i];
+    table += fmt::format("<tr><td>{:.2f}</td><td>{:.2f}</td><td>{}</td><td>{}</td><td>{}</td>",
+                         in_mm(range.bottom), in_mm(range.top), name_of(range),
+                         range.limit ? from_to(mm_h(range.slowest), mm_h(range.fastest)) : "",
+                         readable(range.time));
+    if (!took.empty()) table += fmt::format("<td>{}</td>", took[i] ? readable(*took[i]) : "");
+    table += fmt::format("<td>{}</td></tr>\n", range.rest > Duration{} ? readable(range.rest) : "");
+  }
+  table += "</table>\n";
+  if (shown < forecast.ranges.size())
+    table += fmt::format("<p>And {} more.</p>\n", forecast.ranges.size() - shown);
+  return table;
+}
+
+nlohmann::ordered_json continuous_json(const ContinuousForecast& forecast,
+                                       std::span<const std::optional<Duration>> took) {
   Json json{{"time_s", seconds(forecast.time())},
             {"rising_s", seconds(time_of(forecast, false))},
             {"layers_s", seconds(time_of(forecast, true))},
@@ -155,8 +177,10 @@ nlohmann::ordered_json continuous_json(const ContinuousForecast& forecast) {
     json["print_through_um"] = {widest.through_um, narrowest.through_um};
   }
   json["ranges"] = Json::array();
-  for (const ContinuousRange& range : forecast.ranges)
-    json["ranges"].push_back(range_json(range));
+  for (std::size_t i = 0; i < forecast.ranges.size(); ++i) {
+    json["ranges"].push_back(range_json(forecast.ranges[i]));
+    if (!took.empty()) json["ranges"].back()["took_s"] = took[i] ? Json(seconds(*took[i])) : Json();
+  }
   return json;
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,11 @@ namespace contourd {
 // Returns a line for each of the first ranges: its heights, what holds its speed down, speeds and time.
 [[nodiscard]] std::vector<std::string> range_lines(const ContinuousForecast& forecast);
 
-[[nodiscard]] nlohmann::ordered_json continuous_json(const ContinuousForecast& forecast);
+// Returns the plan, and for each range how long it took; `took` is empty before the print.
+[[nodiscard]] nlohmann::ordered_json continuous_json(const ContinuousForecast& forecast,
+                                                     std::span<const std::optional<Duration>> took = {});
+// Returns a table of the first ranges, as in range_lines(), for a page.
+[[nodiscard]] std::string ranges_table(const ContinuousForecast& forecast,
+                                       std::span<const std::optional<Duration>> took = {});
 
 }  // namespace contourd

@@ -31,6 +31,28 @@ class Continuous(SpoolTest):
             self.assertAlmostEqual(report["exposed_volume_mm3"], 8, delta=0.05)
             daemon.stop()
 
+    def test_a_wide_middle_section_is_layered_and_rests_let_the_window_recover(self):
+        resin = {**WINDOW, "viscosity_mpa_s": 2000, "continuous": {**WINDOW["continuous"], "window_s": 80, "recovery_s": 30}}
+        daemon = self.daemon(None, resin).start()
+        flange = binary_stl(box((-2, -2, 0), (2, 2, 3.6)) + box((-20, -20, 1.6), (20, 20, 1.8)))
+        report = daemon.printed("flange.stl", flange)
+        self.assertEqual(report["interruptions"], [])
+        self.assertEqual(report["frames"]["missed"], 0)
+        plan = report["continuous"]
+        layered = [each for each in plan["ranges"] if each["limit"] is None]
+        self.assertEqual(len(layered), 2)
+        self.assertTrue(1.3 < layered[1]["bottom_mm"] <= 1.6 and 1.8 <= layered[1]["top_mm"] < 2.1, layered)
+        self.assertGreater(plan["rests"], 0)
+        self.assertAlmostEqual(report["states_s"]["recovering"], plan["rests_s"], delta=0.01)
+        for each in plan["ranges"]:
+            # First masks, light on and off, and the lift after a layer, which counts for what follows. The forecast of layers samples
+            # the faces that press out resin, so that the wait of one may be missing: up to a minute.
+            self.assertAlmostEqual(each["took_s"], each["time_s"], delta=12 if each["limit"] else 72)
+        found = contourctl("analyze", self.write("flange.stl", flange), "--printer", self.path("contourd.json"), "--json", expect=OK)
+        for each in plan["ranges"]:
+            del each["took_s"]
+        self.assertEqual(json.loads(found.stdout)["continuous"], plan)
+
     def test_steps_too_coarse_for_masks_are_refused(self):
         daemon = self.window_daemon({"z_axis": {"microsteps_per_mm": 100}})
         self.assert_words(daemon.refused("needle.stl", NEEDLE), "microsteps of 10 um", "mask_step_um")

@@ -11,6 +11,7 @@
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/report/html_page.hpp"
 #include "daemon/report/job_picture.hpp"
+#include "daemon/report/rise_forecast_text.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {
@@ -234,6 +235,7 @@ std::string layer_time_text(const AnalyzedModel& model) {
 std::string analysis_page(const AnalyzedModel& model) {
   const std::string name = escaped(model.name);
   std::string tables = island_table(model);
+  if (model.continuous) tables += "<h2>Rises</h2>\n" + ranges_table(*model.continuous);
   for (const VoidsShown& kind : voids_shown(model))
     tables += void_table(model, kind);
   return page_start(name + ": analysis", kAnalysisStyle) +

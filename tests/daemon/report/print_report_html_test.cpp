@@ -5,6 +5,7 @@
 #include "daemon/report/print_report_json.hpp"
 #include "hw/png_file.hpp"
 #include "tests/catch.hpp"
+#include "tests/daemon/print/rise_fixture.hpp"
 #include "tests/daemon/report/print_state.hpp"
 #include "tests/daemon/report/report_fixture.hpp"
 
@@ -100,6 +101,31 @@ TEST_CASE("The page and the figures count the masks that a rise has shown and mi
   CHECK(testing::lacking(report_as_json(report), {"\"shown\": 81", "\"missed\": 2", "\"farthest_um\": 3.75",
                                                   "\"longest_cut_ms\": 5.0"})
             .empty());
+}
+
+TEST_CASE("The page and the figures of a continuous print compare its plan with the time that it took") {
+  PrintReport report = report_of(3);
+  CHECK(report_as_html(report).find("Rises") == std::string::npos);
+  CHECK(report_as_json(report).find("\"continuous\": null") != std::string::npos);
+  ContinuousForecast& plan = report.summary.continuous.emplace();
+  plan.bounds = rise_bounds(testing::window_resin(), testing::kWindowPrinter);
+  report.layers[1].bottom = report.layers[0].thickness;
+  const Nanometers top = report.layers[1].bottom + report.layers[1].thickness;
+  const MillimetersPerSecond speed{0.01};
+  plan.ranges = {{.bottom = {}, .top = report.layers[0].thickness, .time = 100s, .rest = 60s},
+                 {.bottom = report.layers[0].thickness,
+                  .top = top,
+                  .limit = RiseLimit::Cure,
+                  .slowest = speed,
+                  .fastest = speed,
+                  .time = 30s}};
+  for (std::size_t i = 0; i < report.layers.size(); ++i) {
+    report.layers[i].complete = true;
+    report.layers[i].done_after = 110s * (static_cast<int>(i) + 1);
+  }
+  CHECK(testing::lacking(report_as_html(report), {"<h2>Rises</h2>", "36</td><td>30.0 s</td><td>50.0 s</td>",
+                                                  "<td>1 min 00 s</td></tr>"}) == "");
+  CHECK(testing::lacking(report_as_json(report), {"\"took_s\": 50.0", "\"rest_s\": 60.0"}) == "");
 }
 
 TEST_CASE("Hostile names appear on the page only as text") {
