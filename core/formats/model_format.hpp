@@ -37,8 +37,7 @@ struct ModelOutline {
 using ReadBytes = std::function<void(std::span<std::byte>)>;
 
 struct ModelFormat {
-  std::string_view name;       // the name in messages to users
-  std::string_view extension;  // file name extension, in lower case
+  std::string_view name;  // the name in messages to users
   Likeness (*likeness)(const FileStart& start);
   // outline() and read() throw ModelError if the file does not have this format after all. They use memory in
   // proportion to the file, never to a count that the file claims.

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstring>
-#include <memory>
 #include <optional>
-#include <stdexcept>
-#include <system_error>
+#include <string>
 
+#include "core/formats/file_bytes.hpp"
 #include "core/formats/other_formats.hpp"
 #include "core/formats/stl_ascii.hpp"
 #include "core/formats/stl_binary.hpp"
@@ -19,35 +17,6 @@ namespace {
 
 // The formats in order of precedence: if two are equally certain of a file, the first one reads it.
 constexpr std::array kFormats{&kAsciiStl, &kBinaryStl};
-
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, CloseFile>;
-
-std::system_error cannot_read(const std::filesystem::path& path, std::error_code code) {
-  return std::system_error(code, "cannot read " + path.string());
-}
-
-// A system_error whose what() is the sentence alone: "Invalid argument" after the sentence would explain
-// nothing.
-class NotARegularFile : public std::system_error {
- public:
-  explicit NotARegularFile(const std::filesystem::path& path)
-      : std::system_error(std::make_error_code(std::errc::invalid_argument)),
-        sentence_("cannot read " + path.string() + ": it is not a regular file") {}
-  [[nodiscard]] const char* what() const noexcept override { return sentence_.what(); }
-
- private:
-  std::runtime_error sentence_;  // a runtime_error, because copying one cannot fail
-};
-
-void read_exactly(std::FILE* file, std::span<std::byte> into, const std::filesystem::path& path) {
-  errno = 0;
-  if (std::fread(into.data(), 1, into.size(), file) == into.size()) return;
-  throw cannot_read(path, errno != 0 ? std::error_code(errno, std::generic_category())
-                                     : std::make_error_code(std::errc::io_error));
-}
 
 const ModelFormat& format_of(const FileStart& start) {
   if (start.file_bytes == 0) throw ModelError("the file is empty");
@@ -80,82 +49,33 @@ std::optional<LengthUnit> unit_in(std::span<const std::byte> start) {
   return std::nullopt;
 }
 
-Model read_model(const FileStart& start, const ReadBytes& read) {
-  Model model = format_of(start).read(start, read);
-  model.unit = unit_in(start.bytes);
-  drop_stray_facets(model);
-  return model;
-}
-
-// Returns the file's first bytes and leaves the file at its beginning.
-std::vector<std::byte> read_start(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path) {
-  std::vector<std::byte> start(std::min<std::uint64_t>(bytes, kSniffBytes));
-  read_exactly(file, start, path);
-  std::rewind(file);
-  return start;
-}
-
-File open_regular(const std::filesystem::path& path) {
-  std::error_code code;
-  // Checked before opening: opening a FIFO would wait for a writer.
-  const std::filesystem::file_status status = std::filesystem::status(path, code);
-  if (code && status.type() != std::filesystem::file_type::not_found) throw cannot_read(path, code);
-  if (!std::filesystem::exists(status)) {
-    throw cannot_read(path, std::make_error_code(std::errc::no_such_file_or_directory));
-  }
-  if (std::filesystem::is_directory(status)) {
-    throw cannot_read(path, std::make_error_code(std::errc::is_a_directory));
-  }
-  if (!std::filesystem::is_regular_file(status)) {
-    throw NotARegularFile(path);
-  }
-  File file(std::fopen(path.c_str(), "rb"));
-  if (!file) throw cannot_read(path, std::error_code(errno, std::generic_category()));
-  return file;
-}
-
 }  // namespace
 
-std::vector<std::string_view> model_extensions() {
-  std::vector<std::string_view> extensions;
-  for (const ModelFormat* format : kFormats) {
-    if (std::ranges::find(extensions, format->extension) == extensions.end())
-      extensions.push_back(format->extension);
-  }
-  return extensions;
+bool is_recognised(const FileStart& start) {
+  return std::ranges::any_of(
+      kFormats, [&](const ModelFormat* format) { return format->likeness(start) >= Likeness::Likely; });
 }
 
-std::string_view model_extension(std::string_view file_name) {
-  std::string extension = std::filesystem::path(file_name).extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  const auto* const format = std::ranges::find(kFormats, extension, &ModelFormat::extension);
-  return format == kFormats.end() ? "" : (*format)->extension;
-}
-
-ModelOutline outline_of_model(const std::filesystem::path& path) {
-  const File file = open_regular(path);
-  return outline_of_model(file.get(), std::filesystem::file_size(path), path);
-}
-
-ModelOutline outline_of_model(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path) {
-  const std::vector<std::byte> first_bytes = read_start(file, bytes, path);
-  const FileStart start{bytes, first_bytes};
+ModelOutline outline_of_model(const FileStart& start) {
   const ModelFormat& format = format_of(start);
   ModelOutline outline = format.outline(start);
   outline.format = format.name;
   return outline;
 }
 
-Model read_model_file(const std::filesystem::path& path) {
-  const File file = open_regular(path);
-  return read_model_file(file.get(), std::filesystem::file_size(path), path);
+Model read_model(const FileStart& start, const ReadBytes& read) {
+  Model model = format_of(start).read(start, read);
+  if (!model.unit) model.unit = unit_in(start.bytes);
+  drop_stray_facets(model);
+  return model;
 }
 
-Model read_model_file(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path) {
-  const std::vector<std::byte> first_bytes = read_start(file, bytes, path);
-  const FileStart start{bytes, first_bytes};
-  return read_model(start, [&](std::span<std::byte> into) { read_exactly(file, into, path); });
+Model read_model_file(const std::filesystem::path& path) {
+  const OpenFile file = open_regular(path);
+  const std::uint64_t bytes = std::filesystem::file_size(path);
+  const std::vector<std::byte> first_bytes = read_start(file.get(), bytes, path);
+  return read_model({bytes, first_bytes},
+                    [&](std::span<std::byte> into) { read_exactly(file.get(), into, path); });
 }
 
 Model read_model(std::span<const std::byte> bytes) {

@@ -13,7 +13,7 @@ namespace {
 using std::string_view_literals::operator""sv;
 
 constexpr std::string_view kExport = "export the model as STL from the program that made it";
-constexpr std::string_view kUnpack = "unpack it and print the STL file that is in it";
+constexpr std::string_view kUnpack = "unpack it and print the model that is in it";
 constexpr std::string_view kSliced =
     "contourd prints unsliced models: use the STL file that this file was made from";
 constexpr std::string_view kDownload = "download the model's file itself";

@@ -266,6 +266,6 @@ Model read_ascii(const FileStart& start, const ReadBytes& read) {
 
 }  // namespace
 
-constinit const ModelFormat kAsciiStl{"ascii", ".stl", ascii_likeness, ascii_outline, read_ascii};
+constinit const ModelFormat kAsciiStl{"ascii", ascii_likeness, ascii_outline, read_ascii};
 
 }  // namespace contourd

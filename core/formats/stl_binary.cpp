@@ -181,6 +181,6 @@ Model read_binary(const FileStart& start, const ReadBytes& read) {
 
 }  // namespace
 
-constinit const ModelFormat kBinaryStl{"binary", ".stl", binary_likeness, binary_outline, read_binary};
+constinit const ModelFormat kBinaryStl{"binary", binary_likeness, binary_outline, read_binary};
 
 }  // namespace contourd

@@ -71,6 +71,7 @@ struct SupportTicket {
 // One model's orientation, size and position.
 struct ModelTicket {
   std::string file;                  // in the plate's folder; empty: the model beside the ticket
+  std::string entry{};               // the model in a ZIP archive; empty: the only one
   std::optional<LengthUnit> unit{};  // of the file's coordinates; without it, mm
   RotationDegrees rotation;
   std::optional<Direction> up;                     // never together with a rotation

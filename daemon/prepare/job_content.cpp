@@ -11,8 +11,8 @@ namespace {
 
 // True if both models are made from the same file, turned and scaled alike.
 bool made_alike(const ModelTicket& a, const ModelTicket& b) {
-  return a.file == b.file && a.rotation == b.rotation && a.up == b.up && a.orientation == b.orientation &&
-         a.scale == b.scale && a.fit == b.fit && a.unit == b.unit;
+  return a.file == b.file && a.entry == b.entry && a.rotation == b.rotation && a.up == b.up &&
+         a.orientation == b.orientation && a.scale == b.scale && a.fit == b.fit && a.unit == b.unit;
 }
 
 }  // namespace
@@ -26,14 +26,15 @@ JobContent::JobContent(const std::filesystem::path& folder_or_model, bool plate,
 void JobContent::add(const ModelTicket& ticket, const std::filesystem::path& folder_or_model, bool plate,
                      Links links) {
   const auto same_file = std::find_if(models_.begin(), models_.end(), [&](const NamedModel& other) {
-    return other.ticket.file == ticket.file;
+    return other.ticket.file == ticket.file && other.ticket.entry == ticket.entry;
   });
   const auto alike = std::find_if(same_file, models_.end(),
                                   [&](const NamedModel& other) { return made_alike(other.ticket, ticket); });
   const std::size_t file = same_file == models_.end() ? files_.size() : same_file->file;
   if (file == files_.size())
-    files_.emplace_back(plate ? folder_or_model / ticket.file : folder_or_model, printable(ticket.file),
-                        links);
+    files_.emplace_back(
+        ModelPlace{plate ? folder_or_model / ticket.file : folder_or_model, ticket.entry, links},
+        printable(ticket.file));
   const auto made_as = static_cast<std::size_t>(alike - models_.begin());
   models_.push_back({ticket, plate ? printable(ticket.file) : "the model", file, made_as});
 }
@@ -51,8 +52,13 @@ void JobContent::read(const DisplayGeometry& display, const MemoryRoom& room) {
   needed_ = memory_to_prepare(to_read_, display);
   room_ = room;
   if (needed_ > room_.bytes) throw JobTooLarge(to_read_, "", needed_, room_);
-  for (ModelFile& file : files_)
-    read_.push_back(file.read());
+  for (std::size_t i = 0; i < files_.size(); ++i) {
+    read_.push_back(files_[i].read(most_facets_to_read(to_read_, i, display, room_)));
+    // The facets that there are, instead of those that the file's beginning promised.
+    to_read_[i].outline.most_facets = read_[i].facets.size();
+    to_read_[i].outline.exact = true;
+  }
+  needed_ = memory_to_prepare(to_read_, display);
 }
 
 bool JobContent::has_room_to_repair(std::size_t facets) const {

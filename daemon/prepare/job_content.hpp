@@ -60,6 +60,8 @@ class JobContent {
   }
   // Returns the unit that a file names. Valid after read().
   [[nodiscard]] std::optional<LengthUnit> unit(std::size_t file) const { return read_[file].unit; }
+  // True if the shape suggests that the file's y axis points up. Valid after read().
+  [[nodiscard]] bool y_is_up(std::size_t file) const { return read_[file].y_is_up; }
   // Returns the facets of the model's file. Call it in the models' order, only for models whose `made_as` is
   // their own index: the last call for a file takes the facets over, earlier ones copy them.
   [[nodiscard]] std::vector<Facet> take_facets(std::size_t model);

@@ -6,6 +6,7 @@
 #include <array>
 #include <map>
 
+#include "core/contract/expects.hpp"
 #include "daemon/config/display_memory.hpp"
 
 namespace contourd {
@@ -99,6 +100,14 @@ std::uint64_t memory_to_prepare(std::span<const FileToRead> files, const Display
     most_inspected = std::max(most_inspected, facets * kInspected);
   }
   return memory_for_display(display) + std::max(most_while_reading, indexed + most_inspected);
+}
+
+std::uint64_t most_facets_to_read(std::span<const FileToRead> files, std::size_t file,
+                                  const DisplayGeometry& display, const MemoryRoom& room) {
+  const std::uint64_t needed = memory_to_prepare(files, display);
+  expects(needed <= room.bytes, "the files' outlines fit");
+  const std::uint64_t bytes_per_facet = kReadGrowing + kIndexed * files[file].models + kInspected;
+  return files[file].outline.most_facets + (room.bytes - needed) / bytes_per_facet;
 }
 
 std::uint64_t memory_for_display(const DisplayGeometry& display) {

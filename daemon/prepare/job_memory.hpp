@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "core/engine/contour_engine.hpp"
-#include "core/formats/model_reader.hpp"
+#include "core/formats/model_format.hpp"
 #include "daemon/prepare/plate_arrangement.hpp"
 #include "daemon/system/memory_room.hpp"
 
@@ -24,6 +24,11 @@ struct FileToRead {
 // models: their facets agree with each other, and few of them are at any one height.
 [[nodiscard]] std::uint64_t memory_to_prepare(std::span<const FileToRead> files,
                                               const DisplayGeometry& display);
+
+// Returns how many facets one of the files may hold, so that memory_to_prepare() fits into the room.
+// REQUIRES: it fits with the files' outlines.
+[[nodiscard]] std::uint64_t most_facets_to_read(std::span<const FileToRead> files, std::size_t file,
+                                                const DisplayGeometry& display, const MemoryRoom& room);
 
 // Returns the part of memory_to_prepare() that does not depend on the facets.
 [[nodiscard]] std::uint64_t memory_for_display(const DisplayGeometry& display);

@@ -75,6 +75,8 @@ ModelSummary make_model(JobContent& content, std::size_t number, const MakingCon
   figures.rotation_deg = ticket.rotation;
   std::vector<Facet> facets = content.take_facets(number);
   convert(facets, content.models()[number], summary);
+  if (content.y_is_up(file) && !ticket.up && !ticket.orientation && ticket.rotation == RotationDegrees{})
+    ticket.up = Direction{0, 1, 0};
   find_up(content, facets, ticket, making, figures);
   figures.up = ticket.up;
   figures.scale = turn_to_size(facets, ticket, making.volume, making.settings);

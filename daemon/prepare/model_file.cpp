@@ -19,7 +19,7 @@ auto ModelFile::or_refuse(Work work) const {
   try {
     return work();
   } catch (const UnreadableFile& error) {
-    throw JobRefused(fmt::format("cannot read {}: {}", printable(path_.string()), error.what()));
+    throw JobRefused(fmt::format("cannot read {}: {}", printable(place_.path.string()), error.what()));
   } catch (const ModelError& error) {
     throw JobRefused(fmt::format("{}not a usable model: {}", prefix_, error.what()));
   } catch (const std::bad_alloc&) {
@@ -27,31 +27,28 @@ auto ModelFile::or_refuse(Work work) const {
   }
 }
 
-ModelFile::ModelFile(std::filesystem::path path, const std::string& name, Links links)
-    : path_(std::move(path)), prefix_(name.empty() ? "" : name + ": ") {
-  or_refuse([&] {
-    open(links);
-    outline_ = outline_of_model(file_.get(), bytes_, path_);
-    return 0;
-  });
+ModelFile::ModelFile(ModelPlace place, const std::string& name)
+    : place_(std::move(place)), prefix_(name.empty() ? "" : name + ": ") {
+  input_ = or_refuse([this] { return open(); });
 }
 
-Model ModelFile::read() {
-  return or_refuse([this] {
-    Model model = read_model_file(file_.get(), bytes_, path_);
-    file_.reset();
+Model ModelFile::read(std::uint64_t most_facets) {
+  return or_refuse([&] {
+    Model model = input_->read(most_facets);
     if (model.facets.empty()) throw JobRefused(prefix_ + "the file holds no facets");
     return model;
   });
 }
 
-void ModelFile::open(Links links) {
-  const FileDescriptor opened = open_regular_file(path_, links);
+std::unique_ptr<ModelInput> ModelFile::open() const {
+  const FileDescriptor opened = open_regular_file(place_.path, place_.links);
   struct stat status {};
-  file_.reset(::fdopen(::fcntl(opened.get(), F_DUPFD_CLOEXEC, 0), "rb"));
-  if (!file_ || ::fstat(opened.get(), &status) != 0)
-    throw std::system_error(errno, std::generic_category(), "cannot read " + path_.string());
-  bytes_ = static_cast<std::uint64_t>(status.st_size);
+  ModelSource source{OpenFile(::fdopen(::fcntl(opened.get(), F_DUPFD_CLOEXEC, 0), "rb")), 0, place_.path,
+                     place_.entry};
+  if (!source.file || ::fstat(opened.get(), &status) != 0)
+    throw std::system_error(errno, std::generic_category(), "cannot read " + place_.path.string());
+  source.bytes = static_cast<std::uint64_t>(status.st_size);
+  return open_model(std::move(source));
 }
 
 }  // namespace contourd

@@ -3,42 +3,42 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
 
-#include "core/formats/model_reader.hpp"
+#include "daemon/formats/model_input.hpp"
 #include "daemon/system/regular_file.hpp"
 
 namespace contourd {
+
+// The place of a model: a file, or a model in a ZIP archive.
+struct ModelPlace {
+  std::filesystem::path path;
+  std::string entry{};  // name in the archive; empty: the file itself, or the archive's only model
+  Links links = Links::Follow;
+};
 
 class ModelFile {
  public:
   // Opens the file and reads its outline from its beginning. `name` precedes error messages; empty if the job
   // has only one model. Throws JobRefused.
-  ModelFile(std::filesystem::path path, const std::string& name, Links links);
+  ModelFile(ModelPlace place, const std::string& name);
 
-  [[nodiscard]] const ModelOutline& outline() const { return outline_; }
+  [[nodiscard]] const ModelOutline& outline() const { return input_->outline(); }
   // Reads the model, up to the length that the file had when it was opened. Call it once. Blocks. Throws
-  // JobRefused.
-  [[nodiscard]] Model read();
+  // JobRefused, also if the file says how to make more than `most_facets` of what it holds.
+  [[nodiscard]] Model read(std::uint64_t most_facets);
 
  private:
-  struct CloseFile {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-
-  void open(Links links);
+  [[nodiscard]] std::unique_ptr<ModelInput> open() const;
   // Calls `work` and turns its exceptions into JobRefused.
   template <typename Work>
   auto or_refuse(Work work) const;
 
-  std::filesystem::path path_;
+  ModelPlace place_;
   std::string prefix_;
-  std::unique_ptr<std::FILE, CloseFile> file_;
-  std::uint64_t bytes_ = 0;
-  ModelOutline outline_;
+  std::unique_ptr<ModelInput> input_;
 };
 
 }  // namespace contourd

@@ -11,8 +11,8 @@ namespace contourd {
 
 struct JobFiles {
   std::string name;                             // unique among all jobs in the spool; usable in file names
-  std::filesystem::path model;                  // an STL file, or a plate's folder
-  std::optional<std::filesystem::path> ticket;  // the ticket beside an STL file
+  std::filesystem::path model;                  // a model, or a plate's folder
+  std::optional<std::filesystem::path> ticket;  // the ticket beside a model
   bool plate = false;
   Links links = Links::Follow;  // whether symbolic links in place of these files are followed
   std::string original{};       // the name in incoming/ of the original if these files are a copy, else empty

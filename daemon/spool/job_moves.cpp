@@ -11,7 +11,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "core/formats/model_reader.hpp"
+#include "daemon/formats/model_names.hpp"
 #include "daemon/json/json_document.hpp"
 #include "daemon/spool/copied_originals.hpp"
 #include "daemon/system/durable_file.hpp"
@@ -58,7 +58,8 @@ SpoolFolder folder_of_lost(const SpoolFolders& folders, const std::string& ticke
     if (lacks_it(model)) return SpoolFolder::Incoming;
   }
   const bool is_done = std::ranges::any_of(model_extensions(), [&](std::string_view extension) {
-    return lacks_it((folders.path(SpoolFolder::Done) / ticket).replace_extension(extension));
+    return lacks_it(folders.path(SpoolFolder::Done) /
+                    (fs::path(ticket).stem().string() + std::string(extension)));
   });
   return is_done ? SpoolFolder::Done : SpoolFolder::Failed;
 }

@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
 
-#include "core/formats/model_reader.hpp"
 #include "daemon/config/printer_places.hpp"
+#include "daemon/formats/model_names.hpp"
 
 namespace contourd {
 namespace {
@@ -59,7 +60,7 @@ std::vector<std::string> spellings_of(std::string_view extension) {
 }  // namespace
 
 std::string job_name_of(const std::string& file) {
-  return is_model_name(file) ? fs::path(file).stem().string() : file;
+  return is_model_name(file) ? model_stem(file) : file;
 }
 
 bool is_model_name(const std::string& file) {
@@ -91,8 +92,7 @@ bool SpoolFolders::is_plate(SpoolFolder where, const std::string& file) const {
 JobFiles SpoolFolders::files_of(SpoolFolder where, const std::string& file) const {
   const fs::path model = path(where) / file;
   if (is_plate(where, file)) return {file, model, std::nullopt, true, Links::Refuse};
-  fs::path ticket = model;
-  ticket.replace_extension(".json");
+  const fs::path ticket = path(where) / (model_stem(file) + ".json");
   JobFiles files{job_name_of(file), model, std::nullopt, false, Links::Refuse};
   if (is_there(ticket)) files.ticket = ticket;
   return files;
@@ -108,8 +108,8 @@ JobFiles SpoolFolders::named(SpoolFolder where, const std::string& name, const J
 bool SpoolFolders::is_name_used(const std::string& name) const {
   // A reason file alone does not take a name: a power cut can leave it without its job, which is then filed
   // again.
-  std::vector<std::string_view> suffixes = model_extensions();
-  suffixes.insert(suffixes.end(), {"", ".json", ".report.json"});
+  std::vector<std::string_view> suffixes{"", ".json", ".report.json"};
+  std::ranges::copy(model_extensions(), std::back_inserter(suffixes));
   constexpr std::array kTaken{SpoolFolder::Printing, SpoolFolder::Done, SpoolFolder::Failed};
   return std::ranges::any_of(kTaken, [&](SpoolFolder where) {
     return std::ranges::any_of(suffixes, [&](std::string_view suffix) {
@@ -152,8 +152,7 @@ std::vector<fs::path> SpoolFolders::models_of_ticket(const std::string& ticket) 
   std::vector<fs::path> models;
   for (const std::string_view extension : model_extensions()) {
     for (const std::string& spelling : spellings_of(extension)) {
-      fs::path model = path(SpoolFolder::Incoming) / ticket;
-      model.replace_extension(spelling);
+      const fs::path model = path(SpoolFolder::Incoming) / (fs::path(ticket).stem().string() + spelling);
       if (is_there(model)) models.push_back(model);
     }
   }

@@ -12,13 +12,13 @@ namespace {
 constexpr std::array<std::string_view, 14> kUnfinished{
     ".part",   ".partial", ".tmp",        ".temp",  ".crdownload", ".download", ".filepart",
     ".upload", ".swp",     ".opdownload", ".aria2", ".!ut",        ".bak",      ".new"};
-constexpr std::array<std::string_view, 14> kModels{".3mf",  ".obj",  ".amf", ".ply",   ".step",
-                                                   ".stp",  ".iges", ".igs", ".blend", ".glb",
-                                                   ".gltf", ".fbx",  ".f3d", ".scad"};
+constexpr std::array<std::string_view, 13> kModels{".obj",  ".amf", ".ply",   ".step", ".stp",
+                                                   ".iges", ".igs", ".blend", ".glb",  ".gltf",
+                                                   ".fbx",  ".f3d", ".scad"};
 constexpr std::array<std::string_view, 20> kSliced{
     ".gcode", ".gco",  ".g",    ".sl1",  ".sl1s", ".ctb", ".cbddlp", ".photon", ".photons", ".pws",
     ".pw0",   ".pwmx", ".pwmo", ".pwmb", ".phz",  ".lgs", ".zcodex", ".cws",    ".goo",     ".prz"};
-constexpr std::array<std::string_view, 7> kArchives{".zip", ".gz", ".7z", ".rar", ".tar", ".xz", ".bz2"};
+constexpr std::array<std::string_view, 6> kArchives{".gz", ".7z", ".rar", ".tar", ".xz", ".bz2"};
 
 bool is_one_of(std::string_view word, const auto& words) {
   return std::ranges::find(words, word) != words.end();
@@ -57,17 +57,19 @@ std::string_view sentence_for(WhyIgnored why) {
     case WhyIgnored::Folder:
       return "it is a folder without plate.json: add plate.json, or put its models directly into incoming";
     case WhyIgnored::Model:
-      return "its format is not supported: export the model as STL";
+      return "its format is not supported: export the model as STL or 3MF";
     case WhyIgnored::Sliced:
       return "it is sliced for another printer: put the model itself here";
     case WhyIgnored::Archive:
-      return "archives are not unpacked: extract the models and put them here";
+      return "this kind of archive is not unpacked: extract the models and put them here, or pack them as "
+             "ZIP";
     case WhyIgnored::NotAFile:
       return "it is a link, a pipe or a device: put the file itself here";
     case WhyIgnored::Other:
       break;
   }
-  return "its name is not one of a model: put a model such as NAME.stl, its ticket NAME.json, or a plate's "
+  return "its name is not one of a model: put a model such as NAME.stl or NAME.3mf, its ticket NAME.json, or "
+         "a plate's "
          "folder here";
 }
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "tests/daemon/formats/packed_models.hpp"
 #include "tests/fuzz/mask_input.hpp"
 #include "tests/fuzz/odd_json.hpp"
 #include "tests/models/damage.hpp"
@@ -75,6 +76,34 @@ void write_model_inputs(const fs::path& folder) {
   bytes = models::to_binary_stl(box);
   std::memcpy(bytes.data(), "solid", 5);
   write(folder / "binary_solid.stl", bytes);
+}
+
+void write_packed_inputs(const fs::path& folder) {
+  const models::Facets box = models::box({0, 0, 0}, {1, 2, 3});
+  const std::string stl = testing::stl_text(box);
+  write(folder / "box.stl.gz", testing::gzipped(stl));
+  write(folder / "box.zip", testing::zipped({{"a/box.stl", stl}, {"__MACOSX/x", ""}}));
+  write(folder / "several.zip", testing::zipped({{"a.stl", stl}, {"b.stl", models::to_ascii_stl(box)}}));
+  write(folder / "locked.zip", testing::zipped({{"a.stl", stl, false, "secret"}, {"l.stl", "a.stl", true}}));
+  write(folder / "box.3mf", testing::threemf_of(box));
+}
+
+void write_threemf_inputs(const fs::path& folder) {
+  const models::Facets box = models::box({0, 0, 0}, {1, 2, 3});
+  const std::string item = "<item objectid=\"1\" transform=\"1 0 0 0 -1 0 0 0 1 5 6 7\"/>";
+  const std::string sound = testing::threemf_part(testing::threemf_object(1, box), item);
+  write(folder / "box", sound);
+  write(folder / "modifier",
+        sound + std::string(1, '\0') +
+            "<config><object id=\"1\"><part id=\"1\" subtype=\"modifier_part\"/><volume firstid=\"0\" "
+            "lastid=\"3\"><metadata type=\"volume\" key=\"volume_type\" value=\"NegativeVolume\"/></volume>"
+            "</object></config>");
+  write(folder / "assembly",
+        testing::threemf_part(
+            testing::threemf_object(1, box) +
+                testing::threemf_assembly(2, "<component objectid=\"1\"/><component objectid=\"1\"/>"),
+            "<item objectid=\"2\" printable=\"0\"/><item objectid=\"2\"/>",
+            "unit=\"inch\" requiredextensions=\"p\""));
 }
 
 void write_mask_inputs(const fs::path& folder) {
@@ -296,9 +325,10 @@ int main(int argc, char** argv) {
   try {
     const fs::path folder = argv[1];
     const std::pair<const char*, void (*)(const fs::path&)> targets[] = {
-        {"model", write_model_inputs},   {"mask", write_mask_inputs},     {"config", write_config_inputs},
-        {"ticket", write_ticket_inputs}, {"job", write_job_inputs},       {"control", write_control_inputs},
-        {"serial", write_serial_inputs}, {"records", write_record_inputs}};
+        {"model", write_model_inputs},   {"packed", write_packed_inputs},   {"threemf", write_threemf_inputs},
+        {"mask", write_mask_inputs},     {"config", write_config_inputs},   {"ticket", write_ticket_inputs},
+        {"job", write_job_inputs},       {"control", write_control_inputs}, {"serial", write_serial_inputs},
+        {"records", write_record_inputs}};
     for (const auto& [target, write_inputs] : targets) {
       fs::create_directories(folder / target);
       write_inputs(folder / target);

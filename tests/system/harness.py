@@ -649,7 +649,7 @@ class Daemon:
         """Puts a complete file into the spool, its ticket first."""
         if ticket is not None:
             text = ticket if isinstance(ticket, (str, bytes)) else json.dumps(ticket)
-            self._put(os.path.splitext(name)[0] + ".json", text.encode() if isinstance(text, str) else text)
+            self._put(os.path.splitext(name.removesuffix(".gz"))[0] + ".json", text.encode() if isinstance(text, str) else text)
         self._put(name, data)
 
     def drop_plate(self, name, ticket, files):
@@ -716,7 +716,7 @@ class Daemon:
     def printed(self, name, data, ticket=None):
         """Puts a file into the spool, waits until it is printed, and returns its report."""
         self.drop(name, data, ticket)
-        return self.wait_done(os.path.splitext(name)[0])
+        return self.wait_done(os.path.splitext(name.removesuffix(".gz"))[0])
 
     def refused(self, name, data, ticket=None):
         """Puts a file into the spool, waits until it has failed, and returns the reason."""

@@ -150,13 +150,13 @@ class Offer(OfferTest):
         self.assertEqual(self.incoming(), ["c.stl"])
 
     def test_models_of_other_formats_are_reported_and_the_others_are_taken(self):
-        for name in ("part.stl", "cat.OBJ", "below/dog.3mf", "old.ctb", "all.zip", "photo.jpg", ".hidden.obj"):
+        for name in ("part.stl", "cat.PLY", "below/dog.step", "old.ctb", "all.7z", "photo.jpg", ".hidden.obj"):
             self.put(name)
         result = self.offer()
         self.assertEqual(self.taken(result, BAD_DATA), ["part"])
         lines = result.stderr.decode().splitlines()
         self.assertEqual(len(lines), 4, lines)
-        for name, advice in (("all.zip", "extract"), ("below/dog.3mf", "export"), ("cat.OBJ", "export"), ("old.ctb", "the model itself")):
+        for name, advice in (("all.7z", "extract"), ("below/dog.step", "export"), ("cat.PLY", "export"), ("old.ctb", "the model itself")):
             self.assertTrue(any(name in line and advice in line for line in lines), (name, lines))
 
     def test_a_huge_file_is_not_read(self):

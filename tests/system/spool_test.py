@@ -43,7 +43,7 @@ class Arrival(SpoolTest):
         later, touched = (daemon.file("incoming", name) for name in ("later.stl", "touched.stl"))
         self.write(later, b"")
         made = time.monotonic()
-        others = [".hidden.stl", "notes.txt", "part.stl.part", "part.obj", "stl", ".stl", "orphan.json"]
+        others = [".hidden.stl", "notes.txt", "part.stl.part", "part.step", "stl", ".stl", "orphan.json"]
         for name in others:
             daemon.drop(name, SLAB)
         with open(daemon.file("incoming", "slow.stl"), "wb", buffering=0) as file:
@@ -430,17 +430,17 @@ class IgnoredFiles(SpoolTest):
     def test_unprintable_files_are_logged_once_and_listed_until_they_are_removed(self):
         daemon = self.daemon()
         os.makedirs(daemon.file("incoming"))
-        self.write("spool/incoming/before.obj", b"there before the start")
+        self.write("spool/incoming/before.step", b"there before the start")
         daemon.start()
-        files = {"before.obj": "STL", "part.3mf": "STL", "part.obj": "STL", "sliced.gcode": "sliced", "part.sl1": "sliced", "notes": "NAME.stl"}
+        files = {"before.step": "STL", "part.ply": "STL", "part.glb": "STL", "sliced.gcode": "sliced", "part.sl1": "sliced", "notes": "NAME.stl"}
         for name in files:
-            if name != "before.obj":
+            if name != "before.step":
                 daemon.drop(name, b"something")
         os.mkdir(daemon.file("incoming", "folder"))
         self.write("spool/incoming/folder/part.stl", SLAB)
-        os.symlink("part.3mf", daemon.file("incoming", "link"))
+        os.symlink("part.ply", daemon.file("incoming", "link"))
         # These files may be part of a job, so they are not listed.
-        for name in ("ticket.json", ".hidden.3mf", "part.stl.part", "other.3mf.crdownload"):
+        for name in ("ticket.json", ".hidden.ply", "part.stl.part", "other.3mf.crdownload"):
             daemon.drop(name, b"{}")
         # A file that soon gets its right name is not listed either.
         daemon.drop("upload", SLAB)
@@ -470,7 +470,7 @@ class IgnoredFiles(SpoolTest):
     def test_a_few_of_very_many_unprintable_files_are_listed_and_the_rest_is_counted(self):
         daemon = self.daemon().start()
         for number in range(1000):
-            self.write(f"spool/incoming/{number}\x1b\n.3mf", b"something")
+            self.write(f"spool/incoming/{number}\x1b\n.ply", b"something")
         status = wait_until(lambda: (lambda s: s if s["ignored_more"] == 990 else None)(daemon.status()), "all files to be counted")
         self.assertEqual(len(status["ignored"]), 10)
         wait_until(lambda: "more in incoming are ignored" in daemon.log(), "the summary in the log")

@@ -126,7 +126,7 @@ class WithoutContourd(SubmitTest):
         os.symlink("nowhere", self.path("link.stl"))
         for arguments, code, word in (
             ([bad], BAD_DATA, "bad.stl"),
-            ([self.write("part.obj", SMALL)], BAD_DATA, ".stl"),
+            ([self.write("part.step", SMALL)], BAD_DATA, ".stl"),
             ([self.write(".part.stl", SMALL)], BAD_DATA, "dot"),
             ([self.path("none.stl")], NO_INPUT, "none.stl"),
             ([self.path("folder.stl")], NO_INPUT, "folder.stl"),

@@ -27,6 +27,7 @@
 #include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/formats/model_names.hpp"
 #include "daemon/system/base64.hpp"
 #include "daemon/system/readable.hpp"
 #include "hw/png_file.hpp"
@@ -184,7 +185,7 @@ Mask read_picture(const std::string& path) {
 Mask mask_at_z(const ShowOptions& show) {
   const std::filesystem::path model = show.what;
   const PrinterConfig printer = load_printer_config(show.printer, Places::Elsewhere);
-  const PreparedJob job = prepare_model({model.stem().string(), model, show.ticket}, printer);
+  const PreparedJob job = prepare_model({model_stem(model.filename().string()), model, show.ticket}, printer);
   const std::optional<Nanometers> height = to_nanometers(Millimeters{*show.at_z_mm});
   if (!height || *height < Nanometers{} || to_millimeters(*height).count() > job.summary.height_mm)
     throw UsageError(fmt::format("--at-z {:g}: {} extends from 0 to {:.6g} mm", *show.at_z_mm, show.what,

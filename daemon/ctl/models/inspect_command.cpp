@@ -11,7 +11,6 @@
 #include <string_view>
 #include <utility>
 
-#include "core/formats/model_reader.hpp"
 #include "core/model/height_index.hpp"
 #include "core/model/mesh_report.hpp"
 #include "core/model/shell_report.hpp"
@@ -92,8 +91,7 @@ void print(const Model& model, std::string_view format, const MeshReport& report
 }
 
 int inspect(const InspectOptions& options) {
-  Model model = read_model(options.model);
-  const std::string_view format = outline_of_model(options.model).format;
+  auto [model, format] = read_model(options.model);
   convert(model, parse_unit(options.unit));
   const MeshReport report = inspect_mesh(model.facets);
   const HeightIndex index(std::move(model.facets));

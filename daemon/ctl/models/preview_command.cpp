@@ -24,6 +24,7 @@
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/picture_output.hpp"
 #include "daemon/ctl/terminal/suggestions.hpp"
+#include "daemon/formats/model_names.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/prepare/job_content.hpp"
 #include "daemon/report/job_picture.hpp"
@@ -141,8 +142,9 @@ bool is_there(const fs::path& path) {
 
 PreviewSubject file_subject(const PreviewOptions& options) {
   const fs::path path = options.subject;
-  look_at_model(path);  // gives the same messages for unreadable files as other commands
-  return {{path.stem().string(), path, options.ticket}, printable(path.filename().string())};
+  look_at_model(path, model_named_in(
+                          options.ticket));  // gives the same messages for unreadable files as other commands
+  return {{model_stem(path.filename().string()), path, options.ticket}, printable(path.filename().string())};
 }
 
 std::string elsewhere(const SpooledJob& job) {
@@ -238,7 +240,7 @@ NotedPicture shaded_job(const PreviewSubject& subject, const PreparedJob& job) {
 
 std::vector<Facet> facets_of(const PreviewSubject& subject) {
   const JobFiles& files = subject.files;
-  if (!subject.spooled) return read_model(files.model).facets;
+  if (!subject.spooled) return read_model(files.model).model.facets;
   try {
     JobContent content(files.model, files.plate, files.links, JobTicket{});
     content.read(DisplayGeometry{}, memory_room(std::nullopt));

@@ -12,6 +12,7 @@
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/formats/model_names.hpp"
 #include "daemon/prepare/job_supports.hpp"
 #include "daemon/prepare/mesh_repair_text.hpp"
 #include "daemon/prepare/model_checks.hpp"
@@ -129,12 +130,13 @@ std::optional<SplitPrint> split_of(const PrintPlan& plan, const PrinterConfig& p
 PrintSubject subject_of_printer(const PrintArgs& args) {
   const PrinterConfig printer = load_printer_config(*args.printer, Places::Elsewhere);
   // Reads the model first, so that a bad file gives the same message as with other commands.
-  (void)read_model(args.model);
+  (void)read_model(args.model, model_named_in(args.ticket));
   AskedOfJob asked{.supports = {}, .undersides = {}, .scale = parse_size(args.size)};
   if (args.supports) asked.supports = support_policy(*args.supports);
   if (args.undersides) asked.undersides = undersides_of(*args.undersides);
   if (args.mode) asked.mode = print_way_of(*args.mode);
-  PreparedJob job = prepare_model({args.model.stem().string(), args.model, args.ticket}, printer, asked);
+  PreparedJob job =
+      prepare_model({model_stem(args.model.filename().string()), args.model, args.ticket}, printer, asked);
   PrintSubject subject;
   subject.settings = engine_settings(printer, job.summary.resin);
   subject.layers = job.plan.expected_layers;

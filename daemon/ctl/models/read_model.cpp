@@ -1,24 +1,30 @@
 #include "daemon/ctl/models/read_model.hpp"
 
-#include "core/formats/model_reader.hpp"
+#include <memory>
+#include <utility>
+
+#include "daemon/formats/model_input.hpp"
+#include "daemon/json/config_error.hpp"
 #include "daemon/prepare/job_memory.hpp"
 
 namespace contourd::ctl {
 namespace {
 
-void require_memory(const std::filesystem::path& path) {
-  const FileToRead file{outline_of_model(path)};
+// Returns how many facets there is memory for.
+std::uint64_t most_facets_of(const FileToRead& file) {
   const MemoryRoom room = memory_room(std::nullopt);
   const std::uint64_t needed = memory_to_prepare({&file, 1}, DisplayGeometry{});
   if (needed > room.bytes) throw JobTooLarge({&file, 1}, "", needed, room);
+  return most_facets_to_read({&file, 1}, 0, DisplayGeometry{}, room);
 }
 
 }  // namespace
 
-Model read_model(const std::filesystem::path& path) {
+ModelOfFile read_model(const std::filesystem::path& path, const std::string& entry) {
   try {
-    require_memory(path);
-    return read_model_file(path);
+    const std::unique_ptr<ModelInput> input = open_model(path, entry);
+    Model model = input->read(most_facets_of({input->outline()}));
+    return {std::move(model), input->outline().format};
   } catch (const ModelError& error) {
     throw ModelError(path.string() + ": " + error.what());
   } catch (const JobTooLarge& error) {
@@ -26,11 +32,29 @@ Model read_model(const std::filesystem::path& path) {
   }
 }
 
-void look_at_model(const std::filesystem::path& path) {
+void look_at_model(const std::filesystem::path& path, const std::string& entry) {
   try {
-    (void)outline_of_model(path);
+    (void)open_model(path, entry);
   } catch (const ModelError& error) {
     throw ModelError(path.string() + ": " + error.what());
+  }
+}
+
+std::string model_named_by(std::string_view ticket) {
+  if (ticket.empty()) return "";
+  try {
+    return parse_job_ticket(ticket, "the ticket").models.front().entry;
+  } catch (const ConfigError&) {
+    return "";  // whoever prepares the job refuses the ticket
+  }
+}
+
+std::string model_named_in(const std::optional<std::filesystem::path>& ticket) {
+  if (!ticket) return "";
+  try {
+    return load_job_ticket(*ticket).models.front().entry;
+  } catch (const ConfigError&) {
+    return "";
   }
 }
 

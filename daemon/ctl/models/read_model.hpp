@@ -3,17 +3,30 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "core/model/model.hpp"
 #include "daemon/prepare/print_job.hpp"
 
 namespace contourd::ctl {
 
-// Reads a model like read_model_file(), with the file's name at the start of error messages. Refuses a model
-// that needs more memory than there is. Throws the exceptions of read_model_file().
-[[nodiscard]] Model read_model(const std::filesystem::path& path);
+struct ModelOfFile {
+  Model model;
+  std::string_view format;  // the name of its format
+};
+
+// Reads a model of any format, with the file's name at the start of error messages. `entry` is the name of a
+// model in a ZIP archive; empty: the only one. Refuses a model that needs more memory than there is. Throws
+// ModelError, and std::system_error if the file cannot be read.
+[[nodiscard]] ModelOfFile read_model(const std::filesystem::path& path, const std::string& entry = "");
 // Throws the exceptions of read_model() for defects that the beginning of the file shows.
-void look_at_model(const std::filesystem::path& path);
+void look_at_model(const std::filesystem::path& path, const std::string& entry);
+// Returns the name of the model in a ZIP archive that the text of a ticket names; empty if there is none, or
+// if the ticket is wrong.
+[[nodiscard]] std::string model_named_by(std::string_view ticket);
+// Does the same for a ticket's file, if there is one.
+[[nodiscard]] std::string model_named_in(const std::optional<std::filesystem::path>& ticket);
 
 // Settings that override the job's ticket.
 struct AskedOfJob {

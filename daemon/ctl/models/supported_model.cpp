@@ -34,7 +34,8 @@ Direction best_up(const std::vector<Facet>& facets, OrientationPreset preset, do
 
 Model read_turned_model(const std::filesystem::path& path, const std::optional<UpOption>& up,
                         const std::optional<double>& scale) {
-  Model model = read_model(path);
+  Model model = read_model(path).model;
+  if (!up && model.y_is_up) orient(model.facets, {.up = Direction{0, 1, 0}});
   if (up && !model.facets.empty()) {
     const auto* const preset = std::get_if<OrientationPreset>(&*up);
     orient(model.facets, {.up = preset != nullptr ? best_up(model.facets, *preset, scale.value_or(1))

@@ -18,10 +18,12 @@
 #include <system_error>
 
 #include "core/contract/expects.hpp"
-#include "core/formats/model_reader.hpp"
+#include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/submit/foreign_folder.hpp"
 #include "daemon/ctl/submit/spool_submission.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/formats/model_input.hpp"
+#include "daemon/formats/model_names.hpp"
 #include "daemon/json/json_document.hpp"
 #include "daemon/spool/why_ignored.hpp"
 #include "daemon/system/base64.hpp"
@@ -55,10 +57,6 @@ struct NotTaken : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-
 struct stat status_of(const FileDescriptor& file) {
   struct stat status {};
   if (::fstat(file.get(), &status) != 0) throw std::system_error(errno, std::generic_category());
@@ -73,20 +71,21 @@ std::string facts_of(const FileDescriptor& file) {
 // Returns a name for the model in the spool that can be typed and cannot be confused with an option, whatever
 // bytes the original name has.
 std::string plain_name(const std::string& path) {
-  const fs::path file = fs::path(path).filename();
-  std::string stem = printable(file.stem().string());
+  const std::string file = fs::path(path).filename().string();
+  std::string stem = printable(model_stem(file));
   std::ranges::replace(stem, '?', '_');
   if (stem.starts_with('-')) stem.front() = '_';
-  return stem + std::string(model_extension(file.string()));
+  return stem + std::string(model_extension(file));
 }
 
-void look_at(const FileDescriptor& model, std::uint64_t bytes, const std::string& path) {
+void look_at(const FileDescriptor& model, std::uint64_t bytes, const std::string& path,
+             const std::string& entry) {
   if (bytes > kLargestModel)
     throw NotTaken(fmt::format("its size of {} bytes is above {}", bytes, kLargestModel));
   const int reading = ::dup(model.get());
-  const std::unique_ptr<std::FILE, CloseFile> file(reading < 0 ? nullptr : ::fdopen(reading, "rb"));
+  OpenFile file(reading < 0 ? nullptr : ::fdopen(reading, "rb"));
   if (!file) throw std::system_error(errno, std::generic_category());
-  (void)outline_of_model(file.get(), bytes, path);
+  (void)open_model(ModelSource{std::move(file), bytes, path, entry});
   if (::lseek(model.get(), 0, SEEK_SET) != 0) throw std::system_error(errno, std::generic_category());
 }
 
@@ -179,9 +178,9 @@ class Offer {
       return;
     }
     const auto bytes = static_cast<std::uint64_t>(status_of(model).st_size);
-    look_at(model, bytes, path);
-    require_room(bytes);
     const std::string text = ticket.valid() ? text_of(ticket, JsonDocument::kLargestBytes) : "";
+    look_at(model, bytes, path, model_named_by(text));
+    require_room(bytes);
     const std::string job = submission_.put(plain_name(path), model, text, bytes);
     ++jobs_;
     bytes_ += bytes;
@@ -191,7 +190,7 @@ class Offer {
 
   [[nodiscard]] FileDescriptor open_ticket(const std::string& path) const {
     try {
-      return folder_.open(fs::path(path).replace_extension(".json").string());
+      return folder_.open(model_stem(path) + ".json");
     } catch (const UnreadableFile& error) {
       // If the ticket's name would be too long, there is no ticket.
       if (error.code() == std::errc::no_such_file_or_directory ||

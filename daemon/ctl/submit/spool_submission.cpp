@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/formats/model_names.hpp"
 #include "daemon/system/durable_file.hpp"
 #include "daemon/system/regular_file.hpp"
 
@@ -66,7 +67,7 @@ std::string SpoolSubmission::put_unused(const std::string& name, const FileDescr
   file.let_group_read();
   read_all(model, most, [&file](std::string_view bytes) { file.write(bytes); });
   while (true) {
-    const JobFiles files = folders_.unused_anywhere({fs::path(name).stem().string(), name, name});
+    const JobFiles files = folders_.unused_anywhere({model_stem(name), name, name});
     if (!ticket.empty() && !put_ticket(files, ticket)) continue;
     if (file.appear(files.model.filename().string())) {
       sync_folder(incoming_);

@@ -1,7 +1,6 @@
 #include "daemon/ctl/submit/submit_commands.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -13,7 +12,6 @@
 #include <variant>
 #include <vector>
 
-#include "core/formats/model_reader.hpp"
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/read_model.hpp"
@@ -22,6 +20,7 @@
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/suggestions.hpp"
 #include "daemon/ctl/watch/watch_command.hpp"
+#include "daemon/formats/model_names.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/json/json_document.hpp"
 #include "daemon/prepare/job_settings.hpp"
@@ -111,11 +110,11 @@ void check_overrides(const SubmitOptions& options, const std::string& text, cons
 }
 
 // Checks the model's name and the beginning of its file. Throws ModelError.
-void check_model(const fs::path& path) {
+void check_model(const fs::path& path, const std::string& entry) {
   if (!is_model_name(path.filename().string()))
     throw ModelError(fmt::format("{}: not a model's name: it must end in {} and not begin with a dot",
-                                 path.string(), fmt::join(model_extensions(), " or ")));
-  look_at_model(path);
+                                 path.string(), model_extensions_text()));
+  look_at_model(path, entry);
 }
 
 // Puts the model into the spool. Returns the job's name.
@@ -152,7 +151,9 @@ bool is_agreed(const std::vector<ModelOutlook>& outlooks, const SubmitOptions& o
 
 int submit(const ClientOptions& client, const SubmitOptions& options) {
   const std::string ticket = ticket_of(options);
-  std::ranges::for_each(options.models, check_model);
+  const std::string entry = model_named_by(ticket);
+  for (const fs::path& model : options.models)
+    check_model(model, entry);
   const fs::path spool = find_spool(client, options.spool);
   const SpoolPrinter printer = printer_of(spool, options.printer);
   check_overrides(options, ticket, printer);

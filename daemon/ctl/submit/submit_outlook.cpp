@@ -15,6 +15,7 @@
 #include "core/analysis/print_analysis.hpp"
 #include "daemon/client/control_defaults.hpp"
 #include "daemon/config/job_ticket.hpp"
+#include "daemon/formats/model_names.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/prepare/job_memory.hpp"
 #include "daemon/prepare/job_settings.hpp"
@@ -77,7 +78,7 @@ class Look {
     JobTicket ticket =
         question_.ticket.empty() ? JobTicket{} : parse_job_ticket(question_.ticket, "the ticket");
     const PreparedJob job =
-        prepare_job({model.stem().string(), model, std::nullopt},
+        prepare_job({model_stem(model.filename().string()), model, std::nullopt},
                     settings_by(std::move(ticket), "the ticket", *printer_.config), *printer_.config);
     const std::vector<Duration> durations = layer_durations(job.plan, *printer_.config);
     const Duration time = print_duration(job.plan, *printer_.config);

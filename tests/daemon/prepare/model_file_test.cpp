@@ -14,8 +14,12 @@ namespace {
 
 const models::Facets kTwelveFacets = models::box({0, 0, 0}, {20, 20, 20});
 
+constexpr std::uint64_t kAnyNumber = 1'000'000;
+
 std::string refusal_of(const fs::path& path, const std::string& name = "") {
-  return testing::message_of<JobRefused>([&] { (void)ModelFile(path, name, Links::Refuse).read(); });
+  return testing::message_of<JobRefused>([&] {
+    (void)ModelFile({path, "", Links::Refuse}, name).read(kAnyNumber);
+  });
 }
 
 }  // namespace
@@ -24,19 +28,19 @@ TEST_CASE("A model is read from the file that was opened, even if another file h
   const testing::TemporaryFolder folder;
   const fs::path path = folder.path() / "part.stl";
   models::write_binary_stl(path, kTwelveFacets);
-  ModelFile replaced(path, "", Links::Refuse);
+  ModelFile replaced({path, "", Links::Refuse}, "");
   CHECK(replaced.outline().most_facets == 12);
   fs::rename(folder.write("other.stl", "no model"), path);
-  CHECK(replaced.read().facets.size() == 12);
+  CHECK(replaced.read(kAnyNumber).facets.size() == 12);
 }
 
 TEST_CASE("A model file that has grown since it was opened is read only to its former end") {
   const testing::TemporaryFolder folder;
   const fs::path path = folder.path() / "part.stl";
   models::write_binary_stl(path, kTwelveFacets);
-  ModelFile grown(path, "", Links::Refuse);
+  ModelFile grown({path, "", Links::Refuse}, "");
   fs::resize_file(path, fs::file_size(path) + 50'000'000);
-  const Model model = grown.read();
+  const Model model = grown.read(kAnyNumber);
   CHECK(model.facets.size() == 12);
   CHECK(model.warnings.empty());
 }

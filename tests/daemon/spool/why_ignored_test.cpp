@@ -10,13 +10,13 @@
 TEST_CASE("A file in incoming that will never be printed is ignored with the reason") {
   const testing::TemporaryFolder folder;
   const auto why = [&](const std::string& name) { return why_ignored(folder.write(name, "")); };
-  CHECK(why("part.3mf") == WhyIgnored::Model);
-  CHECK(why("part.OBJ") == WhyIgnored::Model);
+  CHECK(why("part.step") == WhyIgnored::Model);
+  CHECK(why("part.PLY") == WhyIgnored::Model);
   CHECK(why("part.gcode") == WhyIgnored::Sliced);
   CHECK(why("part.sl1") == WhyIgnored::Sliced);
   CHECK(why("part.ctb") == WhyIgnored::Sliced);
-  CHECK(why("part.zip") == WhyIgnored::Archive);
-  CHECK(why("part.stl.gz") == WhyIgnored::Archive);
+  CHECK(why("part.7z") == WhyIgnored::Archive);
+  CHECK(why("part.tar.gz") == WhyIgnored::Archive);
   CHECK(why("notes.txt") == WhyIgnored::Other);
   CHECK(why("part stl") == WhyIgnored::Other);
   std::filesystem::create_symlink("part.zip", folder.path() / "link");

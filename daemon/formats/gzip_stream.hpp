@@ -1,0 +1,41 @@
+// A file that gzip compressed (RFC 1952), inflated while it is read. Used by one thread.
+#pragma once
+
+#include <zlib.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <vector>
+
+#include "daemon/formats/byte_stream.hpp"
+
+namespace contourd {
+
+// True if a file with these first bytes is a gzip archive.
+[[nodiscard]] bool is_gzip(std::span<const std::byte> start);
+
+class GzipStream : public ByteStream {
+ public:
+  // Reads the size that the file claims from its end. `file` is at its beginning, has `bytes` bytes and must
+  // outlive the stream; `path` is its name in messages. Throws ModelError if the size exceeds the limits of
+  // refuse_inflation(), std::system_error if the file cannot be read.
+  GzipStream(std::FILE* file, std::uint64_t bytes, std::filesystem::path path);
+  ~GzipStream() override;
+
+  [[nodiscard]] std::uint64_t bytes() const override { return inflated_bytes_; }
+  std::size_t read_some(std::span<std::byte> into) override;
+
+ private:
+  void fill();
+
+  std::FILE* file_;
+  std::uint64_t left_;  // compressed bytes that are not read yet
+  std::filesystem::path path_;
+  std::uint64_t inflated_bytes_ = 0;
+  std::vector<std::byte> compressed_;
+  z_stream inflater_{};
+  bool ended_ = false;
+};
+
+}  // namespace contourd

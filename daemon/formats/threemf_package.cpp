@@ -1,0 +1,141 @@
+#include "daemon/formats/threemf_package.hpp"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "core/model/stray_facets.hpp"
+#include "daemon/formats/input_limits.hpp"
+#include "daemon/formats/threemf_facets.hpp"
+#include "daemon/formats/threemf_part.hpp"
+#include "daemon/formats/threemf_side_files.hpp"
+#include "daemon/formats/xml_reader.hpp"
+#include "daemon/json/config_error.hpp"
+#include "daemon/system/readable.hpp"
+
+namespace contourd {
+namespace {
+
+constexpr const char* kRelationships = "_rels/.rels";
+// Bytes of XML that a facet takes, with its share of the vertices. Slicers write about 60.
+constexpr std::uint64_t kXmlBytesPerFacet = 50;
+
+std::string name_in_messages(const std::string& entry) {
+  return in_quotes(entry) + " in the 3MF file";
+}
+
+// Opens an entry of the package that must exist.
+std::unique_ptr<ByteStream> open_entry(const ZipArchive& archive, const std::string& name) {
+  const ZipEntry* const entry = archive.find(name);
+  if (entry == nullptr)
+    throw ModelError(fmt::format("the 3MF file lacks {}: export the model again", in_quotes(name)));
+  return archive.open(*entry);
+}
+
+// Finds the root model's path in the package's relationships (Open Packaging Conventions).
+class RelationshipReader : public XmlHandler {
+ public:
+  void open(std::string_view name, const XmlAttributes& attributes) override {
+    if (!name.ends_with("|Relationship")) return;
+    if (attributes.text("Type") != "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel") return;
+    root_ = attributes.text("Target");
+    if (root_.starts_with('/')) root_.erase(0, 1);
+  }
+  [[nodiscard]] const std::string& root() const { return root_; }
+
+ private:
+  std::string root_;
+};
+
+std::string root_of(const ZipArchive& archive) {
+  RelationshipReader reader;
+  read_xml(*open_entry(archive, kRelationships), reader, name_in_messages(kRelationships));
+  if (reader.root().empty())
+    throw ModelError("the 3MF file names no model in _rels/.rels: export the model again");
+  return reader.root();
+}
+
+// Returns the bytes of XML that the package's model files hold. Throws ModelError if they are too many.
+std::uint64_t model_bytes_of(const ZipArchive& archive) {
+  InflatedSize all{0, 0};
+  for (const ZipEntry& entry : archive.entries()) {
+    if (!entry.name.ends_with(".model")) continue;
+    refuse_inflation({entry.compressed, entry.inflated}, name_in_messages(entry.name));
+    all = {all.compressed + entry.compressed, all.inflated + entry.inflated};
+    refuse_inflation(all, "the 3MF file");
+  }
+  return all.inflated;
+}
+
+// Reads a file of the model, whose size model_bytes_of() has counted.
+ThreeMfPart read_part(const ZipArchive& archive, const std::string& name, ThreeMfRoot root) {
+  if (!name.ends_with(".model"))
+    throw ModelError(
+        fmt::format("the 3MF file names {} as a model file, whose name must end in .model: export "
+                    "the model again",
+                    in_quotes(name)));
+  return read_threemf_part(*open_entry(archive, name), name_in_messages(name), root);
+}
+
+ThreeMfModel read_parts(const ZipArchive& archive, const std::string& root) {
+  ThreeMfModel model{{}, root};
+  ThreeMfPart part = read_part(archive, root, ThreeMfRoot::Yes);
+  const auto read_other = [&](const std::string& path) {
+    if (path.empty() || path == root || model.parts.contains(path)) return;
+    model.parts.emplace(path, read_part(archive, path, ThreeMfRoot::No));
+  };
+  for (const ThreeMfReference& item : part.items)
+    read_other(item.path);
+  for (const ThreeMfObject& object : part.objects)
+    for (const ThreeMfReference& component : object.components)
+      read_other(component.path);
+  model.parts.emplace(root, std::move(part));
+  return model;
+}
+
+// Returns a sentence about the meshes that are left out; empty if there are none.
+std::string left_out_sentence(const std::map<std::string, std::size_t>& kinds) {
+  std::string text;
+  for (const auto& [kind, count] : kinds)
+    text += (text.empty() ? "" : ", ") + count_of(count, kind, kind + "s");
+  if (text.empty()) return "";
+  return fmt::format("left out, as the file's slicer says that they are no part of the model: {}{}", text,
+                     kinds.contains("negative part") ? "; the space of a negative part is printed" : "");
+}
+
+}  // namespace
+
+bool is_threemf(const ZipArchive& archive) {
+  return archive.find("[Content_Types].xml") != nullptr && archive.find(kRelationships) != nullptr;
+}
+
+ThreeMfPackage::ThreeMfPackage(const ZipArchive& archive) : archive_(archive), root_(root_of(archive)) {
+  const std::uint64_t bytes = model_bytes_of(archive_);
+  (void)open_entry(archive_, root_);
+  outline_ = {.format = "3mf",
+              .most_facets = bytes / kXmlBytesPerFacet,
+              .exact = false,
+              // The vertices and the triangles before they become facets.
+              .buffered_bytes = bytes / kXmlBytesPerFacet * (sizeof(Vertex) + 3 * sizeof(std::uint32_t))};
+}
+
+Model ThreeMfPackage::read(std::uint64_t most_facets) const {
+  ThreeMfModel model = read_parts(archive_, root_);
+  std::map<std::string, std::size_t> kinds;
+  for (const char* const name : {kPrusaSideFile, kBambuSideFile}) {
+    if (archive_.find(name) == nullptr) continue;
+    const ThreeMfSideFile side_file =
+        read_threemf_side_file(*open_entry(archive_, name), name_in_messages(name));
+    for (const auto& [kind, count] : leave_out(model, side_file))
+      kinds[kind] += count;
+  }
+  Model made = facets_of(model, most_facets);
+  if (std::string sentence = left_out_sentence(kinds); !sentence.empty())
+    made.warnings.push_back(std::move(sentence));
+  drop_stray_facets(made);
+  return made;
+}
+
+}  // namespace contourd

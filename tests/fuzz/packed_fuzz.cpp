@@ -1,0 +1,46 @@
+// Fuzz target: any bytes as a file of a model, whatever archive or package it is. The file is refused with
+// one readable sentence, or gives finite facets, at most as many as were allowed.
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <system_error>
+#include <utility>
+
+#include "daemon/formats/model_input.hpp"
+#include "tests/fuzz/demand.hpp"
+#include "tests/fuzz/told.hpp"
+
+namespace {
+
+using namespace contourd;
+using fuzz::demand;
+
+constexpr std::uint64_t kAllowedFacets = 100'000;
+
+OpenFile file_of(const std::uint8_t* data, std::size_t size) {
+  OpenFile file(::fdopen(::memfd_create("input", MFD_CLOEXEC), "w+b"));
+  demand(file != nullptr && std::fwrite(data, 1, size, file.get()) == size && std::fflush(file.get()) == 0,
+         "the input is not written");
+  std::rewind(file.get());
+  return file;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  try {
+    const auto input = open_model(ModelSource{file_of(data, size), size, "input"});
+    const bool is_package = input->outline().format == "3mf";
+    const Model model = input->read(kAllowedFacets);
+    demand(!is_package || model.facets.size() <= kAllowedFacets, "more facets than were allowed");
+    for (const Facet& facet : model.facets)
+      demand(is_finite(facet), "a coordinate is not finite");
+    for (const std::string& warning : model.warnings)
+      fuzz::demand_sentence(warning);
+  } catch (const ModelError& error) {
+    fuzz::demand_sentence(error.what());
+  }
+  return 0;
+}

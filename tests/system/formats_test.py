@@ -1,0 +1,116 @@
+"""Models in other files than STL: compressed, in archives, and as 3MF."""
+
+import gzip
+import io
+import json
+import os
+import time
+import zipfile
+
+from harness import BAD_DATA, OK, SLAB, SpoolTest, binary_stl, box, contents, contourctl
+
+PACKAGE = "http://schemas.openxmlformats.org/package/2006/relationships"
+MODEL = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+WEDGE = [((0, 0, 0), (0, 4, 0), (6, 0, 0)), ((0, 0, 0), (6, 0, 0), (1, 1, 3.3)), ((6, 0, 0), (0, 4, 0), (1, 1, 3.3)),
+         ((0, 4, 0), (0, 0, 0), (1, 1, 3.3))]  # fmt: skip
+
+
+def zipped(files, method=zipfile.ZIP_DEFLATED):
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", method) as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+    return packed.getvalue()
+
+
+def threemf(objects, items='<item objectid="1"/>'):
+    return zipped({
+        "[Content_Types].xml": "<Types/>",
+        "_rels/.rels": f'<Relationships xmlns="{PACKAGE}"><Relationship Id="r" Target="/3D/3dmodel.model" Type="{MODEL}"/></Relationships>',
+        "3D/3dmodel.model": f'<model unit="millimeter" xmlns="{CORE}"><resources>{objects}</resources><build>{items}</build></model>',
+    })  # fmt: skip
+
+
+def mesh(facets, number=1):
+    vertices = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for facet in facets for x, y, z in facet)
+    triangles = "".join(f'<triangle v1="{3 * i}" v2="{3 * i + 1}" v3="{3 * i + 2}"/>' for i in range(len(facets)))
+    return f'<object id="{number}"><mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh></object>'
+
+
+def doubled(facets, times):
+    """Returns objects of which each contains the one before twice."""
+    objects = mesh(facets)
+    for number in range(2, times + 2):
+        objects += f'<object id="{number}"><components>' + f'<component objectid="{number - 1}"/>' * 2 + "</components></object>"
+    return objects
+
+
+class Formats(SpoolTest):
+    def masks(self, name, data):
+        """Returns the bytes of all masks of a model."""
+        path, folder = self.write(name, data), self.path("masks-" + name)
+        contourctl("slice", path, "--layer-height-um", "100", "--masks", folder, expect=OK)
+        return [contents(os.path.join(folder, file)) for file in sorted(os.listdir(folder)) if file.endswith(".png")]
+
+    def test_the_masks_of_a_model_do_not_depend_on_its_file(self):
+        stl = binary_stl(WEDGE)
+        expected = self.masks("part.stl", stl)
+        self.assertEqual(len(expected), 33)
+        for name, data in (("part.stl.gz", gzip.compress(stl)), ("part.zip", zipped({"folder/part.stl": stl})),
+                           ("stored.zip", zipped({"part.stl": stl}, zipfile.ZIP_STORED)), ("part.3mf", threemf(mesh(WEDGE)))):  # fmt: skip
+            self.assertEqual(self.masks(name, data), expected, name)
+
+    def test_each_file_is_printed_with_the_ticket_beside_it_and_ends_in_done(self):
+        daemon = self.daemon().start()
+        slab = box((0, 0, 0), (10, 20, 1))
+        files = {"one.stl.gz": gzip.compress(SLAB), "two.ZIP": zipped({"a/slab.stl": SLAB, "__MACOSX/a/._slab.stl": b"x"}),
+                 "three.3mf": threemf(mesh(slab))}  # fmt: skip
+        for name, data in files.items():
+            job = name.split(".")[0]
+            daemon.drop(name, data, {"copies": 2})
+            report = daemon.wait_done(job)
+            self.assertEqual((report["outcome"], report["model"]["copies"]), ("done", 2))
+            self.assertIn(name.lower(), [file.lower() for file in daemon.names_in("done")])
+            self.assertTrue(daemon.has("done", job + ".json"))
+
+    def test_the_ticket_names_the_model_of_an_archive(self):
+        daemon = self.daemon().start()
+        archive = zipped({"Supported/part.stl": binary_stl(WEDGE), "Unsupported/part.stl": SLAB})
+        daemon.drop("both.zip", archive)
+        self.assert_words(daemon.wait_refused("both"), "holds 2 models", '"Supported/part.stl"', '"model"')
+        daemon.drop("chosen.zip", archive, {"model": "Unsupported/part.stl"})
+        self.assertEqual(daemon.wait_done("chosen")["layers"], 20)
+
+    def test_bombs_are_refused_in_a_sentence_while_contourd_answers(self):
+        daemon = self.daemon().start()
+        zeros = bytes(100_000_000)
+        entities = '<!DOCTYPE m [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;">]>'
+        bombs = {
+            "ratio.zip": (zipped({"a.stl": zeros}), "more than 200 times"),
+            "packed.stl.gz": (gzip.compress(zeros), "more than 200 times"),
+            "entries.zip": (zipped({f"{i}.txt": b"" for i in range(10_001)}), "10001 entries"),
+            "entities.3mf": (zipped({"[Content_Types].xml": "", "_rels/.rels": entities + "<m>&b;</m>"}), "document type declaration"),
+            "doubled.3mf": (threemf(doubled(WEDGE, 30), '<item objectid="31"/>'), "4294967296 facets"),
+            "empty.3mf": (threemf(doubled([], 30), '<item objectid="31"/>'), "more than 1000000 objects"),
+        }  # fmt: skip
+        for name, (data, words) in bombs.items():
+            daemon.drop(name, data)
+            start = time.monotonic()
+            self.assertEqual(daemon.status()["state"], "idle")
+            self.assertLess(time.monotonic() - start, 5)
+            self.assert_words(daemon.wait_refused(name.split(".")[0]), words)
+
+    def test_submit_and_offer_take_them(self):
+        daemon = self.daemon().start()
+        path = self.write("part.3mf", threemf(mesh(box((0, 0, 0), (10, 20, 1)))))
+        daemon.ctl("submit", path, "--yes", expect=OK)
+        daemon.wait_done("part")
+        os.mkdir(self.path("stick"))
+        self.write("stick/packed.zip", zipped({"a.stl": SLAB, "b.stl": SLAB}))
+        self.write("stick/packed.json", json.dumps({"model": "b.stl"}))
+        daemon.ctl("offer", self.path("stick"), expect=OK)
+        daemon.wait_done("packed")
+        bad = self.write("bad.zip", zipped({"notes.txt": b"x"}))
+        result = daemon.ctl("submit", bad, expect=BAD_DATA)
+        self.assertIn(b"the archive holds no model", result.stderr)
