@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/formats/file_bytes.hpp"
+#include "core/formats/obj.hpp"
 #include "core/formats/other_formats.hpp"
 #include "core/formats/stl_ascii.hpp"
 #include "core/formats/stl_binary.hpp"
@@ -16,7 +17,7 @@ namespace contourd {
 namespace {
 
 // The formats in order of precedence: if two are equally certain of a file, the first one reads it.
-constexpr std::array kFormats{&kAsciiStl, &kBinaryStl};
+constexpr std::array kFormats{&kAsciiStl, &kBinaryStl, &kObj};
 
 const ModelFormat& format_of(const FileStart& start) {
   if (start.file_bytes == 0) throw ModelError("the file is empty");

@@ -74,9 +74,6 @@ constexpr std::array kTextFormats{
     OtherFormat{"{"sv, "a JSON file", kExport},
 };
 
-// First words of the lines of a Wavefront OBJ file.
-constexpr std::array kObjWords{"v"sv, "vn"sv, "vt"sv, "f"sv, "o"sv, "g"sv, "s"sv, "mtllib"sv, "usemtl"sv};
-
 // Names of entries that identify the contents of a ZIP archive.
 constexpr std::array kZipFormats{
     OtherFormat{"3D/3dmodel.model"sv, "a 3MF model", kExport},
@@ -95,24 +92,6 @@ std::string in_lower_case(std::string_view text) {
   std::ranges::transform(lower, lower.begin(),
                          [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   return lower;
-}
-
-// True if at least one line begins with a word of OBJ, and every other line does too, or is blank or a
-// comment.
-bool is_obj(std::string_view text) {
-  bool any = false;
-  // The last line may be cut by the end of the bytes.
-  for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n')) {
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(end + 1);
-    while (!line.empty() && is_blank(line.front()))
-      line.remove_prefix(1);
-    if (line.empty() || line.front() == '#') continue;
-    const std::string_view word = line.substr(0, line.find_first_of(" \t\r"));
-    if (std::ranges::find(kObjWords, word) == kObjWords.end()) return false;
-    any = true;
-  }
-  return any;
 }
 
 [[noreturn]] void refuse(const OtherFormat& format) {
@@ -144,7 +123,6 @@ void refuse_other_format(std::span<const std::byte> start) {
   if (const auto* format = std::ranges::find_if(kTextFormats, begins_with(lower));
       format != kTextFormats.end())
     refuse(*format);
-  if (is_obj(text)) refuse({"", "an OBJ model", kExport});
 }
 
 }  // namespace contourd

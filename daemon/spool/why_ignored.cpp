@@ -12,7 +12,7 @@ namespace {
 constexpr std::array<std::string_view, 14> kUnfinished{
     ".part",   ".partial", ".tmp",        ".temp",  ".crdownload", ".download", ".filepart",
     ".upload", ".swp",     ".opdownload", ".aria2", ".!ut",        ".bak",      ".new"};
-constexpr std::array<std::string_view, 13> kModels{".obj",  ".amf", ".ply",   ".step", ".stp",
+constexpr std::array<std::string_view, 12> kModels{  ".amf", ".ply",   ".step", ".stp",
                                                    ".iges", ".igs", ".blend", ".glb",  ".gltf",
                                                    ".fbx",  ".f3d", ".scad"};
 constexpr std::array<std::string_view, 20> kSliced{

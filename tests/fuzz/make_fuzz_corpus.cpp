@@ -69,6 +69,8 @@ void write_model_inputs(const fs::path& folder) {
   write(folder / "no_number.stl",
         std::string(
             "SOLID x\nFACET NORMAL nan inf -1e999\nOUTER LOOP\nVERTEX 1e38 -1e-45 +.5\nVERTEX 0x1 1 1\n"));
+  write(folder / "box.obj", std::string("# OBJ\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0.5 0.2 1e0\nv 0 1 0\n"
+                                        "f 1//2 2/3 3 4 5\nf -1 \\\n-2 -4\n"));
   // Binary files with a wrong count, and with a beginning that claims ASCII.
   auto bytes = models::to_binary_stl(box);
   bytes[80] = std::byte{200};

@@ -57,7 +57,9 @@ class Formats(SpoolTest):
         stl = binary_stl(WEDGE)
         expected = self.masks("part.stl", stl)
         self.assertEqual(len(expected), 33)
-        for name, data in (("part.stl.gz", gzip.compress(stl)), ("part.zip", zipped({"folder/part.stl": stl})),
+        obj = "".join(f"v {x} {y} {z}\n" for facet in WEDGE for x, y, z in facet) + "f -12 -11 -10\n"
+        obj += "".join(f"f {i} {i + 1} {i + 2}\n" for i in (4, 7, 10))
+        for name, data in (("part.obj", obj.encode()), ("packed.zip", zipped({"part.obj": obj})), ("part.stl.gz", gzip.compress(stl)), ("part.zip", zipped({"folder/part.stl": stl})),
                            ("stored.zip", zipped({"part.stl": stl}, zipfile.ZIP_STORED)), ("part.3mf", threemf(mesh(WEDGE)))):  # fmt: skip
             self.assertEqual(self.masks(name, data), expected, name)
 
@@ -73,6 +75,17 @@ class Formats(SpoolTest):
             self.assertEqual((report["outcome"], report["model"]["copies"]), ("done", 2))
             self.assertIn(name.lower(), [file.lower() for file in daemon.names_in("done")])
             self.assertTrue(daemon.has("done", job + ".json"))
+
+    def test_an_obj_model_stands_on_its_flat_base_unless_the_ticket_says_which_way_is_up(self):
+        daemon = self.daemon().start()
+        # A pyramid whose only level face is its base, at the lowest y.
+        obj = "v 0 0 0\nv 10 0 0\nv 10 0 20\nv 0 0 20\nv 3 2 8\n" + "f 1 2 3 4\nf 2 1 5\nf 3 2 5\nf 4 3 5\nf 1 4 5\n"
+        report = daemon.printed("lying.obj", obj.replace("v 0 0 0", "v 0 0 1").encode())
+        self.assertEqual((report["model"]["format"], report["model"]["size_mm"][2]), ("obj", 2))
+        self.assertIn("y is up", json.dumps(report))
+        report = daemon.printed("told.obj", obj.replace("v 0 0 0", "v 0 0 1").encode(), {"up": {"x": 0, "y": 0, "z": 1}, "scale": 0.1})
+        self.assertEqual(report["model"]["size_mm"][2], 2)
+        self.assertAlmostEqual(report["model"]["size_mm"][1], 0.2, 6)
 
     def test_the_ticket_names_the_model_of_an_archive(self):
         daemon = self.daemon().start()

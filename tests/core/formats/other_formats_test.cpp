@@ -40,8 +40,6 @@ TEST_CASE("Files of other formats are refused by what they are") {
       {"\xEF\xBB\xBF<HTML lang=en>", "web page", "download"},
       {"\xFF\xFEs\x00o\x00l\x00"sv, "UTF-16", "plain text"},
       {"version https://git-lfs.github.com/spec/v1\noid", "Git LFS", "git lfs pull"},
-      {"# Blender v2.9 OBJ File\nmtllib a.mtl\no Cube\nv 1 2 3\nv 4 5 6\nf 1 2", "OBJ", "export"},
-      {"v 1 2 3\r\nv 4 5 6\r\n", "OBJ", "export"},
       {"ISO-10303-21;\nHEADER;", "STEP", "export"},
       {"ply\nformat ascii 1.0\n", "PLY", "export"},
   };

@@ -8,6 +8,7 @@ TEST_CASE("A model's file is recognised by its extension, in either case") {
   CHECK(model_extension("part.stl") == ".stl");
   CHECK(model_extension("PART.StL") == ".stl");
   CHECK(model_extension("part.stl.gz") == ".stl.gz");
+  CHECK(model_extension("part.OBJ.gz") == ".obj.gz");
   CHECK(model_extension("a.folder/part.zip") == ".zip");
   for (const std::string_view name :
        {"part.stl.txt", "stl", ".stl", "part.tar.gz", "part.gz", ".stl.gz", "a.stl/b"})

@@ -1,0 +1,133 @@
+#include "core/formats/obj.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+#include "core/model/model.hpp"
+#include "tests/catch.hpp"
+#include "tests/message_of.hpp"
+#include "tests/models/models.hpp"
+
+namespace {
+
+FileStart start_of(std::string_view text) {
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(text));
+  return {text.size(), bytes.first(std::min(text.size(), kSniffBytes))};
+}
+
+Model read_obj_text(std::string_view text) {
+  return kObj.read(start_of(text), [&](std::span<std::byte> into) {
+    REQUIRE(into.size() == text.size());
+    std::memcpy(into.data(), text.data(), into.size());
+  });
+}
+
+std::string refusal_of_obj(std::string_view text) {
+  return testing::message_of<ModelError>([&] { return read_obj_text(text); });
+}
+
+// Returns the area of all facets, seen from above.
+double area_from_above(const models::Facets& facets) {
+  double area = 0;
+  for (const Facet& facet : facets) {
+    const auto& [a, b, c] = facet.vertices;
+    area += ((double{b.x} - a.x) * (double{c.y} - a.y) - (double{b.y} - a.y) * (double{c.x} - a.x)) / 2;
+  }
+  return area;
+}
+
+const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+}  // namespace
+
+TEST_CASE("An OBJ model has the facets of the STL model, to the bit and in the same order") {
+  const models::Facets ball = models::sphere(4, 12);
+  std::string text = "# made by a test\nmtllib none.mtl\no ball\n", faces;
+  std::size_t vertices = 0;
+  for (const Facet& facet : ball) {
+    for (const Vertex& vertex : facet.vertices)
+      text += fmt::format("v {:.9g} {:.9g} {:.9g}\n", vertex.x, vertex.y, vertex.z);
+    vertices += 3;
+    faces += fmt::format("f {}//1 {}/2 {}/2/3\r\n", vertices - 2, vertices - 1, vertices);
+  }
+  CHECK(kObj.likeness(start_of(text + faces)) == Likeness::Likely);
+  const Model model = read_obj_text(text + faces);
+  REQUIRE(model.facets.size() == ball.size());
+  CHECK(std::memcmp(model.facets.data(), ball.data(), ball.size() * sizeof(Facet)) == 0);
+  CHECK(kObj.outline(start_of(text + faces)).most_facets >= ball.size());
+}
+
+TEST_CASE("A negative number counts vertices from the face back, and lines may be continued") {
+  const Model model = read_obj_text(kSquare + "f -4 \\\n -3 -2\nv 5 5 5\nf -5 -3 -2\n");
+  REQUIRE(model.facets.size() == 2);
+  CHECK(model.facets[0].vertices[2] == Vertex{1, 1, 0});
+  CHECK(model.facets[1].vertices[0] == Vertex{0, 0, 0});
+  CHECK(model.facets[1].vertices[2] == Vertex{0, 1, 0});
+}
+
+TEST_CASE("Polygons are cut into triangles that cover them, also where they are concave") {
+  const Model square = read_obj_text(kSquare + "f 1 2 3 4\n");
+  CHECK(square.facets.size() == 2);
+  CHECK(area_from_above(square.facets) == Approx(1));
+  // A comb with five teeth: every second corner at the top lies deep.
+  std::string comb = "v 10 0 0\nv 0 0 0\n", face = "f 1 2";
+  for (int i = 0; i <= 10; ++i) {
+    comb += fmt::format("v {} {} 0\n", i, i % 2 == 0 ? 1 : 9);
+    face += fmt::format(" {}", i + 3);
+  }
+  const Model model = read_obj_text(comb + face + "\n");
+  CHECK(model.facets.size() == 11);
+  double all = 0;
+  for (const Facet& facet : model.facets) {
+    CHECK(area_from_above({facet}) <= 0);
+    all += area_from_above({facet});
+  }
+  CHECK(all == Approx(-50));
+}
+
+TEST_CASE("A polygon that crosses itself, or is a line, gets triangles in a bounded time") {
+  CHECK(read_obj_text(kSquare + "f 1 3 2 4\n").facets.size() == 2);
+  CHECK(read_obj_text(kSquare + "f 1 2 1 2 1\n").facets.size() == 3);
+  std::string star = "", face = "f";
+  for (int i = 0; i < 20'000; ++i) {
+    star += fmt::format("v {:.6f} {:.6f} 0\n", std::cos(2.5 * i), std::sin(2.5 * i));
+    face += fmt::format(" {}", i + 1);
+  }
+  CHECK(lacking(refusal_of_obj(star + face), {"too many corners"}) == "");
+}
+
+TEST_CASE("The axis that points up is guessed by a flat base and told") {
+  const std::string upright = "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0.5 0.5 3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+  CHECK_FALSE(read_obj_text(upright).y_is_up);
+  const std::string lying = "v 0 0 0\nv 2 0 0\nv 0 0 2\nv 0.5 3 0.5\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n";
+  // Its other faces stand or lean.
+  const Model model = read_obj_text(std::string(lying).replace(lying.find("v 0 0 0"), 7, "v 0 0 -0.5"));
+  CHECK(model.y_is_up);
+  REQUIRE(model.warnings.size() == 1);
+  CHECK(lacking(model.warnings[0], {"flat base at its lowest y", "\"up\" in the ticket"}) == "");
+}
+
+TEST_CASE("A bad line of an OBJ file is refused with its number") {
+  CHECK(lacking(refusal_of_obj(kSquare + "f 1 2\n"), {"line 5", "fewer than three"}) == "");
+  CHECK(lacking(refusal_of_obj(kSquare + "f 1 2 5\n"), {"line 5", "the 4 before it"}) == "");
+  CHECK(lacking(refusal_of_obj(kSquare + "f 0 1 2\n"), {"line 5", "the 4 before it"}) == "");
+  CHECK(lacking(refusal_of_obj(kSquare + "f -5 1 2\n"), {"line 5", "the 4 before it"}) == "");
+  for (const char* vertex : {"v 1 2", "v 1 nan 3", "v 1 2 inf", "v 1 2 1e39", "v 1 2 3x"})
+    CHECK(lacking(refusal_of_obj(std::string(vertex) + "\n"), {"line 1", "finite numbers"}) == "");
+  CHECK(lacking(refusal_of_obj(kSquare), {"no faces"}) == "");
+}
+
+TEST_CASE("Faces with far more corners than vertices do not fill the memory") {
+  std::string text = kSquare;
+  for (int i = 0; i < 200; ++i) {
+    text += "f";
+    for (int corner = 0; corner < 200; ++corner)
+      text += " 1 2";
+    text += "\n";
+  }
+  CHECK(lacking(refusal_of_obj(text), {"far more corners"}) == "");
+}
