@@ -23,7 +23,8 @@ using std::chrono::steady_clock;
 constexpr std::string_view kClientsName = "the clients of the web page";
 // Clients that are being cut off count for libmicrohttpd until it has closed them.
 constexpr unsigned kMostConnections = 2 * HttpServer::kMostClients;
-constexpr unsigned kNonces = 64;  // of digest authentication at the same time
+// Nonces of digest authentication at the same time; a client whose nonce had to go is asked again.
+constexpr unsigned kNonces = 1024;
 constexpr int kMostAcceptedAtOnce = 16;
 constexpr Duration kRest = std::chrono::milliseconds(200), kLookAgain = std::chrono::seconds(1);
 

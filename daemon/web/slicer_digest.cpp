@@ -3,6 +3,7 @@
 #include <microhttpd.h>
 
 // libmicrohttpd 1.0 marks these functions as outdated; 0.9.75 has no others.
+#pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wdeprecated-declarations"
 
 namespace contourd::web {
@@ -27,3 +28,5 @@ bool ask_for_digest(MHD_Connection* connection, MHD_Response* response, bool sta
 }
 
 }  // namespace contourd::web
+
+#pragma GCC diagnostic pop
