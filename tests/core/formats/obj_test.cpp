@@ -1,9 +1,9 @@
 #include "core/formats/obj.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <sstream>
 #include <string>
 #include <string_view>
 
@@ -46,14 +46,19 @@ const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 TEST_CASE("An OBJ model has the facets of the STL model, to the bit and in the same order") {
   const models::Facets ball = models::sphere(4, 12);
-  std::string text = "# made by a test\nmtllib none.mtl\no ball\n", faces;
-  std::size_t vertices = 0;
+  std::ostringstream obj;
+  obj.precision(std::numeric_limits<float>::max_digits10);
+  obj << "# made by a test\nmtllib none.mtl\no ball\n";
+  std::string faces;
+  int vertices = 0;
   for (const Facet& facet : ball) {
     for (const Vertex& vertex : facet.vertices)
-      text += fmt::format("v {:.9g} {:.9g} {:.9g}\n", vertex.x, vertex.y, vertex.z);
+      obj << "v " << vertex.x << ' ' << vertex.y << ' ' << vertex.z << '\n';
+    faces += "f " + std::to_string(vertices + 1) + "//1 " + std::to_string(vertices + 2) + "/2 " +
+             std::to_string(vertices + 3) + "/2/3\r\n";
     vertices += 3;
-    faces += fmt::format("f {}//1 {}/2 {}/2/3\r\n", vertices - 2, vertices - 1, vertices);
   }
+  const std::string text = obj.str();
   CHECK(kObj.likeness(start_of(text + faces)) == Likeness::Likely);
   const Model model = read_obj_text(text + faces);
   REQUIRE(model.facets.size() == ball.size());
@@ -76,8 +81,8 @@ TEST_CASE("Polygons are cut into triangles that cover them, also where they are 
   // A comb with five teeth: every second corner at the top lies deep.
   std::string comb = "v 10 0 0\nv 0 0 0\n", face = "f 1 2";
   for (int i = 0; i <= 10; ++i) {
-    comb += fmt::format("v {} {} 0\n", i, i % 2 == 0 ? 1 : 9);
-    face += fmt::format(" {}", i + 3);
+    comb += "v " + std::to_string(i) + (i % 2 == 0 ? " 1 0\n" : " 9 0\n");
+    face += " " + std::to_string(i + 3);
   }
   const Model model = read_obj_text(comb + face + "\n");
   CHECK(model.facets.size() == 11);
@@ -94,8 +99,8 @@ TEST_CASE("A polygon that crosses itself, or is a line, gets triangles in a boun
   CHECK(read_obj_text(kSquare + "f 1 2 1 2 1\n").facets.size() == 3);
   std::string star = "", face = "f";
   for (int i = 0; i < 20'000; ++i) {
-    star += fmt::format("v {:.6f} {:.6f} 0\n", std::cos(2.5 * i), std::sin(2.5 * i));
-    face += fmt::format(" {}", i + 1);
+    star += "v " + std::to_string(std::cos(2.5 * i)) + " " + std::to_string(std::sin(2.5 * i)) + " 0\n";
+    face += " " + std::to_string(i + 1);
   }
   CHECK(lacking(refusal_of_obj(star + face), {"too many corners"}) == "");
 }
