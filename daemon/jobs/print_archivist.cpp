@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "core/contract/expects.hpp"
 #include "daemon/frames/frame_file.hpp"
@@ -60,9 +62,11 @@ void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& f
   attempt("no preview.png", filed, [&] { spool.write_beside(folder, report.job, "preview.png", picture); });
 }
 
-// Moves the file of the frames beside the report.
+// Moves the file of the frames beside the report of a print that has risen.
 void file_frames(const Spool& spool, EndedPrint& print, FiledPrint& filed) {
-  if (!print.frames.valid()) return;
+  const std::vector<LayerRecord>& layers = print.report.layers;
+  const bool rose = std::ranges::find(layers, true, &LayerRecord::rises) != layers.end();
+  if (!rose || !print.frames.valid()) return;
   attempt("no record of the masks that it showed while the plate rose", filed, [&] {
     if (print.frames.wait_for(kLongestHolding) != std::future_status::ready)
       throw std::runtime_error("the disk does not answer");

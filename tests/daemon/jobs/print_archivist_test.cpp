@@ -135,14 +135,23 @@ TEST_CASE_METHOD(ArchivistFixture, "The masks of a rise go beside the report, wh
 }
 
 TEST_CASE_METHOD(ArchivistFixture, "A disk that never ends the record of masks leaves it out of the report") {
-  EndedPrint print = ended(PrintOutcome::Done);
   std::promise<EndedFrameLog> log;
+  EndedPrint print = ended(PrintOutcome::Done);
   print.frames = log.get_future().share();
+  print.report.layers.resize(1);
+  print.report.layers.front().rises = true;
   const FiledPrint filed = file(std::move(print));
   REQUIRE(filed.troubles.size() == 1);
   CHECK(filed.troubles.front() ==
         "no record of the masks that it showed while the plate rose: the disk does not answer");
   CHECK(has("done/part.report.json"));
+}
+
+TEST_CASE_METHOD(ArchivistFixture, "A print that did not rise is filed without a record of masks") {
+  std::promise<EndedFrameLog> log;
+  EndedPrint print = ended(PrintOutcome::Done);
+  print.frames = log.get_future().share();
+  CHECK(file(std::move(print)).troubles.empty());
 }
 
 TEST_CASE_METHOD(ArchivistFixture, "A failure to write the page is reported, and everything else is there") {
