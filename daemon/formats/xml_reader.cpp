@@ -3,6 +3,7 @@
 #include <expat.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdlib>
 #include <exception>
@@ -17,6 +18,9 @@ namespace {
 
 constexpr int kMostLevels = 64;
 constexpr int kChunkBytes = 65'536;
+// Expat 2.5 begins a tag again with every chunk: the time for a longer one would grow with its square
+// (CVE-2023-52425).
+constexpr XML_Index kLongestTagBytes = XML_Index{1} << 20U;
 constexpr std::size_t kMostParserBytes = std::size_t{1} << 25U;
 
 // The memory of the parsers of this thread. The parser keeps every name that it meets, and the whole of a
@@ -70,6 +74,7 @@ class Reading {
   }
 
   void read(ByteStream& stream) {
+    XML_Index fed = 0;
     for (bool ended = false; !ended;) {
       void* const buffer = XML_GetBuffer(parser_.get(), kChunkBytes);
       if (buffer == nullptr) refuse();
@@ -78,6 +83,8 @@ class Reading {
       if (XML_ParseBuffer(parser_.get(), static_cast<int>(bytes), ended ? XML_TRUE : XML_FALSE) !=
           XML_STATUS_OK)
         refuse();
+      fed += static_cast<XML_Index>(bytes);
+      if (fed - std::max<XML_Index>(XML_GetCurrentByteIndex(parser_.get()), 0) > kLongestTagBytes) refuse();
     }
   }
 

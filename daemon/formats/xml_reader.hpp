@@ -44,8 +44,8 @@ class XmlHandler {
 };
 
 // Reads a whole document; blocks. `name` begins messages. Throws ModelError for anything but well-formed XML
-// without a document type declaration, with at most 64 levels, whose names and longest tag fit into 32 MB;
-// what the handler throws; and what the stream throws.
+// without a document type declaration, with at most 64 levels, whose names fit into 32 MB and whose tags into
+// 1 MB; what the handler throws; and what the stream throws.
 void read_xml(ByteStream& stream, XmlHandler& handler, const std::string& name);
 
 }  // namespace contourd
