@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 
 #include "core/contract/expects.hpp"
 
@@ -11,6 +13,18 @@ namespace {
 // Returns half the difference of the squares of two neighbouring points' speeds: acceleration times distance.
 double half_squares(const RisePoint& from, const RisePoint& to) {
   return (to.speed.count() - from.speed.count()) * (to.speed.count() + from.speed.count()) / 2;
+}
+
+// Returns the height at which a plate that starts at `from` with this acceleration, in mm/s^2, has the plan's
+// speed, which is `speed` at `from`; nullopt if that is not below the plan's next point.
+std::optional<Nanometers> where_joined(Nanometers from, MillimetersPerSecond speed, const RisePoint& next,
+                                       double acceleration) {
+  const double squared = speed.count() * speed.count(), length_mm = in_mm(next.height - from);
+  const double growth = (next.speed.count() * next.speed.count() - squared) / length_mm;
+  const double way_mm = squared / (2 * acceleration - growth);
+  const Nanometers joined = from + Nanometers{static_cast<std::int64_t>(std::ceil(way_mm * 1e6))};
+  if (!(way_mm > 0) || joined >= next.height) return std::nullopt;
+  return joined;
 }
 
 }  // namespace
@@ -44,7 +58,9 @@ RisePlan rest_of(const RisePlan& plan, Nanometers from) {
   }
   const auto next = std::ranges::upper_bound(plan.points, from, {}, &RisePoint::height);
   rest.points.push_back({from, MillimetersPerSecond{}, std::prev(next)->limit});
-  if (std::next(next) == plan.points.end()) {
+  if (const auto joined = where_joined(from, speed_at(plan, from), *next, most)) {
+    rest.points.push_back({*joined, speed_at(plan, *joined), std::prev(next)->limit});
+  } else if (std::next(next) == plan.points.end()) {
     const Nanometers middle = from + (end - from) / 2;
     rest.points.push_back({middle, speed_at(plan, middle), std::prev(next)->limit});
   }

@@ -12,6 +12,11 @@ namespace {
 
 constexpr double kSecondsPerHour = 3600;
 
+MissedMasks missed_masks_of(std::string_view name) {
+  if (name == "slow") return MissedMasks::Slow;
+  return name == "pause" ? MissedMasks::Pause : MissedMasks::Keep;
+}
+
 }  // namespace
 
 std::optional<ContinuousResin> read_continuous(const JsonSection& profile) {
@@ -27,7 +32,8 @@ std::optional<ContinuousResin> read_continuous(const JsonSection& profile) {
                          .layered = section.length("layered_mm"),
                          .mask_step = Micrometers{section.number("mask_step_um")},
                          .slowest = speed("least_speed_mm_h"),
-                         .fastest = speed("most_speed_mm_h")};
+                         .fastest = speed("most_speed_mm_h"),
+                         .missed = missed_masks_of(section.text("missed_masks"))};
 }
 
 void check_continuous(JsonDocument& profile) {

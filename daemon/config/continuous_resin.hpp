@@ -12,6 +12,14 @@ namespace contourd {
 class JsonDocument;
 class JsonSection;
 
+// What a rise does when a mask is not on the screen at its refresh. Whatever is chosen, the light goes off
+// before the shown mask is too far from the plate's height.
+enum class MissedMasks {
+  Keep,   // rises on; the mask is counted
+  Slow,   // rises on more slowly
+  Pause,  // turns dark and waits for the user
+};
+
 // The section `continuous` of a resin's profile.
 struct ContinuousResin {
   double margin = 0;               // least dose over the critical one; above 1
@@ -21,6 +29,7 @@ struct ContinuousResin {
   Nanometers layered{};            // height of the first layers
   Micrometers mask_step{};         // travel after which a mask is out of date
   MillimetersPerSecond slowest{}, fastest{};
+  MissedMasks missed = MissedMasks::Keep;
   bool operator==(const ContinuousResin&) const = default;
 };
 

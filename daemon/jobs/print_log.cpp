@@ -166,6 +166,12 @@ void PrintLog::warn_about_light(const JobSummary& summary, const LayerRecord& la
                     layer.layer + 1, milliseconds(layer.late_picture),
                     100 * in_seconds(layer.late_picture) / in_seconds(layer.exposure_asked)),
         fields);
+  if (layer.frames.missed > 0)
+    log_.warning("missed-masks",
+                 fmt::format("layer {}: {} missed{}", layer.layer + 1,
+                             count_of(layer.frames.missed, "mask was", "masks were"),
+                             layer.frames.slowed > 0 ? ", and the plate was slowed down" : ""),
+                 fields);
   const Duration tolerated = summary.resin.tolerance.bounds;
   if (layer.exposure_most - layer.exposure_least > tolerated) {
     log_.warning(
@@ -225,6 +231,15 @@ void PrintLog::warn_about_sections(const PrintReport& report) const {
 }
 
 void PrintLog::warn_about_lateness(const PrintReport& report) const {
+  if (const FrameFigures frames = frame_figures(report.layers); frames.missed > 0) {
+    log_.warning(
+        "late-masks",
+        fmt::format("{}: {} of {} masks came too late for their refresh: this computer was too busy, "
+                    "or is too slow{}",
+                    printable(report.job), frames.missed, frames.shown + frames.missed,
+                    frames.slowed > 0 ? ", and the plate was slowed down" : ""),
+        job_fields(report.job));
+  }
   if (report.late_steps > 0) {
     log_.warning(
         "late",

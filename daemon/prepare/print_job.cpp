@@ -158,9 +158,9 @@ class Preparation {
       return;
     }
     if (rises.empty()) throw JobRefused(why_no_rise(subject, resin));
-    plan.rises =
-        PlannedRises{rises_between(std::move(rises), layers, layer_durations(plan, printer_), continuous),
-                     Nanometers{std::llround(continuous.mask_step.count() * 1000)}};
+    plan.rises = PlannedRises{
+        rises_between(std::move(rises), layers, layer_durations(plan, printer_), continuous),
+        Nanometers{std::llround(continuous.mask_step.count() * 1000)}, continuous.missed, continuous.slowest};
     summary_.continuous =
         ContinuousForecast{rise_bounds(resin, machine), ranges_of(plan, layer_durations(plan, printer_))};
     warn(layered_parts_sentence(*summary_.continuous, continuous.layered));

@@ -24,6 +24,11 @@ constexpr EnumSet<ContinuousState> kEnding{ContinuousState::Parking, ContinuousS
 constexpr EnumSet<ContinuousState> kStopping{ContinuousState::Braking, ContinuousState::Darkening,
                                              ContinuousState::Lifting};
 
+// Returns the time of light for a rise that takes this long, with the margin that its lateness may take.
+Duration longest_light(Duration rise) {
+  return rise * 11 / 10 + kRiseMargin;
+}
+
 // True if the plan has rises, and each begins on top of a layer, where the one before ends or higher.
 bool rise_in_order(const PrintPlan& plan) {
   Nanometers from{1};
@@ -200,7 +205,8 @@ ShownMask ContinuousPrint::shown() const {
 }
 
 bool ContinuousPrint::shows_mask() const {
-  return layering() ? layers_.shows_mask() : is_in({ContinuousState::Igniting, ContinuousState::Rising});
+  return layering() ? layers_.shows_mask()
+                    : is_in({ContinuousState::Igniting, ContinuousState::Rising, ContinuousState::Slowing});
 }
 
 std::optional<Duration> ContinuousPrint::state_left() const {
@@ -369,6 +375,9 @@ void ContinuousPrint::perform(ContinuousEffect effect) {
     case ContinuousEffect::LightOn:
       return expose();
     case ContinuousEffect::Rise:
+      show_masks();
+      return rise();
+    case ContinuousEffect::RiseMoreSlowly:
       return rise();
     case ContinuousEffect::AwaitDark:
       if (is_in(ContinuousState::Ending))
@@ -465,9 +474,11 @@ void ContinuousPrint::end_rise() {
 
 // --- Light
 
-// The light's time is the rise's, with the margin that its lateness may take; the rise itself ends the light.
+// The rise itself ends the light.
 void ContinuousPrint::expose() {
-  const Duration most = rise_left() * 11 / 10 + kRiseMargin;
+  const PlannedRises& plan = *plan_->rises;
+  const Duration most =
+      longest_light(plan.missed == MissedMasks::Slow ? rises_.longest(plan.slowest) : rise_left());
   if (plan_->dry) {
     light_end_ = clock_.now() + most;
     return handle_at(clock_.now(), ContinuousEvent::LightOnSent);
@@ -477,29 +488,41 @@ void ContinuousPrint::expose() {
   });
 }
 
+void ContinuousPrint::show_masks() {
+  if (!plan_->dry) lit_from_ = clock_.now();
+  frames_->run({.refreshed = [this] { refreshed(); },
+                .missed = [this] { missed(); },
+                .unsafe = [this](const std::string& what) { interrupt(what); }});
+}
+
 void ContinuousPrint::rise() {
   estimate(rise_left());
-  if (!plan_->dry) lit_from_ = clock_.now();
-  wait_ = clock_.call_at(light_end_, [this] { interrupt("the rise takes longer than planned"); });
-  frames_->run({.refreshed = [this] { refreshed(); },
-                .unsafe = [this](const std::string& what) { interrupt(what); },
-                .frame_over =
-                    [this](FrameRecord frame) {
-                      frame.layer = record_.layer;
-                      observer_.frame_over(frame);
-                    },
-                .lit_from = lit_from_});
+  wait_ = clock_.call_at(std::min(light_end_, clock_.now() + longest_light(rise_left())),
+                         [this] { interrupt("the rise takes longer than planned"); });
   machine_.z_axis().rise(rises_.rest(), [this](MoveResult result) { risen(result); });
 }
 
 void ContinuousPrint::risen(MoveResult result) {
-  if (result == MoveResult::Reached || result == MoveResult::Stopped) stop_here();
-  if (is_in(ContinuousState::Braking) && (result == MoveResult::Reached || result == MoveResult::Stopped))
-    return handle(ContinuousEvent::MoveEnded);
+  const bool at_rest = result == MoveResult::Reached || result == MoveResult::Stopped;
+  if (at_rest) stop_here();
+  if (is_in(ContinuousState::Braking) && at_rest) return handle(ContinuousEvent::MoveEnded);
+  if (is_in(ContinuousState::Slowing) && at_rest)
+    return handle(rises_.begun() ? ContinuousEvent::SlowedDown : ContinuousEvent::MoveEnded);
   if (result == MoveResult::Stopped)
     return stop_for("a disturbance has stopped the plate", ContinuousEvent::RiseBroken);
   if (result != MoveResult::Reached) return fail(fmt::format("the plate did not rise: {}", name_of(result)));
   handle(ContinuousEvent::MoveEnded);
+}
+
+// Does what the plan says about a missed mask.
+void ContinuousPrint::missed() {
+  const PlannedRises& plan = *plan_->rises;
+  if (plan.missed == MissedMasks::Pause)
+    return interrupt(fmt::format("a mask was missed at {:.3f} mm", in_mm(current_height())));
+  if (plan.missed != MissedMasks::Slow || !is_in(ContinuousState::Rising)) return;
+  if (!rises_.slow_down(current_height(), plan.slowest, clock_.now())) return;
+  frames_->note_slower();
+  handle(ContinuousEvent::TooFast);
 }
 
 // Reports the slices that the plate has left, and checks that the light is on.

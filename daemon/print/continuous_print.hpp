@@ -96,9 +96,11 @@ class ContinuousPrint final : public PrintMode,
   void stop_for(const std::string& what, ContinuousEvent event);
 
   void expose();
+  void show_masks();
   void rise();
   void risen(MoveResult result);
   void refreshed();
+  void missed();
   void begin_slice(Nanometers bottom);
   void note_light();
   void report_slice(bool complete);

@@ -15,7 +15,7 @@ using F = ContinuousEffect;
 
 // There may be light, or there will be, or the plate is not up for a pause.
 constexpr EnumSet<S> kAtRest{S::Recovering, S::Settling, S::Showing, S::Igniting};
-constexpr EnumSet<S> kMoving{S::Lowering, S::Rising};
+constexpr EnumSet<S> kMoving{S::Lowering, S::Rising, S::Slowing};
 // These states already do what an interruption or a cancellation needs, apart from light and screen.
 constexpr EnumSet<S> kGoingDark{S::Braking, S::Darkening, S::Lifting};
 constexpr EnumSet<S> kStill{S::Paused, S::Parking, S::Ending};
@@ -33,6 +33,9 @@ constexpr auto kRows = std::to_array<ContinuousTransition>({
     {S::Showing, E::MaskShown, S::Igniting, F::LightOn},
     {S::Igniting, E::LightOnSent, S::Rising, F::Rise},
     {S::Rising, {E::MoveEnded, E::RiseBroken}, S::Darkening, F::LightOff, F::BlackNow, F::AwaitDark},
+    {S::Rising, E::TooFast, S::Slowing, F::StopAxis},
+    {S::Slowing, E::SlowedDown, S::Rising, F::RiseMoreSlowly},
+    {S::Slowing, {E::MoveEnded, E::RiseBroken}, S::Darkening, F::LightOff, F::BlackNow, F::AwaitDark},
     {S::Darkening, E::LightIsOff, S::Lifting, F::Lift},
 
     // What follows the rise, or what was stopped within it or before it.
@@ -72,7 +75,8 @@ PrintState print_state(S state) {
   const auto same = std::ranges::find(layered, name, &PrintState::name);
   if (same != layered.end()) return *same;
   const std::size_t number = layered.size() + static_cast<std::size_t>(state);
-  return {number, name, state == S::Rising ? PrintActivity::Exposing : PrintActivity::Waiting,
+  const bool lit = EnumSet<S>{S::Rising, S::Slowing}.contains(state);
+  return {number, name, lit ? PrintActivity::Exposing : PrintActivity::Waiting,
           EnumSet<S>{S::Recovering, S::Rising}.contains(state), false};
 }
 
@@ -89,12 +93,13 @@ std::span<const PrintState> continuous_print_states() {
 }
 
 const StateTable<ContinuousTransition>& continuous_table() {
-  static constexpr StateTable<ContinuousTransition> kTable{.rows = kRows,
-                                                           .start = S::Idle,
-                                                           .answered = kAnswered,
-                                                           .light_on = F::LightOn,
-                                                           .light_off = F::LightOff,
-                                                           .harmless = F::Rise};
+  static constexpr StateTable<ContinuousTransition> kTable{
+      .rows = kRows,
+      .start = S::Idle,
+      .answered = kAnswered,
+      .light_on = F::LightOn,
+      .light_off = F::LightOff,
+      .harmless = {F::Rise, F::RiseMoreSlowly, F::StopAxis}};
   return kTable;
 }
 

@@ -19,6 +19,7 @@ enum class ContinuousState {
   Showing,     // until the kernel reports that the first mask is on the screen
   Igniting,    // until the light-on command is sent
   Rising,      // the plate rises in the light, and each refresh shows the mask for its height
+  Slowing,     // in the light, until the plate stands, from where it rises more slowly
   Braking,     // light off is sent; until the plate has come to a standstill
   Darkening,   // until the light is confirmed off
   Lifting,     // the plate moves up, out of the resin
@@ -35,6 +36,8 @@ enum class ContinuousEvent {
   MaskShown,
   LightOnSent,  // there may be light from now on
   RiseBroken,   // a disturbance has stopped the plate
+  TooFast,      // a mask was missed, and the rise is to be slower
+  SlowedDown,   // the plate is at a standstill in the light, and the rise has a rest
   LightIsOff,   // confirmed
   // The plate is up in the dark, and next comes:
   RiseDue,    // a rise, or the rest of one
@@ -65,6 +68,7 @@ enum class ContinuousEffect {
   ShowMask,
   LightOn,
   Rise,
+  RiseMoreSlowly,
   AwaitDark,
   Lift,
   Park,
@@ -73,18 +77,21 @@ enum class ContinuousEffect {
 
 template <>
 inline constexpr auto kNames<ContinuousState> = names_to<ContinuousState::Ending>(
-    "idle, layering, recovering, lowering, settling, showing, igniting, rising, braking, darkening, lifting, "
+    "idle, layering, recovering, lowering, settling, showing, igniting, rising, slowing, braking, darkening, "
+    "lifting, "
     "paused, "
     "parking, ending");
 template <>
 inline constexpr auto kNames<ContinuousEvent> = names_to<ContinuousEvent::GaveUp>(
-    "started, layering ended, move ended, wait over, mask shown, light on sent, rise broken, light is off, "
-    "rise due, rest due, layers due, pause due, rises over, interrupted, cancelled, failed, gave up");
+    "started, layering ended, move ended, wait over, mask shown, light on sent, rise broken, too fast, "
+    "slowed down, "
+    "light is off, rise due, rest due, layers due, pause due, rises over, interrupted, cancelled, failed, "
+    "gave up");
 template <>
 inline constexpr auto kNames<ContinuousEffect> = names_to<ContinuousEffect::Finish>(
     "print layers, print more layers, interrupt layers, cancel layers, fail layers, light off, black now, "
     "abort axis, stop axis, power off, await oxygen, lower to rise, wait to settle, show mask, light on, "
-    "rise, await dark, lift, park, finish");
+    "rise, rise more slowly, await dark, lift, park, finish");
 
 using ContinuousTransition = StateTransition<ContinuousState, ContinuousEvent, ContinuousEffect>;
 

@@ -34,6 +34,8 @@ struct PlannedRise {
 struct PlannedRises {
   std::vector<PlannedRise> each;
   Nanometers mask_step{2'000};  // a new mask when the height has changed by this much
+  MissedMasks missed = MissedMasks::Keep;
+  MillimetersPerSecond slowest{};  // for MissedMasks::Slow
 };
 
 // The point from which a print goes on that a power cut ended. Its part hangs on the plate.
@@ -167,11 +169,13 @@ struct FrameFigures {
   std::uint32_t shown = 0, missed = 0;  // a mask that was late by some refreshes is missed as often
   // The largest distance of a mask's cut from the plate's height at the middle of the refresh that showed it.
   Nanometers farthest{};
-  Duration longest_cut{};  // real time
+  Duration longest_cut{};    // real time
+  std::uint32_t slowed = 0;  // number of times that the plate was slowed down for a missed mask
 
   FrameFigures& operator+=(const FrameFigures& other) {
     shown += other.shown;
     missed += other.missed;
+    slowed += other.slowed;
     farthest = std::max(farthest, other.farthest);
     longest_cut = std::max(longest_cut, other.longest_cut);
     return *this;

@@ -103,20 +103,26 @@ void RiseFrames::hand_over(TimePoint vblank, bool is_new) {
                     figures_.missed, in_mm(kFarthest) * 1e3));
   }
   if (!is_new) return;
-  if (!masks_.ready()) return missed(1);
+  if (!masks_.ready()) {
+    if (frame_) ++frame_->missed;
+    return tell_missed(1);
+  }
   present([this, vblank, frame](TimePoint at) {
     vblank_ = at;
-    missed(static_cast<std::uint32_t>(std::max<std::int64_t>((at - vblank + frame / 2) / frame, 0)));
     ++figures_.shown;
+    const auto late =
+        static_cast<std::uint32_t>(std::max<std::int64_t>((at - vblank + frame / 2) / frame, 0));
+    if (frame_) frame_->missed += late;
     end_frame(at);
     begin_frame(at);
     figures_.farthest = std::max(figures_.farthest, apart(frame_->first, frame_->cut));
+    if (late > 0) tell_missed(late);
   });
 }
 
-void RiseFrames::missed(std::uint32_t frames) {
+void RiseFrames::tell_missed(std::uint32_t frames) {
   figures_.missed += frames;
-  if (frame_) frame_->missed += frames;
+  calls_.missed();
 }
 
 // Begins the record of the mask that has appeared on the screen.

@@ -31,6 +31,7 @@ class RiseFrames {
   // Callbacks. Each may call stop().
   struct Calls {
     std::function<void()> refreshed;                 // a refresh has begun, or will within half of one
+    std::function<void()> missed;                    // a mask was missed
     std::function<void(const std::string&)> unsafe;  // a sentence: the light must go off now
     // A mask has left the screen, or is the last one when stop() is called. Its layer is unknown.
     std::function<void(const FrameRecord&)> frame_over{};
@@ -48,6 +49,8 @@ class RiseFrames {
   [[nodiscard]] const ShownMask& shown() const { return shown_; }
   // Returns the mean lit area, in pixels, of the masks since the last call, or that of the last mask.
   [[nodiscard]] double take_lit_pixels();
+  // Counts a slower rise for a missed mask.
+  void note_slower() { ++figures_.slowed; }
   // Returns the figures since the last call.
   [[nodiscard]] FrameFigures take_figures() { return std::exchange(figures_, {}); }
 
@@ -56,7 +59,7 @@ class RiseFrames {
   void present(std::function<void(TimePoint)> presented);
   void refresh();
   void hand_over(TimePoint vblank, bool is_new);
-  void missed(std::uint32_t frames);
+  void tell_missed(std::uint32_t frames);
   void begin_frame(TimePoint shown);
   void end_frame(TimePoint until);
   [[nodiscard]] TimePoint next_vblank() const;

@@ -1,6 +1,8 @@
 #include "daemon/print/rise_progress.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <utility>
 
 #include "core/contract/expects.hpp"
@@ -15,6 +17,29 @@ Nanometers bottom_of(const PlannedRise& rise) {
 
 }  // namespace
 
+RisePlan capped(const RisePlan& plan, MillimetersPerSecond most) {
+  expects(!plan.points.empty() && most > MillimetersPerSecond{}, "a rise has a plan and a speed");
+  RisePlan slower;
+  const double limit = most.count() * most.count();
+  for (std::size_t i = 0; i < plan.points.size(); ++i) {
+    RisePoint point = plan.points[i];
+    if (i > 0) {
+      // Where a ramp passes the limit, its square of the speed being linear in height.
+      const RisePoint& from = plan.points[i - 1];
+      const double low = from.speed.count() * from.speed.count(),
+                   high = point.speed.count() * point.speed.count();
+      const double part = (limit - low) / (high - low);
+      const Nanometers cross{from.height.count() +
+                             std::llround(part * static_cast<double>((point.height - from.height).count()))};
+      if (part > 0 && part < 1 && cross > from.height && cross < point.height)
+        slower.points.push_back({cross, most, from.limit});
+    }
+    point.speed = std::min(point.speed, most);
+    slower.points.push_back(point);
+  }
+  return slower;
+}
+
 RiseProgress::RiseProgress(std::vector<PlannedRise> rises, Nanometers from)
     : rises_(std::move(rises)), here_(from) {
   while (any_left() && bottom_of(rises_[at_]) < from)
@@ -28,7 +53,8 @@ void RiseProgress::reach() {
 
 void RiseProgress::begin() {
   expects(next() != NextPart::Layers, "a rise is next");
-  if (!std::exchange(begun_, true)) rest_ = rises_[at_].plan;
+  if (std::exchange(begun_, true)) return;
+  rest_ = cap_ ? capped(rises_[at_].plan, *cap_) : rises_[at_].plan;
 }
 
 const PlannedRise& RiseProgress::current() const {
@@ -44,11 +70,32 @@ const RisePlan& RiseProgress::rest() const {
 void RiseProgress::stop_at(Nanometers height) {
   expects(begun_, "a rise is under way");
   rest_ = rest_of(rest_, std::max(height, rest_.points.front().height));
-  if (!rest_.points.empty()) return;
+  if (!rest_.points.empty()) {
+    if (cap_) rest_ = capped(rest_, *cap_);
+    return;
+  }
   here_ = rises_[at_].plan.points.back().height;
   begun_ = false;
   rest_until_.reset();
   ++at_;
+}
+
+bool RiseProgress::slow_down(Nanometers height, MillimetersPerSecond slowest, TimePoint now) {
+  expects(begun_, "a rise is under way");
+  constexpr double kSlower = 0.75;
+  constexpr Duration kPause = std::chrono::seconds{1};
+  const auto next = std::ranges::upper_bound(rest_.points, height, {}, &RisePoint::height);
+  if (next == rest_.points.begin() || next == rest_.points.end()) return false;
+  const MillimetersPerSecond speed = std::max(std::prev(next)->speed, next->speed);
+  if (speed <= slowest || (cap_ && now - slowed_at_ < kPause)) return false;
+  cap_ = std::max(speed * kSlower, slowest);
+  slowed_at_ = now;
+  return true;
+}
+
+Duration RiseProgress::longest(MillimetersPerSecond slowest) const {
+  expects(begun_, "a rise is under way");
+  return std::chrono::duration_cast<Duration>(duration(capped(rest_, slowest)));
 }
 
 NextPart RiseProgress::next() const {

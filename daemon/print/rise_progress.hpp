@@ -11,6 +11,11 @@
 
 namespace contourd {
 
+// Returns the plan with no speed above `most`. A plan that keeps the laws of a rise keeps them then, too:
+// they allow every speed below one that they allow, and the gap that resin flows through gets no narrower
+// than it is at `most`. REQUIRES: a plan with points; `most` is positive.
+[[nodiscard]] RisePlan capped(const RisePlan& plan, MillimetersPerSecond most);
+
 // What a print does after its present part.
 enum class NextPart : std::uint8_t {
   Layers,
@@ -40,6 +45,14 @@ class RiseProgress {
   // worth a motion.
   void stop_at(Nanometers height);
 
+  // Slows the rise down, and all rises after it, to three quarters of the planned speed around a height, but
+  // not below `slowest`; what is left of the rise once stop_at() is told where the plate has come to rest.
+  // False, and nothing changed, if the rise cannot be slower, or was slowed down less than a second ago.
+  // REQUIRES: begun(); a height within the rise.
+  bool slow_down(Nanometers height, MillimetersPerSecond slowest, TimePoint now);
+  // Returns the time that what is left of the rise takes if it is slowed down as far as that goes. REQUIRES:
+  // begun().
+  [[nodiscard]] Duration longest(MillimetersPerSecond slowest) const;
   // Returns the part that follows. There may be no layers above the last rise.
   [[nodiscard]] NextPart next() const;
   // Returns the time at which the rest before the next rise is over, which it began at `now` or before.
@@ -50,7 +63,9 @@ class RiseProgress {
   std::vector<PlannedRise> rises_;
   std::size_t at_ = 0;  // of rises_: the one under way, or else the next
   bool begun_ = false;
-  RisePlan rest_;                        // of the rise under way
+  RisePlan rest_;                            // of the rise under way
+  std::optional<MillimetersPerSecond> cap_;  // once the print was slowed down
+  TimePoint slowed_at_{};
   Nanometers here_{};                    // the height up to which the print has whole parts
   std::optional<TimePoint> rest_until_;  // once the rest has begun
 };

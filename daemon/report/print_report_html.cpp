@@ -141,6 +141,7 @@ std::string frames_row(const PrintReport& report) {
   if (frames.shown == 0 && frames.missed == 0) return "";
   std::string text = fmt::format("{} masks shown, {} missed, up to {:.2f} um from the plate's height",
                                  frames.shown, frames.missed, in_mm(frames.farthest) * 1000);
+  if (frames.slowed > 0) text += fmt::format("; slowed down {}", count_of(frames.slowed, "time", "times"));
   if (report.frames) {
     text += fmt::format("; {} lists {} of them", report.frames->name, report.frames->recorded);
     if (report.frames->lost > 0) text += fmt::format(", {} could not be written", report.frames->lost);

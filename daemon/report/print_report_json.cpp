@@ -159,6 +159,7 @@ Json cured_json(const PrintReport& report) {
 Json frames_json(const FrameFigures& frames) {
   return {{"shown", frames.shown},
           {"missed", frames.missed},
+          {"slowed", frames.slowed},
           {"farthest_um", in_mm(frames.farthest) * 1000},
           {"longest_cut_ms", in_ms(frames.longest_cut)}};
 }

@@ -27,6 +27,7 @@ TEST_CASE("The settings for continuous printing are read with their units, or ha
   CHECK(defaults.continuous->mask_step == Micrometers{2});
   CHECK(defaults.continuous->slowest.count() == Approx(5.0 / 3600));
   CHECK(defaults.continuous->fastest.count() == Approx(1000.0 / 3600));
+  CHECK(defaults.continuous->missed == MissedMasks::Keep);
   CHECK(missing_for_continuous(defaults).empty());
 
   const ResinProfile given = load_resin(continuous_profile({{"window_s", 900},
@@ -35,14 +36,25 @@ TEST_CASE("The settings for continuous printing are read with their units, or ha
                                                             {"refill_pressure_kpa", 80},
                                                             {"layered_mm", 0.4},
                                                             {"mask_step_um", 5},
+                                                            {"missed_masks", "slow"},
                                                             {"least_speed_mm_h", 36},
                                                             {"most_speed_mm_h", 72}}));
   CHECK(given.continuous->margin == 2.5);
   CHECK(given.continuous->refill_pressure_kpa == 80);
   CHECK(given.continuous->layered == Nanometers{400'000});
   CHECK(given.continuous->mask_step == Micrometers{5});
+  CHECK(given.continuous->missed == MissedMasks::Slow);
   CHECK(given.continuous->slowest.count() == Approx(0.01));
   CHECK(given.continuous->fastest.count() == Approx(0.02));
+}
+
+TEST_CASE("What a rise does about a missed mask is one of three words") {
+  const auto with = [](const char* what) {
+    return continuous_profile({{"window_s", 900}, {"recovery_s", 1}, {"missed_masks", what}});
+  };
+  CHECK(load_resin(with("keep")).continuous->missed == MissedMasks::Keep);
+  CHECK(load_resin(with("pause")).continuous->missed == MissedMasks::Pause);
+  CHECK(resin_complaints(with("ignore")).size() == 1);
 }
 
 TEST_CASE("A profile that cannot be printed continuously is refused with its places") {

@@ -85,13 +85,16 @@ class NotedFrames final : public testing::PlainDisplay {
   void show(const Mask& mask, Presented done) override {
     ++requested;
     asked_at = clock_.now();
-    later_ = clock_.call_after(late_by * rest_.frame(), [this, mask, done = std::move(done)]() mutable {
-      rest_.show(mask, [this, mask, done = std::move(done)](std::optional<TimePoint> at) {
-        on_screen = mask;
-        done(at);
-        if (presented && at) presented(*at);
-      });
-    });
+    const bool is_late = late_by > 0;
+    later_ =
+        clock_.call_after(late_by * rest_.frame(), [this, mask, is_late, done = std::move(done)]() mutable {
+          rest_.show(mask, [this, mask, is_late, done = std::move(done)](std::optional<TimePoint> at) {
+            on_screen = mask;
+            late_shown += is_late ? 1 : 0;
+            done(at);
+            if (presented && at) presented(*at);
+          });
+        });
   }
   void black(Presented done) override { rest_.black(std::move(done)); }
   void black_now() noexcept override {
@@ -100,7 +103,7 @@ class NotedFrames final : public testing::PlainDisplay {
     rest_.black_now();
   }
 
-  int late_by = 0, requested = 0;
+  int late_by = 0, requested = 0, late_shown = 0;
   TimePoint asked_at{};
   std::optional<Mask> on_screen;
   std::function<void(TimePoint)> presented;
@@ -113,11 +116,11 @@ class NotedFrames final : public testing::PlainDisplay {
 
 class ContinuousPrintFixture final : public Machine, public PrintObserver {
  public:
-  explicit ContinuousPrintFixture(ContourEngine masks = cone_engine())
+  explicit ContinuousPrintFixture(ContourEngine engine = cone_engine())
       : printer(clock, testing::small_printer()),
         screen(printer.display(), clock),
         threaded(clock),
-        reference(std::move(masks)),
+        reference(std::move(engine)),
         process(*this, threaded, *this) {
     printer.on_event([this](const MachineEvent& event) {
       if (event.kind == MachineEvent::Kind::Interlock) process.interrupt(event.what);
@@ -900,4 +903,107 @@ TEST_CASE("A dry run makes all parts of a print without light") {
   CHECK(fixture.wrong_masks == 0);
   CHECK(std::ranges::count(fixture.states, "rising") == 3);
   CHECK(std::ranges::none_of(fixture.layers, &LayerRecord::complete));
+}
+
+namespace {
+
+// Lets the display show a mask of a rise a refresh too late, at a height.
+void miss_a_mask(ContinuousPrintFixture& fixture, double at_mm) {
+  REQUIRE(fixture.run_to_height(at_mm));
+  fixture.screen.late_by = 1;
+  for (const int before = fixture.screen.late_shown; fixture.screen.late_shown == before;)
+    REQUIRE(fixture.step());
+  fixture.screen.late_by = 0;
+}
+
+// Returns the plan for the flange, in whose rises a missed mask has a consequence.
+PrintPlan strict_plan(MissedMasks missed) {
+  PrintPlan plan = parts_plan();
+  plan.rises->missed = missed;
+  plan.rises->slowest = MillimetersPerSecond{0.06};
+  return plan;
+}
+
+// Returns the plate's mean speed over the next half a second, in mm/s.
+double speed_now(ContinuousPrintFixture& fixture) {
+  const Nanometers from = fixture.printer.z_axis().height().value();
+  for (const TimePoint until = fixture.clock.now() + 500ms; fixture.clock.now() < until;)
+    REQUIRE(fixture.step());
+  return in_mm(fixture.printer.z_axis().height().value() - from) / 0.5;
+}
+
+}  // namespace
+
+TEST_CASE("A missed mask slows the plate down in the light, if the profile wants that, but only so far") {
+  ContinuousPrintFixture fixture(flange_engine());
+  fixture.process.start(strict_plan(MissedMasks::Slow));
+  REQUIRE(fixture.run_to_height(0.12));
+  CHECK(speed_now(fixture) == Approx(0.1).margin(0.005));
+  miss_a_mask(fixture, 0.18);
+  CHECK(fixture.process.continuous_state() == C::Slowing);
+  CHECK(fixture.printer.light_is_on());
+  REQUIRE(fixture.run_to(C::Rising));
+  CHECK(fixture.printer.light_is_on());
+  // The ramp to the speed takes up to 0.15 s of the half.
+  CHECK(speed_now(fixture) == Approx(0.075).margin(0.012));
+  miss_a_mask(fixture, 0.30);
+  REQUIRE(fixture.run_to(C::Rising));
+  CHECK(speed_now(fixture) == Approx(0.06).margin(0.01));
+  miss_a_mask(fixture, 0.37);
+  REQUIRE(fixture.run_to(C::Layering));
+  // The next rise is as slow.
+  REQUIRE(fixture.run_to_height(0.65));
+  CHECK(speed_now(fixture) == Approx(0.06).margin(0.005));
+  fixture.run_out();
+  check_whole(fixture);
+  CHECK(fixture.interruptions.empty());
+  const FrameFigures frames = frame_figures(fixture.layers);
+  CHECK(frames.slowed == 2);
+  CHECK(frames.missed >= 3);
+}
+
+TEST_CASE("A missed mask turns the light off and pauses the print, if the profile wants that") {
+  ContinuousPrintFixture fixture(flange_engine());
+  fixture.process.start(strict_plan(MissedMasks::Pause));
+  miss_a_mask(fixture, 0.2);
+  fixture.run_out();
+  CHECK(fixture.process.continuous_state() == C::Paused);
+  REQUIRE(fixture.interruptions.size() == 1);
+  CHECK(testing::lacking(fixture.interruptions[0], {"a mask was missed at 0.2"}).empty());
+  fixture.process.resume();
+  fixture.run_out();
+  check_whole(fixture);
+  CHECK(frame_figures(fixture.layers).missed > 0);
+}
+
+TEST_CASE(
+    "While the plate is slowed down, a cancel, a pause, the lid and a fault turn the light off at once") {
+  for (int what = 0; what < 4; ++what) {
+    CAPTURE(what);
+    ContinuousPrintFixture fixture(flange_engine());
+    fixture.process.start(strict_plan(MissedMasks::Slow));
+    miss_a_mask(fixture, 0.2);
+    REQUIRE(fixture.process.continuous_state() == C::Slowing);
+    const TimePoint when = fixture.clock.now();
+    if (what == 0) fixture.process.cancel();
+    if (what == 1) fixture.process.pause();
+    if (what == 2) fixture.printer.open_lid();
+    if (what == 3) fixture.process.fail("the chip is gone");
+    CHECK(fixture.printer.screen_is_black());
+    while (fixture.printer.light_is_on())
+      REQUIRE(fixture.step());
+    CHECK(fixture.clock.now() - when <= 20ms);
+    fixture.run_out();
+    if (what == 1 || what == 2) {
+      CHECK(fixture.process.continuous_state() == C::Paused);
+      if (what == 2) fixture.printer.close_lid();
+      fixture.process.resume();
+      fixture.run_out();
+      check_whole(fixture);
+    }
+    CHECK(fixture.dangers() == "");
+    CHECK(fixture.ends == std::vector{what == 0   ? PrintOutcome::Canceled
+                                      : what == 3 ? PrintOutcome::Failed
+                                                  : PrintOutcome::Done});
+  }
 }

@@ -26,21 +26,23 @@ interrupted -> stay: interrupt layers (layering)
 cancelled -> stay: cancel layers (layering)
 failed -> stay: fail layers (layering)
 move ended -> settling: wait to settle (lowering)
-interrupted -> braking: light off, black now, stop axis (lowering, rising)
-cancelled -> braking: light off, black now, stop axis (lowering, rising)
+interrupted -> braking: light off, black now, stop axis (lowering, rising, slowing)
+cancelled -> braking: light off, black now, stop axis (lowering, rising, slowing)
 wait over -> lowering: lower to rise (recovering)
 interrupted -> darkening: light off, black now, await dark (recovering, settling, showing, igniting)
 cancelled -> darkening: light off, black now, await dark (recovering, settling, showing, igniting)
 failed -> ending: light off, black now, abort axis, power off, await dark (recovering, lowering, settling,
-    showing, igniting, rising, braking, darkening, lifting, paused, parking)
+    showing, igniting, rising, slowing, braking, darkening, lifting, paused, parking)
 move ended -> settling: wait to settle (lowering)
-interrupted -> braking: light off, black now, stop axis (lowering, rising)
-cancelled -> braking: light off, black now, stop axis (lowering, rising)
+interrupted -> braking: light off, black now, stop axis (lowering, rising, slowing)
+cancelled -> braking: light off, black now, stop axis (lowering, rising, slowing)
 wait over -> showing: show mask (settling)
 mask shown -> igniting: light on (showing)
 light on sent -> rising: rise (igniting)
-move ended -> darkening: light off, black now, await dark (rising)
-rise broken -> darkening: light off, black now, await dark (rising)
+move ended -> darkening: light off, black now, await dark (rising, slowing)
+rise broken -> darkening: light off, black now, await dark (rising, slowing)
+too fast -> slowing: stop axis (rising)
+slowed down -> rising: rise more slowly (slowing)
 move ended -> darkening: await dark (braking)
 interrupted -> stay: light off, black now (braking, darkening, lifting, paused, parking, ending)
 cancelled -> stay: light off, black now (braking, darkening, lifting)
@@ -65,6 +67,7 @@ TEST_CASE_METHOD(ContinuousTable, "The plate rises in the light only from the st
   for (const Transition& t : transitions()) {
     CAPTURE(name_of(t.from), name_of(t.on));
     CHECK(has(t, F::Rise) == (t.from == S::Igniting && t.on == E::LightOnSent));
+    CHECK(has(t, F::RiseMoreSlowly) == (t.from == S::Slowing && t.on == E::SlowedDown));
     CHECK(has(t, F::LightOn) == (t.from == S::Showing && t.on == E::MaskShown));
     if (has(t, F::LightOff)) CHECK(t.effects.front() == F::LightOff);
     if (has(t, F::Lift)) CHECK(t.on == E::LightIsOff);

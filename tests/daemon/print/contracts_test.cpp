@@ -69,6 +69,8 @@ TEST_CASE("The parts of a print follow each other: a rise begins once it is reac
   CHECK(contract_broken_by([&] { none.begin(); }) == "a rise is next");
   CHECK(contract_broken_by([&] { (void)none.rest(); }) == "a rise is under way");
   CHECK(contract_broken_by([&] { none.stop_at({}); }) == "a rise is under way");
+  CHECK(contract_broken_by([&] { (void)none.longest({}); }) == "a rise is under way");
+  CHECK(contract_broken_by([&] { none.slow_down({}, {}, {}); }) == "a rise is under way");
 }
 
 TEST_CASE("MaskAhead cuts one mask at a time, and each is taken once") {

@@ -98,6 +98,9 @@ TEST_CASE("The page and the figures count the masks that a rise has shown and mi
   report.layers[1].frames = {40, 2, Nanometers{3'750}, 3ms};
   report.layers[2].frames = {41, 0, Nanometers{1'250}, 5ms};
   CHECK(report_as_html(report).find("81 masks shown, 2 missed, up to 3.75 um") != std::string::npos);
+  CHECK(report_as_html(report).find("slowed down") == std::string::npos);
+  report.layers[1].frames.slowed = 1;
+  CHECK(report_as_html(report).find("slowed down 1 time") != std::string::npos);
   CHECK(testing::lacking(report_as_json(report), {"\"shown\": 81", "\"missed\": 2", "\"farthest_um\": 3.75",
                                                   "\"longest_cut_ms\": 5.0"})
             .empty());
