@@ -196,10 +196,11 @@ PrintPlan hourglass_plan() {
     return RisePoint{Nanometers{std::llround(height_mm * 1e6)}, MillimetersPerSecond{speed}, RiseLimit::Cure};
   };
   const double from = in_mm(testing::kBoxLayer) * kFirst;
-  plan.rise.emplace();
-  plan.rise->first_layers = kFirst;
-  plan.rise->plan.points = {point(from, 0), point(from + 0.005, speed_mm_s()),
-                            point(kHeightMm - 0.005, speed_mm_s()), point(kHeightMm, 0)};
+  PlannedRise rise{.plan = {}, .first_layer = kFirst};
+  rise.plan.points = {point(from, 0), point(from + 0.005, speed_mm_s()),
+                      point(kHeightMm - 0.005, speed_mm_s()), point(kHeightMm, 0)};
+  plan.rises.emplace();
+  plan.rises->each.push_back(std::move(rise));
   return plan;
 }
 
