@@ -177,7 +177,7 @@ class ObjReader {
     throw ModelError("line " + std::to_string(line_) + ": " + what);
   }
 
-  std::string_view text_;  // what is left of it
+  std::string_view text_;  // the rest of the text
   std::uint64_t most_facets_;
   std::size_t line_ = 0;
   std::string joined_;

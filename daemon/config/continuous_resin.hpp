@@ -12,8 +12,8 @@ namespace contourd {
 class JsonDocument;
 class JsonSection;
 
-// What a rise does when a mask is not on the screen at its refresh. Whatever is chosen, the light goes off
-// before the shown mask is too far from the plate's height.
+// The way in which a rise goes on when a mask is not on the screen at its refresh. Whatever is chosen, the
+// light goes off before the shown mask is too far from the plate's height.
 enum class MissedMasks {
   Keep,   // rises on; the mask is counted
   Slow,   // rises on more slowly

@@ -51,7 +51,7 @@ class StreamedModel {
   ByteStream& stream_;
   std::string name_;
   std::vector<std::byte> first_bytes_;
-  std::size_t given_ = 0;  // of first_bytes_
+  std::size_t given_ = 0;  // bytes of first_bytes_
 };
 
 }  // namespace contourd

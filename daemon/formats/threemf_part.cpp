@@ -208,7 +208,7 @@ class PartReader : public XmlHandler {
 
   ThreeMfRoot root_;
   ThreeMfPart part_;
-  ThreeMfObject object_;  // the one that is being read
+  ThreeMfObject object_;  // is being read
   bool in_object_ = false, is_first_ = true;
   std::size_t references_ = 0;
   std::map<std::string, std::string> prefixes_;  // URIs of namespaces, by prefix

@@ -29,7 +29,7 @@ class XmlAttributes {
   const char* const* list_;
 };
 
-// What a kind of document makes of its elements. Names of elements with a namespace are "URI|name".
+// Handles the elements of one kind of document. Names of elements with a namespace are "URI|name".
 class XmlHandler {
  public:
   XmlHandler() = default;

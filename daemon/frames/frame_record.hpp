@@ -15,7 +15,7 @@ struct FrameRecord {
   TimePoint shown{};            // vblank of the first refresh, by the machine's clock
   Duration lit{};               // time of the light while the mask was on the screen
   std::uint32_t refreshes = 0;  // refreshes that showed the mask
-  std::uint32_t missed = 0;     // those of them for which a later mask was wanted, and was late
+  std::uint32_t missed = 0;     // refreshes for which a later mask was wanted, and was late
   std::int32_t layer = 0;       // slice of the rise, from 0
   bool begins = false;          // the first mask since the light went on
 

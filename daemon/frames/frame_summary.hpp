@@ -13,7 +13,7 @@ struct FrameSummary {
   std::size_t masks = 0, rises = 0;  // a rise that went on after a pause counts as two
   std::uint64_t refreshes = 0, missed = 0;
   Duration lit{};
-  Nanometers lowest{}, highest{};  // of the plate
+  Nanometers lowest{}, highest{};  // heights of the plate
   // The largest distances of a cut from the plate's height at the middle of a refresh that showed it, and
   // that height: of the first refresh, and of all.
   struct Distance {

@@ -27,7 +27,7 @@ struct EndedPrint {
   JobEnd end;
   std::unique_ptr<GivenLight> given{};  // null: exposures were not split
   std::shared_future<void> held{};  // ready when the hold of the queue is on the disk; filing waits for it
-  std::shared_future<EndedFrameLog> frames{};  // of the print's rises; filing waits for them
+  std::shared_future<EndedFrameLog> frames{};  // the print's rises; filing waits for them
 };
 
 struct FiledPrint {

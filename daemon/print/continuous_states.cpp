@@ -38,7 +38,7 @@ constexpr auto kRows = std::to_array<ContinuousTransition>({
     {S::Slowing, {E::MoveEnded, E::RiseBroken}, S::Darkening, F::LightOff, F::BlackNow, F::AwaitDark},
     {S::Darkening, E::LightIsOff, S::Lifting, F::Lift},
 
-    // What follows the rise, or what was stopped within it or before it.
+    // Goes on after the rise, or after a stop within it or before it.
     {S::Lifting, E::PauseDue, S::Paused},
     {{S::Lifting, S::Paused}, E::RiseDue, S::Lowering, F::LightOff, F::BlackNow, F::LowerToRise},
     {{S::Lifting, S::Paused}, E::RestDue, S::Recovering, F::LightOff, F::BlackNow, F::AwaitOxygen},

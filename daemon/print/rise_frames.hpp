@@ -77,7 +77,7 @@ class RiseFrames {
     std::int64_t masks = 0;  // in the sum
   } lit_pixels_;
   FrameFigures figures_;
-  std::optional<FrameRecord> frame_;  // of the mask that is on the screen
+  std::optional<FrameRecord> frame_;  // the mask that is on the screen
   TimePoint vblank_{};                // a refresh, from which the others are counted
   std::uint64_t stops_ = 0;           // answers of the display from before the last stop are ignored
   std::unique_ptr<Timer> refresh_, hand_over_;

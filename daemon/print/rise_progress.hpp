@@ -16,7 +16,7 @@ namespace contourd {
 // than it is at `most`. REQUIRES: a plan with points; `most` is positive.
 [[nodiscard]] RisePlan capped(const RisePlan& plan, MillimetersPerSecond most);
 
-// What a print does after its present part.
+// The next part of a print, after the present one.
 enum class NextPart : std::uint8_t {
   Layers,
   Rest,  // before a rise
@@ -61,7 +61,7 @@ class RiseProgress {
 
  private:
   std::vector<PlannedRise> rises_;
-  std::size_t at_ = 0;  // of rises_: the one under way, or else the next
+  std::size_t at_ = 0;  // index in rises_: the rise under way, or else the next
   bool begun_ = false;
   RisePlan rest_;                            // of the rise under way
   std::optional<MillimetersPerSecond> cap_;  // once the print was slowed down

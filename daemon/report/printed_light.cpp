@@ -134,7 +134,7 @@ class LightFromPlate {
   std::span<const FrameRecord> rest_;
   Nanometers beneath_{};
   PrintedLight light_;
-  std::vector<std::pair<double, Nanometers>> margins_;  // of steps, with their heights
+  std::vector<std::pair<double, Nanometers>> margins_;  // margin and height of each step
 };
 
 }  // namespace

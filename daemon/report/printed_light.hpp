@@ -26,7 +26,7 @@ struct RiseLight {
 
 struct PrintedLight {
   std::vector<LayerDose> layers;         // from the plate up; a rise's are steps of its masks
-  std::vector<Nanometers> mask_heights;  // of the cuts, by layer
+  std::vector<Nanometers> mask_heights;  // heights of the cuts, by layer
   struct Source {
     std::size_t record;    // index among the records
     bool is_step = false;  // a step of a rise, of which the record is a slice

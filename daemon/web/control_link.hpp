@@ -23,7 +23,7 @@ class ControlLink {
   using Answer = std::function<void(const Json& answer)>;
   using Notified = std::function<void(const Json& notification)>;
 
-  static constexpr std::size_t kMostCalls = 64;  // that wait for their answers
+  static constexpr std::size_t kMostCalls = 64;  // calls that wait for their answers
   static constexpr std::chrono::seconds kPatience{15};
   static constexpr int kUnreachable = -32098;  // the error's code if contourd does not answer
 

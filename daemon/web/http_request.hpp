@@ -130,7 +130,7 @@ class HttpRequest {
   std::uint64_t most_ = 0, received_ = 0;
   std::optional<HttpReply> reply_;
   std::shared_ptr<HttpStream> stream_;
-  std::string piece_;  // of the stream, not sent yet
+  std::string piece_;  // part of the stream, not sent yet
   bool waiting_ = false, ended_ = false;
   std::chrono::steady_clock::duration time_left_{};  // when the waiting began
 };

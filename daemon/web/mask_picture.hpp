@@ -33,7 +33,7 @@ class MaskPicture {
 
   ControlLink& printer_;
   std::vector<std::shared_ptr<HttpRequest>> waiting_;
-  std::string bytes_;  // of the picture that is being fetched
+  std::string bytes_;  // the picture that is being fetched
   HttpReply latest_;
   std::chrono::steady_clock::time_point fetched_{};
 };

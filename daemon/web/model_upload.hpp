@@ -15,8 +15,8 @@
 namespace contourd::web {
 
 struct UploadLimits {
-  std::uint64_t most_bytes = 0;  // of a model
-  std::uint64_t free_bytes = 0;  // of the disk, that an upload leaves free
+  std::uint64_t most_bytes = 0;  // size of the largest model
+  std::uint64_t free_bytes = 0;  // room that an upload leaves on the disk
 };
 
 // A refusal of an upload: the status of HTTP, and a sentence for the user.

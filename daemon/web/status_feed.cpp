@@ -62,7 +62,7 @@ void StatusFeed::serve(const std::shared_ptr<HttpRequest>& request) {
 
 void StatusFeed::ask() {
   if (pages_.empty()) {
-    event_.clear();  // it is outdated when the next page opens
+    event_.clear();  // the event is outdated when the next page opens
     ask_timer_.reset();
     return link_.close("no page is open");
   }

@@ -81,7 +81,7 @@ class UploadForm final : public UploadBody {
   struct Callback;
 
   MHD_PostProcessor* parser_ = nullptr;
-  std::string key_, bytes_;  // of the form's part; of the model, since the last piece
+  std::string key_, bytes_;  // key of the form's part; bytes of the model since the last piece
   int parts_ = 0;
 };
 

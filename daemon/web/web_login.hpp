@@ -20,7 +20,7 @@ class WebLogin {
  public:
   using Report = std::function<void(const std::string& peer, bool good)>;
 
-  static constexpr int kMostChecks = 4;  // of passwords that wait for the worker
+  static constexpr int kMostChecks = 4;  // passwords that wait for the worker
 
   WebLogin(EventLoop& loop, WebSecrets secrets, std::chrono::seconds session, Report report);
 

@@ -109,7 +109,7 @@ TEST_CASE("The axis that points up is guessed by a flat base and told") {
   const std::string upright = "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0.5 0.5 3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
   CHECK_FALSE(read_obj_text(upright).y_is_up);
   const std::string lying = "v 0 0 0\nv 2 0 0\nv 0 0 2\nv 0.5 3 0.5\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n";
-  // Its other faces stand or lean.
+  // The other faces stand or lean.
   const Model model = read_obj_text(std::string(lying).replace(lying.find("v 0 0 0"), 7, "v 0 0 -0.5"));
   CHECK(model.y_is_up);
   REQUIRE(model.warnings.size() == 1);

@@ -215,7 +215,7 @@ class ContinuousPrintFixture final : public Machine, public PrintObserver {
   std::vector<std::string> states, interruptions;
   std::vector<LayerRecord> layers;
   std::vector<FrameRecord> recorded;
-  std::vector<std::pair<TimePoint, Mask>> masks;  // of the rise, with their vblanks
+  std::vector<std::pair<TimePoint, Mask>> masks;  // masks of the rise, with their vblanks
   std::vector<PrintProgress> progress;
   std::vector<PrintOutcome> ends;
   std::string reason;
