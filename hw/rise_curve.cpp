@@ -22,9 +22,9 @@ std::optional<Nanometers> where_joined(Nanometers from, MillimetersPerSecond spe
   const double squared = speed.count() * speed.count(), length_mm = in_mm(next.height - from);
   const double growth = (next.speed.count() * next.speed.count() - squared) / length_mm;
   const double way_mm = squared / (2 * acceleration - growth);
+  if (!(way_mm > 0 && way_mm < length_mm)) return std::nullopt;
   const Nanometers joined = from + Nanometers{static_cast<std::int64_t>(std::ceil(way_mm * 1e6))};
-  if (!(way_mm > 0) || joined >= next.height) return std::nullopt;
-  return joined;
+  return joined < next.height ? std::optional(joined) : std::nullopt;
 }
 
 }  // namespace

@@ -12,8 +12,9 @@ namespace contourd {
 namespace {
 
 constexpr std::size_t kLongestQuote = 60;
-// The limits of a message: more violations than a person corrects at once are not listed.
-constexpr std::size_t kMaxLines = 20;
+// The limits of a message: more violations than a person corrects at once are not listed, nor after so many
+// bytes that a reason of a job would be cut.
+constexpr std::size_t kMaxLines = 20, kMaxBytes = 6000;
 constexpr std::size_t kLongestPointer = 200;
 
 // Returns the text cut at `bytes`, with dots in place of the rest.
@@ -31,9 +32,9 @@ std::string line(const Violation& violation, const char* severity) {
 
 std::string lines(const std::vector<Violation>& violations, const std::string& divider = "\n") {
   std::string text;
-  const std::size_t shown = std::min(violations.size(), kMaxLines);
-  for (std::size_t i = 0; i < shown; ++i)
-    text += (text.empty() ? "" : divider) + line(violations[i], "");
+  std::size_t shown = 0;
+  for (; shown < std::min(violations.size(), kMaxLines) && text.size() < kMaxBytes; ++shown)
+    text += (text.empty() ? "" : divider) + line(violations[shown], "");
   if (shown < violations.size()) {
     const char* const counted = violations.size() < kMaxViolations ? "and " : "and at least ";
     text += divider + counted + std::to_string(violations.size() - shown) + " more";

@@ -484,7 +484,7 @@ class ManyAndLong(SpoolTest):
         daemon = self.daemon().start()
         reason = daemon.refused("long.stl", SLAB, "{" + ",".join(f'"{number}":1' for number in range(80000)) + "}")
         self.assertLess(len(reason), 10000)
-        self.assertIn("and at least 980 more", reason)
+        self.assertRegex(reason, r"; and at least 9[89]\d more\n$")
         # Sixty nested objects with keys of a thousand bytes.
         nested = "".join('{"' + "k" * 1000 + '":' for _ in range(60)) + "1" + "}" * 60
         self.assertLess(len(daemon.refused("deep.stl", SLAB, nested)), 10000)

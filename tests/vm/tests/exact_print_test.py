@@ -18,11 +18,9 @@ from bed.qemu import run_scenario
 from bed.registry import check, vm_test
 
 _LAYER_NM = 50_000
-_STEP_NM = 1_250  # 800 microsteps per mm
-_RESIN = {"exposure_ms": 1000, "bottom_exposure_ms": 2000, "bottom_layers": 2, "fade_layers": 3, "lift_mm": 0.6,
-          "second_lift_mm": 0.4, "settle_ms": 300, "rest_ms": 100}  # fmt: skip
-
-_DEPTH_MM, _CRITICAL_MJ_CM2 = 0.15, 8  # penetration depth and critical dose of a resin
+STEP_NM = 1_250  # 800 microsteps per mm
+RESIN = {"exposure_ms": 1000, "bottom_exposure_ms": 2000, "bottom_layers": 2, "fade_layers": 3, "lift_mm": 0.6,
+         "second_lift_mm": 0.4, "settle_ms": 300, "rest_ms": 100}  # fmt: skip
 
 # The plate is 2.5 mm above a switch that bounces for 1.2 ms.
 _SCENARIO = f"""\
@@ -37,8 +35,8 @@ stop_daemon || fail "the daemon ended with $?"
 """
 
 
-def _print(arch, layers, config=None, devices="load_devices", layer_nm=_LAYER_NM, model=models.twisted_star, resin=None, **options):
-    resin = {**_RESIN, "layer_height_um": layer_nm / 1000, **(resin or {})}
+def print_layers(arch, layers, config=None, devices="load_devices", layer_nm=_LAYER_NM, model=models.twisted_star, resin=None, **options):
+    resin = {**RESIN, "layer_height_um": layer_nm / 1000, **(resin or {})}
     guest = guests.printer_guest(arch, config or guests.real_config(), layers * layer_nm / 1e6, resin, model)
     guest.add_text("/scenario", _SCENARIO.format(devices=devices))
     with guests.written(guest) as initramfs:
@@ -56,10 +54,10 @@ def _expected_layers(report, edges, frames, crc=core_masks.xrgb_crc):
         layers = report["layer_records"]
         model.write_bytes(models.binary_stl(models.twisted_star(len(layers) * _LAYER_NM / 1e6)))
         for number, (layer, picture) in enumerate(zip(layers, frames.lit_pictures()), 1):
-            height_nm = edges.position_at(picture.start_ns) * _STEP_NM
+            height_nm = edges.position_at(picture.start_ns) * STEP_NM
             mask = core_masks.mask_at(model, height_nm - _LAYER_NM // 2)
             exposure_ns = round(layer["exposure_asked_ms"] * 1e6)
-            position = number * _LAYER_NM // _STEP_NM
+            position = number * _LAYER_NM // STEP_NM
             expected.append(ExpectedLayer(number, position, crc(mask), exposure_ns))
     return expected
 
@@ -82,7 +80,7 @@ def _fingerprint(results):
 def exact_print():
     """Five layers: every picture is the core's mask at the plate's height, nothing is lit outside exposures, exposures
     have the requested length, steps keep the motor's rules, and homing is exact with a bouncing switch."""
-    return _verify(_print(ARM64, 5), 5)
+    return _verify(print_layers(ARM64, 5), 5)
 
 
 @vm_test("full")
@@ -91,7 +89,7 @@ def exact_print_with_supports():
     contourctl slice at the plate's height, and the other checks of exact_print hold."""
     layers, layer_nm = 40, 100_000
     config = {**guests.real_config(), "supports": "auto"}
-    results = _print(ARM64, layers, config, layer_nm=layer_nm, model=models.table)
+    results = print_layers(ARM64, layers, config, layer_nm=layer_nm, model=models.table)
     edges, frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
     report = json.loads(results.text("spool/done/part.report.json"))
     with tempfile.TemporaryDirectory() as folder:
@@ -102,7 +100,7 @@ def exact_print_with_supports():
     held = sum(not numpy.array_equal(with_supports, without) for with_supports, without in zip(masks, bare, strict=True))
     assert held > layers / 2, f"only {held} of {layers} layers have supports"
     expected = [
-        ExpectedLayer(number, number * layer_nm // _STEP_NM, core_masks.xrgb_crc(mask), round(layer["exposure_asked_ms"] * 1e6))
+        ExpectedLayer(number, number * layer_nm // STEP_NM, core_masks.xrgb_crc(mask), round(layer["exposure_asked_ms"] * 1e6))
         for number, (layer, mask) in enumerate(zip(report["layer_records"], masks, strict=True), 1)
     ]
     check(exposure_checks.all_checks(frames, edges, expected))
@@ -110,60 +108,10 @@ def exact_print_with_supports():
     return f"{held} of {layers} masks with supports"
 
 
-def _underside_mm(light, doses_mj_cm2, tops_mm, memory):
-    """Returns the height from which on resin solidifies above a pixel, by a sum over all layers at each micrometre. `light`:
-    the pixel's share of each layer's light."""
-    heights = numpy.arange(0.0005, tops_mm[-1], 0.001)
-    dose, greatest = numpy.zeros(len(heights)), numpy.zeros(len(heights))
-    for share, exposure, top in zip(light, doses_mj_cm2, tops_mm, strict=True):
-        depths = top - heights
-        dose = memory * dose + numpy.where(depths > 0, share * exposure * numpy.exp(-depths / _DEPTH_MM), 0)
-        greatest = numpy.maximum(greatest, dose)
-    return float(heights[greatest >= _CRITICAL_MJ_CM2][0])
-
-
-@vm_test("full")
-def exact_print_of_undersides():
-    """Forty layers of a slab that overhangs a post, undersides by dose, memories of 1 and 0.75: every picture is the dimmed mask
-    of contourctl slice, and the resin that the logged light cures at the logged heights, by a model of the light that shares no
-    code, begins within 15 um of the slab's underside."""
-    layers, worst_um = 40, 0
-    for memory in (1, 0.75):
-        curve = {"penetration_depth_um": _DEPTH_MM * 1000, "critical_energy_mj_cm2": _CRITICAL_MJ_CM2, "overcure_um": 50,
-                 "bottom_overcure_um": 50, "peel_memory": memory}  # fmt: skip
-        resin = {"exposure_ms": None, "bottom_exposure_ms": None, "working_curve": curve, "undersides": "dose",
-                 "bottom_layers": 0, "fade_layers": 0}  # fmt: skip
-        results = _print(ARM64, layers, model=models.table, resin=resin)
-        edges, frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
-        report = json.loads(results.text("spool/done/part.report.json"))
-        with tempfile.TemporaryDirectory() as folder:
-            model, profile = Path(folder, "model.stl"), Path(folder, "resin.json")
-            model.write_bytes(models.binary_stl(models.table(layers * _LAYER_NM / 1e6)))
-            profile.write_text(guests.resin_profile({**_RESIN, **resin}))
-            masks = core_masks.layers_of(model, _LAYER_NM, Path(folder, "masks"), "--resin", profile)
-        expected = [
-            ExpectedLayer(number, number * _LAYER_NM // _STEP_NM, core_masks.xrgb_crc(mask), round(layer["exposure_asked_ms"] * 1e6))
-            for number, (layer, mask) in enumerate(zip(report["layer_records"], masks, strict=True), 1)
-        ]
-        check(exposure_checks.all_checks(frames, edges, expected))
-        irradiance = guests.real_config()["projector"]["irradiance_mw_cm2"]
-        doses = [irradiance * (off - on) / 1e9 for on, off in edges.active(edges.lines.light)]
-        tops = [edges.position_at(picture.start_ns) * _STEP_NM / 1e6 for picture in frames.lit_pictures()]
-        drawn_mm = layers * _LAYER_NM / 1e6 - 1
-        slab = (masks[-1] == 255) & (masks[0] == 0)
-        assert slab.sum() > 10_000, "the slab has no underside"
-        columns = {tuple(int(mask[row, column]) for mask in masks) for row, column in numpy.argwhere(slab)[::97]}
-        for column in columns:
-            underside = _underside_mm([grey / 255 for grey in column], doses, tops, memory)
-            worst_um = max(worst_um, 1000 * abs(underside - drawn_mm), key=abs)
-    assert worst_um <= 15, f"the underside is off by {worst_um:.1f} um"
-    return f"undersides within {worst_um:.1f} um"
-
-
 @vm_test("full")
 def exact_print_twice():
     """Twenty layers with the same checks as exact_print; the logs of a second run are identical."""
-    first, second = _print(ARM64, 20), _print(ARM64, 20)
+    first, second = print_layers(ARM64, 20), print_layers(ARM64, 20)
     note = _verify(first, 20)
     differing = [name for name, digest in _fingerprint(first).items() if _fingerprint(second)[name] != digest]
     assert not differing, f"the second run's logs differ: {differing}"
@@ -173,7 +121,7 @@ def exact_print_twice():
 @vm_test("full")
 def exact_print_without_atomic():
     """Two layers on a display whose driver has no atomic mode setting: the checks of exact_print hold."""
-    results = _print(ARM64, 2, devices="ZPROJ=atomic=0 load_devices")
+    results = print_layers(ARM64, 2, devices="ZPROJ=atomic=0 load_devices")
     log = results.text("daemon.log")
     assert "1920x1080 at 60.00 Hz, legacy" in log, log
     return _verify(results, 2)
@@ -182,7 +130,7 @@ def exact_print_without_atomic():
 @vm_test("full")
 def exact_print_in_rgb565():
     """Two layers in 16-bit pixels: every picture is the core's mask rounded to these pixels."""
-    results = _print(ARM64, 2, config=guests.real_config(display={"format": "rgb565"}))
+    results = print_layers(ARM64, 2, config=guests.real_config(display={"format": "rgb565"}))
     return _verify(results, 2, core_masks.rgb565_crc)
 
 
@@ -191,7 +139,7 @@ def exact_print_on_a_slow_computer():
     """Two layers on a computer that is fully busy while it makes steps (64 ns per instruction), at speeds from which the
     motor may stop dead (up to half the homing speed): the switch still halts the plate at the next step, homing is exact,
     and every picture is the core's mask at the plate's height."""
-    results = _print(ARM64, 2, guests.real_config(z_axis={"travel_speed_mm_s": 2.5}), shift=6)
+    results = print_layers(ARM64, 2, guests.real_config(z_axis={"travel_speed_mm_s": 2.5}), shift=6)
     edges, frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
     expected = _expected_layers(json.loads(results.text("spool/done/part.report.json")), edges, frames)
     assert len(expected) == 2, f"{len(expected)} of 2 layers were shown"
