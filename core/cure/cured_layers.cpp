@@ -13,6 +13,8 @@ namespace {
 // Light that adds less than this to the dose, in units of Ec, is forgotten: all of it together moves an
 // underside by less than a 1000th of Dp.
 constexpr double kFaintest = 1e-4;
+// Liquid that is thinner than this at a layer's bottom is a rounding error of the dose, a float.
+constexpr Millimeters kThinnestLiquid{1e-6};
 constexpr double kAllLight = std::numeric_limits<std::uint16_t>::max();
 
 }  // namespace
@@ -125,7 +127,7 @@ double CuredLayers::greatest_dose(std::size_t pixel, double below_top_mm) const 
 double CuredLayers::greatest_solid(std::size_t pixel, double thickness_mm) const {
   const double at_top = greatest_dose(pixel, 0);
   if (lost_ == 0 || at_top < 1) return at_top;
-  if (greatest_dose(pixel, thickness_mm) >= 1) return std::exp(thickness_mm / depth_mm_);
+  if (greatest_dose(pixel, thickness_mm) >= 1) return at_top;
   double solid = 0, liquid = thickness_mm;
   constexpr int kHalvings = 16;  // to a 65536th of the layer
   for (int halving = 0; halving < kHalvings; ++halving) {
@@ -141,8 +143,9 @@ Millimeters CuredLayers::solid_top(const LayerDose& layer) const {
 
 Millimeters CuredLayers::solid_thickness(const LayerDose& layer, float dose) const {
   if (dose < 1) return Millimeters{};
-  return std::min(Millimeters{depth_mm_ * std::log(static_cast<double>(dose))},
-                  to_millimeters(layer.thickness));
+  const Millimeters solid{depth_mm_ * std::log(static_cast<double>(dose))};
+  const Millimeters whole = to_millimeters(layer.thickness);
+  return whole - solid <= kThinnestLiquid ? whole : solid;
 }
 
 double CuredLayers::dose_at_top(Millimeters depth) const {

@@ -1,6 +1,7 @@
 // Tests the cured part of models whose print-through is known, by its distances from the model.
 #include "core/cure/cured_part.hpp"
 
+#include <array>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -22,6 +23,9 @@ struct Printing {
   Compensation compensation{};
   PixelLight pixel{};
   double dead_zone_um = 0;
+  double oxygen = 0;  // mJ/cm2
+  double overcure_um = kOvercureUm;
+  WorkingCurve curve = kCurve;
 };
 
 CuredPart cured(models::Facets facets, const Printing& printing = {}) {
@@ -35,11 +39,13 @@ CuredPart cured(models::Facets facets, const Printing& printing = {}) {
   std::vector<LayerDose> layers;
   const LayerStack stack = layers_for(Millimeters{top}, kLayer);
   for (std::int32_t layer = 0; layer < stack.count; ++layer)
-    layers.push_back({kLayer * (layer + 1), kLayer, kCurve.dose_for(Micrometers{50 + kOvercureUm})});
+    layers.push_back(
+        {kLayer * (layer + 1), kLayer, printing.curve.dose_for(Micrometers{50 + printing.overcure_um})});
   return cure_part(engine, printing.display,
                    {.layers = layers,
-                    .cure = {.curve = kCurve,
+                    .cure = {.curve = printing.curve,
                              .peel_memory = printing.memory,
+                             .oxygen_dose = MillijoulesPerCm2{printing.oxygen},
                              .dead_zone = Micrometers{printing.dead_zone_um}},
                     .pixel = printing.pixel},
                    nullptr);
@@ -78,6 +84,53 @@ TEST_CASE("The underside of a thick bridge is 239 um too low, that of a thin one
   CHECK(thick.too_much_mm3 == Approx(16 * 0.239).epsilon(0.003));
   CHECK(cured(bridge(0.1F)).figures.undersides.median_um == Approx(131).margin(0.6));
   CHECK(cured(bridge(3), {.memory = 0.9}).figures.undersides.median_um == Approx(168).margin(0.6));
+}
+
+TEST_CASE("Dose that is lost to oxygen at each peel lets a thick bridge print through less") {
+  struct Row {
+    double memory, oxygen;
+    std::array<double, 2> um;  // for Dp of 150 and 100 um
+  };
+  // Resin that is followed through all layers above it: D = max(m D - oxygen, 0) + E, solid from Ec on.
+  for (const Row& row : {Row{0.9, 0.001, {167.5, 107.3}}, Row{0.9, 0.1, {161.2, 104.0}},
+                         Row{0.9, 0.5, {140.6, 93.2}}, Row{0.9, 1, {120.3, 83.1}}, Row{0.9, 2, {93.3, 68.7}},
+                         Row{0.9, 4, {61.2, 50.4}}, Row{1, 1, {146.9, 96.9}}}) {
+    for (const double depth_um : {150.0, 100.0}) {
+      const double um = row.um[depth_um == 150 ? 0 : 1];
+      const Printing printing{
+          .memory = row.memory, .oxygen = row.oxygen, .curve = {Micrometers{depth_um}, kCurve.critical_dose}};
+      const CureFigures of = cured(bridge(3), printing).figures;
+      CAPTURE(row.memory, row.oxygen, depth_um);
+      CHECK(of.undersides.median_um == Approx(um).margin(0.1));  // rounded to 0.1 um
+      CHECK(of.too_much_mm3 == Approx(16 * um / 1000).epsilon(0.003));
+      CHECK(of.too_little_mm3 == Approx(0).margin(1e-4));
+      const auto closed_mm2 = [&](double gap_um) {
+        const auto floor = static_cast<float>(3 - gap_um / 1000);
+        return cured(models::together(bridge(3), models::box({-2, -2, 0}, {2, 2, floor})), printing)
+            .figures.closed_mm2;
+      };
+      const double whole_layers_um = std::floor(um / 50) * 50;
+      CHECK(closed_mm2(whole_layers_um) == Approx(16));
+      CHECK(closed_mm2(whole_layers_um + 50) == 0);
+    }
+  }
+}
+
+TEST_CASE("Light that just reaches the bottom of its layer leaves no gap between layers") {
+  for (const double depth_um : {80.0, 100.0, 120.0, 150.0, 200.0}) {
+    for (const double memory : {1.0, 0.9, 0.0}) {
+      CAPTURE(depth_um, memory);
+      const Printing printing{.memory = memory,
+                              .oxygen = 1,
+                              .overcure_um = 0,
+                              .curve = {Micrometers{depth_um}, kCurve.critical_dose}};
+      const CureFigures of = cured(models::box({0, 0, 0}, {4, 3, 1}), printing).figures;
+      CHECK(of.tops.p95_um == Approx(0).margin(kRounding));
+      CHECK(of.undersides.places == 0);
+      // One gap of any thickness, in the row of the worst top.
+      CHECK(of.section.cured.size() == of.section.model.size());
+    }
+  }
 }
 
 TEST_CASE("Mirrors change no distance, and places stay where they are on the plate") {
