@@ -29,10 +29,11 @@ struct CurveFit {
   [[nodiscard]] Micrometers thickness_of(MillijoulesPerCm2 dose) const;
 };
 
-// Returns the working curve of at least five windows. Throws CalibrationRefused if there are fewer, a dose or
-// thickness is not positive, the doses span less than a factor of four, the thickness falls with the dose, or
-// the scatter leaves Dp uncertain by more than a tenth.
-[[nodiscard]] CurveFit fit_working_curve(std::span<const CuredWindow> windows);
+// Returns the working curve of at least five windows. `reading` is the standard uncertainty of a thickness by
+// the rounding of its readings, the least that is assumed. Throws CalibrationRefused if there are fewer
+// windows, a dose or thickness is not positive, the doses span less than a factor of four, the thickness
+// falls with the dose, the scatter leaves Dp uncertain by more than a tenth, or no resin has such a curve.
+[[nodiscard]] CurveFit fit_working_curve(std::span<const CuredWindow> windows, Micrometers reading = {});
 
 // The thickness of a window that was lit with a grey value, all windows for the same time.
 struct GreyWindow {
@@ -48,6 +49,7 @@ struct GammaFit {
 
 // Returns the gamma by which the resin, with this penetration depth, answers to grey values. Throws
 // CalibrationRefused as fit_working_curve() does; the grey values must span at least from 255 to 180.
-[[nodiscard]] GammaFit fit_gamma(std::span<const GreyWindow> windows, Estimate penetration_depth_um);
+[[nodiscard]] GammaFit fit_gamma(std::span<const GreyWindow> windows, Estimate penetration_depth_um,
+                                 Micrometers reading = {});
 
 }  // namespace contourd

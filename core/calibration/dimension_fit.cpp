@@ -47,11 +47,15 @@ void check_lengths(std::span<const MeasuredLength> measured, std::size_t figures
            kLengthsPerFigure * figures);
 }
 
-LinearFit fit_lengths(std::span<const MeasuredLength> measured, const MeasuredAxes& axes) {
+LinearFit fit_lengths(std::span<const MeasuredLength> measured, const MeasuredAxes& axes,
+                      Millimeters reading) {
   std::vector<LinearPoint> points;
   for (const MeasuredLength& length : measured)
     points.push_back({terms_of(length, axes), length.measured.count()});
-  if (std::optional<LinearFit> fit = fit_linear(points)) return *std::move(fit);
+  if (std::optional<LinearFit> fit = fit_linear(points)) {
+    fit->scatter = std::max(fit->scatter, reading.count());
+    return *std::move(fit);
+  }
   throw CalibrationRefused(
       "the lengths are too similar to tell scale from growth: measure long and short ones, from outer side "
       "to outer side and in gaps");
@@ -90,14 +94,15 @@ void check_growth(const Estimate& um) {
 
 }  // namespace
 
-DimensionFit fit_dimensions(const DimensionSettings& printed, std::span<const MeasuredLength> measured) {
+DimensionFit fit_dimensions(const DimensionSettings& printed, std::span<const MeasuredLength> measured,
+                            Millimeters reading) {
   const auto has = [measured](PlateAxis axis) {
     return std::ranges::any_of(measured, [axis](const MeasuredLength& each) { return each.axis == axis; });
   };
   const MeasuredAxes axes{has(PlateAxis::X), has(PlateAxis::Y)};
   const std::size_t figures = 1U + (axes.x ? 1U : 0U) + (axes.y ? 1U : 0U);
   check_lengths(measured, std::max<std::size_t>(figures, 2));
-  const LinearFit lengths = fit_lengths(measured, axes);
+  const LinearFit lengths = fit_lengths(measured, axes, reading);
   DimensionFit fit;
   fit.scatter_um = lengths.scatter * 1000;
   if (!(fit.scatter_um <= kMostScatterUm))

@@ -35,17 +35,18 @@ struct DimensionSettings {
 
 // The values of the profile with which parts have their drawn size.
 struct DimensionFit {
-  std::optional<Estimate> shrinkage_x_percent, shrinkage_y_percent;  // of the axes that were measured
+  std::optional<Estimate> shrinkage_x_percent, shrinkage_y_percent;  // for the axes that were measured
   Estimate growth_um;
   double scatter_um = 0;               // lengths about those by scale and growth
   std::vector<Estimate> lengths_mm{};  // by scale and growth, in the order of the measured ones
 };
 
-// Returns the fit of a part that was printed with `printed`. Throws CalibrationRefused if a length is not
-// positive, is more than a fifth and 1 mm off, there are fewer than three lengths for each figure or too
+// Returns the fit of a part that was printed with `printed`. `reading` is the standard uncertainty of a
+// length by the rounding of its readings, the least that is assumed. Throws CalibrationRefused if a length is
+// not positive, is more than a fifth and 1 mm off, there are fewer than three lengths for each figure or too
 // similar ones, the lengths scatter by more than 60 um, the figures are too uncertain or outside of their
 // limits in a profile.
 [[nodiscard]] DimensionFit fit_dimensions(const DimensionSettings& printed,
-                                          std::span<const MeasuredLength> measured);
+                                          std::span<const MeasuredLength> measured, Millimeters reading = {});
 
 }  // namespace contourd

@@ -1,5 +1,6 @@
 #include "core/calibration/line_fit.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/contract/expects.hpp"
@@ -10,7 +11,7 @@ double LineFit::uncertainty_at(double x) const {
   return std::hypot(mean_y.uncertainty, slope.uncertainty * (x - mean_x));
 }
 
-LineFit fit_line(std::span<const MeasuredPoint> points) {
+LineFit fit_line(std::span<const MeasuredPoint> points, double reading) {
   expects(points.size() >= 3, "fit_line: at least three points");
   const auto count = static_cast<double>(points.size());
   LineFit line;
@@ -28,7 +29,7 @@ LineFit fit_line(std::span<const MeasuredPoint> points) {
   double squares = 0;
   for (const MeasuredPoint& point : points)
     squares += std::pow(point.y - line.at(point.x), 2);
-  line.scatter = std::sqrt(squares / (count - 2));
+  line.scatter = std::max(std::sqrt(squares / (count - 2)), reading);
   line.slope.uncertainty = line.scatter / std::sqrt(xx);
   line.mean_y.uncertainty = line.scatter / std::sqrt(count);
   return line;

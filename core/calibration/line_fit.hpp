@@ -27,15 +27,17 @@ struct MeasuredPoint {
 struct LineFit {
   double mean_x = 0;
   Estimate mean_y, slope;
-  double scatter = 0;  // standard deviation of the points about the line, in the unit of y
+  // Standard deviation of the points about the line, in the unit of y; at least that of a reading.
+  double scatter = 0;
 
   [[nodiscard]] double at(double x) const { return mean_y.value + slope.value * (x - mean_x); }
   // Returns the standard uncertainty of the line's y.
   [[nodiscard]] double uncertainty_at(double x) const;
 };
 
-// Returns the line with the least squares of y's differences. REQUIRES: at least three points, two of them
-// with different x.
-[[nodiscard]] LineFit fit_line(std::span<const MeasuredPoint> points);
+// Returns the line with the least squares of y's differences. `reading` is the standard uncertainty of y by
+// the rounding of its readings: points that lie on a line by chance are not better than that. REQUIRES: at
+// least three points, two of them with different x.
+[[nodiscard]] LineFit fit_line(std::span<const MeasuredPoint> points, double reading = 0);
 
 }  // namespace contourd

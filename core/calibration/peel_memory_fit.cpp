@@ -61,7 +61,10 @@ class BridgeSquares {
       const bool is_lower = at(low + third) <= at(high - third);
       (is_lower ? high : low) += is_lower ? -third : third;
     }
-    return (low + high) / 2;
+    // All or nothing of the dose is a figure by itself, and not the nearest one that the search tries.
+    const double found = (low + high) / 2, squares = at(found);
+    if (low == 0 && at(0) <= squares) return 0;
+    return high == 1 && at(1) <= squares ? 1 : found;
   }
 
   // Returns the memory between these two at which the squares reach a limit; `beyond` if they do not.
@@ -178,13 +181,14 @@ Micrometers bridge_thickness(const BridgePrint& print, double memory, int layers
 }
 
 PeelMemoryFit fit_peel_memory(const BridgePrint& print, std::span<const BridgeThickness> measured,
-                              const CurveUncertainty& curve) {
+                              const CurveUncertainty& curve, Micrometers reading) {
   expects(print.layer_height > Nanometers{}, "bridges have layers");
   check_bridges(measured);
   check_curve(print.resin.curve, curve);
   const BridgeSquares squares(print, measured);
   const double best = squares.best(), least = squares.at(best);
-  const double variance = least / static_cast<double>(measured.size() - 1);
+  const double variance =
+      std::max(least / static_cast<double>(measured.size() - 1), reading.count() * reading.count());
   const double scatter = std::sqrt(variance);
   check_within(squares.differences(best), best);
   if (!(scatter <= kMostBridgeScatterUm))

@@ -18,7 +18,7 @@ namespace contourd {
 struct BridgePrint {
   CureSettings resin{};  // peel_memory is not used
   Nanometers layer_height{};
-  MillijoulesPerCm2 dose{};  // of each layer
+  MillijoulesPerCm2 dose{};  // for each layer
 };
 
 // A bridge that was measured.
@@ -48,18 +48,19 @@ struct MemoryShares {
 
 struct PeelMemoryFit {
   Estimate memory;
-  MemoryShares shares;      // of its uncertainty
-  double scatter_um = 0;    // of the thicknesses about those by the memory
+  MemoryShares shares;      // parts of its uncertainty
+  double scatter_um = 0;    // the thicknesses about those by the memory
   double underside_um = 0;  // standard uncertainty of a thick part's underside, by the scatter
 };
 
-// Returns the memory with the least squares of the thicknesses' differences. Throws CalibrationRefused if
-// fewer than four bridges of several layers were measured, a figure is no bridge's, the thicknesses scatter
-// by more than 40 um, leave an underside uncertain by more than 15 um, or lie beyond those of any memory, or
-// if the curve is uncertain by more than a quarter. REQUIRES: positive layer height; settings as CuredLayers
-// requires them.
+// Returns the memory with the least squares of the thicknesses' differences. `reading` is the standard
+// uncertainty of a thickness by the rounding of its readings, the least that is assumed. Throws
+// CalibrationRefused if fewer than four bridges of several layers were measured, a figure is no bridge's, the
+// thicknesses scatter by more than 40 um, leave an underside uncertain by more than 15 um, or lie beyond
+// those of any memory, or if the curve is uncertain by more than a quarter. REQUIRES: positive layer height;
+// settings as CuredLayers requires them.
 [[nodiscard]] PeelMemoryFit fit_peel_memory(const BridgePrint& print,
                                             std::span<const BridgeThickness> measured,
-                                            const CurveUncertainty& curve = {});
+                                            const CurveUncertainty& curve = {}, Micrometers reading = {});
 
 }  // namespace contourd

@@ -58,8 +58,6 @@ class Replacement {
     if (!placed_) ::unlink(path_.c_str());
   }
 
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
   void write(std::string_view text) const {
     struct stat like {};
     const bool exists = ::stat(like_.c_str(), &like) == 0;
@@ -128,8 +126,9 @@ std::string with_number(const std::string& text, std::string_view section, std::
 
 void set_config_number(const fs::path& file, std::string_view section, std::string_view key, double number) {
   (void)load_printer_config(file);
-  replace_file(file, with_number(read_text(file), section, key, number),
-               [](const fs::path& changed) { (void)load_printer_config(changed); });
+  const std::string changed = with_number(read_text(file), section, key, number);
+  (void)read_printer_config(changed, file);
+  replace_file(file, changed);
 }
 
 std::string read_text(const fs::path& file) {
@@ -139,11 +138,9 @@ std::string read_text(const fs::path& file) {
   return text;
 }
 
-void replace_file(const fs::path& file, const std::string& text,
-                  const std::function<void(const fs::path&)>& check) {
+void replace_file(const fs::path& file, std::string_view text) {
   Replacement replacement(fs::canonical(file));
   replacement.write(text);
-  check(replacement.path());
   replacement.place();
 }
 
@@ -155,9 +152,9 @@ void write_beside(const fs::path& existing, const fs::path& file, std::string_vi
 
 std::optional<fs::path> replace_config(const fs::path& file, const std::string& text, FileBefore before) {
   const fs::path path = fs::weakly_canonical(file);
+  (void)read_printer_config(text, path);
   Replacement replacement(path);
   replacement.write(text);
-  (void)load_printer_config(replacement.path());
   std::optional<fs::path> kept;
   if (before == FileBefore::Kept && fs::exists(path)) kept = keep_aside(path);
   replacement.place();

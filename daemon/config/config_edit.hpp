@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,12 +23,10 @@ void set_config_number(const std::filesystem::path& file, std::string_view secti
 // Returns the content of a file. Throws std::system_error.
 [[nodiscard]] std::string read_text(const std::filesystem::path& file);
 
-// Replaces an existing file with the text if `check`, called with the path of a file that holds the text,
-// does not throw. Links are followed. The new file has the owner and permissions of the old one and is never
-// partly written. Blocks until the data is on the disk. Throws std::system_error, and what `check` throws;
-// then the file is unchanged.
-void replace_file(const std::filesystem::path& file, const std::string& text,
-                  const std::function<void(const std::filesystem::path&)>& check);
+// Replaces an existing file with the text, which the caller has checked. Links are followed. The new file has
+// the owner and permissions of the old one and is never partly written. Blocks until the data is on the disk.
+// Throws std::system_error; then the file is unchanged.
+void replace_file(const std::filesystem::path& file, std::string_view text);
 
 // Writes a new file beside an existing one, with that one's owner and permissions. The new file is never
 // partly written. Blocks until the data is on the disk. Throws std::system_error; then there is no new file.

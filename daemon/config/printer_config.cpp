@@ -278,11 +278,7 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
   return config;
 }
 
-}  // namespace
-
-PrinterConfig load_printer_config(const fs::path& path, Places places) {
-  JsonDocument document = JsonDocument::from_file(path);
-  const fs::path folder = folder_of(path);
+PrinterConfig checked_config(JsonDocument document, const fs::path& folder, Places places) {
   printer_schema().check(document);
   check_rules(document, folder);
   if (places == Places::Here) check_places(document, folder);
@@ -302,6 +298,16 @@ PrinterConfig load_printer_config(const fs::path& path, Places places) {
                                         std::optional<JsonSection>(companions.table));
   if (companions.projector) warn_of_light(document, companions);
   return read_printer(document, folder, std::move(companions));
+}
+
+}  // namespace
+
+PrinterConfig load_printer_config(const fs::path& path, Places places) {
+  return checked_config(JsonDocument::from_file(path), folder_of(path), places);
+}
+
+PrinterConfig read_printer_config(std::string_view text, const fs::path& path, Places places) {
+  return checked_config(JsonDocument::from_text(text, path.string()), folder_of(path), places);
 }
 
 ResinProfile find_resin(const PrinterConfig& printer, std::string_view name) {

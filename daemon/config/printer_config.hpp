@@ -95,6 +95,9 @@ enum class Places { Here, Elsewhere };
 // profile, the projector's table, the uniformity mask.
 [[nodiscard]] PrinterConfig load_printer_config(const std::filesystem::path& path,
                                                 Places places = Places::Here);
+// Does the same with the text that is to become a printer's file.
+[[nodiscard]] PrinterConfig read_printer_config(std::string_view text, const std::filesystem::path& path,
+                                                Places places = Places::Here);
 
 // Reads the resin profile of that name and checks it against the printer. Throws ConfigError with its
 // violations, or with a list of the existing profiles if there is none of that name. Safe for untrusted

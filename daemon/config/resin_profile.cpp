@@ -1,5 +1,7 @@
 #include "daemon/config/resin_profile.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -46,16 +48,40 @@ std::optional<Duration> step_exposure(const ResinProfile& resin, Nanometers midd
   return exposure;
 }
 
-std::optional<std::string> exposure_problem(const std::string& which, double seconds,
-                                            Nanometers layer_height) {
+// Returns a time to three digits.
+std::string readable_exposure(double seconds) {
+  constexpr double kDayS = 86'400;
+  if (!(seconds <= kDayS)) return "more than a day";
+  if (seconds >= 1) return fmt::format("{:.4g} s", seconds);
+  return seconds >= 1e-6 ? fmt::format("{:.3g} ms", seconds * 1000) : "less than a microsecond";
+}
+
+// Returns the reason why the exposures at this layer height are outside their limits, with all figures that
+// they follow from; nullopt if they are within.
+std::optional<std::string> exposure_problem(const ResinProfile& resin, Nanometers layer_height,
+                                            double irradiance_mw_cm2) {
+  const auto [normal, bottom] = exposures_s(resin, layer_height, irradiance_mw_cm2);
   const double shortest = std::chrono::duration<double>(kShortestExposure).count();
   const double longest = std::chrono::duration<double>(kLongestExposure).count();
-  if (seconds >= shortest && seconds <= longest) return std::nullopt;
-  const double rounded_ms = std::round(seconds * 1e6) / 1e3;
-  return which + " at a layer height of " + decimal(static_cast<double>(layer_height.count()) / 1e3) +
-         " um comes to " +
-         (std::isfinite(rounded_ms) ? nlohmann::json(rounded_ms).dump() : "infinitely many") +
-         " ms; it must be from 1 ms to 120 s";
+  const auto is_outside = [&](double seconds) { return !(seconds >= shortest && seconds <= longest); };
+  if (!is_outside(normal) && !is_outside(bottom)) return std::nullopt;
+  std::string problem =
+      fmt::format("{} of {:g} um would last {}", is_outside(normal) ? "a layer" : "a bottom layer",
+                  in_mm(layer_height) * 1000, readable_exposure(is_outside(normal) ? normal : bottom));
+  if (is_outside(normal) && is_outside(bottom) && bottom != normal)
+    problem += fmt::format(", a bottom layer {}", readable_exposure(bottom));
+  problem += "; an exposure must last 1 ms to 120 s";
+  const auto* by_curve = std::get_if<CurveExposure>(&resin.exposure);
+  if (by_curve == nullptr) return problem;
+  const WorkingCurve& curve = resin.cure.value().curve;
+  const Micrometers overcure = is_outside(normal) ? by_curve->overcure : by_curve->bottom_overcure;
+  return problem +
+         fmt::format(
+             ": it follows from penetration_depth_um {:g}, critical_energy_mj_cm2 {:g} and {} {:g} "
+             "of the resin, and irradiance_mw_cm2 {:g} of the projector: correct the one that is wrong{}",
+             curve.penetration_depth.count(), curve.critical_dose.count(),
+             is_outside(normal) ? "overcure_um" : "bottom_overcure_um", overcure.count(), irradiance_mw_cm2,
+             (is_outside(normal) ? normal : bottom) > longest ? ", or print thinner layers" : "");
 }
 
 // Checks that the number at `lower` is at most the number at `upper`.
@@ -303,14 +329,11 @@ ResinProfile read_profile(const JsonSection& profile, std::string name) {
   };
 }
 
-}  // namespace
-
-ResinProfile load_resin_profile(const std::filesystem::path& path, const ResinMachine& machine) {
-  JsonDocument document = JsonDocument::from_file(path);
+ResinProfile checked_profile(JsonDocument document, std::string name, const ResinMachine& machine) {
   resin_schema().check(document);
   check_rules(document, machine);
   document.throw_if_violated();
-  ResinProfile resin = read_profile(JsonSection(document), path.stem().string());
+  ResinProfile resin = read_profile(JsonSection(document), std::move(name));
   for (SupportContradiction& found : contradictions_of(resin.supports))
     document.add_violation("/supports/" + std::string(found.key), std::move(found.sentence));
   if (machine.irradiance_mw_cm2) {
@@ -323,6 +346,17 @@ ResinProfile load_resin_profile(const std::filesystem::path& path, const ResinMa
   }
   document.throw_if_violated();
   return resin;
+}
+
+}  // namespace
+
+ResinProfile load_resin_profile(const std::filesystem::path& path, const ResinMachine& machine) {
+  return checked_profile(JsonDocument::from_file(path), path.stem().string(), machine);
+}
+
+ResinProfile read_resin_profile(std::string_view text, const std::filesystem::path& path,
+                                const ResinMachine& machine) {
+  return checked_profile(JsonDocument::from_text(text, path.string()), path.stem().string(), machine);
 }
 
 double figure_of(Nanometers length) {
@@ -415,11 +449,8 @@ std::vector<std::string> layer_height_problems(const ResinProfile& resin, Nanome
                        in_quotes(resin.name) + " allows, " + um(resin.layer_height_min) + " to " +
                        um(resin.layer_height_max));
   }
-  const auto [normal, bottom] = exposures_s(resin, layer_height, irradiance_mw_cm2);
-  for (const auto& problem : {exposure_problem("the exposure", normal, layer_height),
-                              exposure_problem("the bottom exposure", bottom, layer_height)}) {
-    if (problem) problems.push_back(*problem);
-  }
+  if (std::optional<std::string> problem = exposure_problem(resin, layer_height, irradiance_mw_cm2))
+    problems.push_back(*std::move(problem));
   return problems;
 }
 

@@ -113,6 +113,10 @@ struct ResinMachine {
 // settings.
 [[nodiscard]] ResinProfile load_resin_profile(const std::filesystem::path& path, const ResinMachine& machine);
 
+// Does the same with the text that is to become a profile's file.
+[[nodiscard]] ResinProfile read_resin_profile(std::string_view text, const std::filesystem::path& path,
+                                              const ResinMachine& machine);
+
 // Return the number for a key of the profile: a length in mm, a speed in mm/s, a time in ms.
 [[nodiscard]] double figure_of(Nanometers length);
 [[nodiscard]] double figure_of(MillimetersPerSecond speed);

@@ -7,7 +7,9 @@ import random
 import re
 import unittest
 
-from harness import BAD_CONFIG, BAD_DATA, BAD_USAGE, FAILED, OK, REALTIME, SMALL, Daemon, FolderTest, contourctl, read_png, text_of
+from harness import (
+    BAD_CONFIG, BAD_DATA, BAD_USAGE, FAILED, OK, REALTIME, SMALL, Daemon, FolderTest, binary_stl, box, contourctl, read_png, text_of,
+)  # fmt: skip
 
 DEPTH_UM, CRITICAL_MJ_CM2, GAMMA = 150, 8, 2.2  # hidden from the program
 NOISE_UM = 10
@@ -123,6 +125,24 @@ class Windows(CalibrationTest):
         self.assertNotIn("temperature_c", self.read(self.resin_file(daemon))["working_curve"])
         self.well(self.run_ctl(daemon, "fit", "undo", "standard"))
         self.assertEqual(self.read(self.resin_file(daemon))["working_curve"]["temperature_c"], 23)
+        # The command that the next calibration prints asks for the temperature.
+        self.well(self.run_ctl(daemon, "calibrate", "curve", "standard", "--confirm", "--in-resin"), "=? --temperature-c ? --printer ", "Type the temperature of the resin")
+
+    def test_a_new_curve_removes_the_memory_that_was_measured_with_the_previous_one(self):
+        daemon = self.daemon()
+        measured = self.measured_curve(daemon)
+        self.well(self.run_ctl(daemon, "fit", "curve", "standard", *measured, "--accept"))
+        profile = self.read(self.resin_file(daemon))
+        profile["working_curve"]["peel_memory"] = 0.9
+        profile["undersides"] = "dose"
+        self.write(self.resin_file(daemon), json.dumps(profile).encode())
+        self.well(self.run_ctl(daemon, "fit", "curve", "standard", *measured, "--accept"), "working_curve/peel_memory ", "measure it again")
+        self.assertNotIn("peel_memory", self.read(self.resin_file(daemon))["working_curve"])
+        model = self.write("model.stl", binary_stl(box((0, 0, 0), (2, 2, 1))))
+        cured = contourctl("cure", model, "--printer", daemon.config_path)
+        self.assert_words(cured.stdout.decode() + cured.stderr.decode(), "has no peel_memory")
+        self.well(self.run_ctl(daemon, "fit", "undo", "standard"))
+        self.assertEqual(self.read(self.resin_file(daemon))["working_curve"]["peel_memory"], 0.9)
 
     def test_a_hidden_gamma_is_found_from_grey_windows_and_goes_to_the_printers_file(self):
         daemon = self.daemon()
@@ -157,6 +177,8 @@ class Windows(CalibrationTest):
             (BAD_DATA, [*sound[:4], "256=-1"], "both must be more than 0"),
             (BAD_DATA, ["16=500", "32=400", "64=300", "128=200", "256=100"], "the thickness does not grow with the dose"),
             (BAD_DATA, ["16=100", "32=400", "64=100", "128=500", "256=300"], "the thicknesses scatter by"),
+            # Thicknesses in mm.
+            (BAD_DATA, [f"{dose:g}={0.15 * math.log(dose / 8):g}" for dose in (16, 32, 64, 128, 256)], "type thicknesses in um"),
             # Exposures of the profile that do not cure a layer, by this curve.
             (BAD_DATA, [f"{float(word.split('=')[0]) * 10}={word.split('=')[1]}" for word in sound], "cures -"),
         ):
@@ -165,10 +187,22 @@ class Windows(CalibrationTest):
                 self.assertEqual((result.returncode, result.stdout), (code, b""), result)
                 self.assert_words(result.stderr.decode(), why)
                 self.assertEqual(text_of(self.resin_file(daemon)), before)
-        # A result outside of what a profile may contain.
-        deep = [f"{dose:g}={6000 * math.log(dose / 8):g}" for dose in (16, 32, 64, 128, 256)]
-        self.assert_words(self.run_ctl(daemon, "fit", "curve", "standard", *deep, "--accept").stderr.decode(), "penetration_depth_um")
-        self.assertEqual(text_of(self.resin_file(daemon)), before)
+        # A second curve by which the profile's cure depth needs too much light.
+        self.well(self.run_ctl(daemon, "fit", "curve", "standard", *sound, "--accept"))
+        before = text_of(self.resin_file(daemon))
+        shallow = [f"{dose * 50:g}={16 * math.log(dose / 8):g}" for dose in (16, 32, 64, 128, 256)]
+        for accept in ((), ("--accept",)):
+            result = self.run_ctl(daemon, "fit", "curve", "standard", *shallow, *accept)
+            self.assertEqual((result.returncode, result.stdout), (BAD_DATA, b""), result)
+            self.assert_words(result.stderr.decode(), "with this curve, a layer of 50 um would last", "penetration_depth_um 16")
+            self.assertEqual(text_of(self.resin_file(daemon)), before)
+        # A value that the profile must not have is refused with the profile's name before it is shown.
+        result = self.run_ctl(daemon, "fit", "curve", "standard", *sound, "--temperature-c", "400")
+        self.assertEqual((result.returncode, result.stdout), (BAD_CONFIG, b""), result)
+        self.assert_words(result.stderr.decode(), f"{self.resin_file(daemon)}: /working_curve/temperature_c")
+        # Exact thicknesses are as uncertain as their rounding makes them.
+        exact = json.loads(self.run_ctl(daemon, "fit", "curve", "standard", *[f"{8 * math.exp(i / 2):.6f}={75 * i}" for i in range(1, 8)], "--json").stdout)
+        self.assertGreater(exact["values"][0]["uncertainty"], 0.05)
         self.assert_refusal(self.run_ctl(daemon, "fit", "curve", "nosuch", *sound), BAD_CONFIG, "nosuch")
 
     def test_light_is_refused_as_by_hand(self):

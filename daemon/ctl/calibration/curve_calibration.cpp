@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -75,7 +76,8 @@ class WindowPrint {
     std::vector<double> doses;
     for (const double each_s : times_s)
       doses.push_back(each_s * printer_.irradiance_mw_cm2);
-    explain("curve", "dose mJ/cm²", doses);
+    // Without it, the fit would remove the temperature of the previous curve.
+    explain("curve", "dose mJ/cm²", doses, resin_.cure_temperature ? " --temperature-c ?" : "");
     return kOk;
   }
 
@@ -138,7 +140,8 @@ class WindowPrint {
     return sent;
   }
 
-  void explain(const char* kind, const char* heading, const std::vector<double>& given) const {
+  void explain(const char* kind, const char* heading, const std::vector<double>& given,
+               std::string_view temperature = "") const {
     fmt::print("\nThe windows lie in rows of three; each has as many dots as its number.\n\n{:>6} {:>12}\n",
                "window", heading);
     std::string values;
@@ -153,7 +156,10 @@ class WindowPrint {
         "or cure them. Measure the thickness of each with a micrometer that presses little, three "
         "times. Then type the mean in um instead of each question mark, and leave out windows that "
         "did not cure or tore:");
-    fmt::print("\ncontourctl fit {} {}{} --printer {}\n", kind, printable(args_.resin), values,
+    if (!temperature.empty())
+      dialog.say(
+          "Type the temperature of the resin during the exposure after --temperature-c, in degrees C.");
+    fmt::print("\ncontourctl fit {} {}{}{} --printer {}\n", kind, printable(args_.resin), values, temperature,
                printable(args_.printer.string()));
   }
 
@@ -167,7 +173,7 @@ struct FitWindowsArgs {
   FitArgs fit;
   std::string resin;
   std::vector<std::string> measured;
-  std::optional<double> temperature_c;  // of the resin; only for the curve
+  std::optional<double> temperature_c;  // the resin's; only for the curve
 };
 
 // Returns the cure depth beyond a layer of the profile's height that this exposure gives by the curve.
@@ -206,14 +212,21 @@ void keep_exposures(const ResinProfile& resin, const PrinterConfig& printer, con
   ResinProfile changed = resin;
   changed.cure->curve = {Micrometers{curve.penetration_depth_um.value},
                          MillijoulesPerCm2{curve.critical_dose_mj_cm2.value}};
+  for (const std::string& problem :
+       layer_height_problems(changed, resin.layer_height, printer.irradiance_mw_cm2))
+    throw CalibrationRefused(fmt::format("with this curve, {}", problem));
   const int normal_layer = resin.bottom_layers + resin.fade_layers;
   const auto exposure = [&](const ResinProfile& of) {
     return milliseconds(exposure_time(of, of.layer_height, normal_layer, printer.irradiance_mw_cm2));
   };
   result.notes.push_back(fmt::format("the exposure of a normal layer changes from {:.4g} to {:.4g} ms",
                                      exposure(resin), exposure(changed)));
-  if (resin.peel_memory_measured)
-    result.notes.emplace_back("peel_memory was measured with the previous curve: measure it again");
+  if (resin.peel_memory_measured) {
+    add("/working_curve/peel_memory", nullptr);
+    result.notes.emplace_back(
+        "peel_memory was measured with the previous curve and is removed: measure it again (contourctl "
+        "calibrate memory); until then, undersides are exposed plainly");
+  }
 }
 
 // Returns places from one value to another, in equal steps of their logarithm.
@@ -258,7 +271,7 @@ int fit_curve(const FitWindowsArgs& args) {
   std::vector<CuredWindow> windows;
   for (const auto& [dose, thickness] : parse_measured(args.measured))
     windows.push_back({MillijoulesPerCm2{dose}, Micrometers{thickness}});
-  const CurveFit curve = fit_working_curve(windows);
+  const CurveFit curve = fit_working_curve(windows, Micrometers{rounding_of(args.measured)});
   const Estimate &depth = curve.penetration_depth_um, &critical = curve.critical_dose_mj_cm2;
   FitResult result{
       .kind = "curve",
@@ -300,7 +313,7 @@ int fit_grey(const FitWindowsArgs& args) {
       throw UsageError(fmt::format("{:g} is not a grey value, a whole number from 0 to 255", grey));
     windows.push_back({static_cast<std::uint8_t>(grey), Micrometers{thickness}});
   }
-  const GammaFit fit = fit_gamma(windows, depth);
+  const GammaFit fit = fit_gamma(windows, depth, Micrometers{rounding_of(args.measured)});
   result.values.push_back({"/display/gamma", rounded(fit.gamma.value), rounded(fit.gamma.uncertainty)});
   result.scatter = fit.line.scatter;
   for (const auto& [grey, thickness] : windows)

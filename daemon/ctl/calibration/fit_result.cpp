@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <stdexcept>
 
 #include "core/calibration/line_fit.hpp"
@@ -66,13 +67,14 @@ Json json_of(const FitResult& result, bool written) {
   return json;
 }
 
-// Writes the values into the file, and the file that they name. Throws as replace_file() does; then nothing
-// has changed.
+// Writes the values into the file, and the file that they name. Throws std::system_error, and ConfigError
+// if the text is invalid; then nothing has changed.
 void write_result(const FitTarget& target, const std::string& text, const std::optional<NamedFile>& named) {
   const bool is_new = named && !fs::exists(named->file);
   if (is_new) write_beside(target.file, named->file, named->content);
   try {
-    replace_file(target.file, text, target.check);
+    target.check(text);
+    replace_file(target.file, text);
   } catch (...) {
     std::error_code ignored;
     if (is_new) fs::remove(named->file, ignored);
@@ -115,6 +117,19 @@ std::vector<std::pair<double, double>> parse_measured(const std::vector<std::str
   return pairs;
 }
 
+double rounding_of(const std::vector<std::string>& words) {
+  double finest = std::numeric_limits<double>::infinity();
+  for (const std::string& word : words) {
+    const std::string number = word.substr(word.find('=') + 1);
+    const std::size_t mantissa = std::min(number.find_first_of("eE"), number.size());
+    const std::size_t point = std::min(number.find('.'), mantissa);
+    const std::size_t decimals = point < mantissa ? mantissa - point - 1 : 0;
+    const double exponent = mantissa < number.size() ? number_of(number.substr(mantissa + 1)).value_or(0) : 0;
+    finest = std::min(finest, std::pow(10, exponent - static_cast<double>(decimals)));
+  }
+  return finest / std::sqrt(12);  // a uniform distribution
+}
+
 double rounded(double number) {
   if (number == 0 || !std::isfinite(number)) return number;
   const double unit = std::pow(10, 3 - std::floor(std::log10(std::abs(number))));
@@ -131,13 +146,14 @@ const CureSettings& cure_of(const ResinProfile& resin) {
 
 FitTarget resin_target(const PrinterConfig& printer, const std::string& resin) {
   (void)find_resin(printer, resin);  // names the profile's mistakes, or the existing profiles
-  return {
-      profile_file(printer.resins_folder, resin).value(),
-      [machine = resin_machine(printer)](const fs::path& file) { (void)load_resin_profile(file, machine); }};
+  return {profile_file(printer.resins_folder, resin).value(),
+          [file = *profile_file(printer.resins_folder, resin), machine = resin_machine(printer)](
+              std::string_view text) { (void)read_resin_profile(text, file, machine); }};
 }
 
 FitTarget printer_target(const fs::path& printer) {
-  return {printer, [](const fs::path& file) { (void)load_printer_config(file, Places::Elsewhere); }};
+  return {printer,
+          [printer](std::string_view text) { (void)read_printer_config(text, printer, Places::Elsewhere); }};
 }
 
 int finish_fit(const FitArgs& args, const FitTarget& target, const FitResult& result) {
@@ -146,10 +162,12 @@ int finish_fit(const FitArgs& args, const FitTarget& target, const FitResult& re
                                 .date = local_time(std::chrono::system_clock::now()).substr(0, 10),
                                 .lamp_hours = args.lamp_hours,
                                 .values = result.values};
+  const std::string after = with_calibration(before, calibration);
+  if (!result.named) target.check(after);  // a new file is not there yet
   const Json file = Json::parse(before);
   if (!args.json) print_result(result, file);
   if (args.html) write_page(args, fit_page(result, target.file.string(), file), target);
-  if (args.accept) write_result(target, with_calibration(before, calibration), result.named);
+  if (args.accept) write_result(target, after, result.named);
   if (args.json)
     print_json(json_of(result, args.accept));
   else if (args.accept)
@@ -167,7 +185,8 @@ int undo_fit(const FitTarget& target) {
   } catch (const std::runtime_error& error) {
     throw CalibrationRefused(fmt::format("{}: {}", target.file.string(), error.what()));
   }
-  replace_file(target.file, undone.text, target.check);
+  target.check(undone.text);
+  replace_file(target.file, undone.text);
   fmt::print("{}: the calibration {} of {} was taken back.\n", printable(target.file.string()),
              printable(undone.kind), printable(undone.date));
   return kOk;

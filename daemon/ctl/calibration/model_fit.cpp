@@ -93,7 +93,8 @@ int peel_memory(const ModelFitArgs& args) {
   }
   const FitTarget target = resin_target(printer, args.resin);
   const std::optional<CurveUncertainty> curve = curve_uncertainty(target);
-  const PeelMemoryFit fit = fit_peel_memory(print, bridges, curve.value_or(CurveUncertainty{}));
+  const PeelMemoryFit fit = fit_peel_memory(print, bridges, curve.value_or(CurveUncertainty{}),
+                                            Micrometers{rounding_of(args.measured)});
   FitResult result{
       .kind = "memory",
       .values = {{"/working_curve/peel_memory", rounded(fit.memory.value), rounded(fit.memory.uncertainty)}},
@@ -164,7 +165,7 @@ int dimensions(const ModelFitArgs& args) {
   const DimensionFit fit =
       fit_dimensions({percent(resin.shrinkage_factors.x), percent(resin.shrinkage_factors.y),
                       resin.compensation.growth.count()},
-                     lengths);
+                     lengths, Millimeters{rounding_of(args.measured)});
   FitResult result{.kind = "dimensions", .scatter = fit.scatter_um};
   const auto add = [&result](const char* key, const std::optional<Estimate>& figure) {
     if (figure) result.values.push_back({key, rounded(figure->value), rounded(figure->uncertainty)});

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <random>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "core/cure/working_curve.hpp"
@@ -128,7 +129,60 @@ TEST_CASE("Gamma is found from windows of grey values") {
   for (int i = 0; i < 5; ++i)
     narrow.push_back({static_cast<std::uint8_t>(255 - 15 * i), Micrometers{500.0 - 50 * i}});
   CHECK_THROWS_WITH(fit_gamma(narrow, {150, 0}),
-                    Catch::Matchers::StartsWith("the grey values span a factor of 1.31"));
+                    Catch::Matchers::StartsWith("the grey values 195 to 255 span a factor of 1.308"));
+  narrow.back() = {181, Micrometers{200}};
+  CHECK_THROWS_WITH(
+      fit_gamma(narrow, {150, 0}),
+      Catch::Matchers::StartsWith("the grey values 181 to 255 span a factor of 1.409: they must "
+                                  "span at least 1.417"));
+  narrow.back() = {180, Micrometers{231}};
+  CHECK_NOTHROW(fit_gamma(narrow, {150, 0}));
+}
+
+TEST_CASE("Doses that just span a factor of four determine a curve") {
+  for (const double least : {15.0, 0.3, 7.7, 33.3}) {
+    std::vector<CuredWindow> windows;
+    for (const double factor : {1.0, 1.5, 2.0, 3.0, 4.0})
+      windows.push_back({MillijoulesPerCm2{least * factor}, Micrometers{100 + 150 * std::log(factor)}});
+    CHECK_NOTHROW(fit_working_curve(windows));
+  }
+}
+
+// Returns windows of the hidden curve in which all depths are multiplied by a factor.
+std::vector<CuredWindow> scaled_windows(double depth_factor, double dose_factor) {
+  std::vector<CuredWindow> windows = measured_windows(0, 8, 16, 0);
+  for (auto& [dose, thickness] : windows) {
+    thickness = thickness * depth_factor;
+    dose = dose * dose_factor;
+  }
+  return windows;
+}
+
+TEST_CASE("A curve that no resin has is refused with what was typed and the reason") {
+  CHECK_THROWS_WITH(fit_working_curve(scaled_windows(1e-3, 1)),
+                    "0.104 to 0.5199 um at 16 to 256 mJ/cm2 give a penetration depth of 0.15 um and a "
+                    "critical dose of 8 mJ/cm2, but resins have 15 to 2000 um and 0.05 to 500 mJ/cm2: type "
+                    "thicknesses in um (0.104 mm as 104) and doses in mJ/cm2, and check "
+                    "projector.irradiance_mw_cm2");
+  for (const auto& [depth_factor, dose_factor] :
+       {std::pair(9.9 / 150, 1.0), {14430.0 / 150, 1.0}, {1.0, 0.0076 / 8}, {1.0, 1000.0}})
+    CHECK_THROWS_WITH(fit_working_curve(scaled_windows(depth_factor, dose_factor)),
+                      Catch::Matchers::Contains(", but resins have "));
+  for (const auto& [depth_factor, dose_factor] :
+       {std::pair(0.12, 1.0), {13.0, 1.0}, {1.0, 0.01}, {1.0, 60.0}})
+    CHECK_NOTHROW(fit_working_curve(scaled_windows(depth_factor, dose_factor)));
+}
+
+TEST_CASE("Figures of exact thicknesses are as uncertain as the rounding of the readings makes them") {
+  // Eight doses over a factor of 16 have a sum of squares of ln E of 6.59 (see above: 10 um give 3.9 um).
+  const double reading_um = 1 / std::sqrt(12);
+  const CurveFit fit = fit_working_curve(measured_windows(0, 8, 16, 0), Micrometers{reading_um});
+  CHECK(fit.penetration_depth_um.uncertainty == Approx(reading_um * 0.39).epsilon(0.01));
+  CHECK(fit.critical_dose_mj_cm2.uncertainty > 0.01);
+  CHECK(fit_gamma(measured_greys(0, 2.2, 0), {150, 0}, Micrometers{reading_um}).gamma.uncertainty > 1e-3);
+  // Windows that scatter more are as uncertain as they scatter.
+  CHECK(fit_working_curve(measured_windows(1), Micrometers{reading_um}).line.scatter ==
+        fit_working_curve(measured_windows(1)).line.scatter);
 }
 
 }  // namespace

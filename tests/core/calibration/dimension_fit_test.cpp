@@ -141,6 +141,13 @@ TEST_CASE("Lengths by a scale and a growth give the compensation that undoes bot
   CHECK(fit.scatter_um < 1e-6);
 }
 
+TEST_CASE("Exact lengths leave the uncertainty of their readings") {
+  const DimensionFit fit = fit_dimensions({}, ladder_by(0.99, 0.05), Millimeters{0.01 / std::sqrt(12)});
+  CHECK(fit.scatter_um == Approx(10 / std::sqrt(12)));
+  CHECK(fit.growth_um.uncertainty > 0.1);
+  CHECK(fit.shrinkage_x_percent.value().uncertainty > 1e-3);
+}
+
 TEST_CASE("A part that measures as drawn keeps the profile's values") {
   const DimensionFit fit = fit_dimensions({1.5, -0.5, -37}, ladder_by(1, 0));
   CHECK(fit.shrinkage_x_percent.value().value == Approx(1.5));

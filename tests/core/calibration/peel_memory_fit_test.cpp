@@ -129,6 +129,20 @@ TEST_CASE("The memory of exact bridges is found exactly") {
     }
 }
 
+TEST_CASE("A memory of all and of nothing is stated as such, and as uncertain as the readings are rounded") {
+  for (const double memory : {1.0, 0.0}) {
+    const BridgePrint print = print_with(resin_of(memory));
+    std::vector<BridgeThickness> bridges;
+    for (const int layers : kBridgeLayers)
+      bridges.push_back({layers, bridge_thickness(print, memory, layers)});
+    CHECK(fit_peel_memory(print, bridges).memory.value == memory);
+    const PeelMemoryFit rounded = fit_peel_memory(print, bridges, {}, Micrometers{1 / std::sqrt(12)});
+    CAPTURE(memory);
+    CHECK(rounded.memory.uncertainty > 1e-5);
+    CHECK(rounded.scatter_um == Approx(1 / std::sqrt(12)));
+  }
+}
+
 TEST_CASE("An owner with calipers finds the memory within 0.02, and its uncertainty") {
   struct Row {
     double memory;
