@@ -492,7 +492,13 @@ void ContinuousPrint::show_masks() {
   if (!plan_->dry) lit_from_ = clock_.now();
   frames_->run({.refreshed = [this] { refreshed(); },
                 .missed = [this] { missed(); },
-                .unsafe = [this](const std::string& what) { interrupt(what); }});
+                .unsafe = [this](const std::string& what) { interrupt(what); },
+                .frame_over =
+                    [this](FrameRecord frame) {
+                      frame.layer = record_.layer;
+                      observer_.frame_over(frame);
+                    },
+                .lit_from = lit_from_});
 }
 
 void ContinuousPrint::rise() {

@@ -19,15 +19,12 @@ TEST_CASE_METHOD(ContinuousTable,
                  "Every row of a rise leads to the expected state with the expected effects") {
   check_lines(R"(
 started -> layering: print layers (idle)
+layering ended -> idle: finish (layering)
 rise due -> lowering: light off, black now, lower to rise (layering, lifting, paused)
 rest due -> recovering: light off, black now, await oxygen (layering, lifting, paused)
-layering ended -> idle: finish (layering)
 interrupted -> stay: interrupt layers (layering)
 cancelled -> stay: cancel layers (layering)
 failed -> stay: fail layers (layering)
-move ended -> settling: wait to settle (lowering)
-interrupted -> braking: light off, black now, stop axis (lowering, rising, slowing)
-cancelled -> braking: light off, black now, stop axis (lowering, rising, slowing)
 wait over -> lowering: lower to rise (recovering)
 interrupted -> darkening: light off, black now, await dark (recovering, settling, showing, igniting)
 cancelled -> darkening: light off, black now, await dark (recovering, settling, showing, igniting)
