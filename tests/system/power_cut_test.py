@@ -217,13 +217,22 @@ class Record(PowerCutTest):
                 daemon.stop()
 
 
+PAUSED = b"6"  # the number of PrintPhase::Paused
+
+
 class Pause(PowerCutTest):
     def paused(self):
         daemon = self.daemon(realtime(z_axis={"travel_mm": 50}), SLOW).start()
         daemon.begin("part.stl", RAMP)
         daemon.rpc("pause")
         daemon.wait_state("paused")
+        wait_until(lambda: PAUSED in self.recorded_phases(daemon), "the record of the pause")
         return daemon
+
+    def recorded_phases(self, daemon):
+        """Returns the phases in the two copies of the record."""
+        record = contents(os.path.join(daemon.state_folder, "print-progress"))
+        return [copy.split(b"\0")[7] for copy in (record[:4096], record[65536 : 65536 + 4096]) if copy.count(b"\0") > 7]
 
     def test_the_plate_leaves_the_height_of_a_pause_only_once_the_record_says_so(self):
         daemon = self.paused()
