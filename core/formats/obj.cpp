@@ -18,9 +18,13 @@ namespace {
 
 using std::string_view_literals::operator""sv;
 
-// Words that begin a line (Wavefront's specification, version 3.0).
-constexpr std::array kObjWords{"v"sv, "vn"sv, "vt"sv, "vp"sv, "f"sv,      "l"sv,
-                               "p"sv, "o"sv,  "g"sv,  "s"sv,  "mtllib"sv, "usemtl"sv};
+// Words that begin a line (Wavefront's specification, version 3.0, and what programs add).
+constexpr std::array kObjWords{
+    "v"sv,      "vn"sv,     "vt"sv,    "vp"sv,    "f"sv,        "fo"sv,       "l"sv,          "p"sv,
+    "o"sv,      "g"sv,      "s"sv,     "mg"sv,    "lod"sv,      "bevel"sv,    "mtllib"sv,     "usemtl"sv,
+    "usemap"sv, "maplib"sv, "call"sv,  "csh"sv,   "cstype"sv,   "deg"sv,      "bmat"sv,       "step"sv,
+    "curv"sv,   "curv2"sv,  "surf"sv,  "parm"sv,  "trim"sv,     "hole"sv,     "scrv"sv,       "sp"sv,
+    "end"sv,    "con"sv,    "ctech"sv, "stech"sv, "d_interp"sv, "c_interp"sv, "shadow_obj"sv, "trace_obj"sv};
 
 // A facet takes at least these bytes, with its share of the vertices, beside the first thousand facets of a
 // file, whose numbers are short.
@@ -30,8 +34,11 @@ constexpr std::int64_t kMostTests = 4'000'000'000;
 // The base counts as flat if it covers this share of the model's extent.
 constexpr double kBaseShare = 0.02;
 
+// Programs of old Macs end lines with a carriage return alone.
+constexpr std::string_view kLineEnds = "\n\r";
+
 bool is_obj_blank(char c) {
-  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+  return c == ' ' || c == '\t' || c == '\v' || c == '\f';
 }
 
 // Returns the next word of the line and removes it; empty at the line's end.
@@ -41,6 +48,12 @@ std::string_view take_word(std::string_view& line) {
   const std::string_view word(begin, end);
   line = {end, line.end()};
   return word;
+}
+
+bool ends_with_backslash(std::string_view line) {
+  while (!line.empty() && is_obj_blank(line.back()))
+    line.remove_suffix(1);
+  return line.ends_with('\\');
 }
 
 bool begins_with_mark(std::string_view text) {
@@ -54,13 +67,16 @@ Likeness obj_likeness(const FileStart& start) {
   bool any = false;
   // The last line may be cut by the end of the bytes.
   const bool is_whole = start.bytes.size() == start.file_bytes;
+  bool continues = false;
   while (!text.empty()) {
-    const std::size_t end = text.find('\n');
+    const std::size_t end = text.find_first_of(kLineEnds);
     if (end == std::string_view::npos && !is_whole) break;
     std::string_view line = text.substr(0, end);
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    if (line.empty()) continue;
+    const bool is_continued = std::exchange(continues, ends_with_backslash(line));
     const std::string_view word = take_word(line);
-    if (word.empty() || word.starts_with('#')) continue;
+    if (word.empty() || word.starts_with('#') || is_continued) continue;
     if (std::ranges::find(kObjWords, word) == kObjWords.end()) return Likeness::None;
     any = true;
   }
@@ -87,17 +103,22 @@ class ObjReader {
   }
 
  private:
-  // Returns the next line. A line that ends with a backslash continues in the next one.
+  // Returns the next line. The line of a vertex or a face that ends with a backslash continues in the next
+  // one; elsewhere, such as in a comment, a backslash may be part of a folder's name.
   std::string_view next_line() {
     joined_.clear();
     while (true) {
-      const std::size_t end = text_.find('\n');
+      const std::size_t end = text_.find_first_of(kLineEnds);
       std::string_view line = text_.substr(0, end);
-      text_.remove_prefix(end == std::string_view::npos ? text_.size() : end + 1);
+      const bool is_pair = end != std::string_view::npos && text_.substr(end).starts_with("\r\n");
+      text_.remove_prefix(end == std::string_view::npos ? text_.size() : end + (is_pair ? 2 : 1));
       ++line_;
       while (!line.empty() && is_obj_blank(line.back()))
         line.remove_suffix(1);
-      const bool continues = line.ends_with('\\') && !text_.empty();
+      std::string_view rest = line;
+      const std::string_view word = take_word(rest);
+      const bool is_read = !joined_.empty() || word == "v" || word == "f" || word == "fo";
+      const bool continues = is_read && line.ends_with('\\') && !text_.empty();
       if (!continues && joined_.empty()) return line;
       joined_ += continues ? line.substr(0, line.size() - 1) : line;
       if (!continues) return joined_;

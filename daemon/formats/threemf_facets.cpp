@@ -127,7 +127,15 @@ class Expansion {
       left_out_.insert(&object);
       return;
     }
+    if (!object.has_geometry)
+      throw ModelError(
+          fmt::format("object {} of the 3MF model has neither triangles nor components: export the model "
+                      "as a mesh, or as STL",
+                      object.id));
     const ThreeMfTransform transform = combined(reference.transform, outer);
+    if (transform.determinant() == 0)
+      throw ModelError(fmt::format(
+          "the transform of object {} of the 3MF model makes it flat: export the model again", object.id));
     add_mesh(object, transform);
     for (const ThreeMfReference& component : object.components)
       place(part, component, transform);
@@ -135,7 +143,7 @@ class Expansion {
 
   void add_mesh(const ThreeMfObject& object, const ThreeMfTransform& transform) {
     if (object.triangles.empty()) return;
-    const bool is_identity = transform == ThreeMfTransform{}, mirrors = transform.mirrors();
+    const bool is_identity = transform == ThreeMfTransform{}, mirrors = transform.determinant() < 0;
     const auto at = [&](std::uint32_t number) {
       const Vertex& vertex = object.vertices[number];
       return is_identity ? vertex : transform(vertex);

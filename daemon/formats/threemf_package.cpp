@@ -34,6 +34,16 @@ std::unique_ptr<ByteStream> open_entry(const ZipArchive& archive, const std::str
   return archive.open(*entry);
 }
 
+// Opens an entry that describes the package: relationships or a program's side file.
+std::unique_ptr<ByteStream> open_description(const ZipArchive& archive, const std::string& name) {
+  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 24U;
+  std::unique_ptr<ByteStream> stream = open_entry(archive, name);
+  if (stream->bytes() > kMostBytes)
+    throw ModelError(fmt::format("{} has {} bytes, and the limit is {}: export the model again",
+                                 name_in_messages(name), stream->bytes(), kMostBytes));
+  return stream;
+}
+
 // Finds the root model's path in the package's relationships (Open Packaging Conventions).
 class RelationshipReader : public XmlHandler {
  public:
@@ -51,7 +61,7 @@ class RelationshipReader : public XmlHandler {
 
 std::string root_of(const ZipArchive& archive) {
   RelationshipReader reader;
-  read_xml(*open_entry(archive, kRelationships), reader, name_in_messages(kRelationships));
+  read_xml(*open_description(archive, kRelationships), reader, name_in_messages(kRelationships));
   if (reader.root().empty())
     throw ModelError("the 3MF file names no model in _rels/.rels: export the model again");
   return reader.root();
@@ -127,7 +137,7 @@ Model ThreeMfPackage::read(std::uint64_t most_facets) const {
   for (const char* const name : {kPrusaSideFile, kBambuSideFile}) {
     if (archive_.find(name) == nullptr) continue;
     const ThreeMfSideFile side_file =
-        read_threemf_side_file(*open_entry(archive_, name), name_in_messages(name));
+        read_threemf_side_file(*open_description(archive_, name), name_in_messages(name));
     for (const auto& [kind, count] : leave_out(model, side_file))
       kinds[kind] += count;
   }

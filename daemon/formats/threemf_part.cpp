@@ -157,10 +157,12 @@ class PartReader : public XmlHandler {
                       "model again",
                       object_.triangles.size(), object_.id, object_.vertices.size()));
     object_.triangles.push_back(corners);
+    object_.has_geometry = true;
   }
 
   void add_component(const XmlAttributes& attributes) {
     object_.components.push_back(reference_in(attributes, "a component"));
+    object_.has_geometry = true;
     const ThreeMfReference& made = object_.components.back();
     // Each object is made of earlier ones, so that no object contains itself.
     if (made.path.empty() && !part_.numbers.contains(made.object))

@@ -27,6 +27,7 @@ struct ThreeMfObject {
   std::vector<Vertex> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;  // numbers of vertices, all of them valid
   std::vector<ThreeMfReference> components;
+  bool has_geometry = false;  // a mesh or components, even if a side file leaves all of it out
 };
 
 struct ThreeMfPart {

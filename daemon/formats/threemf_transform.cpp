@@ -7,10 +7,9 @@
 
 namespace contourd {
 
-bool ThreeMfTransform::mirrors() const {
+double ThreeMfTransform::determinant() const {
   return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
-             m[2] * (m[3] * m[7] - m[4] * m[6]) <
-         0;
+         m[2] * (m[3] * m[7] - m[4] * m[6]);
 }
 
 Vertex ThreeMfTransform::operator()(const Vertex& vertex) const {

@@ -13,8 +13,8 @@ struct ThreeMfTransform {
   std::array<double, 12> m{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
   bool operator==(const ThreeMfTransform&) const = default;
 
-  // True if the transformation mirrors: it would turn facets inside out.
-  [[nodiscard]] bool mirrors() const;
+  // Returns the factor of volumes: negative if the transformation mirrors, which turns facets inside out.
+  [[nodiscard]] double determinant() const;
   // Returns the transformed vertex, in floats, whose coordinates may be infinite.
   [[nodiscard]] Vertex operator()(const Vertex& vertex) const;
 };

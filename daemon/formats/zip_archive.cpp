@@ -45,6 +45,8 @@ class ZipEntryStream : public ByteStream {
   std::size_t read_some(std::span<std::byte> into) override {
     const zip_int64_t got = zip_fread(file_.get(), into.data(), into.size());
     if (got < 0) refuse(zip_error_strerror(zip_file_get_error(file_.get())));
+    given_ += static_cast<std::uint64_t>(got);
+    if (given_ > bytes_) refuse("it holds more bytes than it claims");
     return static_cast<std::size_t>(got);
   }
 
@@ -60,7 +62,7 @@ class ZipEntryStream : public ByteStream {
 
   std::unique_ptr<zip_file_t, Close> file_;
   std::string name_;
-  std::uint64_t bytes_;
+  std::uint64_t bytes_, given_ = 0;
 };
 
 void refuse_entries(std::uint64_t entries) {

@@ -23,14 +23,16 @@ std::string_view name_without_folders(std::string_view path) {
 bool is_hidden(std::string_view path) {
   while (!path.empty()) {
     const std::string_view part = path.substr(0, path.find('/'));
-    if (part.starts_with('.') || part == "__MACOSX") return true;
+    if ((part.starts_with('.') && part != ".") || part == "__MACOSX") return true;
     path.remove_prefix(std::min(part.size() + 1, path.size()));
   }
   return false;
 }
 
+// True for names of archives, and of 3MF packages, which are archives, too.
 bool is_archive_name(std::string_view name) {
-  return name.ends_with(".zip") || name.ends_with(".gz") || name.ends_with(".rar") || name.ends_with(".7z");
+  return name.ends_with(".3mf") || name.ends_with(".zip") || name.ends_with(".gz") ||
+         name.ends_with(".rar") || name.ends_with(".7z");
 }
 
 bool is_model(const ZipEntry& entry) {

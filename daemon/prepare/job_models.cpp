@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "core/model/placement.hpp"
 #include "daemon/prepare/model_checks.hpp"
 #include "daemon/prepare/model_orientation.hpp"
 #include "daemon/prepare/model_turn.hpp"
@@ -75,8 +76,13 @@ ModelSummary make_model(JobContent& content, std::size_t number, const MakingCon
   figures.rotation_deg = ticket.rotation;
   std::vector<Facet> facets = content.take_facets(number);
   convert(facets, content.models()[number], summary);
-  if (content.y_is_up(file) && !ticket.up && !ticket.orientation && ticket.rotation == RotationDegrees{})
-    ticket.up = Direction{0, 1, 0};
+  if (content.y_is_up(file) && !ticket.up && !ticket.orientation) {
+    constexpr Direction kY{0, 1, 0};
+    if (ticket.rotation == RotationDegrees{})
+      ticket.up = kY;
+    else
+      orient(facets, {.up = kY});  // the ticket turns the model that stands
+  }
   find_up(content, facets, ticket, making, figures);
   figures.up = ticket.up;
   figures.scale = turn_to_size(facets, ticket, making.volume, making.settings);

@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "daemon/formats/model_names.hpp"
 #include "daemon/spool/spool_folders.hpp"
 #include "daemon/system/durable_file.hpp"
 #include "daemon/system/readable.hpp"
@@ -75,7 +76,7 @@ struct ModelUpload::File {
   [[nodiscard]] std::string appear() {
     open();
     while (true) {
-      const JobFiles files = folders.unused_anywhere({fs::path(name).stem().string(), name, name});
+      const JobFiles files = folders.unused_anywhere({model_stem(name), name, name});
       if (!file->appear(files.model.filename().string())) continue;
       sync_folder(incoming());
       return files.name;

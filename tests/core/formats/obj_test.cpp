@@ -1,5 +1,6 @@
 #include "core/formats/obj.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -72,6 +73,20 @@ TEST_CASE("A negative number counts vertices from the face back, and lines may b
   CHECK(model.facets[0].vertices[2] == Vertex{1, 1, 0});
   CHECK(model.facets[1].vertices[0] == Vertex{0, 0, 0});
   CHECK(model.facets[1].vertices[2] == Vertex{0, 1, 0});
+}
+
+TEST_CASE(
+    "A backslash continues the line of a face, and is part of a comment or of a group's name elsewhere") {
+  const std::string square = kSquare + "# from C:\\models\\\nf 1 2 3\ng C:\\models\\\nf 1 3 \\\r\n4\n";
+  CHECK(kObj.likeness(start_of(square)) == Likeness::Likely);
+  CHECK(area_from_above(read_obj_text(square).facets) == Approx(1));
+}
+
+TEST_CASE("Lines may end as on old Macs") {
+  std::string square = kSquare + "g a\nf 1 2 3\nf 1 3 4\n";
+  std::ranges::replace(square, '\n', '\r');
+  CHECK(kObj.likeness(start_of(square)) == Likeness::Likely);
+  CHECK(read_obj_text(square).facets.size() == 2);
 }
 
 TEST_CASE("Polygons are cut into triangles that cover them, also where they are concave") {

@@ -21,6 +21,9 @@ using contourd::testing::message_of;
 using contourd::testing::PackedFile;
 using contourd::testing::same_facets;
 using contourd::testing::stl_text;
+using contourd::testing::threemf_files;
+using contourd::testing::threemf_object;
+using contourd::testing::threemf_part;
 using contourd::testing::zipped;
 
 constexpr std::uint64_t kManyFacets = 10'000'000;
@@ -122,6 +125,7 @@ TEST_CASE("Of an archive with several models, the one that the ticket names is r
 TEST_CASE("An archive without a model is refused by what it holds") {
   CHECK(lacking(refusal_of_packed(zipped({{"readme.txt", "x"}})), {"holds no model: "}).empty());
   CHECK(lacking(refusal_of_packed(zipped({{"more.zip", "x"}})), {"another archive, \"more.zip\""}).empty());
+  CHECK(lacking(refusal_of_packed(zipped({{"in.3mf", "x"}})), {"another archive, \"in.3mf\""}).empty());
   CHECK(
       lacking(refusal_of_packed(zipped({{"config.ini", "x"}, {"part00000.png", "x"}})), {"sliced"}).empty());
   CHECK_FALSE(
@@ -152,6 +156,16 @@ TEST_CASE("An archive that lies about the size of a model is refused before memo
   CHECK(
       lacking(refusal_of_packed(with_directory_field(archive, kInflatedSize, 0xF000'0000)), {"the limit is"})
           .empty());
+}
+
+TEST_CASE("A package that lies about the size of its model is read no further than it claims") {
+  constexpr std::size_t kInflatedSize = 24, kName = 46;  // offsets in an entry of the directory
+  const std::string part = threemf_part(threemf_object(1, ball()), "<item objectid=\"1\"/>");
+  std::string archive = zipped(threemf_files(part + std::string(1'000'000, ' ')));
+  const std::uint32_t claimed = 5'000;
+  std::memcpy(archive.data() + archive.rfind("3D/3dmodel.model") - kName + kInflatedSize, &claimed,
+              sizeof claimed);
+  CHECK(lacking(refusal_of_packed(archive), {"3dmodel.model", "more bytes than it claims"}).empty());
 }
 
 TEST_CASE("A bomb, which becomes far larger when it is unpacked, is refused by its ratio") {

@@ -210,6 +210,12 @@ TEST_CASE("A damaged 3MF model is refused with the place") {
                                item),
                 {"triangle 0 of object 1"})
             .empty());
+  CHECK(lacking(refusal_of_3mf(sound + "<object id=\"2\"/>", item + "<item objectid=\"2\"/>"),
+                {"object 2", "neither triangles nor components"})
+            .empty());
+  CHECK(lacking(refusal_of_3mf(sound, "<item objectid=\"1\" transform=\"1 0 0 0 1 0 0 0 0 0 0 0\"/>"),
+                {"object 1", "makes it flat"})
+            .empty());
   CHECK(lacking(refusal_of_3mf(threemf_files("<model")), {"not valid XML"}).empty());
   CHECK(lacking(refusal_of_3mf(threemf_files("<html/>")), {"does not begin with a 3MF model"}).empty());
 }
