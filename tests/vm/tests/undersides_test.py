@@ -48,7 +48,7 @@ def _distances(facets, memory):
     """Prints the facets and returns how much lower their undersides cure than they are drawn, and across walls, in um."""
     resin = _resin(memory)
     layers = math.ceil(max(corner[2] for facet in facets for corner in facet) / reference.LAYER - 1e-6)
-    results = print_layers(ARM64, layers, resin=resin, model=lambda _: facets)
+    results = print_layers(ARM64, layers, resin=resin, model=lambda _: facets, limit_s=1200)
     edges, frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
     masks = _masks(facets, resin)
     records = json.loads(results.text("spool/done/part.report.json"))["layer_records"]
