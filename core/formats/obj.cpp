@@ -16,15 +16,13 @@
 namespace contourd {
 namespace {
 
-using std::string_view_literals::operator""sv;
-
 // Words that begin a line (Wavefront's specification, version 3.0, and what programs add).
-constexpr std::array kObjWords{
-    "v"sv,      "vn"sv,     "vt"sv,    "vp"sv,    "f"sv,        "fo"sv,       "l"sv,          "p"sv,
-    "o"sv,      "g"sv,      "s"sv,     "mg"sv,    "lod"sv,      "bevel"sv,    "mtllib"sv,     "usemtl"sv,
-    "usemap"sv, "maplib"sv, "call"sv,  "csh"sv,   "cstype"sv,   "deg"sv,      "bmat"sv,       "step"sv,
-    "curv"sv,   "curv2"sv,  "surf"sv,  "parm"sv,  "trim"sv,     "hole"sv,     "scrv"sv,       "sp"sv,
-    "end"sv,    "con"sv,    "ctech"sv, "stech"sv, "d_interp"sv, "c_interp"sv, "shadow_obj"sv, "trace_obj"sv};
+constexpr auto kObjWords = std::to_array<std::string_view>(
+    {"v",      "vn",     "vt",    "vp",    "f",        "fo",       "l",          "p",
+     "o",      "g",      "s",     "mg",    "lod",      "bevel",    "mtllib",     "usemtl",
+     "usemap", "maplib", "call",  "csh",   "cstype",   "deg",      "bmat",       "step",
+     "curv",   "curv2",  "surf",  "parm",  "trim",     "hole",     "scrv",       "sp",
+     "end",    "con",    "ctech", "stech", "d_interp", "c_interp", "shadow_obj", "trace_obj"});
 
 // A facet takes at least these bytes, with its share of the vertices, beside the first thousand facets of a
 // file, whose numbers are short.

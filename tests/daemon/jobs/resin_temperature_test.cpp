@@ -99,7 +99,7 @@ TEST_CASE_METHOD(TemperatureFixture, "Exposures beyond the limits are not follow
   const PreparedJob cold = followed(10.0);
   CHECK(light_of(cold) == std::pair(1.0, 1.0));
   REQUIRE(cold.summary.warnings.size() == 1);
-  CHECK_THAT(cold.summary.warnings[0], Catch::Matchers::Contains("it must be from 1 ms to 120 s"));
+  CHECK_THAT(cold.summary.warnings[0], Catch::Matchers::Contains("an exposure must last 1 ms to 120 s"));
 }
 
 TEST_CASE_METHOD(TemperatureFixture, "Fixed exposures, and a curve of unknown temperature, do not follow") {
