@@ -19,7 +19,10 @@ namespace {
 constexpr std::size_t kCompressedChunk = 65'536;
 constexpr std::uint64_t kLeastBytes = 18;    // header and trailer
 constexpr int kGzipWindow = MAX_WBITS + 16;  // the header and trailer of gzip, as zlib.h says
-constexpr char kDamaged[] = "the gzip archive is damaged: copy it again";
+constexpr char kDamaged[] =
+    "the gzip archive is cut short or damaged, or other data follows it: copy it again";
+// Deflate makes data at most this much smaller, and hardly larger, apart from the names in the header.
+constexpr std::uint64_t kDeflateRatio = 1032, kMostHeaderBytes = 4096;
 
 // Returns the size of the inflated data, which is the file's last field, modulo 2^32.
 std::uint32_t claimed_size(std::FILE* file, const std::filesystem::path& path) {
@@ -44,6 +47,10 @@ GzipStream::GzipStream(std::FILE* file, std::uint64_t bytes, std::filesystem::pa
     : file_(file), left_(bytes), path_(std::move(path)), compressed_(kCompressedChunk) {
   if (bytes < kLeastBytes) throw ModelError(kDamaged);
   inflated_bytes_ = claimed_size(file, path_);
+  // The last four bytes of a file that is cut short are not its size.
+  if (inflated_bytes_ / kDeflateRatio > bytes ||
+      bytes > inflated_bytes_ + inflated_bytes_ / 1000 + kMostHeaderBytes)
+    throw ModelError(kDamaged);
   refuse_inflation({bytes, inflated_bytes_}, "the gzip archive");
   if (inflateInit2(&inflater_, kGzipWindow) != Z_OK) throw std::bad_alloc();
 }

@@ -185,8 +185,14 @@ std::map<std::string, std::size_t> leave_out(ThreeMfModel& model, const ThreeMfS
   for (ThreeMfObject& object : model.parts.at(model.root).objects) {
     const auto volumes = side_file.volumes.find(object.id);
     if (volumes != side_file.volumes.end() && !object.triangles.empty()) {
-      for (const ThreeMfVolume& volume : volumes->second)
+      for (const ThreeMfVolume& volume : volumes->second) {
+        if (volume.last >= object.triangles.size())
+          throw ModelError(
+              fmt::format("a {} of the 3MF model is triangles {} to {} of object {}, which has only {}: "
+                          "export the model again",
+                          volume.kind, volume.first, volume.last, object.id, object.triangles.size()));
         ++kinds[volume.kind];
+      }
       remove_volumes(object, volumes->second);
     }
     std::erase_if(object.components, [&](const ThreeMfReference& component) {

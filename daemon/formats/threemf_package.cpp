@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -70,8 +71,12 @@ std::string root_of(const ZipArchive& archive) {
 // Returns the bytes of XML that the package's model files hold. Throws ModelError if they are too many.
 std::uint64_t model_bytes_of(const ZipArchive& archive) {
   InflatedSize all{0, 0};
+  std::set<std::string_view> names;
   for (const ZipEntry& entry : archive.entries()) {
     if (!entry.name.ends_with(".model")) continue;
+    if (!names.insert(entry.name).second)
+      throw ModelError(
+          fmt::format("the 3MF file holds {} twice: export the model again", in_quotes(entry.name)));
     refuse_inflation({entry.compressed, entry.inflated}, name_in_messages(entry.name));
     all = {all.compressed + entry.compressed, all.inflated + entry.inflated};
     refuse_inflation(all, "the 3MF file");

@@ -12,8 +12,8 @@ namespace contourd {
 namespace {
 
 constexpr std::size_t kLongestQuote = 60;
-// The limits of a message: more violations than a person corrects at once are not listed, nor after so many
-// bytes that a reason of a job would be cut.
+// The limits of a message: a person corrects no more violations at once, and a job's reason holds no more
+// bytes without a cut.
 constexpr std::size_t kMaxLines = 20, kMaxBytes = 6000;
 constexpr std::size_t kLongestPointer = 200;
 

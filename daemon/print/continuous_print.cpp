@@ -87,6 +87,7 @@ void ContinuousPrint::set(const PrintSettings& settings) {
   expects(under_way(), "a print is under way");
   if (layering()) return layers_.set(settings);
   plan_->motion = settings.motion;
+  left_after_ = durations_to_end(*plan_, machine_.z_axis());
 }
 
 void ContinuousPrint::exclude(ExcludedCopy copy) {
@@ -223,18 +224,17 @@ Duration ContinuousPrint::time_left() const {
 Duration ContinuousPrint::left_after_state() const {
   if (is_in(kEnding)) return Duration{0};
   if (ends()) return parking_duration();
-  const std::vector<Duration> to_end = durations_to_end(*plan_, machine_.z_axis());
   const auto next = static_cast<std::size_t>(record_.layer);
   if (!rises_.begun()) {
     const bool rests = is_in(ContinuousState::Recovering);
-    return to_end[next] - (rests ? rises_.current().rest : Duration{0});
+    return left_after_[next] - (rests ? rises_.current().rest : Duration{0});
   }
   const Nanometers top = rises_.current().plan.points.back().height;
   std::size_t above = next;
   for (Nanometers bottom = record_.bottom; bottom < top; ++above)
     bottom += plan_->expected_layers[above];
   const Duration lift = lift_duration(plan_->motion, moves_of(machine_.z_axis()));
-  return to_end[above] + lift + (is_in(ContinuousState::Rising) ? Duration{0} : rise_left());
+  return left_after_[above] + lift + (is_in(ContinuousState::Rising) ? Duration{0} : rise_left());
 }
 
 Duration ContinuousPrint::rise_left() const {
@@ -260,6 +260,7 @@ void ContinuousPrint::print_ended(PrintOutcome outcome, const std::string& reaso
   reason_ = reason;
   if (outcome != PrintOutcome::Done || !rises_.any_left()) return handle(ContinuousEvent::LayeringEnded);
   planned_pause_ = layers_.planned_pause();
+  left_after_ = durations_to_end(*plan_, machine_.z_axis());
   rises_.reach();
   record_ = {};
   record_.layer = rises_.current().first_layer - 1;

@@ -123,6 +123,7 @@ class ContinuousPrint final : public PrintMode,
   bool over_ = false;          // the last rise has ended, and nothing is on top of it
   bool pause_wanted_ = false;  // when the plate is up
   RiseProgress rises_;
+  std::vector<Duration> left_after_;  // by expected layer: the time for it, all later layers and parking
   std::unique_ptr<RiseFrames> frames_;
   std::optional<TimePoint> lit_from_;  // from when on the slice has had light, while there is light
   LayerRecord record_;                 // the slice under way, or what comes next

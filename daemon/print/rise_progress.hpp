@@ -46,7 +46,7 @@ class RiseProgress {
   void stop_at(Nanometers height);
 
   // Slows the rise down, and all rises after it, to three quarters of the planned speed around a height, but
-  // not below `slowest`; what is left of the rise once stop_at() is told where the plate has come to rest.
+  // not below `slowest`. The rise under way is slower from the next call of stop_at() on.
   // False, and nothing changed, if the rise cannot be slower, or was slowed down less than a second ago.
   // REQUIRES: begun(); a height within the rise.
   bool slow_down(Nanometers height, MillimetersPerSecond slowest, TimePoint now);

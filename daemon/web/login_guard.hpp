@@ -14,7 +14,7 @@ class LoginGuard {
   using TimePoint = std::chrono::steady_clock::time_point;
 
   // The limits: tries without a wait, the longest wait between two tries, the time after which tries are
-  // forgotten, and the number of addresses that are told apart.
+  // forgotten, and the number of addresses that are counted separately.
   static constexpr int kFreeTries = 5;
   static constexpr std::chrono::seconds kLongestWait{60};
   static constexpr std::chrono::minutes kForgottenAfter{15};

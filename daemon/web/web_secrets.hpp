@@ -26,7 +26,7 @@ inline constexpr std::size_t kShortestPassword = 8, kLongestPassword = 256;
 // True if this is the password of that hash. Takes as long as hash_of(); the comparison takes constant time.
 [[nodiscard]] bool is_password(const std::string& password, const std::string& hash);
 
-// Returns so many random bytes of the kernel in hexadecimal digits. Throws std::system_error.
+// Returns that number of random bytes, from the kernel, in hexadecimal digits. Throws std::system_error.
 [[nodiscard]] std::string random_hex(std::size_t bytes);
 // Compares in a time that depends on the lengths only.
 [[nodiscard]] bool equal_in_constant_time(std::string_view a, std::string_view b);

@@ -85,6 +85,8 @@ TEST_CASE("A gzip archive that is cut short or damaged anywhere is refused") {
     CHECK_FALSE(refusal_of_packed(damaged).empty());
   }
   CHECK_FALSE(refusal_of_packed(whole + whole).empty());
+  for (const std::string& other : {whole + "junk", whole + std::string(10'000, '\0')})
+    CHECK(lacking(refusal_of_packed(other), {"cut short or damaged, or other data follows it"}).empty());
 }
 
 TEST_CASE("A gzip archive of something that is no model is refused by what it holds") {

@@ -163,6 +163,26 @@ TEST_CASE("PrusaSlicer's modifiers and negative volumes are left out of the mesh
   CHECK(lacking(model.warnings[0], {"1 modifier, 1 negative part", "is printed"}).empty());
 }
 
+TEST_CASE(
+    "A side file whose volumes are not in the mesh is refused, and so is a package with two root models") {
+  const std::vector<PackedFile> box =
+      threemf_files(threemf_part(threemf_object(1, kUnitBox), "<item objectid=\"1\"/>"));
+  CHECK(lacking(refusal_of_3mf(with_file(
+                    box, "Metadata/Slic3r_PE_model.config",
+                    "<config><object id=\"1\"><volume firstid=\"12\" lastid=\"23\"><metadata type=\"volume\" "
+                    "key=\"volume_type\" value=\"NegativeVolume\"/></volume></object></config>")),
+                {"negative part", "triangles 12 to 23 of object 1, which has only 12"})
+            .empty());
+  // libzip makes no archive with two entries of one name.
+  std::string archive = testing::zipped(with_file(box, "3D/3dmodel.modex", box.back().content));
+  for (std::size_t at = archive.find("modex"); at != std::string::npos; at = archive.find("modex", at))
+    archive[at + 4] = 'l';
+  const testing::TemporaryFolder folder;
+  CHECK(lacking(testing::message_of<ModelError>([&] { (void)open_model(folder.write("part.3mf", archive)); }),
+                {"3D/3dmodel.model", "twice"})
+            .empty());
+}
+
 TEST_CASE("Bambu Studio's modifiers and support blockers are left out of the components and told") {
   const std::string root = threemf_part(
       threemf_object(1, kUnitBox) + threemf_object(2, moved(kUnitBox, 5, 0, 0)) +

@@ -166,7 +166,7 @@ TEST_CASE("Rises rest before the window's oxygen is used up, less by the time of
         }) == "a rise begins on top of a layer");
 }
 
-TEST_CASE("What is layered above the first layers is told if it is more than a millimetre high") {
+TEST_CASE("A warning names layers above the first ones if they are more than a millimetre high") {
   ContinuousForecast forecast;
   forecast.ranges = {{.bottom = {}, .top = mm(1)},
                      {.bottom = mm(1), .top = mm(5), .limit = RiseLimit::Cure},

@@ -24,7 +24,7 @@ _LAYER_NM = round(reference.LAYER * 1e6)
 
 def _resin(memory):
     return {**RESIN, "exposure_ms": None, "bottom_exposure_ms": None, "bottom_layers": 0, "fade_layers": 0, "undersides": "dose",
-            "working_curve": reference.working_curve(memory)}  # fmt: skip
+            "lift_mm": 0.2, "second_lift_mm": 0.1, "working_curve": reference.working_curve(memory)}  # fmt: skip
 
 
 def _masks(facets, resin):
@@ -48,7 +48,8 @@ def _distances(facets, memory):
     """Prints the facets and returns how much lower their undersides cure than they are drawn, and across walls, in um."""
     resin = _resin(memory)
     layers = math.ceil(max(corner[2] for facet in facets for corner in facet) / reference.LAYER - 1e-6)
-    results = print_layers(ARM64, layers, resin=resin, model=lambda _: facets, limit_s=1200)
+    # The record of the axis has room for the edges of 150 layers.
+    results = print_layers(ARM64, layers, resin=resin, model=lambda _: facets, devices="load_devices log_entries=1000000", limit_s=1200)
     edges, frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
     masks = _masks(facets, resin)
     records = json.loads(results.text("spool/done/part.report.json"))["layer_records"]
