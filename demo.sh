@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Prints a model on the simulated printer: ./demo.sh [--pace realtime|fast] [MODEL.stl]
+# Prints a model on the simulated printer: ./demo.sh [--pace realtime|fast] [MODEL]
 # Without a model it makes one: a gyroid in a ball.
 set -euo pipefail
 
 usage() {
-  echo "usage: ./demo.sh [--pace realtime|fast] [MODEL.stl]" >&2
+  echo "usage: ./demo.sh [--pace realtime|fast] [MODEL]" >&2
   exit 64
 }
 pace=fast
@@ -50,8 +50,12 @@ for ((tries = 0; tries < 100; tries++)); do
   sleep 0.1
 done
 
-name=$(basename -- "$model")
-name=${name%.*}
+file=$(basename -- "$model")
+case ${file,,} in
+  *.stl.gz | *.obj.gz) name=${file%.*.*} ;;
+  *.stl | *.obj | *.3mf | *.zip) name=${file%.*} ;;
+  *) name=${file%.*} file=${file%.*}.stl ;;
+esac
 # A model larger than the machine is scaled to it; its size is the line "size X x Y x Z mm".
 if awk '$1 == "size" && ($2 > 96 || $4 > 54 || $6 > 150) { exit 1 }' <<<"$inspected"; then
   echo "Printing $name"
@@ -59,7 +63,7 @@ else
   echo "Printing $name, scaled to fit the simulated printer (96 x 54 x 150 mm)"
   echo '{"fit": true}' >"$folder/spool/incoming/$name.json"
 fi
-cp -- "$model" "$folder/spool/incoming/$name.stl"
+cp -- "$model" "$folder/spool/incoming/$file"
 
 if ! "$bin/contourctl" watch --job "$name"; then
   printf '\nThe print failed. Log: %s\n' "$folder/contourd.log"
