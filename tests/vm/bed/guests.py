@@ -75,11 +75,14 @@ def systemd_guest(config, resin=None, our_modules=(), debian=None):
 
 
 def package_guest(upgrades, debian=None):
-    """Returns a Debian guest without contourd. /root/contourd.deb is the package of this tree for that Debian;
-    /root/upgrade-1.deb and so on are the same package with increasing versions."""
+    """Returns a Debian guest without contourd. /root/contourd.deb and /root/contourd-web.deb are the packages of this tree
+    for that Debian; /root/upgrade-1.deb and so on are contourd's package with increasing versions."""
     guest = _debian_guest()
-    (package,) = (BED / (f"packages-{debian}" if debian else "packages")).glob("contourd_*_amd64.deb")
+    packages = BED / (f"packages-{debian}" if debian else "packages")
+    (package,) = packages.glob("contourd_*_amd64.deb")
+    (web_package,) = packages.glob("contourd-web_*_amd64.deb")
     guest.add_file("/install/root/contourd.deb", package)
+    guest.add_file("/install/root/contourd-web.deb", web_package)
     with tempfile.TemporaryDirectory(dir=BED) as folder:
         subprocess.run(["dpkg-deb", "--raw-extract", package, f"{folder}/tree"], check=True)
         control = Path(folder, "tree/DEBIAN/control")
