@@ -5,10 +5,10 @@
 namespace {
 
 constexpr Pixels kPatternWidth{640}, kPatternHeight{400};
-constexpr Micrometers kPitch{50};
+constexpr Micrometers kPatternPitch{50};
 
 Mask drawn(TestPattern pattern) {
-  return draw_test_pattern(pattern, kPatternWidth, kPatternHeight, kPitch);
+  return draw_test_pattern(pattern, kPatternWidth, kPatternHeight, kPatternPitch);
 }
 
 bool lit(const Mask& mask, int x, int y) {
@@ -28,7 +28,7 @@ TEST_CASE("Test patterns have the display's size and nothing but black and white
   for (const TestPattern pattern : kTestPatterns) {
     CAPTURE(name_of(pattern));
     for (const auto& [width, height] : {std::pair{640, 400}, {1, 1}, {3, 900}}) {
-      const Mask mask = draw_test_pattern(pattern, Pixels{width}, Pixels{height}, kPitch);
+      const Mask mask = draw_test_pattern(pattern, Pixels{width}, Pixels{height}, kPatternPitch);
       CHECK(mask.width() == Pixels{width});
       CHECK(mask.height() == Pixels{height});
       CHECK(mask.lit_area() == static_cast<double>(mask.lit_pixels()));
@@ -83,10 +83,10 @@ TEST_CASE("The border lights the outermost pixels, with a filled square only at 
 
 TEST_CASE("The rulers have the length of ruler_length(), with ticks at millimetres") {
   // 32 mm by 20 mm: nine tenths are 28.8 and 18.
-  CHECK(ruler_length(kPatternWidth, kPitch).count() == 20);
-  CHECK(ruler_length(kPatternHeight, kPitch).count() == 10);
-  CHECK(ruler_length(Pixels{100}, kPitch).count() == 4);
-  CHECK(ruler_length(Pixels{1}, kPitch).count() == 0);
+  CHECK(ruler_length(kPatternWidth, kPatternPitch).count() == 20);
+  CHECK(ruler_length(kPatternHeight, kPatternPitch).count() == 10);
+  CHECK(ruler_length(Pixels{100}, kPatternPitch).count() == 4);
+  CHECK(ruler_length(Pixels{1}, kPatternPitch).count() == 0);
   const Mask mask = drawn(TestPattern::Dimensions);
   int first = 640, last = -1;
   for (int x = 0; x < 640; ++x) {
