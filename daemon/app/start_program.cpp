@@ -1,11 +1,11 @@
-// contourd: parses the command line and wires the machine, the printer service and the event loop.
+#include "daemon/app/start_program.hpp"
+
 #include <fmt/format.h>
 #include <malloc.h>
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -39,10 +39,6 @@
 
 namespace contourd {
 namespace {
-
-// Exit codes of BSD's sysexits.h, besides kBadUsage and kCannotCreate. systemd does not restart contourd
-// after 78 (see contourd.service).
-constexpr int kMissingDevice = 69, kFailed = 70, kRestart = 75, kBadConfig = 78;
 
 // The clock of the machine: the monotonic clock, or, for a simulated printer at a fast pace, a clock that
 // skips all waiting.
@@ -261,7 +257,9 @@ int run(const PrinterConfig& config) {
   return ended;
 }
 
-int start(int argc, char** argv) {
+}  // namespace
+
+int start_program(int argc, char** argv) {
   make_safe_on_broken_contract();
   CLI::App app{"Turns a computer, a projector and a Z stage into a resin printer."};
   app.set_version_flag("--version", CONTOURD_VERSION);
@@ -306,24 +304,4 @@ int start(int argc, char** argv) {
   return run(config);
 }
 
-}  // namespace
 }  // namespace contourd
-
-int main(int argc, char** argv) {
-  // First, so that the watchdog process takes little memory and time. The option is internal.
-  if (argc == 3 && std::strcmp(argv[1], contourd::kLightWatchdogOption) == 0)
-    return contourd::serve_light_watchdog(std::atoi(argv[2]));
-  const auto complain = [](int code, const std::string& why) {
-    fmt::print(stderr, "{}\n", why);
-    return code;
-  };
-  try {
-    return contourd::print_whole([&] { return contourd::start(argc, argv); });
-  } catch (const contourd::ConfigError& error) {
-    return complain(contourd::kBadConfig, error.what());
-  } catch (const contourd::OutputError& error) {
-    return complain(contourd::kCannotCreate, std::string("contourd: ") + error.what());
-  } catch (const std::exception& error) {
-    return complain(contourd::kFailed, "contourd: " + contourd::printable(error.what()));
-  }
-}

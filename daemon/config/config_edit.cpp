@@ -5,12 +5,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <regex>
+#include <optional>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 
 #include "daemon/config/printer_config.hpp"
@@ -22,13 +24,22 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Returns the match of `wanted` if the text contains exactly one, else nullopt.
-std::optional<std::smatch> only_match(const std::string& text, const std::regex& wanted) {
-  std::smatch match, other;
-  if (!std::regex_search(text, match, wanted)) return std::nullopt;
-  const std::string rest = match.suffix();
-  if (std::regex_search(rest, other, wanted)) return std::nullopt;
-  return match;
+constexpr std::string_view kBlanks = " \t\r\n", kNumber = "-+.0123456789eE";
+
+// Returns where the value of the member `key` begins, if the text contains exactly one member of this name
+// whose value begins with one of the characters `begin`, else nullopt.
+std::optional<std::size_t> only_value(const std::string& text, std::string_view key, std::string_view begin) {
+  const std::string name = fmt::format(R"("{}")", key);
+  std::optional<std::size_t> found;
+  for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) {
+    const std::size_t colon = text.find_first_not_of(kBlanks, at + name.size());
+    if (colon == std::string::npos || text[colon] != ':') continue;
+    const std::size_t value = text.find_first_not_of(kBlanks, colon + 1);
+    if (value == std::string::npos || begin.find(text[value]) == std::string_view::npos) continue;
+    if (found) return std::nullopt;
+    found = value;
+  }
+  return found;
 }
 
 [[noreturn]] void fail(const std::string& what, const fs::path& file) {
@@ -86,8 +97,8 @@ class Replacement {
 
 // Links the file to an unused backup name and returns that name.
 fs::path keep_aside(const fs::path& file) {
-  constexpr int kMost = 1000;
-  for (int i = 1; i <= kMost; ++i) {
+  constexpr int kMostBackups = 1000;
+  for (int i = 1; i <= kMostBackups; ++i) {
     fs::path kept = file.string() + ".before-setup" + (i > 1 ? fmt::format("-{}", i) : "");
     if (::link(file.c_str(), kept.c_str()) == 0) return kept;
     if (errno != EEXIST) fail("cannot keep", file);
@@ -107,18 +118,18 @@ std::string with_number(const std::string& text, std::string_view section, std::
   Json wanted = Json::parse(text);
   wanted[Json::json_pointer(pointer)] = number;
   std::string changed;
-  if (const auto there = only_match(text, std::regex(fmt::format(R"("{}"\s*:\s*([-+.0-9eE]+))", key)))) {
+  if (const auto there = only_value(text, key, kNumber)) {
     changed = text;
-    changed.replace(static_cast<std::size_t>(there->position(1)), static_cast<std::size_t>(there->length(1)),
+    changed.replace(*there, std::min(text.find_first_not_of(kNumber, *there), text.size()) - *there,
                     fmt::format("{}", number));
-  } else if (const auto begin =
-                 only_match(text, std::regex(fmt::format(R"("{}"\s*:\s*\{{(\s*)("|\}}))", section)))) {
-    const bool empty = begin->str(2) == "}";
+  } else if (const auto object = only_value(text, section, "{")) {
+    const std::size_t inside = *object + 1, first = text.find_first_not_of(kBlanks, inside);
+    const bool empty = text.compare(first, 1, "}") == 0;
     changed = text;
-    changed.insert(static_cast<std::size_t>(begin->position(1)),
-                   fmt::format(R"({}"{}": {}{})", begin->str(1), key, number, empty ? "" : ","));
+    changed.insert(inside, fmt::format(R"({}"{}": {}{})", text.substr(inside, first - inside), key, number,
+                                       empty ? "" : ","));
   }
-  // The regular expressions may misread unusual text: accept the result only if the parsed JSON is as wanted.
+  // The search may misread unusual text: accept the result only if the parsed JSON is as wanted.
   const Json read = Json::parse(changed, nullptr, false);
   if (read.is_discarded() || nlohmann::json(read) != nlohmann::json(wanted)) throw by_hand();
   return changed;

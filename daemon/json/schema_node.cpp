@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <regex>
 #include <stdexcept>
 
 #include "daemon/json/config_error.hpp"
@@ -63,10 +64,15 @@ std::wregex compiled(std::string_view pattern) {
 
 }  // namespace
 
-SchemaPattern::SchemaPattern(std::string_view pattern) : regex_(compiled(pattern)) {}
+struct SchemaPattern::Expression {
+  std::wregex regex;
+};
+
+SchemaPattern::SchemaPattern(std::string_view pattern)
+    : expression_(std::make_shared<Expression>(Expression{compiled(pattern)})) {}
 
 bool SchemaPattern::is_in(std::string_view text) const {
-  return std::regex_search(wide(text), regex_);
+  return std::regex_search(wide(text), expression_->regex);
 }
 
 std::span<const JsonType> json_types() {

@@ -6,7 +6,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <regex>
 #include <span>
 #include <string>
 #include <string_view>
@@ -28,7 +27,8 @@ class SchemaPattern {
   [[nodiscard]] bool is_in(std::string_view text) const;
 
  private:
-  std::wregex regex_;
+  struct Expression;
+  std::shared_ptr<const Expression> expression_;
 };
 
 // A type name of the keyword "type".

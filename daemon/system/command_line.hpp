@@ -1,5 +1,5 @@
-// Handles --help and invalid command lines for both programs. Only main.cpp includes this header, because
-// CLI11 takes longer to compile than most sources.
+// Handles --help and invalid command lines for both programs. Only the source that parses the
+// command line includes this header, because CLI11 takes longer to compile than most sources.
 #pragma once
 
 #include <fmt/format.h>

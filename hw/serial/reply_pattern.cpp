@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <regex>
 #include <stdexcept>
 #include <system_error>
 
@@ -61,6 +62,10 @@ std::optional<std::int64_t> number_in(std::string_view digits) {
 
 }  // namespace
 
+struct ReplyPattern::Line {
+  std::regex regex;
+};
+
 char checksum_of(std::string_view message, Checksum kind) {
   expects(kind != Checksum::None, "there is a checksum");
   unsigned sum = 0;
@@ -72,7 +77,7 @@ char checksum_of(std::string_view message, Checksum kind) {
 ReplyPattern ReplyPattern::of_line(const std::string& expression) {
   ReplyPattern pattern;
   try {
-    pattern.line_.emplace(expression, std::regex::ECMAScript);
+    pattern.line_ = std::make_shared<Line>(Line{std::regex(expression, std::regex::ECMAScript)});
   } catch (const std::regex_error& error) {
     throw std::invalid_argument(error.what());
   }
@@ -108,7 +113,7 @@ ReplyPattern ReplyPattern::of_bytes(std::string_view hex, Checksum checksum) {
 }
 
 std::size_t ReplyPattern::values() const {
-  if (line_) return line_->mark_count();
+  if (line_) return line_->regex.mark_count();
   for (const Byte& byte : bytes_) {
     if (byte.kind == Byte::Kind::Value) return 1;
   }
@@ -132,7 +137,7 @@ bool ReplyPattern::fits_noise() const {
 std::optional<ReplyPattern::Match> ReplyPattern::match_line(std::string_view line) const {
   if (!line_) return std::nullopt;
   std::match_results<std::string_view::const_iterator> groups;
-  if (!std::regex_match(line.begin(), line.end(), groups, *line_)) return std::nullopt;
+  if (!std::regex_match(line.begin(), line.end(), groups, line_->regex)) return std::nullopt;
   if (groups.size() < 2) return Match{};
   const std::optional<std::int64_t> value = number_in(groups[1].str());
   if (!value) return std::nullopt;

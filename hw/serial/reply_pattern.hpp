@@ -4,8 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
-#include <regex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -55,7 +55,8 @@ class ReplyPattern {
   };
   [[nodiscard]] static Byte parse_byte(std::string_view token, Checksum checksum);
 
-  std::optional<std::regex> line_;
+  struct Line;
+  std::shared_ptr<const Line> line_;  // null for bytes
   std::vector<Byte> bytes_;
   Checksum checksum_ = Checksum::None;
 };

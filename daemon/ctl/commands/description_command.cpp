@@ -120,7 +120,7 @@ std::string default_of(const Option& option) {
       option.variable);
 }
 
-void describe(const Command& command, const std::string& words, Json& all) {
+void add_description(const Command& command, const std::string& words, Json& all) {
   Json options = Json::array();
   for (const Option& each : command.options)
     options.push_back({{"name", each.name},
@@ -133,7 +133,7 @@ void describe(const Command& command, const std::string& words, Json& all) {
   if (command.run)
     all.push_back({{"command", words}, {"help", command.help}, {"options", std::move(options)}});
   for (const Command& each : command.commands)
-    if (!each.hidden) describe(each, words + (words.empty() ? "" : " ") + each.name, all);
+    if (!each.hidden) add_description(each, words + (words.empty() ? "" : " ") + each.name, all);
 }
 
 std::vector<std::string> command_names(const Command& program) {
@@ -206,7 +206,7 @@ void add_description(Command& program) {
   description.hidden = true;
   description.run = [&program] {
     Json all = Json::array();
-    describe(program, "", all);
+    add_description(program, "", all);
     fmt::print("{}\n", all.dump(2));
     return kOk;
   };
