@@ -1,15 +1,17 @@
 // Prints a digest of everything that the core computes for a broad set of models, heights and settings, one
 // per line. Two machines compute the same masks exactly if they print the same bytes (.ci/arm64 compares
-// two).
+// two). Prints one part with the part's number as the argument, and the number of parts with "--parts".
 #include <algorithm>
 #include <bit>
 #include <cinttypes>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/engine/contour_engine.hpp"
@@ -276,30 +278,46 @@ void print_sines() {
   std::printf("sines: %016" PRIx64 "\n", digest.value());
 }
 
-void print_everything() {
-  print_sines();
+// The parts of the output, in order; they are independent of each other.
+std::vector<std::function<void()>> parts() {
+  std::vector<std::function<void()>> parts{print_sines};
   const Orientation turned{45, 30, 10.1, Scale(1.0)}, scaled{0, 90, -123.456, Scale(0.777)};
   Orientation up;
   up.up = Direction{1, -2, 3.5};
   for (const auto& subjects : {good_models(), bad_models()}) {
     for (const Subject& subject : subjects) {
-      print_subject(subject, {}, "as it is", true);
+      parts.emplace_back([=] { print_subject(subject, {}, "as it is", true); });
       // Float's greatest numbers would overflow when rotated.
       if (subject.name == "huge") continue;
-      print_subject(subject, turned, "turned", false);
-      print_subject(subject, scaled, "scaled", false);
-      print_subject(subject, up, "up", false);
+      parts.emplace_back([=] { print_subject(subject, turned, "turned", false); });
+      parts.emplace_back([=] { print_subject(subject, scaled, "scaled", false); });
+      parts.emplace_back([=] { print_subject(subject, up, "up", false); });
     }
   }
-  print_supports();
+  parts.emplace_back(print_supports);
+  return parts;
+}
+
+void print_digests(std::string_view argument) {
+  const std::vector<std::function<void()>> all = parts();
+  if (argument == "--parts") {
+    std::printf("%zu\n", all.size());
+    return;
+  }
+  if (!argument.empty()) {
+    all.at(std::stoul(std::string(argument)))();
+    return;
+  }
+  for (const std::function<void()>& part : all)
+    part();
 }
 
 }  // namespace
 }  // namespace contourd
 
-int main() {
+int main(int argc, char** argv) {
   try {
-    contourd::print_everything();
+    contourd::print_digests(argc > 1 ? argv[1] : "");
     return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "mask-digests: %s\n", error.what());
