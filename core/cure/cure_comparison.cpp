@@ -84,27 +84,50 @@ void CureComparison::add_layer(std::size_t layer, const CuredLayers& cured, std:
   const auto top = static_cast<float>(cured.solid_top(of_layer).count());
   if (top <= 0) return;  // in the dead zone on the plate
   const double thickness = in_mm(of_layer.thickness);
-  for (std::uint32_t pixel = 0; pixel < dose.size(); ++pixel) {
-    float& until = solid_until_[pixel];
-    const bool solid = dose[pixel] >= 1;
-    if (!solid && until == 0) continue;
-    if (!solid) {
-      cured_.push_back({pixel, top, std::exchange(until, 0.0F)});
-      continue;
-    }
-    if (until == 0) until = top;
-    const double solid_mm = cured.solid_thickness(of_layer, dose[pixel]).count();
-    if (solid_mm < thickness) {
-      cured_.push_back(
-          {pixel, std::max(top - static_cast<float>(solid_mm), 0.0F), std::exchange(until, 0.0F)});
-    } else if (top <= static_cast<float>(thickness)) {
-      cured_.push_back({pixel, 0.0F, std::exchange(until, 0.0F)});
+  // From this dose on, the layer is solid down to its bottom, whatever the rounding.
+  const float whole = 1.0001F * static_cast<float>(cured.dose_at_top(to_millimeters(of_layer.thickness)));
+  const bool ends = top <= static_cast<float>(thickness);  // at the plate
+  constexpr std::size_t kBlock = 64;
+  for (std::size_t first = 0; first < dose.size(); first += kBlock) {
+    const std::size_t end = std::min(first + kBlock, dose.size());
+    if (!ends && goes_on(first, end, dose, whole)) continue;
+    for (std::size_t pixel = first; pixel < end; ++pixel) {
+      float& until = solid_until_[pixel];
+      const auto number = static_cast<std::uint32_t>(pixel);
+      const bool solid = dose[pixel] >= 1;
+      if (!solid && until == 0) continue;
+      if (!solid) {
+        cured_.push_back({number, top, std::exchange(until, 0.0F)});
+        continue;
+      }
+      if (until == 0) until = top;
+      if (dose[pixel] >= whole && !ends) continue;
+      const double solid_mm = cured.solid_thickness(of_layer, dose[pixel]).count();
+      if (solid_mm < thickness) {
+        cured_.push_back(
+            {number, std::max(top - static_cast<float>(solid_mm), 0.0F), std::exchange(until, 0.0F)});
+      } else if (ends) {
+        cured_.push_back({number, 0.0F, std::exchange(until, 0.0F)});
+      }
     }
   }
   const auto height = std::ranges::lower_bound(wall_layers_, layer);
   if (height == wall_layers_.end() || *height != layer) return;
   for (Walls& walls : walls_)
     measure_walls(walls, static_cast<std::size_t>(height - wall_layers_.begin()), cured, layer, dose);
+}
+
+// True if each of these pixels is liquid below liquid, or solid throughout the layer below solid.
+bool CureComparison::goes_on(std::size_t first, std::size_t end, std::span<const float> dose,
+                             float whole) const {
+  const float* const until = solid_until_.data();
+  unsigned all = 1;
+  for (std::size_t pixel = first; pixel < end; ++pixel) {
+    const float of = dose[pixel];
+    all &= (static_cast<unsigned>(of < 1) & static_cast<unsigned>(until[pixel] == 0)) |
+           (static_cast<unsigned>(of >= whole) & static_cast<unsigned>(until[pixel] != 0));
+  }
+  return all != 0;
 }
 
 void CureComparison::measure_walls(Walls& walls, std::size_t height, const CuredLayers& cured,

@@ -116,6 +116,8 @@ class CureComparison {
     std::uint64_t missing = 0;
   };
 
+  [[nodiscard]] bool goes_on(std::size_t first, std::size_t end, std::span<const float> dose,
+                             float whole) const;
   void measure_walls(Walls& walls, std::size_t height, const CuredLayers& cured, std::size_t layer,
                      std::span<const float> dose);
   void compare_column(std::span<const RayStretch> model, std::span<const Stretch> cured);

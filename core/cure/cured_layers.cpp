@@ -1,6 +1,7 @@
 #include "core/cure/cured_layers.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -16,6 +17,7 @@ constexpr double kFaintest = 1e-4;
 // Liquid that is thinner than this at a layer's bottom is a rounding error of the dose, a float.
 constexpr Millimeters kThinnestLiquid{1e-6};
 constexpr double kAllLight = std::numeric_limits<std::uint16_t>::max();
+constexpr auto kMostUnlit = std::numeric_limits<std::uint16_t>::max();
 
 }  // namespace
 
@@ -25,10 +27,11 @@ CuredLayers::CuredLayers(const CureSettings& settings, std::size_t pixels)
       kept_(settings.peel_memory),
       lost_(settings.oxygen_dose / settings.curve.critical_dose),
       dose_(pixels),
-      unlit_(pixels, std::numeric_limits<std::uint16_t>::max()) {
+      unlit_(pixels, kMostUnlit) {
   expects(depth_mm_ > 0 && settings.curve.critical_dose.count() > 0, "the working curve has positive values");
   expects(kept_ >= 0 && kept_ <= 1 && lost_ >= 0 && settings.dead_zone.count() >= 0,
           "the memory is a share, and the losses are not negative");
+  if (kept_ < 1 && lost_ == 0) in_the_dark_.resize(pixels);
 }
 
 std::span<const float> CuredLayers::add_layer(const LayerDose& layer, std::span<const float> light) {
@@ -40,15 +43,7 @@ std::span<const float> CuredLayers::add_layer(const LayerDose& layer, std::span<
     sum_doses(layer, dose, light);
   } else {
     remember(layer, dose, light);
-    const double all_solid = std::exp(in_mm(layer.thickness) / depth_mm_);
-    for (std::size_t pixel = 0; pixel < dose_.size(); ++pixel) {
-      const double own = dose * static_cast<double>(light[pixel]);
-      if (own >= all_solid || unlit_[pixel] >= layers_.size()) {
-        dose_[pixel] = static_cast<float>(own);
-      } else {
-        dose_[pixel] = static_cast<float>(greatest_solid(pixel, in_mm(layer.thickness)));
-      }
-    }
+    follow_doses(layer, dose, light);
   }
   last_top_ = layer.top;
   return dose_;
@@ -64,21 +59,53 @@ void CuredLayers::sum_doses(const LayerDose& layer, double dose, std::span<const
     dose_[pixel] = dose_[pixel] * falloff + full * light[pixel];
 }
 
+// Finds the doses of resin that loses a part at each peel. Most pixels need no look at the layers above:
+// their own layer solidifies them, or nothing above lights them.
+void CuredLayers::follow_doses(const LayerDose& layer, double dose, std::span<const float> light) {
+  const double thickness_mm = in_mm(layer.thickness), all_solid = std::exp(thickness_mm / depth_mm_);
+  const auto most = static_cast<std::uint16_t>(std::min<std::size_t>(layers_.size(), kMostUnlit));
+  constexpr std::size_t kBlock = 64;
+  std::array<std::uint8_t, kBlock> follows{};
+  for (std::size_t first = 0; first < dose_.size(); first += kBlock) {
+    const std::size_t count = std::min(kBlock, dose_.size() - first);
+    std::uint8_t any = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double own = dose * static_cast<double>(light[first + i]);
+      dose_[first + i] = static_cast<float>(own);
+      follows[i] = static_cast<std::uint8_t>(static_cast<unsigned>(own < all_solid) &
+                                             static_cast<unsigned>(unlit_[first + i] < most));
+      any |= follows[i];
+    }
+    if (any == 0) continue;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (follows[i] == 0) continue;
+      const std::size_t pixel = first + i;
+      dose_[pixel] =
+          static_cast<float>(lost_ == 0 ? dose_in_the_dark(pixel) : greatest_solid(pixel, thickness_mm));
+    }
+  }
+}
+
 void CuredLayers::remember(const LayerDose& layer, double dose, std::span<const float> light) {
   if (!layer.peeled && !layers_.empty()) return add_to_last(layer, dose, light);
   while (!layers_.empty() &&
-         layers_.back().dose * std::exp(-in_mm(layers_.back().top - layer.top) / depth_mm_) < kFaintest)
+         layers_.back().dose * std::exp(-in_mm(layers_.back().top - layer.top) / depth_mm_) < kFaintest) {
+    spare_ = std::move(layers_.back().light);
     layers_.pop_back();
-  LitLayer lit{layer.top, dose, std::vector<std::uint16_t>(light.size())};
+  }
+  LitLayer lit{layer.top, dose, std::move(spare_)};
+  lit.light.resize(light.size());
+  std::uint16_t* const of_layer = lit.light.data();
+  std::uint16_t* const unlit = unlit_.data();
   for (std::size_t pixel = 0; pixel < light.size(); ++pixel) {
-    lit.light[pixel] = static_cast<std::uint16_t>(light[pixel] * static_cast<float>(kAllLight) + 0.5F);
-    if (lit.light[pixel] > 0) {
-      unlit_[pixel] = 0;
-    } else if (unlit_[pixel] < std::numeric_limits<std::uint16_t>::max()) {
-      ++unlit_[pixel];
-    }
+    const auto share = static_cast<std::uint16_t>(
+        static_cast<std::int32_t>(light[pixel] * static_cast<float>(kAllLight) + 0.5F));
+    of_layer[pixel] = share;
+    const auto next = static_cast<std::uint16_t>(unlit[pixel] + (unlit[pixel] < kMostUnlit ? 1 : 0));
+    unlit[pixel] = share > 0 ? std::uint16_t{0} : next;
   }
   layers_.push_front(std::move(lit));
+  ++pushed_;
   reach(layer.top);
 }
 
@@ -96,6 +123,8 @@ void CuredLayers::add_to_last(const LayerDose& layer, double dose, std::span<con
   }
   last.top = layer.top;
   last.dose = sum;
+  // The light of the last layers was rounded again.
+  std::ranges::fill(in_the_dark_, DarkDose{});
   reach(layer.top);
 }
 
@@ -110,29 +139,43 @@ void CuredLayers::reach(Nanometers top) {
 }
 
 // Returns the greatest dose that a pixel's resin below the last layer's top ever had, in units of Ec.
-double CuredLayers::greatest_dose(std::size_t pixel, double below_top_mm) const {
+CuredLayers::Greatest CuredLayers::greatest_dose(std::size_t pixel, double below_top_mm) const {
   const double falloff = below_top_mm == 0 ? 1 : std::exp(-below_top_mm / depth_mm_);
-  double dose = 0, greatest = 0;
+  double dose = 0;
+  Greatest greatest;
   for (std::size_t layer = unlit_[pixel]; layer < layers_.size(); ++layer) {
     dose = std::max(dose * kept_ - lost_, 0.0) + reaching_[layer] * layers_[layer].light[pixel] * falloff;
-    greatest = std::max(greatest, dose);
+    if (dose > greatest.dose) greatest = {dose, layer};
     // No layer above can add what is lost of such a dose.
-    if (greatest * kept_ + most_above_[layer] * falloff <= greatest) break;
+    if (greatest.dose * kept_ + most_above_[layer] * falloff <= greatest.dose) break;
   }
   return greatest;
+}
+
+// Returns the greatest dose that a pixel's resin at the last layer's top ever had, where losses are shares.
+// Below the last layer that lit the pixel, all doses fall by the same factor: the greatest one stays the
+// greatest, and need not be searched again.
+double CuredLayers::dose_in_the_dark(std::size_t pixel) {
+  DarkDose& dark = in_the_dark_[pixel];
+  if (unlit_[pixel] > 1 && dark.layer > 0 && pushed_ - dark.layer < layers_.size())
+    return dark.share * reaching_[pushed_ - dark.layer];
+  const Greatest greatest = greatest_dose(pixel, 0);
+  const double reaching = reaching_[greatest.layer];
+  dark = greatest.dose > 0 && reaching > 0 ? DarkDose{greatest.dose / reaching, pushed_ - greatest.layer}
+                                           : DarkDose{};
+  return greatest.dose;
 }
 
 // Returns the dose at the layer's top that stands for the solid's thickness. A loss that is subtracted is the
 // same at all heights, so that the dose is no multiple of one figure, and the solid's end is searched.
 double CuredLayers::greatest_solid(std::size_t pixel, double thickness_mm) const {
-  const double at_top = greatest_dose(pixel, 0);
-  if (lost_ == 0 || at_top < 1) return at_top;
-  if (greatest_dose(pixel, thickness_mm) >= 1) return at_top;
+  const double at_top = greatest_dose(pixel, 0).dose;
+  if (at_top < 1 || greatest_dose(pixel, thickness_mm).dose >= 1) return at_top;
   double solid = 0, liquid = thickness_mm;
   constexpr int kHalvings = 16;  // to a 65536th of the layer
   for (int halving = 0; halving < kHalvings; ++halving) {
     const double middle = (solid + liquid) / 2;
-    (greatest_dose(pixel, middle) >= 1 ? solid : liquid) = middle;
+    (greatest_dose(pixel, middle).dose >= 1 ? solid : liquid) = middle;
   }
   return std::exp(solid / depth_mm_);
 }

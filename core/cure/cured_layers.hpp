@@ -53,8 +53,8 @@ class CuredLayers {
   // Adds the layer below those that were added before, with each pixel's share of the light, 0 to 1. Returns
   // for each pixel the greatest dose that the layer's top had over Ec; if a smaller one solidifies the whole
   // layer, that one may be returned. Valid until the next call. Costs a step a pixel; where memory is lost, a
-  // step for each layer whose light reaches a pixel that its own layer does not solidify. REQUIRES: `pixels`
-  // shares; layers that do not overlap, from the top down.
+  // step for each layer whose light reaches a pixel that its own layer lights, but does not solidify, and the
+  // first dark one below. REQUIRES: `pixels` shares; layers that do not overlap, from the top down.
   [[nodiscard]] std::span<const float> add_layer(const LayerDose& layer, std::span<const float> light);
 
   // Returns the height at which a layer's solid ends: its top, less the dead zone.
@@ -73,11 +73,18 @@ class CuredLayers {
     double dose = 0;                   // of a fully lit pixel over Ec, above the dead zone
     std::vector<std::uint16_t> light;  // by pixel, 65535 for all of it
   };
+  // The greatest dose that a pixel's resin ever had.
+  struct Greatest {
+    double dose = 0;        // in units of Ec
+    std::size_t layer = 0;  // of layers_, after whose light the resin had it
+  };
   void sum_doses(const LayerDose& layer, double dose, std::span<const float> light);
+  void follow_doses(const LayerDose& layer, double dose, std::span<const float> light);
+  [[nodiscard]] double dose_in_the_dark(std::size_t pixel);
   void remember(const LayerDose& layer, double dose, std::span<const float> light);
   void add_to_last(const LayerDose& layer, double dose, std::span<const float> light);
   void reach(Nanometers top);
-  [[nodiscard]] double greatest_dose(std::size_t pixel, double below_top_mm) const;
+  [[nodiscard]] Greatest greatest_dose(std::size_t pixel, double below_top_mm) const;
   [[nodiscard]] double greatest_solid(std::size_t pixel, double thickness_mm) const;
 
   CureSettings settings_;
@@ -85,10 +92,19 @@ class CuredLayers {
   double kept_, lost_;       // at a peel: factor, and subtraction in units of Ec
   std::vector<float> dose_;  // result of the last layer
   Nanometers last_top_{};
-  std::deque<LitLayer> layers_;     // from the last one up; empty if nothing is lost at a peel
+  std::deque<LitLayer> layers_;       // from the last one up; empty if nothing is lost at a peel
+  std::vector<std::uint16_t> spare_;  // the memory of a layer that was forgotten
   std::vector<double> reaching_;    // by layer of layers_: its light at the last one's top, over light's unit
   std::vector<double> most_above_;  // by layer of layers_: the most that one layer above it can add
   std::vector<std::uint16_t> unlit_;  // by pixel: layers since the last one that lit it
+  // A greatest dose from layers above a pixel that is dark: as a share of what reaches the pixel of the layer
+  // after whose light the resin had it. Dark layers below have the same share.
+  struct DarkDose {
+    double share = 0;
+    std::size_t layer = 0;  // its number in pushed_ layers; 0: not known
+  };
+  std::vector<DarkDose> in_the_dark_;  // by pixel; empty if the share is not the same, or nothing is lost
+  std::size_t pushed_ = 0;             // layers that were added to layers_
 };
 
 }  // namespace contourd

@@ -27,9 +27,16 @@ class GrowingWindow {
   void add(const Mask& mask, std::int32_t margin) {
     for (std::int32_t y = 0; y < height_; ++y) {
       const auto row = mask.row(y);
+      if (y < top_ + margin || y >= bottom_ - margin) {
+        if (is_dark(row)) continue;
+      } else {
+        // Pixels between these cannot make the window grow.
+        const auto left = static_cast<std::size_t>(std::min(width_, left_ + margin));
+        const auto right = static_cast<std::size_t>(std::max(0, right_ - margin));
+        if (is_dark(row.first(left)) && is_dark(row.subspan(right))) continue;
+      }
       const auto is_lit = [](std::uint8_t grey) { return grey > 0; };
       const auto first = std::ranges::find_if(row, is_lit);
-      if (first == row.end()) continue;
       const auto last = std::find_if(row.rbegin(), row.rend(), is_lit);
       const auto from = static_cast<std::int32_t>(first - row.begin());
       const auto to = width_ - static_cast<std::int32_t>(last - row.rbegin());
@@ -43,6 +50,13 @@ class GrowingWindow {
   [[nodiscard]] PixelWindow window() const { return {left_, top_, right_ - left_, bottom_ - top_}; }
 
  private:
+  static bool is_dark(std::span<const std::uint8_t> pixels) {
+    unsigned any = 0;
+    for (const std::uint8_t grey : pixels)
+      any |= grey;
+    return any == 0;
+  }
+
   std::int32_t width_, height_, left_, top_, right_, bottom_;
 };
 
