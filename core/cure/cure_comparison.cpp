@@ -57,6 +57,7 @@ CureComparison::CureComparison(std::span<const PlateModel> models, std::span<con
       pixel_mm_(to_millimeters(display.pixel_pitch).count()),
       layers_(layers.begin(), layers.end()),
       model_(vertical_stretches(models, supports, window, check_)),
+      supports_(vertical_stretches(supports, std::span<const PlateModel>(), window, check_)),
       wall_layers_(sample(layers.size(), kWallLayers)),
       layers_left_(layers.size()),
       solid_until_(window.pixels()) {
@@ -240,7 +241,7 @@ void CureComparison::compare_column(std::span<const RayStretch> model, std::span
       // A top below a closed gap is no surface of the part; its gap counts as closed.
       const bool is_closed = i + 1 < model.size() && highest->to > model[i + 1].from.at;
       if (!is_closed) compare_end(stretch.to, static_cast<double>(highest->to) - to, tops_.distances);
-      if (closes) {
+      if (closes && !is_beside_support(stretch.ray, *below, from)) {
         figures_.closed_mm2 += pixel_mm2;
         if (from - *below > figures_.tallest_closed_mm) {
           figures_.tallest_closed_mm = from - *below;
@@ -253,6 +254,23 @@ void CureComparison::compare_column(std::span<const RayStretch> model, std::span
   figures_.model_mm3 += in_model * pixel_mm2;
   figures_.too_much_mm3 += (in_cured - in_both) * pixel_mm2;
   figures_.too_little_mm3 += (in_model - in_both) * pixel_mm2;
+}
+
+// True if a support fills a pixel nearby, or this one, at a height of the gap: its light, too, closes the
+// gap.
+bool CureComparison::is_beside_support(std::uint32_t pixel, double from_mm, double to_mm) const {
+  constexpr std::int32_t kNearby = 2;  // pixels: a support's grey edge, and the pixel beside
+  const std::int32_t row = static_cast<std::int32_t>(pixel) / window_.columns;
+  const std::int32_t column = static_cast<std::int32_t>(pixel) % window_.columns;
+  const std::int32_t last = std::min(column + kNearby, window_.columns - 1);
+  for (std::int32_t y = std::max(0, row - kNearby); y <= std::min(row + kNearby, window_.rows - 1); ++y) {
+    const auto ray = [&](std::int32_t x) { return static_cast<std::uint32_t>(y * window_.columns + x); };
+    auto each = std::ranges::lower_bound(supports_, ray(std::max(0, column - kNearby)), {}, &RayStretch::ray);
+    for (; each != supports_.end() && each->ray <= ray(last); ++each)
+      if (static_cast<double>(each->from.at) <= to_mm && static_cast<double>(each->to.at) >= from_mm)
+        return true;
+  }
+  return false;
 }
 
 void CureComparison::compare_end(const RayCrossing& end, double outwards_mm,

@@ -68,7 +68,7 @@ struct CureFigures {
   double too_much_mm3 = 0;    // solid outside the model
   double too_little_mm3 = 0;  // part of the model that stays liquid
   // Gaps above which a part of the model begins, closed from top to bottom by the light that passes through
-  // it.
+  // it. Gaps of supports, and those beside a support, are no channels of the model and do not count.
   double closed_mm2 = 0;
   double tallest_closed_mm = 0;
   CurePlace closed{};  // the tallest one
@@ -121,6 +121,7 @@ class CureComparison {
   void measure_walls(Walls& walls, std::size_t height, const CuredLayers& cured, std::size_t layer,
                      std::span<const float> dose);
   void compare_column(std::span<const RayStretch> model, std::span<const Stretch> cured);
+  [[nodiscard]] bool is_beside_support(std::uint32_t pixel, double from_mm, double to_mm) const;
   void compare_end(const RayCrossing& end, double outwards_mm, std::vector<Distance>& distances);
   [[nodiscard]] SurfaceDistances summary(std::vector<Distance> distances, std::uint64_t missing) const;
   [[nodiscard]] CureSection section(const SurfaceDistances& through) const;
@@ -131,8 +132,8 @@ class CureComparison {
   PixelWindow window_;
   double pixel_mm_;
   std::vector<LayerDose> layers_;
-  std::vector<RayStretch> model_;
-  std::vector<std::size_t> wall_layers_;  // rising
+  std::vector<RayStretch> model_, supports_;  // vertical; those of supports are part of model_, too
+  std::vector<std::size_t> wall_layers_;      // rising
   std::array<Walls, 2> walls_;
   std::size_t layers_left_;  // layers that were not added yet
   std::vector<float>

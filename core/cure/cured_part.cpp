@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "core/contract/expects.hpp"
+#include "core/cure/layer_bonds.hpp"
 #include "core/geometry/mask_budget.hpp"
 #include "core/support/support_mesh.hpp"
 
@@ -71,14 +75,22 @@ std::vector<PlateModel> as_models(const Supports* supports, const DisplayGeometr
   return models;
 }
 
+void read_coverage(const Mask& coverage, const PixelWindow& window, std::span<std::uint8_t> covered) {
+  auto to = covered.begin();
+  for (std::int32_t y = window.row; y < window.row + window.rows; ++y)
+    to = std::ranges::copy(coverage.row(y).subspan(static_cast<std::size_t>(window.column),
+                                                   static_cast<std::size_t>(window.columns)),
+                           to)
+             .out;
+}
+
 void read_light(const Mask& mask, const PixelWindow& window, std::span<float> light) {
-  auto to = light.begin();
-  for (std::int32_t y = window.row; y < window.row + window.rows; ++y) {
-    const auto row = mask.row(y).subspan(static_cast<std::size_t>(window.column),
-                                         static_cast<std::size_t>(window.columns));
-    to = std::ranges::transform(row, to, [](std::uint8_t grey) {
-           return static_cast<float>(grey) / 255.0F;
-         }).out;
+  const auto columns = static_cast<std::size_t>(window.columns);
+  float* to = light.data();
+  for (std::int32_t y = window.row; y < window.row + window.rows; ++y, to += columns) {
+    const std::uint8_t* const row = mask.row(y).data() + window.column;
+    for (std::size_t x = 0; x < columns; ++x)
+      to[x] = static_cast<float>(row[x]) / 255.0F;
   }
 }
 
@@ -86,7 +98,7 @@ bool is_stopped(const PrintLight& light) {
   return light.is_stopped && light.is_stopped();
 }
 
-void find_weakest_bond(const PrintLight& light, CuredPart& part) {
+void find_weakest_bond(const PrintLight& light, const std::optional<LayerBond>& dimmed, CuredPart& part) {
   const double depth_mm = to_millimeters(light.cure.curve.penetration_depth).count();
   const double dead_zone_mm = to_millimeters(light.cure.dead_zone).count();
   double above = 0;  // dose of the layers above, at this layer's top, since the next peel
@@ -100,6 +112,9 @@ void find_weakest_bond(const PrintLight& light, CuredPart& part) {
     part.weakest_bond = bond;
     part.weakest_bond_layer = static_cast<std::int32_t>(layer);
   }
+  if (!dimmed || dimmed->dose >= part.weakest_bond) return;
+  part.weakest_bond = dimmed->dose;
+  part.weakest_bond_layer = static_cast<std::int32_t>(dimmed->layer);
 }
 
 }  // namespace
@@ -162,14 +177,15 @@ std::int64_t PrintCure::cure_layers(Layer&& layer) {
   std::vector<float> share(window_.pixels());
   std::int64_t abandoned = 0;
   for (std::size_t number = light_.layers.size(); number-- > 0 && !is_stopped(light_);) {
-    if (const Mask* mask = masks_.of(number)) {
+    const Mask* const mask = masks_.of(number);
+    if (mask != nullptr) {
       read_light(*mask, window_, share);
     } else {
       std::ranges::fill(share, 0.0F);
       ++abandoned;
     }
     spread.apply(share);
-    layer(number, cured, cured.add_layer(light_.layers[number], share));
+    layer(CuredLayer{number, cured, share, cured.add_layer(light_.layers[number], share), mask != nullptr});
   }
   return abandoned;
 }
@@ -181,24 +197,30 @@ std::optional<CuredPart> PrintCure::compare(const Supports* supports) {
   try {
     CureComparison comparison(engine_.models(), support_models, display_, window_, light_.layers,
                               light_.is_stopped);
-    part.abandoned_layers =
-        cure_layers([&](std::size_t layer, const CuredLayers& cured, std::span<const float> dose) {
-          comparison.add_layer(layer, cured, dose);
-        });
+    LayerBonds bonds(light_.cure, light_.layers);
+    const bool has_dimmed_pixels = masks_.darken() || !light_.pixel.gaussians.empty();
+    std::vector<std::uint8_t> covered;
+    part.abandoned_layers = cure_layers([&](const CuredLayer& layer) {
+      comparison.add_layer(layer.number, layer.cured, layer.dose);
+      if (!has_dimmed_pixels) return;
+      covered.assign(window_.pixels(), 0);
+      if (layer.has_mask) read_coverage(engine_.coverage(), window_, covered);
+      bonds.add_layer(layer.number, {covered, layer.share, layer.dose});
+    });
     if (is_stopped(light_)) return std::nullopt;
     part.figures = comparison.figures();
+    find_weakest_bond(light_, bonds.weakest(), part);
   } catch (const ComputationStopped&) {
     return std::nullopt;
   }
   part.unfound_undersides = masks_.unfound();
-  find_weakest_bond(light_, part);
   return part;
 }
 
 void PrintCure::make_surface(std::int32_t step, std::function<void(const Facet&)> sink) {
   CuredSurface surface(display_, window_, step, std::move(sink));
-  cure_layers([&](std::size_t layer, const CuredLayers& cured, std::span<const float> dose) {
-    surface.add_layer(light_.layers[layer], cured, dose);
+  cure_layers([&](const CuredLayer& layer) {
+    surface.add_layer(light_.layers[layer.number], layer.cured, layer.dose);
   });
   surface.finish();
 }

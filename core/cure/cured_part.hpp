@@ -35,8 +35,9 @@ struct PrintLight {
 
 struct CuredPart {
   CureFigures figures;
-  // Dose at the lower side of a fully lit layer over Ec, before the next peel: from 1 on, the layer is solid
-  // down to the one beneath. Layers that no peel separates from the one beneath do not count.
+  // Dose at the lower side of a layer over Ec, before the next peel: from 1 on, the layer is solid down to
+  // the one beneath. That of fully lit pixels, or a lower one of pixels that get less light, see LayerBonds.
+  // Layers that no peel separates from the one beneath do not count.
   double weakest_bond = 0;  // of all layers but the first; 0 for one layer
   std::int32_t weakest_bond_layer = 0;
   // Layers whose masks exceeded their budget; they count as dark.
@@ -56,6 +57,8 @@ class PrintMasks {
   [[nodiscard]] std::int64_t unfound() const { return unfound_; }
   // Returns the mask of a layer; null if it exceeded its budget. Valid until the next call.
   const Mask* of(std::size_t number);
+  // True if masks may be darker than the coverage of which they are made.
+  [[nodiscard]] bool darken() const { return given_ != nullptr || !threshold_.is_none() || !dimmed_.empty(); }
 
  private:
   // Returns the light that the engine's last mask asks for in this layer.
@@ -93,7 +96,13 @@ class PrintCure {
   void make_surface(std::int32_t step, std::function<void(const Facet&)> sink);
 
  private:
-  // Calls layer(number, cured, dose) for each layer. Returns the number of layers without a mask.
+  struct CuredLayer {
+    std::size_t number;
+    const CuredLayers& cured;
+    std::span<const float> share, dose;  // given to CuredLayers, and returned
+    bool has_mask;
+  };
+  // Calls layer(CuredLayer) for each layer. Returns the number of layers without a mask.
   template <typename Layer>
   std::int64_t cure_layers(Layer&& layer);
 

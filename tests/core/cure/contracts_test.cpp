@@ -1,11 +1,13 @@
 // Tests that the functions of core/cure check their requirements.
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <string>
 
 #include "core/cure/cure_comparison.hpp"
 #include "core/cure/cured_layers.hpp"
 #include "core/cure/cured_part.hpp"
+#include "core/cure/layer_bonds.hpp"
 #include "core/cure/pixel_light.hpp"
 #include "core/cure/surface_rays.hpp"
 #include "core/cure/underside_dimming.hpp"
@@ -98,6 +100,17 @@ TEST_CASE("A comparison requires rising layers, all of which are added from the 
   CHECK(contract_broken_by([&] { comparison.add_layer(1, cured, {}); }) == next);
   comparison.add_layer(1, cured, dose);
   CHECK(contract_broken_by([&] { (void)comparison.figures(); }) == "all layers were added");
+}
+
+TEST_CASE("Bonds between layers require layers of the print, with light for each pixel") {
+  const std::array layers{layer(0)};
+  LayerBonds bonds({.curve = kResinCurve}, layers);
+  const std::string known = "the layer is one of the print's, with light for each pixel";
+  const std::array<std::uint8_t, 1> covered{255};
+  const std::array light{1.0F};
+  CHECK(contract_broken_by([&] { bonds.add_layer(1, {covered, light, light}); }) == known);
+  CHECK(contract_broken_by([&] { bonds.add_layer(0, {covered, light, {}}); }) == known);
+  CHECK(contract_broken_by([&] { bonds.add_layer(0, {covered, light, light}); }).empty());
 }
 
 TEST_CASE("An underside's light requires a layer that keeps all of it") {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/layers/layers.hpp"
+#include "core/support/supports.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
@@ -26,6 +27,7 @@ struct Printing {
   double oxygen = 0;  // mJ/cm2
   double overcure_um = kOvercureUm;
   WorkingCurve curve = kCurve;
+  std::vector<SupportPrimitive> supports{};
 };
 
 CuredPart cured(models::Facets facets, const Printing& printing = {}) {
@@ -34,8 +36,12 @@ CuredPart cured(models::Facets facets, const Printing& printing = {}) {
   const PixelMap map = PixelMap::true_scale(printing.display, model->bounds().center());
   std::vector<PlateModel> models;
   models.push_back({{std::move(model)}, {map}});
+  Supports supports;
+  if (!printing.supports.empty())
+    supports.structure = std::make_shared<const SupportStructure>(printing.supports);
   ContourEngine engine(std::move(models),
-                       {.display = printing.display, .compensation = printing.compensation});
+                       {.display = printing.display, .compensation = printing.compensation},
+                       supports.structure);
   std::vector<LayerDose> layers;
   const LayerStack stack = layers_for(Millimeters{top}, kLayer);
   for (std::int32_t layer = 0; layer < stack.count; ++layer)
@@ -48,7 +54,7 @@ CuredPart cured(models::Facets facets, const Printing& printing = {}) {
                              .oxygen_dose = MillijoulesPerCm2{printing.oxygen},
                              .dead_zone = Micrometers{printing.dead_zone_um}},
                     .pixel = printing.pixel},
-                   nullptr);
+                   supports.structure ? &supports : nullptr);
 }
 
 // Returns a slab of a height on two pillars, whose sides lie between pixels.
@@ -156,6 +162,24 @@ TEST_CASE("A gap lower than the print-through is closed, with its place") {
   CHECK(high.closed_mm2 == 0);
 }
 
+TEST_CASE("Gaps beside a support are no channels of the model, others are") {
+  // A roof 2 mm above a floor, held by a thick column, in which a channel of 0.15 mm is closed.
+  const models::Facets floor = models::box({-3, -2, 0}, {3, 2, 1}),
+                       roof = models::box({-3, -2, 3}, {3, 2, 6});
+  const Frustum column{{0, 0, 1}, {0, 0, 3}, 1.3, 1.3};
+  const CureFigures open = cured(models::together(floor, roof), {.supports = {column}}).figures;
+  CHECK(open.closed_mm2 == 0);
+  CHECK(open.tallest_closed_mm == 0);
+  // Two columns with a gap of one pixel between them, each on a foot.
+  const std::vector<SupportPrimitive> narrow{Frustum{{0, 0, 1}, {0, 0, 2}, 0.5, 0.5},
+                                             Frustum{{0, 0, 2.1}, {0, 0, 3}, 0.5, 0.5}};
+  CHECK(cured(models::together(floor, roof), {.supports = narrow}).figures.closed_mm2 == 0);
+  const models::Facets low = models::box({1.6F, -2, 1}, {3, 2, 2.85F});
+  const CureFigures closed = cured(models::together({floor, low, roof}), {.supports = {column}}).figures;
+  CHECK(closed.closed_mm2 == Approx(1.4 * 4));
+  CHECK(closed.tallest_closed_mm == Approx(0.15).margin(1e-4));
+}
+
 TEST_CASE("Walls that are moved outwards by the compensation are found there") {
   const CureFigures grown =
       cured(models::box({0, 0, 0}, {4, 3, 1}), {.compensation = {.growth = Micrometers{50}}}).figures;
@@ -221,6 +245,14 @@ TEST_CASE("The weakest bond is the dose at the lower side of the layer with the 
   CHECK(part.weakest_bond == Approx(std::exp(kOvercureUm / 150)));
   CHECK(part.weakest_bond_layer == 1);
   CHECK(part.abandoned_layers == 0);
+}
+
+TEST_CASE("Pixels that the light of their neighbours lacks bond with less") {
+  // A pin of two by two pixels; the light of a pixel reaches its neighbours.
+  const CuredPart part = cured(models::box({0, 0, 0}, {0.1F, 0.1F, 1}), {.pixel = {{{0.5, 1}}}});
+  const double comb = 1 + 2 * std::exp(-2) + 2 * std::exp(-8);
+  const double share = (1 + std::exp(-2)) / comb;  // along a row, and as much along a column
+  CHECK(part.weakest_bond == Approx(share * share * std::exp(kOvercureUm / 150)).epsilon(1e-4));
 }
 
 TEST_CASE("The underside of a ball is too low by the print-through of the layers above it") {

@@ -68,11 +68,11 @@ class DimmedPrint {
   UndersideDimming& undersides() { return *undersides_; }
   [[nodiscard]] std::size_t layers() const { return cure_.layers.size(); }
 
-  CureFigures figures() {
+  CuredPart part() {
     return cure_part(*engine_, settings_.display,
-                     {.layers = cure_.layers, .cure = cure_.resin, .undersides = &*undersides_}, nullptr)
-        .figures;
+                     {.layers = cure_.layers, .cure = cure_.resin, .undersides = &*undersides_}, nullptr);
   }
+  CureFigures figures() { return part().figures; }
   CureFigures plain_figures() {
     return cure_part(*engine_, settings_.display, {.layers = cure_.layers, .cure = cure_.resin}, nullptr)
         .figures;
@@ -158,6 +158,14 @@ TEST_CASE("An underside within a layer cures there, not at the layer's bottom") 
     CHECK(figures.undersides.median_um == Approx(0).margin(kGreyStep));
     CHECK(figures.undersides.p95_um < kGreyStep);
   }
+}
+
+TEST_CASE("The lowest layers of a dimmed underside bond by the light that passes through them") {
+  // Full light bonds with exp(50 / 150); Ec is reached at the underside, 30 um below the first layer's top.
+  DimmedPrint print(table(3, 3.02F));
+  const CuredPart part = print.part();
+  CHECK(part.weakest_bond == Approx(std::exp(30.0 / 150)).epsilon(kGreyStep / 150));
+  CHECK(part.weakest_bond_layer == 61);
 }
 
 TEST_CASE("A roof of eight layers cures at its drawn height, and a thinner one is never thinner than drawn") {
