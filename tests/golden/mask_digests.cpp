@@ -3,6 +3,7 @@
 // two). Prints one part with the part's number as the argument, and the number of parts with "--parts".
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cinttypes>
 #include <cstdint>
 #include <cstdio>
@@ -14,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/cure/underside_dimming.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/formats/model_reader.hpp"
 #include "core/layers/print_layers.hpp"
@@ -268,6 +270,39 @@ void print_supports() {
   std::printf("supports, %zu facets: %016" PRIx64 "\n", facets.size(), digest.value());
 }
 
+// Prints the light of layers whose undersides are dimmed, which depends on exponentials.
+void print_dimmed_undersides() {
+  const WorkingCurve resin{Micrometers{150}, MillijoulesPerCm2{8}};
+  const auto model = std::make_shared<const HeightIndex>(models::gyroid_sphere(8, 5, 24));
+  constexpr Nanometers kLayer{50'000};
+  const auto layers = static_cast<std::int64_t>(model->bounds().size_z() / in_mm(kLayer));
+  for (const Setting& setting : settings()) {
+    for (const double memory : {1.0, 0.9}) {
+      std::vector<PlateModel> standing(1);
+      standing.front().model = model;
+      standing.front().copies = maps_of(setting, model->bounds());
+      const EngineSettings engine = engine_settings(setting);
+      UndersideCure cure{.layers = {},
+                         .resin = {.curve = resin, .peel_memory = memory},
+                         .mask_budget = std::chrono::minutes{10}};
+      for (std::int64_t layer = 1; layer <= layers; ++layer)
+        cure.layers.push_back({kLayer * layer, kLayer, resin.dose_for(Micrometers{100})});
+      UndersideDimming undersides(standing, nullptr, engine, cure);
+      Digest digest;
+      std::size_t pixels = 0;
+      for (std::size_t layer = 0; layer < cure.layers.size(); ++layer) {
+        for (const DimmedPixel& each : undersides.dimmed(layer)) {
+          digest.add(std::uint64_t{each.pixel});
+          digest.add(each.share);
+          ++pixels;
+        }
+      }
+      std::printf("undersides, %s, memory %.1f: %016" PRIx64 ", %zu pixels\n", setting.name, memory,
+                  digest.value(), pixels);
+    }
+  }
+}
+
 void print_sines() {
   Digest digest;
   for (int i = -50'000; i <= 50'000; ++i) {
@@ -295,6 +330,7 @@ std::vector<std::function<void()>> parts() {
     }
   }
   parts.emplace_back(print_supports);
+  parts.emplace_back(print_dimmed_undersides);
   return parts;
 }
 
