@@ -3,7 +3,7 @@
 import json
 import os
 
-from harness import BAD_DATA, NIMBLE_RESIN, OK, SpoolTest, binary_stl, box, contourctl, realtime, wait_until, wedge
+from harness import BAD_DATA, NIMBLE_RESIN, OK, SpoolTest, binary_stl, box, contents, contourctl, realtime, wait_until, wedge
 
 WINDOW = {
     "working_curve": {"penetration_depth_um": 150, "critical_energy_mj_cm2": 8, "dead_zone_um": 30, "overcure_um": 50, "bottom_overcure_um": 150},
@@ -98,6 +98,8 @@ class Continuous(SpoolTest):
         arguments = ("cure", "--json", self.write("wedge.stl", model), "--printer", self.path("contourd.json"), "--report", daemon.file("done", "wedge.report.json"))
         result = json.loads(contourctl(*arguments, expect=OK).stdout)
         self.assertEqual(result["rise"]["masks"], cured["rise"]["masks"])
+        contourctl(*arguments, "--html", self.path("cured.html"), expect=OK)
+        self.assertIn(f'{result["rise"]["masks"]} masks in steps of', contents(self.path("cured.html")).decode())
         self.assertAlmostEqual(result["tops"]["median_um"], cured["tops"]["median_um"], delta=2)
         os.remove(daemon.file("done", "wedge.frames.bin"))
         result = json.loads(contourctl(*arguments, expect=OK).stdout)

@@ -14,7 +14,6 @@
 #include "core/cure/cured_part.hpp"
 #include "core/model/model.hpp"
 #include "daemon/ctl/models/cure_page.hpp"
-#include "daemon/ctl/models/cured_surface_file.hpp"
 #include "daemon/ctl/models/layer_files.hpp"
 #include "daemon/ctl/models/layer_measurements.hpp"
 #include "daemon/ctl/models/model_commands.hpp"
@@ -45,13 +44,6 @@ CureSettings cure_of(const ResinProfile& resin) {
       "its profile",
       printable(resin.name)));
 }
-
-struct CureResult {
-  CuredPart part;
-  std::optional<RiseLight> rise{};        // nullopt: nothing rose
-  std::optional<WrittenSurface> surface;  // nullopt: not wanted
-  std::vector<std::string> warnings;
-};
 
 // Takes undersides, layers and doses of a finished print.
 PrintSubject subject_of(const CureOptions& options, const std::optional<RecordedPrint>& recorded) {
@@ -177,8 +169,7 @@ int cure(const CureOptions& options) {
   const PrintSubject subject = subject_of(options, recorded);
   const CureResult result = compute(subject, recorded, options.stl);
   if (options.html)
-    write_text(*options.html,
-               cure_page(options.print.model.filename().string(), subject, result.part, result.warnings));
+    write_text(*options.html, cure_page(options.print.model.filename().string(), subject, result));
   if (options.json) {
     print_json(subject, recorded, result);
   } else {

@@ -46,13 +46,17 @@ std::string marked_picture(const PrintSubject& subject, const CureFigures& found
 
 }  // namespace
 
-std::string cure_page(const std::string& name, const PrintSubject& subject, const CuredPart& part,
-                      const std::vector<std::string>& warnings) {
+std::string cure_page(const std::string& name, const PrintSubject& subject, const CureResult& result) {
+  const CuredPart& part = result.part;
   std::string rows =
       table_row("layers", layers_text(subject.layers)) + table_row("resin", subject.resin.value().name);
   for (const CureLine& line : cured_part_lines(part))
     rows += table_row(line.name, line.text);
-  for (const std::string& warning : warnings)
+  if (result.rise) {
+    const CureLine rise = rise_light_line(*result.rise);
+    rows += table_row(rise.name, rise.text);
+  }
+  for (const std::string& warning : result.warnings)
     rows += table_row("warning", warning);
   return page_start(escaped(name) + ": cured part",
                     std::string(kCuredPartStyle) + std::string(kCurePageStyle)) +
