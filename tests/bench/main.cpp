@@ -31,11 +31,17 @@ struct Group {
 };
 
 const std::vector<Group>& groups() {
-  static const std::vector<Group> all{{"contours", contour_rows}, {"print", print_rows},
-                                      {"mask", mask_rows},        {"load", load_rows},
-                                      {"display", display_rows},  {"allocations", allocation_rows},
-                                      {"growth", growth_rows},    {"supports", support_rows},
-                                      {"dimming", dimming_rows},  {"instructions", instruction_rows}};
+  static const std::vector<Group> all{{"contours", contour_rows},
+                                      {"print", print_rows},
+                                      {"mask", mask_rows},
+                                      {"load", load_rows},
+                                      {"display", display_rows},
+                                      {"allocations", allocation_rows},
+                                      {"growth", growth_rows},
+                                      {"supports", support_rows},
+                                      {"dimming", dimming_rows},
+                                      {"cure", cure_rows},
+                                      {"instructions", instruction_rows}};
   return all;
 }
 

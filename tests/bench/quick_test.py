@@ -16,6 +16,7 @@ MADE = {  # rows of models that the benchmark generates: never skipped
     "first-mask", "ascii", "memory-gyroid", "allocations-gyroid", "growth-facets", "growth-segments-mask",
     "growth-segments-contours", "display-1", "display-10", "display-100", "supports-mask",
     "dimming-ahead-gyroid-p50", "dimming-ahead-gyroid-p99", "dimming-mask-gyroid-p99", "dimming-memory-gyroid",
+    "cure-ball-memory-1", "cure-ball-memory-0.9",
 }
 SHARED = {  # rows of models that must be available as files
     "contours-liver", "contours-liver-without-reading", "contours-femur", "contours-femur-without-reading",
