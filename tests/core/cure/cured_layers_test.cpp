@@ -10,7 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/cure/underside_light.hpp"
 #include "tests/catch.hpp"
+#include "tests/core/cure/published_resins.hpp"
 
 namespace {
 
@@ -86,24 +88,68 @@ TEST_CASE("Overhangs of few layers print through less") {
   }
 }
 
-TEST_CASE("A penetration depth 5 % larger moves an underside by 21 um, a critical dose 13 % larger by -18") {
-  const auto thick = [](double depth_um, double factor) {
-    // The exposure stays that of Dp 150 um and Ec 8 mJ/cm2.
-    const Print print{150, 50, 50};
-    CureSettings changed = settings(print);
-    changed.curve = {Micrometers{depth_um}, MillijoulesPerCm2{kCritical * factor}};
-    CuredLayers cured(changed, 1);
-    double lowest_mm = 1e9;
-    for (int layer = 99; layer >= 0; --layer) {
-      const std::array light{layer >= 40 ? 1.0F : 0.0F};
-      const LayerDose of = layer_of(print, layer);
-      const double solid = cured.solid_thickness(of, cured.add_layer(of, light).front()).count();
-      if (solid > 0) lowest_mm = cured.solid_top(of).count() - solid;
-    }
-    return 2000 - lowest_mm * 1000;
+namespace {
+
+// Returns how far below its drawn place an overhang of 200 layers of 50 um begins, in um. `share` returns the
+// light of one of its layers, from 0.
+template <typename Share>
+double underside_um(const CureSettings& of, MillijoulesPerCm2 dose, Share share) {
+  constexpr Nanometers kLayer{50'000};
+  constexpr int kDark = 60, kLit = 200;
+  CuredLayers cured(of, 1);
+  double lowest_mm = 1e9;
+  for (int layer = kDark + kLit - 1; layer >= 0; --layer) {
+    const std::array light{layer >= kDark ? static_cast<float>(share(layer - kDark)) : 0.0F};
+    const LayerDose exposed{kLayer * (layer + 1), kLayer, dose};
+    const double solid = cured.solid_thickness(exposed, cured.add_layer(exposed, light).front()).count();
+    if (solid > 0) lowest_mm = cured.solid_top(exposed).count() - solid;
+  }
+  return 1000 * (kDark * 0.05 - lowest_mm);
+}
+
+double plain_underside_um(const WorkingCurve& curve, MillijoulesPerCm2 dose) {
+  return underside_um({.curve = curve}, dose, [](int) { return 1.0; });
+}
+
+constexpr WorkingCurve kCurve{Micrometers{150}, MillijoulesPerCm2{kCritical}};
+
+}  // namespace
+
+TEST_CASE("Undersides move by 21 um with Dp 5 % larger, by -18 with Ec 13 % larger, by 30 with 5 C more") {
+  const MillijoulesPerCm2 dose = kCurve.dose_for(Micrometers{100});
+  const auto moved = [&](const WorkingCurve& curve) {
+    return plain_underside_um(curve, dose) - plain_underside_um(kCurve, dose);
   };
-  CHECK(thick(157.5, 1) - thick(150, 1) == Approx(21).margin(0.6));
-  CHECK(thick(150, 1.13) - thick(150, 1) == Approx(-18).margin(0.6));
+  CHECK(moved({Micrometers{157.5}, kCurve.critical_dose}) == Approx(21).margin(0.6));  // rounded to 1 um
+  CHECK(moved({kCurve.penetration_depth, kCurve.critical_dose * 1.13}) == Approx(-18).margin(0.6));
+  CHECK(moved(at_temperature(kCurve, {}, 30)) == Approx(30).margin(0.6));
+}
+
+TEST_CASE("Overhangs of published resins print through by Dp ln(E q / (Ec (1 - q)))") {
+  for (const PublishedResin& resin : kPublishedResins) {
+    CAPTURE(resin.name, resin.depth_um, resin.dose);
+    const WorkingCurve curve{Micrometers{resin.depth_um}, MillijoulesPerCm2{resin.dose}};
+    const double beneath = std::exp(-50 / resin.depth_um);  // light of the layer above, q
+    CHECK(plain_underside_um(curve, curve.dose_for(Micrometers{100})) ==
+          Approx(100 + resin.depth_um * std::log(beneath / (1 - beneath))).margin(0.1));
+  }
+}
+
+TEST_CASE("An underside that is dimmed for the wrong memory is missing as far as the literature says") {
+  std::vector<double> doses;
+  for (int layer = 1; layer <= 60; ++layer)
+    doses.push_back(std::exp((100 - layer * 50) / 150.0));
+  const UndersideLight light = underside_light(doses, {}, 20);  // for resin that keeps all its dose
+  const auto share = [&light](int layer) {
+    const auto number = static_cast<std::size_t>(layer);
+    return number < light.dark ? 0 : number == light.dark ? light.next_share : 1;
+  };
+  for (const auto& [memory, missing_um] :
+       {std::pair(1.0, 0.0), {0.95, 48.0}, {0.9, 73.0}, {0.75, 119.0}, {0.5, 163.0}, {0.0, 200.0}}) {
+    CAPTURE(memory);
+    const CureSettings of{.curve = kCurve, .peel_memory = memory};
+    CHECK(-underside_um(of, kCurve.dose_for(Micrometers{100}), share) == Approx(missing_um).margin(1));
+  }
 }
 
 namespace {
