@@ -103,6 +103,40 @@ class Printed(CalibrationTest):
         for number, step in enumerate(steps, 1):
             self.assertIn(f"{number:>4} {step['exposure_ms']:>13g}\n", contents(self.path("out", "exposure.txt")).decode())
 
+    def test_the_best_step_of_the_tower_becomes_the_exposure_and_can_be_undone(self):
+        Daemon(self, resin=LIMITS)
+        text = self.calibrate("exposure").stdout.decode()
+        before, ticket = self.profile(), self.path("out", "exposure.json")
+        self.assertIn(f"\ncontourctl fit exposure standard ? --ticket {ticket} --printer {self.path('contourd.json')}\n", text)
+        steps = [step["exposure_ms"] for step in json.loads(contents(ticket))["exposure_steps"]]
+        self.assertIn("Nothing was written", self.fit("exposure", "4", "--ticket", ticket).stdout.decode())
+        self.assertEqual(self.profile(), before)
+        found = json.loads(self.fit("exposure", "4", "--ticket", ticket, "--lamp-hours", "12", "--accept", "--json").stdout)
+        self.assertEqual((found["values"][0]["key"], found["values"][0]["value"]), ("/exposure_ms", steps[3]))
+        # A uniform distribution as wide as the step.
+        self.assertAlmostEqual(found["values"][0]["uncertainty"] / steps[3], math.log(steps[3] / steps[4]) / math.sqrt(12), places=4)
+        profile = self.profile()
+        self.assertEqual(profile["exposure_ms"], steps[3])
+        self.assertEqual([profile["calibrations"][0][key] for key in ("kind", "lamp_hours")], ["exposure", 12])
+        self.fit("undo")
+        self.assertEqual(self.profile(), before)
+        for step, said in ((1, "longest"), (9, "shortest")):
+            self.assertIn(f"the best step is the tower's {said}", self.fit("exposure", str(step), "--ticket", ticket).stdout.decode())
+
+    def test_the_best_step_of_a_resin_with_a_curve_becomes_its_overcure(self):
+        daemon = Daemon(self, resin={**CURVE, "ticket_limits": {"exposure_ms": [100, 10000]}})
+        text, ticket = self.calibrate("exposure").stdout.decode(), self.path("out", "exposure.json")
+        overcures = [float(line.split()[-1]) for line in text.splitlines() if "   overcure_um " in line]
+        for step, overcure in enumerate(overcures[:-1], 1):
+            found = json.loads(self.fit("exposure", str(step), "--ticket", ticket, "--json").stdout)["values"][0]
+            self.assertEqual(found["key"], "/working_curve/overcure_um")
+            self.assertAlmostEqual(found["value"], overcure, delta=0.06)
+        # 5 degrees less than at the curve's measurement: the same light cures 30 um less deep.
+        daemon.write_resin("standard", {**CURVE, "working_curve": {**CURVE["working_curve"], "temperature_c": 30}})
+        cold = json.loads(self.fit("exposure", "1", "--ticket", ticket, "--temperature-c", "25", "--json").stdout)["values"][0]
+        self.assertAlmostEqual(overcures[0] - cold["value"], 30, delta=1)
+        self.assertIn("give --temperature-c", self.fit("exposure", "1", "--ticket", ticket).stdout.decode())
+
     def test_bridges_get_all_their_light_even_if_the_resin_s_undersides_are_dimmed(self):
         daemon = Daemon(self, resin=CURVE).start()
         plain = self.printed(daemon, "memory")
@@ -126,6 +160,14 @@ class Printed(CalibrationTest):
         found = json.loads(self.fit("memory", *measured, "--json").stdout)
         self.assertAlmostEqual(found["values"][0]["value"], 0.9, delta=0.002)
 
+    def test_the_noise_of_rounding_is_no_difference(self):
+        Daemon(self, resin=CURVE)
+        exact = [f"{8 * math.exp(i / 2)}={75 * i}" for i in range(1, 8)]
+        page = self.path("curve.html")
+        text = self.fit("curve", *exact, "--html", page).stdout.decode()
+        self.assertEqual([line.split()[-1] for line in text.splitlines() if line.split()[1:2] in ([str(75 * i)] for i in range(1, 8))], ["0"] * 7)
+        self.assertNotRegex(text + contents(page).decode(), r"\de-1\d")
+
 
 class Refused(CalibrationTest):
     def test_prints_that_the_profile_does_not_allow(self):
@@ -137,6 +179,29 @@ class Refused(CalibrationTest):
         self.assertFalse(os.path.exists(self.path("out")))
         missing = contourctl("calibrate", "memory", "none", "--printer", self.path("contourd.json"), "-o", self.path("out"))
         self.assert_refusal(missing, BAD_CONFIG, "none")
+
+    def test_steps_that_are_none(self):
+        daemon = Daemon(self, resin=LIMITS)
+        self.calibrate("exposure")
+        ticket, before = self.path("out", "exposure.json"), self.profile()
+        plain = self.write("plain.json", b'{"resin": "standard"}')
+        other = self.write("other.json", contents(ticket).replace(b'"standard"', b'"other"'))
+        for step, of, code, said in (
+            ("0", ticket, BAD_USAGE, "1 to 9"),
+            ("10", ticket, BAD_USAGE, "1 to 9"),
+            ("x", ticket, BAD_USAGE, "x"),
+            ("4", plain, BAD_USAGE, "no falling exposure_steps"),
+            ("4", other, BAD_USAGE, "of the resin other"),
+        ):
+            with self.subTest(step, of=of):
+                result = self.fit("exposure", step, "--ticket", of, "--accept", expect=None)
+                self.assertEqual(result.returncode, code, result)
+                self.assert_words(result.stderr.decode(), said)
+        self.assertEqual(self.fit("exposure", "4", "--ticket", ticket, "--temperature-c", "20", expect=None).returncode, BAD_USAGE)
+        self.assertEqual(self.profile(), before)
+        # A curve by which the step would not even cure its layer.
+        daemon.write_resin("standard", {**CURVE, "working_curve": {**CURVE["working_curve"], "critical_energy_mj_cm2": 20}})
+        self.assert_refusal(self.fit("exposure", "9", "--ticket", ticket, expect=None), BAD_DATA, "less than a layer of 50 um")
 
     def test_measurements_that_are_none(self):
         Daemon(self, resin=CURVE)

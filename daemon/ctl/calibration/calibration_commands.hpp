@@ -19,6 +19,7 @@ void add_fit_windows(Command& fit);
 // for the memory at a peel, and the rows of blocks for shrinkage and growth.
 void add_calibrate_models(Command& calibrate);
 void add_fit_models(Command& fit);
+void add_fit_exposure(Command& fit);
 
 // Add the commands of both groups for the lamp's light over the display.
 void add_calibrate_lamp(Command& calibrate);

@@ -30,6 +30,7 @@ void add_fit(Command& program) {
   Command& fit = program.add("fit", "Compute figures from what was measured on a calibration print");
   add_fit_lamp(fit);
   add_fit_windows(fit);
+  add_fit_exposure(fit);
   add_fit_models(fit);
   add_undo(fit);
 }

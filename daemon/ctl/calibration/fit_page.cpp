@@ -32,7 +32,7 @@ std::string points_table(const FitResult& result) {
       escaped(result.given_heading), heading("measured"), heading("fitted"), heading("difference"));
   for (const auto& [given, measured, fitted] : result.points)
     table += fmt::format("<tr><td>{:.5g}</td><td>{:.5g}</td><td>{:.4g}</td><td>{:.2g}</td></tr>\n",
-                         fmt::join(given, ", "), measured, fitted, measured - fitted);
+                         fmt::join(given, ", "), measured, fitted, result.without_noise(measured - fitted));
   return table + "</table>\n";
 }
 

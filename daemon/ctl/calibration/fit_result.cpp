@@ -32,9 +32,9 @@ void print_points(const FitResult& result) {
              heading("difference"));
   for (const auto& [given, measured, fitted] : result.points)
     fmt::print("{:>14} {:>12.5g} {:>10.4g} {:>13.2g}\n", fmt::format("{:.5g}", fmt::join(given, ", ")),
-               measured, fitted, measured - fitted);
+               measured, fitted, result.without_noise(measured - fitted));
   fmt::print("scatter about the fit: {}\n",
-             with_unit(fmt::format("{:.3g}", result.scatter), result.unit, " "));
+             with_unit(fmt::format("{:.3g}", result.without_noise(result.scatter)), result.unit, " "));
 }
 
 void print_result(const FitResult& result, const Json& before) {
@@ -93,6 +93,15 @@ void write_page(const FitArgs& args, const std::string& page, const FitTarget& t
 }
 
 }  // namespace
+
+double FitResult::without_noise(double difference) const {
+  double most = 0;
+  for (const FittedPoint& point : points)
+    most = std::max(most, std::abs(point.measured));
+  if (most <= 0) return difference;
+  const double least = std::pow(10, std::floor(std::log10(most)) - 4);
+  return std::round(difference / least) * least + 0.0;  // no negative zero
+}
 
 void add_fit_options(Command& command, FitArgs& args) {
   args.printer = kDefaultConfig;

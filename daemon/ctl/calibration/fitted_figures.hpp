@@ -32,6 +32,10 @@ struct FitResult {
   std::vector<std::string> notes{};  // sentences
   std::optional<NamedFile> named{};
   std::string figure{};  // plot or map for the page, HTML
+
+  // Returns a difference, or the scatter, without the noise of rounding: to a ten thousandth of the
+  // largest measurement, rounded down to a power of ten.
+  [[nodiscard]] double without_noise(double difference) const;
 };
 
 }  // namespace contourd::ctl

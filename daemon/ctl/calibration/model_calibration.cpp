@@ -197,8 +197,10 @@ CalibrationJob CalibrationJobs::exposure() const {
     }
     job.how_to_measure += "\n";
   }
-  job.how_to_measure += fmt::format("\nThen set {} of the best step in the profile {}.\n",
-                                    resin_.cure ? "overcure_um" : "exposure_ms", printable(resin_.name));
+  job.how_to_measure += fmt::format(
+      "\nThen type the number of the best step:\n\ncontourctl fit exposure {} ? --ticket {}{} --printer {}\n",
+      printable(args_.resin), printable((args_.folder / (job.name + ".json")).string()),
+      resin_.cure_temperature ? " --temperature-c ?" : "", printable(args_.printer.string()));
   return job;
 }
 
