@@ -11,7 +11,6 @@ namespace {
 
 // Light beyond this many standard deviations is below a 1000th of the middle's.
 constexpr double kReach = 3.75;
-constexpr double kWidest = 16;
 
 std::int32_t reach_of(double sigma) {
   return static_cast<std::int32_t>(std::ceil(kReach * sigma));
@@ -52,8 +51,9 @@ LightSpread::LightSpread(const PixelLight& light, std::size_t width, std::size_t
     : width_(width), height_(height) {
   double sum = 0;
   for (const auto& gaussian : light.gaussians) {
-    expects(gaussian.sigma_pixels > 0 && gaussian.sigma_pixels <= kWidest && gaussian.share > 0,
-            "a Gaussian has a width of at most 16 pixels and a share");
+    expects(
+        gaussian.sigma_pixels > 0 && gaussian.sigma_pixels <= PixelLight::kWidestPixels && gaussian.share > 0,
+        "a Gaussian has a width of at most 16 pixels and a share");
     sum += gaussian.share;
   }
   for (const auto& gaussian : light.gaussians)

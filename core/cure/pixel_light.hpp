@@ -13,9 +13,10 @@
 namespace contourd {
 
 struct PixelLight {
+  static constexpr double kWidestPixels = 16;
   struct Gaussian {
-    double sigma_pixels;
-    double share;  // of the pixel's light
+    double sigma_pixels;  // more than 0, at most kWidestPixels
+    double share;         // of the pixel's light
     bool operator==(const Gaussian&) const = default;
   };
   std::vector<Gaussian> gaussians{};  // empty: the light stays within its pixel
@@ -32,6 +33,8 @@ struct PixelLight {
 // Spreads the light of a picture's pixels. Keeps its working memory. Not thread-safe.
 class LightSpread {
  public:
+  static constexpr std::size_t kBytesPerPixel = 2 * sizeof(float);  // of working memory
+
   // REQUIRES: positive widths of at most 16 pixels, positive shares.
   LightSpread(const PixelLight& light, std::size_t width, std::size_t height);
 

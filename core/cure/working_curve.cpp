@@ -46,16 +46,16 @@ WorkingCurve at_temperature(const WorkingCurve& curve, const CureTemperature& me
   return {curve.penetration_depth, curve.critical_dose * factor};
 }
 
-Micrometers dead_zone(double rate_per_s, double gas_factor) {
-  expects(rate_per_s > 0, "the absorbed light is positive");
-  constexpr double kWindowConstant = 30;  // um s^-1/2
-  return Micrometers{gas_factor * kWindowConstant / std::sqrt(rate_per_s)};
+WorkingCurve at_irradiance(const WorkingCurve& curve, const CureIrradiance& measured,
+                           MilliwattsPerCm2 irradiance) {
+  expects(measured.measured_at.count() > 0 && irradiance.count() > 0, "irradiances are positive");
+  return {curve.penetration_depth,
+          curve.critical_dose * std::pow(irradiance / measured.measured_at, 1 - measured.exponent)};
 }
 
-MillijoulesPerCm2 curing_dose(MillijoulesPerCm2 dose, MilliwattsPerCm2 irradiance,
-                              MilliwattsPerCm2 measured_at, double exponent) {
-  expects(irradiance.count() > 0 && measured_at.count() > 0, "irradiances are positive");
-  return dose * std::pow(irradiance / measured_at, exponent - 1);
+Micrometers dead_zone_at(Micrometers measured, MilliwattsPerCm2 measured_at, MilliwattsPerCm2 irradiance) {
+  expects(measured_at.count() > 0 && irradiance.count() > 0, "irradiances are positive");
+  return measured * std::sqrt(measured_at / irradiance);
 }
 
 }  // namespace contourd

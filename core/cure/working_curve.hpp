@@ -44,15 +44,26 @@ struct CureTemperature {
 [[nodiscard]] WorkingCurve at_temperature(const WorkingCurve& curve, const CureTemperature& measured,
                                           double temperature_c);
 
-// Returns the thickness of the resin next to an oxygen-permeable window that oxygen keeps liquid:
-// C sqrt(Dc0 / (Phi0 alpha)), Tumbleston et al. 2015. `rate_per_s` is Phi0 alpha / Dc0, the light absorbed by
-// the initiator over the resin's reactivity; `gas_factor` is 1 for air, 2 for oxygen and 0 for nitrogen
-// behind a window of 100 um AF2400. REQUIRES: rate_per_s > 0.
-[[nodiscard]] Micrometers dead_zone(double rate_per_s, double gas_factor);
+// The irradiance at which a working curve was measured, and how the resin answers to another one.
+struct CureIrradiance {
+  MilliwattsPerCm2 measured_at{};
+  // p: the resin cures by t I^p. 1 if the dose alone counts (reciprocity); below 1, strong light cures less
+  // per dose than weak light.
+  double exponent = 1;
 
-// Returns the part of a dose that cures, where the resin answers to t I^p instead of t I (reciprocity
-// failure): dose (I / I_measured)^(p - 1). REQUIRES: positive irradiances.
-[[nodiscard]] MillijoulesPerCm2 curing_dose(MillijoulesPerCm2 dose, MilliwattsPerCm2 irradiance,
-                                            MilliwattsPerCm2 measured_at, double exponent);
+  bool operator==(const CureIrradiance&) const = default;
+};
+
+// Returns the curve at another irradiance: Ec grows by (I / I_measured)^(1 - p), Dp stays. REQUIRES: positive
+// irradiances.
+[[nodiscard]] WorkingCurve at_irradiance(const WorkingCurve& curve, const CureIrradiance& measured,
+                                         MilliwattsPerCm2 irradiance);
+
+// Returns the thickness of the resin next to an oxygen-permeable window that oxygen keeps liquid, at another
+// irradiance than the one at which it was measured: it falls with the square root of the light (Tumbleston et
+// al. 2015: C sqrt(Dc0 / (Phi0 alpha)), of which only Phi0 changes with the light). REQUIRES: positive
+// irradiances.
+[[nodiscard]] Micrometers dead_zone_at(Micrometers measured, MilliwattsPerCm2 measured_at,
+                                       MilliwattsPerCm2 irradiance);
 
 }  // namespace contourd

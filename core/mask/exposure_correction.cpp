@@ -51,7 +51,7 @@ double power_of_share(double share, double exponent) {
 }
 
 std::array<std::uint8_t, 256> grey_for_light(double gamma) {
-  expects(0.1 <= gamma && gamma <= 10, "gamma is 0.1 to 10");
+  expects(kLeastGamma <= gamma && gamma <= kGreatestGamma, "gamma is 0.1 to 10");
   std::array<std::uint8_t, 256> table{};
   for (std::size_t light = 1; light < table.size(); ++light) {
     const double share = static_cast<double>(light) / 255.0;

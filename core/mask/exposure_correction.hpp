@@ -11,9 +11,11 @@
 
 namespace contourd {
 
+inline constexpr double kLeastGamma = 0.1, kGreatestGamma = 10;
+
 // The projector's response to grey values.
 struct ToneCurve {
-  // The light is (grey / 255) ^ gamma of white's; 0.1 to 10.
+  // The light is (grey / 255) ^ gamma of white's; kLeastGamma to kGreatestGamma.
   double gamma = 1.0;
   // Coverage below this is left dark: it would only cure to haze.
   std::uint8_t threshold = 0;
@@ -23,7 +25,7 @@ struct ToneCurve {
 
 // Returns the grey value for each 255th of the light: 255 (light / 255) ^ (1 / gamma), rounded. 0 stays 0 and
 // 255 stays 255. The same on every machine: uses + - * / alone, since the power functions of libraries differ
-// in the last bit. REQUIRES: 0.1 <= gamma <= 10.
+// in the last bit. REQUIRES: kLeastGamma <= gamma <= kGreatestGamma.
 [[nodiscard]] std::array<std::uint8_t, 256> grey_for_light(double gamma);
 
 // Returns share ^ exponent, the same on every machine. REQUIRES: 1/256 <= share <= 1; exponent > 0.

@@ -49,7 +49,20 @@ void check_socket_path(JsonDocument& document, const fs::path& folder, const cha
                                   std::to_string(kLongestSocketPath));
 }
 
+// Checks the widths against the pixel's, up to which light is computed.
+void check_pixel_light(JsonDocument& document) {
+  const auto pitch = document.valid_number("/display/pixel_pitch_um");
+  for (const char* index : {"0", "1"}) {
+    const std::string place = std::string("/display/pixel_light/") + index + "/sigma_um";
+    const auto sigma = document.valid_number(place);
+    if (!pitch || !sigma || *sigma <= PixelLight::kWidestPixels * *pitch) continue;
+    document.add_violation(place, decimal(*sigma) + " um are more than 16 pixels of " + decimal(*pitch) +
+                                      " um, the widest light that is computed");
+  }
+}
+
 void check_rules(JsonDocument& document, const fs::path& folder) {
+  check_pixel_light(document);
   const auto start = document.valid_number("/simulation/start_height_mm");
   const auto travel = document.valid_number("/z_axis/travel_mm");
   // The start height of a real axis does not matter.
@@ -168,6 +181,15 @@ std::optional<std::uint64_t> read_memory_limit(const JsonSection& root) {
   return kBytesPerMb * root.integer<std::uint64_t>("memory_limit_mb");
 }
 
+PixelLight read_pixel_light(const JsonSection& display) {
+  PixelLight light;
+  if (!display.has("pixel_light")) return light;
+  for (const JsonSection& gaussian : display.sections("pixel_light"))
+    light.gaussians.push_back(
+        {gaussian.number("sigma_um") / display.number("pixel_pitch_um"), gaussian.number("share")});
+  return light;
+}
+
 std::optional<ResinTemperature> read_resin_temperature(const JsonSection& root) {
   if (!root.has("resin_temperature")) return std::nullopt;
   const JsonSection temperature = root.section("resin_temperature");
@@ -253,6 +275,8 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .mirror_y = display.boolean("mirror_y"),
       .anti_aliasing = display.boolean("anti_aliasing"),
       .tone = {.gamma = display.number("gamma"), .threshold = display.integer<std::uint8_t>("threshold")},
+      .gamma_of_light = display.text("gamma_of") == "light",
+      .pixel_light = read_pixel_light(display),
       .grey_bits = display.integer<int>("grey_bits"),
       .uniformity =
           companions.uniformity ? std::optional(std::move(companions.uniformity->mask)) : std::nullopt,
@@ -317,6 +341,13 @@ ResinProfile find_resin(const PrinterConfig& printer, std::string_view name) {
                         no_such_profile("resin profile", printer.resins_folder, name)}});
   }
   return load_resin_profile(*file, resin_machine(printer));
+}
+
+ToneCurve tone_for(const PrinterConfig& printer, const ResinProfile& resin) {
+  ToneCurve tone = printer.tone;
+  if (printer.gamma_of_light && resin.cure_irradiance)
+    tone.gamma = std::clamp(tone.gamma * resin.cure_irradiance->exponent, kLeastGamma, kGreatestGamma);
+  return tone;
 }
 
 ResinMachine resin_machine(const PrinterConfig& printer) {

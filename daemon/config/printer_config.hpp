@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/cure/pixel_light.hpp"
 #include "core/geometry/units.hpp"
 #include "core/mask/exposure_correction.hpp"
 #include "daemon/config/job_ticket.hpp"
@@ -63,6 +64,8 @@ struct PrinterConfig {
   bool mirror_y = false;
   bool anti_aliasing = true;
   ToneCurve tone;
+  bool gamma_of_light = false;     // true: the tone's gamma was measured by a light meter, not by cured resin
+  PixelLight pixel_light{};        // on the film
   int grey_bits = 8;               // of the panel
   std::optional<Mask> uniformity;  // as large as the display
 
@@ -103,6 +106,10 @@ enum class Places { Here, Elsewhere };
 // violations, or with a list of the existing profiles if there is none of that name. Safe for untrusted
 // names.
 [[nodiscard]] ResinProfile find_resin(const PrinterConfig& printer, std::string_view name);
+
+// Returns the tone curve by which resin cures: a gamma that was measured by a light meter times the resin's
+// reciprocity exponent.
+[[nodiscard]] ToneCurve tone_for(const PrinterConfig& printer, const ResinProfile& resin);
 
 // Returns the limits that the printer sets to its resin profiles.
 [[nodiscard]] ResinMachine resin_machine(const PrinterConfig& printer);

@@ -56,10 +56,16 @@ std::string readable_exposure(double seconds) {
   return seconds >= 1e-6 ? fmt::format("{:.3g} ms", seconds * 1000) : "less than a microsecond";
 }
 
+// Returns the words that distinguish a critical energy from that in the profile; empty if it is that one.
+std::string_view at_this_light(const ResinProfile& resin) {
+  const bool follows = resin.cure_irradiance && resin.cure_irradiance->exponent != 1;
+  return follows ? " (at this irradiance)" : "";
+}
+
 // Returns the reason why the exposures at this layer height are outside their limits, with all figures that
 // they follow from; nullopt if they are within.
 std::optional<std::string> exposure_problem(const ResinProfile& resin, Nanometers layer_height,
-                                            double irradiance_mw_cm2) {
+                                            double irradiance_mw_cm2, Irradiance of) {
   const auto [normal, bottom] = exposures_s(resin, layer_height, irradiance_mw_cm2);
   const double shortest = std::chrono::duration<double>(kShortestExposure).count();
   const double longest = std::chrono::duration<double>(kLongestExposure).count();
@@ -77,10 +83,14 @@ std::optional<std::string> exposure_problem(const ResinProfile& resin, Nanometer
   const Micrometers overcure = is_outside(normal) ? by_curve->overcure : by_curve->bottom_overcure;
   return problem +
          fmt::format(
-             ": it follows from penetration_depth_um {:g}, critical_energy_mj_cm2 {:g} and {} {:g} "
-             "of the resin, and irradiance_mw_cm2 {:g} of the projector: correct the one that is wrong{}",
-             curve.penetration_depth.count(), curve.critical_dose.count(),
-             is_outside(normal) ? "overcure_um" : "bottom_overcure_um", overcure.count(), irradiance_mw_cm2,
+             ": it follows from penetration_depth_um {:g}, critical_energy_mj_cm2 {:g}{} and {} {:g} "
+             "of the resin, and {}: correct the one that is wrong{}",
+             curve.penetration_depth.count(), curve.critical_dose.count(), at_this_light(resin),
+             is_outside(normal) ? "overcure_um" : "bottom_overcure_um", overcure.count(),
+             of == Irradiance::OfPrinter
+                 ? fmt::format("irradiance_mw_cm2 {:g} of the projector", irradiance_mw_cm2)
+                 : fmt::format("an irradiance of {:g} mW/cm², assumed because no printer is given",
+                               irradiance_mw_cm2),
              (is_outside(normal) ? normal : bottom) > longest ? ", or print thinner layers" : "");
 }
 
@@ -150,7 +160,33 @@ void check_ticket_limits(JsonDocument& document, const ResinMachine& machine) {
                machine);
 }
 
+// Checks that the resin's ingredients give a curve within the limits of a measured one.
+void check_ingredients(JsonDocument& document) {
+  const auto absorptivity = document.valid_number("/working_curve/absorptivity_l_mol_cm"),
+             initiator = document.valid_number("/working_curve/initiator_mmol_l"),
+             gel_dose = document.valid_number("/working_curve/gel_dose_mj_cm2");
+  if (!absorptivity || !initiator || !gel_dose) return;
+  const WorkingCurve curve =
+      curve_of_ingredients(*absorptivity, *initiator / 1000, MillijoulesPerCm2{*gel_dose});
+  const double depth = curve.penetration_depth.count(), dose = curve.critical_dose.count();
+  if (depth >= 1 && depth <= 5000 && dose >= 0.01 && dose <= 1000) return;
+  document.add_violation(
+      "/working_curve/initiator_mmol_l",
+      fmt::format("{:g} mmol/L give a penetration depth of {:.4g} um and a critical energy of "
+                  "{:.4g} mJ/cm²; they must be 1 to 5000 um and 0.01 to 1000 mJ/cm²",
+                  *initiator, depth, dose));
+}
+
+void check_reciprocity(JsonDocument& document) {
+  const auto exponent = document.valid_number("/working_curve/reciprocity_exponent");
+  if (!exponent || *exponent == 1 || document.valid_number("/working_curve/irradiance_mw_cm2")) return;
+  document.add_violation("/working_curve/reciprocity_exponent",
+                         decimal(*exponent) + " needs irradiance_mw_cm2, at which the curve was measured");
+}
+
 void check_rules(JsonDocument& document, const ResinMachine& machine) {
+  check_ingredients(document);
+  check_reciprocity(document);
   // Check the range first: with minimum and maximum swapped, every default would be a violation too.
   check_order(document, "layer_height_min_um", "layer_height_max_um");
   check_order(document, "layer_height_min_um", "layer_height_um");
@@ -206,14 +242,35 @@ std::variant<FixedExposure, CurveExposure> read_exposure(const JsonSection& prof
                        Micrometers{curve.number("bottom_overcure_um")}};
 }
 
-std::optional<CureSettings> read_cure(const JsonSection& profile) {
+WorkingCurve read_curve(const JsonSection& curve) {
+  if (!curve.has("initiator_mmol_l"))
+    return {Micrometers{curve.number("penetration_depth_um")},
+            MillijoulesPerCm2{curve.number("critical_energy_mj_cm2")}};
+  return curve_of_ingredients(curve.number("absorptivity_l_mol_cm"), curve.number("initiator_mmol_l") / 1000,
+                              MillijoulesPerCm2{curve.number("gel_dose_mj_cm2")});
+}
+
+std::optional<CureIrradiance> read_cure_irradiance(const JsonSection& profile) {
+  if (!profile.has("working_curve") || !profile.section("working_curve").has("irradiance_mw_cm2"))
+    return std::nullopt;
+  const JsonSection curve = profile.section("working_curve");
+  return CureIrradiance{MilliwattsPerCm2{curve.number("irradiance_mw_cm2")},
+                        curve.number("reciprocity_exponent")};
+}
+
+// Returns curve and memory at an irradiance, if it is known.
+std::optional<CureSettings> read_cure(const JsonSection& profile, std::optional<double> irradiance_mw_cm2) {
   if (!profile.has("working_curve")) return std::nullopt;
   const JsonSection curve = profile.section("working_curve");
-  CureSettings cure{.curve = {Micrometers{curve.number("penetration_depth_um")},
-                              MillijoulesPerCm2{curve.number("critical_energy_mj_cm2")}},
+  CureSettings cure{.curve = read_curve(curve),
                     .oxygen_dose = MillijoulesPerCm2{curve.number("oxygen_dose_mj_cm2")},
                     .dead_zone = Micrometers{curve.number("dead_zone_um")}};
   if (curve.has("peel_memory")) cure.peel_memory = curve.number("peel_memory");
+  const std::optional<CureIrradiance> measured = read_cure_irradiance(profile);
+  if (!measured || !irradiance_mw_cm2) return cure;
+  const MilliwattsPerCm2 irradiance{*irradiance_mw_cm2};
+  cure.curve = at_irradiance(cure.curve, *measured, irradiance);
+  cure.dead_zone = dead_zone_at(cure.dead_zone, measured->measured_at, irradiance);
   return cure;
 }
 
@@ -295,14 +352,18 @@ TicketLimits read_ticket_limits(const JsonSection& profile) {
   return read;
 }
 
-ResinProfile read_profile(const JsonSection& profile, std::string name) {
+ResinProfile read_profile(const JsonSection& profile, std::string name,
+                          std::optional<double> irradiance_mw_cm2) {
   return {
       .name = std::move(name),
       .layer_height = profile.length("layer_height_um"),
       .layer_height_min = profile.length("layer_height_min_um"),
       .layer_height_max = profile.length("layer_height_max_um"),
       .exposure = read_exposure(profile),
-      .cure = read_cure(profile),
+      .cure = read_cure(profile, irradiance_mw_cm2),
+      .curve_measured =
+          !profile.has("working_curve") || !profile.section("working_curve").has("initiator_mmol_l"),
+      .cure_irradiance = read_cure_irradiance(profile),
       .cure_temperature = read_cure_temperature(profile),
       .peel_memory_measured =
           profile.has("working_curve") && profile.section("working_curve").has("peel_memory"),
@@ -333,7 +394,7 @@ ResinProfile checked_profile(JsonDocument document, std::string name, const Resi
   resin_schema().check(document);
   check_rules(document, machine);
   document.throw_if_violated();
-  ResinProfile resin = read_profile(JsonSection(document), std::move(name));
+  ResinProfile resin = read_profile(JsonSection(document), std::move(name), machine.irradiance_mw_cm2);
   for (SupportContradiction& found : contradictions_of(resin.supports))
     document.add_violation("/supports/" + std::string(found.key), std::move(found.sentence));
   if (machine.irradiance_mw_cm2) {
@@ -397,6 +458,9 @@ Duration exposure_time(const ResinProfile& resin, Nanometers layer_height, int l
 
 std::string missing_for_dimming(const ResinProfile& resin) {
   if (!resin.cure) return "the profile of the resin " + resin.name + " has no working_curve";
+  if (!resin.curve_measured)
+    return "the working_curve of the resin " + resin.name +
+           " is computed by its ingredients, and undersides need a measured one";
   if (resin.peel_memory_measured) return "";
   return "the working_curve of the resin " + resin.name +
          " has no peel_memory, and with a wrong one a part of the model would be missing";
@@ -437,7 +501,7 @@ std::vector<LayerDose> layer_doses(const ResinProfile& resin, std::span<const Na
 }
 
 std::vector<std::string> layer_height_problems(const ResinProfile& resin, Nanometers layer_height,
-                                               double irradiance_mw_cm2) {
+                                               double irradiance_mw_cm2, Irradiance of) {
   expects(layer_height > Nanometers{} && irradiance_mw_cm2 > 0,
           "the layer has a thickness, and there is light");
   const auto um = [](Nanometers height) {
@@ -449,7 +513,7 @@ std::vector<std::string> layer_height_problems(const ResinProfile& resin, Nanome
                        in_quotes(resin.name) + " allows, " + um(resin.layer_height_min) + " to " +
                        um(resin.layer_height_max));
   }
-  if (std::optional<std::string> problem = exposure_problem(resin, layer_height, irradiance_mw_cm2))
+  if (std::optional<std::string> problem = exposure_problem(resin, layer_height, irradiance_mw_cm2, of))
     problems.push_back(*std::move(problem));
   return problems;
 }

@@ -81,9 +81,11 @@ struct ResinProfile {
   Nanometers layer_height_min;
   Nanometers layer_height_max;
   std::variant<FixedExposure, CurveExposure> exposure;  // CurveExposure only with `cure`
-  std::optional<CureSettings> cure;                     // if the resin's working curve was measured
-  std::optional<CureTemperature> cure_temperature;      // of the working curve, if it is known
-  bool peel_memory_measured = false;                    // otherwise `cure` assumes that nothing is forgotten
+  std::optional<CureSettings> cure;  // if the resin's working curve is known; at the printer's irradiance
+  bool curve_measured = true;        // false: the curve is computed by the resin's ingredients
+  std::optional<CureIrradiance> cure_irradiance;    // of the profile's working curve, if it is known
+  std::optional<CureTemperature> cure_temperature;  // of the working curve, if it is known
+  bool peel_memory_measured = false;                // otherwise `cure` assumes that nothing is forgotten
   Undersides undersides = Undersides::Plain;
   Scale shrinkage_factors;  // compensate the resin's shrinkage along the plate's axes
   int bottom_layers = 0;    // layers with the bottom exposure
@@ -104,7 +106,7 @@ struct ResinProfile {
 // The limits of the machine that a profile is checked against. Unknown limits are not checked.
 struct ResinMachine {
   std::optional<Nanometers> travel;
-  std::optional<double> irradiance_mw_cm2;
+  std::optional<double> irradiance_mw_cm2;  // unknown: the working curve is that at its own irradiance
   std::optional<MillimetersPerSecond> top_speed = std::nullopt;
 };
 
@@ -148,11 +150,15 @@ struct ResinMachine {
                                                  std::span<const Nanometers> thicknesses,
                                                  double irradiance_mw_cm2);
 
+// The irradiance that exposures are computed with: the printer's, or any, where no printer is given.
+enum class Irradiance { OfPrinter, Assumed };
+
 // Returns the reasons, as clauses, why this layer height cannot be printed: it is outside the profile's
 // range, or an exposure is outside kShortestExposure..kLongestExposure. REQUIRES: layer_height > 0,
 // irradiance > 0.
 [[nodiscard]] std::vector<std::string> layer_height_problems(const ResinProfile& resin,
                                                              Nanometers layer_height,
-                                                             double irradiance_mw_cm2);
+                                                             double irradiance_mw_cm2,
+                                                             Irradiance of = Irradiance::OfPrinter);
 
 }  // namespace contourd

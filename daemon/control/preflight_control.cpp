@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/jobs/resin_temperature.hpp"
+#include "daemon/prepare/resin_temperature.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd {

@@ -87,12 +87,16 @@ std::uint64_t crossings_of(std::span<const PlateModel> models, double pixel_mm) 
 }
 
 std::uint64_t most_memory(const ContourEngine& engine, const DisplayGeometry& display,
-                          const ResinProfile& resin, std::size_t layers, std::uint64_t crossings) {
+                          const JobSummary& summary, std::size_t layers, std::uint64_t crossings) {
+  const ResinProfile& resin = summary.resin;
+  const PixelLight& pixel = summary.pixel_light;
   const bool remembers_all = resin.cure->peel_memory == 1 && resin.cure->oxygen_dose.count() == 0;
   constexpr std::size_t kMostLayers = 400;  // whose light reaches a layer
-  const std::uint64_t per_pixel =
-      kBytesPerPixel + (remembers_all ? 0 : sizeof(std::uint16_t) * std::min(layers, kMostLayers));
-  return per_pixel * window_of(engine.models(), display, 1).pixels() + kBytesPerCrossing * crossings;
+  const std::uint64_t per_pixel = kBytesPerPixel +
+                                  (pixel.gaussians.empty() ? 0 : LightSpread::kBytesPerPixel) +
+                                  (remembers_all ? 0 : sizeof(std::uint16_t) * std::min(layers, kMostLayers));
+  return per_pixel * window_of(engine.models(), display, pixel.reach() + 1).pixels() +
+         kBytesPerCrossing * crossings;
 }
 
 // Returns into how many steps a rise may be divided: each takes two masks, and a share of kLongestRise.
@@ -191,12 +195,13 @@ PrintedPart CuredPartWriter::cure(PrintToCure& print, const std::filesystem::pat
                         crossings / 1'000'000, kMostCrossings / 1'000'000)};
   const CureLimits limits(memory_limit);
   std::string why_not =
-      limits.exceeded(most_memory(engine, display, report.summary.resin, light->layers.size(), crossings));
+      limits.exceeded(most_memory(engine, display, report.summary, light->layers.size(), crossings));
   if (!why_not.empty()) return {{}, why_not};
   try {
     PrintCure cure(engine, display,
                    {.layers = light->layers,
                     .cure = *report.summary.resin.cure,
+                    .pixel = report.summary.pixel_light,
                     .undersides = print.undersides ? &print.undersides->dimming() : nullptr,
                     .mask_heights = light->mask_heights,
                     .is_stopped =

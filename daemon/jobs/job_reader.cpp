@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "daemon/jobs/acceptances.hpp"
-#include "daemon/jobs/resin_temperature.hpp"
 #include "daemon/prepare/job_memory.hpp"
+#include "daemon/prepare/resin_temperature.hpp"
 #include "daemon/spool/copied_originals.hpp"
 #include "daemon/spool/state_records.hpp"
 #include "daemon/system/checksum.hpp"
@@ -83,6 +83,7 @@ ReadJob JobReader::prepare(const JobFiles& files, const std::optional<JobSetting
   try {
     auto job = prepare_job(files, settings ? *settings : read_settings(files, config_), config_, stop);
     if (!job) return ReadingGivenUp{};
+    follow_temperature(*job, config_);
     return std::move(*job);
   } catch (const JobTooLarge& refusal) {
     return JobRefusal{refusal_text(refusal.what()), refusal.fits_alone()};
@@ -101,9 +102,9 @@ void JobReader::read(const JobFiles& files, const std::optional<JobSettings>& se
   worker_.run(
       [this, files, settings, stop = reading_.get_token()]() -> ReadJob {
         std::optional<PreparedJob> cached = cache_.take(files, settings);
-        ReadJob job = cached ? std::move(*cached) : read_now(files, settings, stop);
-        if (auto* const prepared = std::get_if<PreparedJob>(&job)) follow_temperature(*prepared, config_);
-        return job;
+        if (!cached) return read_now(files, settings, stop);
+        follow_temperature(*cached, config_);
+        return std::move(*cached);
       },
       std::move(done));
 }

@@ -6,10 +6,10 @@
 #include <string>
 
 #include "core/geometry/units.hpp"
+#include "core/support/support_counts.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/prepare/preprint_analysis.hpp"
 #include "daemon/prepare/print_job.hpp"
-#include "daemon/prepare/support_counts.hpp"
 #include "daemon/spool/job_files.hpp"
 #include "hw/clock.hpp"
 

@@ -90,6 +90,12 @@ std::string describe_settings(const JobSummary& summary) {
   if (const auto& followed = summary.temperature)
     text += fmt::format("; light for resin of {:.1f} degrees C, {:.3g} of that at {:g} degrees",
                         followed->resin_c, followed->light, followed->curve_c);
+  if (const auto& measured = resin.cure_irradiance; measured && measured->exponent != 1)
+    text += fmt::format(
+        "; light for {:g} mW/cm² by the reciprocity exponent {:g}, {:.3g} of the dose at {:g}",
+        summary.irradiance_mw_cm2, measured->exponent,
+        std::pow(summary.irradiance_mw_cm2 / measured->measured_at.count(), 1 - measured->exponent),
+        measured->measured_at.count());
   if (summary.dry) text += "; dry run, without light";
   if (resin.undersides == Undersides::Dose) text += "; undersides by dose";
   if (resin.mode == PrintWay::Continuous) text += "; continuous";

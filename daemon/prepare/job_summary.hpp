@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/cure/pixel_light.hpp"
 #include "core/layers/adaptive_layers.hpp"
 #include "core/model/mesh_report.hpp"
 #include "core/model/shell_report.hpp"
@@ -61,10 +62,11 @@ struct JobSummary {
   ResinProfile resin;                              // as the job is printed
   OverriddenSettings overridden;                   // values of `resin` that the ticket sets
   std::optional<FollowedTemperature> temperature;  // nullopt if the light is that of the profile
-  double irradiance_mw_cm2 = 0;                    // the printer's, as are the next three
-  ToneCurve tone;
-  int grey_bits = 8;             // of the panel
-  bool uniformity_mask = false;  // true if the printer has one
+  double irradiance_mw_cm2 = 0;                    // the printer's, as are the next four
+  ToneCurve tone;                                  // by which the resin cures
+  PixelLight pixel_light{};                        // on the film
+  int grey_bits = 8;                               // of the panel
+  bool uniformity_mask = false;                    // true if the printer has one
   LayerSummary layers;
   std::optional<ContinuousForecast> continuous;  // nullopt: the print is layered
   std::optional<Supports> supports;              // nullopt if the job has supports off
@@ -74,7 +76,8 @@ struct JobSummary {
   Duration first_mask{};                         // time to build the engine and compute the mask of layer 1
   bool prepared_before = false;  // true if the job was prepared while it waited, not at its turn
   std::vector<std::string> warnings;
-  std::string unit_hint;  // from unit_hint(), of the first model that has one; a warning, too
+  std::string temperature_warning{};  // from follow_temperature(); a warning, too
+  std::string unit_hint;              // from unit_hint(), of the first model that has one; a warning, too
   std::string wide_gaps;  // a sentence about the first model with gaps far wider than a pixel; a warning, too
 };
 

@@ -115,7 +115,8 @@ class Preparation {
     summary_.resin.supports.closed_gap = closed_gap(settings_.ticket, settings_.resin);
     summary_.overridden = settings_.overridden;
     summary_.irradiance_mw_cm2 = printer_.irradiance_mw_cm2;
-    summary_.tone = printer_.tone;
+    summary_.tone = tone_for(printer_, summary_.resin);
+    summary_.pixel_light = printer_.pixel_light;
     summary_.grey_bits = printer_.grey_bits;
     summary_.uniformity_mask = printer_.uniformity.has_value();
     // The analysis yields the processor to the print, so its masks take longer.
@@ -244,7 +245,7 @@ class Preparation {
         (cure ? UndersideDimming::most_memory(settings.display, *cure) : 0) +
             (printer_.splits_exposures() ? SplitExposure::memory(settings.display) : 0));
     if (printer_.splits_exposures())
-      plan.split = std::make_unique<SplitExposure>(PanelTone{printer_.grey_bits, printer_.tone.gamma},
+      plan.split = std::make_unique<SplitExposure>(PanelTone{printer_.grey_bits, summary_.tone.gamma},
                                                    settings.display.width, settings.display.height);
     const auto supports = summary_.supports ? summary_.supports->structure : nullptr;
     plan.engine = std::make_unique<ContourEngine>(std::move(standing), settings, supports);
@@ -357,7 +358,7 @@ std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure_by(co
 }
 
 EngineSettings engine_settings(const PrinterConfig& printer, const ResinProfile& resin) {
-  ToneCurve tone = printer.tone;
+  ToneCurve tone = tone_for(printer, resin);
   if (printer.splits_exposures()) tone.gamma = 1;  // undone by the pictures of the exposure
   return {build_volume(printer, resin).display, printer.anti_aliasing ? AntiAliasing::On : AntiAliasing::Off,
           resin.compensation, tone, printer.uniformity};

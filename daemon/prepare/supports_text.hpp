@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "core/support/support_counts.hpp"
 #include "core/support/support_settings.hpp"
 #include "core/support/supports.hpp"
-#include "daemon/prepare/support_counts.hpp"
 
 namespace contourd {
 

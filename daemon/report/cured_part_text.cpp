@@ -25,6 +25,25 @@ Json distances_json(const SurfaceDistances& distances) {
 
 }  // namespace
 
+std::string pixel_light_text(const PixelLight& light) {
+  double sum = 0;
+  for (const auto& gaussian : light.gaussians)
+    sum += gaussian.share;
+  std::string text;
+  for (const auto& [sigma_pixels, share] : light.gaussians) {
+    text += fmt::format("{}sigma {:.3g} pixels", text.empty() ? "" : ", ", sigma_pixels);
+    if (light.gaussians.size() > 1) text += fmt::format(" ({:.3g} %)", 100 * share / sum);
+  }
+  return text;
+}
+
+Json pixel_light_json(const PixelLight& light) {
+  Json json = Json::array();
+  for (const auto& [sigma_pixels, share] : light.gaussians)
+    json.push_back({{"sigma_pixels", sigma_pixels}, {"share", share}});
+  return json;
+}
+
 std::string place_text(const CurePlace& place) {
   return fmt::format("at {:.2f}, {:.2f} mm, {:.2f} mm above the plate", place.plate_mm.x, place.plate_mm.y,
                      place.height_mm);

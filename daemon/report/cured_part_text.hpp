@@ -34,6 +34,10 @@ struct CureLine {
 // Does the same for the part of a report; none if there is no part.
 [[nodiscard]] std::vector<std::string> warnings_of(const PrintedPart& cured, bool memory_measured);
 
+// Return the widths and shares of a pixel's Gaussians: "sigma 0.45 pixels".
+[[nodiscard]] std::string pixel_light_text(const PixelLight& light);
+[[nodiscard]] nlohmann::ordered_json pixel_light_json(const PixelLight& light);
+
 // Returns the figures, without warnings.
 [[nodiscard]] nlohmann::ordered_json cured_part_json(const CuredPart& part);
 

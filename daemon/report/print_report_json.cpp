@@ -228,6 +228,7 @@ std::string report_as_json(const PrintReport& report) {
            {"elephant_foot_height_um", in_mm(summary.resin.compensation.elephant_foot_height) * 1000},
            {"uniformity_mask", summary.uniformity_mask},
            {"gamma", summary.tone.gamma},
+           {"pixel_light", pixel_light_json(summary.pixel_light)},
            {"grey_bits", summary.grey_bits},
            {"threshold", summary.tone.threshold}});
   if (summary.supports) json["settings"]["supports"] = support_settings_json(summary.resin.supports);

@@ -237,6 +237,30 @@ class Temperature(CalibrationTest):
         self.assertAlmostEqual(asked[1] / asked[0], light, places=4)
         self.assertIn("light for resin of 33.0 degrees C", daemon.log())
 
+    def test_forecasts_follow_the_temperature(self):
+        self.write("temperature", b"23000\n")
+        curve = {"penetration_depth_um": 150, "critical_energy_mj_cm2": 800, "overcure_um": 50, "bottom_overcure_um": 50, "temperature_c": 23}
+        resin = {"exposure_ms": None, "bottom_exposure_ms": None, "bottom_layers": 0, "fade_layers": 0, "working_curve": curve}
+        daemon = Daemon(self, {**PRINTER, "resin_temperature": {"sensor": self.path("temperature")}}, resin)
+        model = self.write("small.stl", SMALL)
+
+        for folder in ("incoming", "printing", "done", "failed"):
+            os.makedirs(self.path("spool", folder), exist_ok=True)
+
+        def forecasts():
+            analyzed = contourctl("analyze", model, "--json", "--printer", daemon.config_path, expect=OK)
+            queued = contourctl("submit", "--json", "--spool", self.path("spool"), "--printer", daemon.config_path, model, expect=OK)
+            return [json.loads(analyzed.stdout)["layer_time_s"], json.loads(queued.stdout.splitlines()[0])["outlook"]["print_time_s"]]
+
+        cold = forecasts()
+        self.write("temperature", b"33000\n")
+        warm = forecasts()
+        light = math.exp(30000 / 8.314462618 * (1 / 306.15 - 1 / 296.15))
+        layers = json.loads(contourctl("analyze", model, "--json", "--printer", daemon.config_path, expect=OK).stdout)["layers"]
+        exposure_s = 800 * math.exp(100 / 150) / 400
+        for before, after in zip(cold, warm):
+            self.assertAlmostEqual(before - after, layers * exposure_s * (1 - light), delta=0.01)
+
 
 if __name__ == "__main__":
     unittest.main()

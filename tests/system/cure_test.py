@@ -1,8 +1,10 @@
 """contourctl cure: the distances of the cured part from the model, and messages about bad input."""
 
 import json
+import math
 import os
 import re
+import statistics
 
 from harness import BAD_DATA, BAD_USAGE, CANNOT_CREATE, FLOATING, OK, FolderTest, binary_stl, box, contents, contourctl, source_json
 
@@ -64,6 +66,43 @@ class Figures(CureTest):
         printed = self.cure(BRIDGE, "--printer", config)
         self.assertEqual(printed["undersides"]["median_um"], alone["undersides"]["median_um"])
         self.assertEqual(printed["resin"]["name"], "curve")
+
+    def test_light_that_spreads_moves_walls_and_leaves_wide_undersides(self):
+        os.mkdir(self.path("resins"))
+        self.resin("resins/curve.json", peel_memory=1)
+        printer = source_json("contourd.json")
+        printer |= {"resin": "curve", "resins_folder": self.path("resins"), "supports": "off"}
+        pitch = printer["display"]["pixel_pitch_um"]
+
+        def cured(*gaussians):
+            display = {**printer["display"], **({"pixel_light": gaussians} if gaussians else {})}
+            return self.cure(BRIDGE, "--printer", self.write("printer.json", json.dumps({**printer, "display": display}).encode()))
+
+        narrow, wide = cured(), cured({"sigma_um": pitch})
+        self.assertEqual((narrow["pixel_light"], wide["pixel_light"]), ([], [{"sigma_pixels": 1, "share": 1}]))
+        # In the middle of a layer, all layers together give 5.8 Ec, of which the Gaussian leaves Ec at 0.95 sigma beside the
+        # mask's edge. Between the pixels' middles the place is interpolated.
+        total = math.exp((100 - 25) / 150) / (1 - math.exp(-50 / 150))
+        sigmas = statistics.NormalDist().inv_cdf(1 - 1 / total)
+        self.assertAlmostEqual(wide["walls"]["median_um"] - narrow["walls"]["median_um"], sigmas * pitch, delta=0.25 * pitch)
+        self.assertAlmostEqual(wide["undersides"]["median_um"], narrow["undersides"]["median_um"], delta=0.6)
+        tail = cured({"sigma_um": pitch / 2, "share": 0.9}, {"sigma_um": 2 * pitch, "share": 0.1})
+        self.assertGreater(tail["walls"]["median_um"], cured({"sigma_um": pitch / 2})["walls"]["median_um"])
+        text = contourctl("cure", "--printer", self.path("printer.json"), self.path("model.stl"), expect=OK).stdout.decode()
+        self.assertIn("pixel light   sigma 0.5 pixels\n", text)
+
+    def test_a_weak_lamp_cures_resin_of_a_low_exponent_as_its_own_does(self):
+        os.mkdir(self.path("resins"))
+        printer = source_json("contourd.json")
+        printer |= {"resin": "curve", "resins_folder": self.path("resins"), "supports": "off"}
+        config = self.write("printer.json", json.dumps(printer).encode())
+        own = printer["projector"]["irradiance_mw_cm2"]
+        for irradiance, exponent in ((own, 1), (own * 4, 1), (own * 4, 0.5), (own / 4, 0.8)):
+            with self.subTest(irradiance=irradiance, exponent=exponent):
+                self.resin("resins/curve.json", peel_memory=1, irradiance_mw_cm2=irradiance, reciprocity_exponent=exponent)
+                found = self.cure(BRIDGE, "--printer", config)
+                self.assertAlmostEqual(found["resin"]["critical_energy_mj_cm2"], 8 * (own / irradiance) ** (1 - exponent), places=9)
+                self.assertAlmostEqual(found["undersides"]["median_um"], 239, delta=0.6)
 
     def test_the_text_names_each_kind_of_surface(self):
         result = contourctl("cure", "--resin", self.resin(peel_memory=1), self.write("bridge.stl", BRIDGE), expect=OK)
@@ -226,6 +265,13 @@ class BadInput(CureTest):
             profile = self.resin(**{key: value})
             result = contourctl("cure", "--resin", profile, self.write("bridge.stl", BRIDGE), expect=BAD_CONFIG)
             self.assertIn(f"/working_curve/{key}".encode(), result.stderr)
+
+    def test_an_assumed_irradiance_is_called_one(self):
+        bridge = self.write("bridge.stl", BRIDGE)
+        for arguments in (["cure"], ["slice", "--masks", self.path("masks")]):
+            result = contourctl(*arguments, bridge, "--resin", self.resin(bottom_overcure_um=1500), expect=BAD_DATA)
+            self.assertIn(b"an irradiance of 10 mW/cm\xc2\xb2, assumed because no printer is given", result.stderr)
+            self.assertNotIn(b"of the projector", result.stderr)
 
     def test_a_layer_height_of_the_command_line_must_be_the_resins(self):
         result = contourctl("cure", "--resin", self.resin(), "--layer-height-um", "900",

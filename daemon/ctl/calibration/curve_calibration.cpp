@@ -229,6 +229,19 @@ void keep_exposures(const ResinProfile& resin, const PrinterConfig& printer, con
   }
 }
 
+// Adds the values that belong to a curve that was measured at an irradiance, and removes those of a curve by
+// the resin's ingredients.
+void measure_at(MilliwattsPerCm2 irradiance, const ResinProfile& resin, FitResult& result) {
+  if (!resin.curve_measured)
+    for (const char* key : {"absorptivity_l_mol_cm", "initiator_mmol_l", "gel_dose_mj_cm2"})
+      result.values.push_back({fmt::format("/working_curve/{}", key), nullptr});
+  if (!resin.cure_irradiance) return;
+  result.values.push_back({"/working_curve/irradiance_mw_cm2", irradiance.count()});
+  // The dead zone was measured at the irradiance of the previous curve.
+  if (resin.cure->dead_zone.count() > 0)
+    result.values.push_back({"/working_curve/dead_zone_um", rounded(resin.cure->dead_zone.count())});
+}
+
 // Returns places from one value to another, in equal steps of their logarithm.
 std::vector<double> places_between(double least, double most) {
   constexpr int kSteps = 40;
@@ -289,6 +302,7 @@ int fit_curve(const FitWindowsArgs& args) {
         "temperature_c is that of the previous curve and is removed, so that exposures do not follow the "
         "temperature: give --temperature-c to keep that");
   }
+  measure_at(MilliwattsPerCm2{printer.irradiance_mw_cm2}, resin, result);
   keep_exposures(resin, printer, curve, result);
   for (const auto& [dose, thickness] : windows)
     result.points.push_back({{dose.count()}, thickness.count(), curve.thickness_of(dose).count()});
@@ -315,6 +329,8 @@ int fit_grey(const FitWindowsArgs& args) {
   }
   const GammaFit fit = fit_gamma(windows, depth, Micrometers{rounding_of(args.measured)});
   result.values.push_back({"/display/gamma", rounded(fit.gamma.value), rounded(fit.gamma.uncertainty)});
+  // By cured resin, gamma contains the resin's answer to faint light.
+  if (printer.gamma_of_light) result.values.push_back({"/display/gamma_of", nullptr});
   result.scatter = fit.line.scatter;
   for (const auto& [grey, thickness] : windows)
     result.points.push_back({{static_cast<double>(grey)}, thickness.count(), fit.thickness_of(grey).count()});

@@ -49,6 +49,7 @@ CureSettings cure_of(const ResinProfile& resin) {
 PrintSubject subject_of(const CureOptions& options, const std::optional<RecordedPrint>& recorded) {
   if (!recorded) return print_subject(options.print);
   PrintArgs args = options.print;
+  args.follows_temperature = false;
   if (!args.undersides) args.undersides = recorded->undersides == Undersides::Dose ? "dose" : "plain";
   return print_subject(args);
 }
@@ -88,6 +89,8 @@ void print_text(const PrintSubject& subject, const std::optional<RecordedPrint>&
   fmt::print("resin         {}: Dp {:.4g} um, Ec {:.4g} mJ/cm², memory {:.3g}\n",
              printable(subject.resin->name), cure.curve.penetration_depth.count(),
              cure.curve.critical_dose.count(), cure.peel_memory);
+  if (!subject.pixel_light.gaussians.empty())
+    fmt::print("pixel light   {}\n", pixel_light_text(subject.pixel_light));
   std::vector<CureLine> lines = cured_part_lines(result.part);
   if (result.rise) lines.push_back(rise_light_line(*result.rise));
   for (const CureLine& line : lines)
@@ -113,6 +116,7 @@ void print_json(const PrintSubject& subject, const std::optional<RecordedPrint>&
     json["print"] = {{"job", recorded->job},
                      {"outcome", recorded->outcome},
                      {"layers_with_light", recorded->layers.size()}};
+  json["pixel_light"] = pixel_light_json(subject.pixel_light);
   json.update(cured_part_json(result.part));
   if (result.rise) json["rise"] = rise_light_json(*result.rise);
   if (result.surface)
@@ -127,10 +131,12 @@ CureResult compute(const PrintSubject& subject, const std::optional<RecordedPrin
   const std::unique_ptr<GivenLight> given = subject.given_light();
   PrintLight light{.layers = subject.doses,
                    .cure = cure_of(*subject.resin),
+                   .pixel = subject.pixel_light,
                    .undersides = undersides.get(),
                    .given = given.get()};
   std::optional<PrintedLight> printed;
   if (recorded) {
+    light.cure.curve.critical_dose = light.cure.curve.critical_dose * recorded->temperature_factor;
     if (recorded->layers.size() > subject.layers.size())
       throw ModelError(
           fmt::format("the print has {} layers, and the model only {}: give the model, the ticket "

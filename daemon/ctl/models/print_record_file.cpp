@@ -82,6 +82,8 @@ RecordedPrint recorded_print(const Json& report) {
     record.rises = !layer.value("frames", Json()).is_null();
   }
   if (print.layers.empty()) throw ModelError("no layer was exposed");
+  if (settings.contains("temperature"))
+    print.temperature_factor = number(settings["temperature"], "light", 1e-3, 1e3);
   print.irradiance_mw_cm2 = number(settings, "irradiance_mw_cm2", 1e-6, 1e6);
   return print;
 }

@@ -17,6 +17,7 @@ struct RecordedPrint {
   Undersides undersides = Undersides::Plain;  // as they were exposed
   std::vector<LayerRecord> layers;            // with light, as far as the cured part depends on them
   double irradiance_mw_cm2 = 0;
+  double temperature_factor = 1;  // of the critical dose at the resin's temperature over that of the profile
   PrintFrames frames;
   std::int64_t unfound_undersides = 0;
 };

@@ -17,6 +17,7 @@
 #include "daemon/prepare/mesh_repair_text.hpp"
 #include "daemon/prepare/model_checks.hpp"
 #include "daemon/prepare/print_job.hpp"
+#include "daemon/prepare/resin_temperature.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/print/layer_durations.hpp"
 #include "daemon/system/readable.hpp"
@@ -52,7 +53,8 @@ constexpr double kAnyIrradiance = 10;
 
 void take_resin(const PrintArgs& args, PrintSubject& subject) {
   ResinProfile& resin = subject.resin.emplace(read_resin(args));
-  for (const std::string& problem : layer_height_problems(resin, resin.layer_height, kAnyIrradiance))
+  for (const std::string& problem :
+       layer_height_problems(resin, resin.layer_height, kAnyIrradiance, Irradiance::Assumed))
     throw ModelError(fmt::format("{}: {}", printable(resin.name), problem));
   add(settle_undersides(resin), subject);
   refuse_plain_undersides(args, subject);
@@ -116,9 +118,10 @@ PrintSubject subject_alone(const PrintArgs& args) {
   return subject;
 }
 
-std::optional<SplitPrint> split_of(const PrintPlan& plan, const PrinterConfig& printer) {
+std::optional<SplitPrint> split_of(const PreparedJob& job, const PrinterConfig& printer) {
   if (!printer.splits_exposures()) return std::nullopt;
-  SplitPrint split{{printer.grey_bits, printer.tone.gamma}, {}};
+  const PrintPlan& plan = job.plan;
+  SplitPrint split{{printer.grey_bits, job.summary.tone.gamma}, {}};
   for (std::size_t i = 0; i < plan.expected_layers.size(); ++i)
     split.shortest.push_back(
         SplitExposure::shortest_share(plan.exposure(static_cast<std::int32_t>(i), plan.expected_layers[i]),
@@ -137,11 +140,13 @@ PrintSubject subject_of_printer(const PrintArgs& args) {
   if (args.mode) asked.mode = print_way_of(*args.mode);
   PreparedJob job =
       prepare_model({model_stem(args.model.filename().string()), args.model, args.ticket}, printer, asked);
+  if (args.follows_temperature) follow_temperature(job, printer);
   PrintSubject subject;
+  subject.pixel_light = printer.pixel_light;
   subject.settings = engine_settings(printer, job.summary.resin);
   subject.layers = job.plan.expected_layers;
   subject.doses = layer_doses(job.summary.resin, subject.layers, printer.irradiance_mw_cm2);
-  subject.split = split_of(job.plan, printer);
+  subject.split = split_of(job, printer);
   subject.layer_durations = layer_durations(job.plan, printer);
   subject.continuous = std::move(job.summary.continuous);
   subject.resin = std::move(job.summary.resin);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/analysis/print_analysis.hpp"
+#include "core/cure/pixel_light.hpp"
 #include "core/cure/underside_dimming.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/mask/light_split.hpp"
@@ -31,6 +32,7 @@ struct PrintArgs {
 
   // Configuration and ticket of a print by contourd.
   std::optional<std::filesystem::path> printer, ticket;
+  bool follows_temperature = true;  // false: the light is that of the profile
   std::optional<std::string> mode;  // default: as the resin's profile and the ticket say
   // Without a configuration: the resin, the direction that points up, the display and its projector.
   std::optional<std::filesystem::path> resin;
@@ -59,6 +61,7 @@ struct PrintSubject {
   EngineSettings settings;
   std::optional<ResinProfile> resin;  // with the undersides as they are exposed; nullopt: not given
   std::vector<Nanometers> layers;     // thicknesses, from the plate up
+  PixelLight pixel_light{};           // on the film
   std::vector<LayerDose> doses;       // of the layers; none without a resin
   std::optional<SplitPrint> split;    // nullopt: each exposure shows one mask
   std::optional<Supports> supports;

@@ -21,6 +21,7 @@
 #include "daemon/prepare/job_settings.hpp"
 #include "daemon/prepare/preprint_analysis.hpp"
 #include "daemon/prepare/print_job.hpp"
+#include "daemon/prepare/resin_temperature.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/print/layer_durations.hpp"
 #include "daemon/system/readable.hpp"
@@ -77,9 +78,10 @@ class Look {
       return unknown(model, fmt::format("a file of {} MB is too large for a forecast", bytes / 1'000'000));
     JobTicket ticket =
         question_.ticket.empty() ? JobTicket{} : parse_job_ticket(question_.ticket, "the ticket");
-    const PreparedJob job =
+    PreparedJob job =
         prepare_job({model_stem(model.filename().string()), model, std::nullopt},
                     settings_by(std::move(ticket), "the ticket", *printer_.config), *printer_.config);
+    follow_temperature(job, *printer_.config);
     const std::vector<Duration> durations = layer_durations(job.plan, *printer_.config);
     const Duration time = print_duration(job.plan, *printer_.config);
     outlook_.json["layers"] = job.summary.layers.count;

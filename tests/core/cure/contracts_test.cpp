@@ -41,10 +41,13 @@ TEST_CASE("The laws of a working curve require quantities that can be") {
         "absorptivity, concentration and dose are positive");
   CHECK(contract_broken_by([] { (void)at_temperature(kResinCurve, {}, -300); }) ==
         "temperatures are above absolute zero");
-  CHECK(contract_broken_by([] { (void)dead_zone(0, 1); }) == "the absorbed light is positive");
+  const std::string positive = "irradiances are positive";
   CHECK(contract_broken_by([] {
-          (void)curing_dose(MillijoulesPerCm2{1}, MilliwattsPerCm2{0}, MilliwattsPerCm2{1}, 1);
-        }) == "irradiances are positive");
+          (void)dead_zone_at(Micrometers{30}, MilliwattsPerCm2{0}, MilliwattsPerCm2{1});
+        }) == positive);
+  CHECK(contract_broken_by([] {
+          (void)at_irradiance(kResinCurve, {MilliwattsPerCm2{1}, 0.5}, MilliwattsPerCm2{0});
+        }) == positive);
 }
 
 TEST_CASE("Spread light requires Gaussians with a width and a share, and a picture of its size") {

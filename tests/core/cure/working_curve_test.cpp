@@ -68,18 +68,26 @@ TEST_CASE("A warmer resin of 5 degrees has a critical dose that is 18 % less") {
   CHECK(at_temperature(curve(150, 8), {}, 30).penetration_depth.count() == 150);
 }
 
-TEST_CASE("The dead zone is 30 um at a rate of 1/s in air, twice that in oxygen, none in nitrogen") {
-  CHECK(dead_zone(1, 1).count() == Approx(30));
-  CHECK(dead_zone(4, 1).count() == Approx(15));
-  CHECK(dead_zone(1, 2).count() == Approx(60));
-  CHECK(dead_zone(1, 0).count() == 0);
+TEST_CASE("The dead zone falls with the square root of the light") {
+  const auto at = [](double irradiance) {
+    return dead_zone_at(Micrometers{30}, MilliwattsPerCm2{5}, MilliwattsPerCm2{irradiance}).count();
+  };
+  CHECK(at(5) == Approx(30));
+  CHECK(at(20) == Approx(15));
+  CHECK(at(1.25) == Approx(60));
 }
 
 TEST_CASE(
-    "A resin with reciprocity cures by the dose alone, and one with an exponent below 1 less in strong "
-    "light") {
-  const MillijoulesPerCm2 dose{12};
-  CHECK(curing_dose(dose, MilliwattsPerCm2{20}, MilliwattsPerCm2{5}, 1).count() == 12);
-  CHECK(curing_dose(dose, MilliwattsPerCm2{20}, MilliwattsPerCm2{5}, 0.5).count() == Approx(6));
-  CHECK(curing_dose(dose, MilliwattsPerCm2{5}, MilliwattsPerCm2{5}, 0.5).count() == 12);
+    "A resin with reciprocity has one curve, and one with an exponent below 1 cures less in strong light") {
+  const auto critical = [](double exponent, double irradiance) {
+    const WorkingCurve of =
+        at_irradiance(curve(150, 8), {MilliwattsPerCm2{5}, exponent}, MilliwattsPerCm2{irradiance});
+    CHECK(of.penetration_depth.count() == 150);
+    return of.critical_dose.count();
+  };
+  CHECK(critical(1, 20) == 8);
+  CHECK(critical(0.5, 5) == Approx(8));
+  CHECK(critical(0.5, 20) == Approx(16));
+  // The time t for a depth follows t I^p.
+  CHECK(critical(0.8, 20) / 20 * std::pow(20, 0.8) == Approx(critical(0.8, 2) / 2 * std::pow(2, 0.8)));
 }

@@ -3,6 +3,7 @@
 #include "hw/png_file.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
+#include "tests/daemon/config/resin_fixture.hpp"
 
 namespace contourd {
 namespace {
@@ -382,6 +383,32 @@ TEST_CASE("gamma, threshold and the uniformity mask are read, and have no effect
   write_png(folder.path() / "even.png", even);
   CHECK(folder.load().tone == ToneCurve{2.2, 40});
   CHECK(folder.load().uniformity == even);
+}
+
+TEST_CASE("a gamma that a light meter measured is multiplied by the resin's reciprocity exponent") {
+  json printer = smallest_printer();
+  printer["display"]["gamma"] = 2.5;
+  ResinProfile resin = testing::load_resin(shipped("resins/standard.json"));
+  resin.cure_irradiance = CureIrradiance{MilliwattsPerCm2{5}, 0.8};
+  CHECK(tone_for(PrinterFolder(printer).load(), resin).gamma == 2.5);
+  printer["display"]["gamma_of"] = "light";
+  CHECK(tone_for(PrinterFolder(printer).load(), resin).gamma == Approx(2));
+  resin.cure_irradiance.reset();
+  CHECK(tone_for(PrinterFolder(printer).load(), resin).gamma == 2.5);
+}
+
+TEST_CASE("a pixel's light is read in pixels, and stays within its pixel by default") {
+  CHECK(PrinterFolder().load().pixel_light == PixelLight{});
+  json printer = smallest_printer();
+  printer["display"]["pixel_pitch_um"] = 50;
+  printer["display"]["pixel_light"] = {{{"sigma_um", 20}, {"share", 0.9}}, {{"sigma_um", 800}}};
+  CHECK(PrinterFolder(printer).load().pixel_light == PixelLight{{{0.4, 0.9}, {16, 1}}});
+  printer["display"]["pixel_light"][1]["sigma_um"] = 801;
+  CHECK(PrinterFolder(printer).complaints() ==
+        Complaints{"/display/pixel_light/1/sigma_um: 801 um are more than 16 pixels of 50 um, the widest "
+                   "light that is computed"});
+  printer["display"]["pixel_light"] = json::array();
+  CHECK(PrinterFolder(printer).complaints().size() == 1);
 }
 
 TEST_CASE("a panel's bits of grey are read, and exposures are split if they are fewer than 8, the default") {

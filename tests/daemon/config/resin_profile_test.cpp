@@ -203,6 +203,69 @@ TEST_CASE("a mistake inside the working curve is reported there and nowhere else
                    "/working_curve/penetration_depth_um: 0 is less than the least allowed, 1 um"});
 }
 
+TEST_CASE("critical energy and dead zone follow the printer's irradiance from that of the curve") {
+  json resin = curve_profile();
+  resin["working_curve"]["dead_zone_um"] = 30;
+  resin["working_curve"]["irradiance_mw_cm2"] = 20;  // the printer has 5
+  CHECK(load_resin(resin).cure->curve.critical_dose == MillijoulesPerCm2{5});
+  CHECK(load_resin(resin).cure->dead_zone == Micrometers{60});
+  resin["working_curve"]["reciprocity_exponent"] = 0.5;
+  const ResinProfile weak = load_resin(resin);
+  CHECK(weak.cure->curve.critical_dose.count() == Approx(2.5));
+  CHECK(weak.cure_irradiance == CureIrradiance{MilliwattsPerCm2{20}, 0.5});
+  // Exposures follow: of e seconds by the dose alone, a half.
+  CHECK(within_a_microsecond(exposure_time(weak, weak.layer_height, 100, testing::kIrradianceMwCm2),
+                             500 * std::exp(1)));
+  // Without a printer, the curve is the profile's.
+  const ConfigFolder folder;
+  const ResinProfile alone = load_resin_profile(folder.write_json("grey.json", resin), {});
+  CHECK(alone.cure->curve.critical_dose == MillijoulesPerCm2{5});
+  CHECK(alone.cure->dead_zone == Micrometers{30});
+  resin["working_curve"].erase("irradiance_mw_cm2");
+  CHECK(resin_complaints(resin) ==
+        Complaints{"/working_curve/reciprocity_exponent: 0.5 needs irradiance_mw_cm2, at which the curve was "
+                   "measured"});
+}
+
+TEST_CASE("an exposure beyond its limits names the critical energy at the printer's irradiance") {
+  json resin = curve_profile();
+  resin["working_curve"]["irradiance_mw_cm2"] = 20;
+  resin["working_curve"]["reciprocity_exponent"] = 0.5;
+  resin["working_curve"]["bottom_overcure_um"] = 600;
+  const Complaints complaints = resin_complaints(resin);
+  REQUIRE(complaints.size() == 1);
+  CHECK_THAT(complaints[0],
+             Catch::Matchers::Contains("critical_energy_mj_cm2 2.5 (at this irradiance) and "));
+}
+
+TEST_CASE("a curve by the resin's ingredients stands in place of a measured one, but not for undersides") {
+  json resin = curve_profile();
+  json& curve = resin["working_curve"];
+  curve.erase("penetration_depth_um");
+  curve.erase("critical_energy_mj_cm2");
+  curve.update({{"absorptivity_l_mol_cm", 23000},
+                {"initiator_mmol_l", 4},
+                {"gel_dose_mj_cm2", 0.5},
+                {"peel_memory", 0.9}});
+  ResinProfile mixed = load_resin(resin);
+  CHECK(mixed.cure->curve == curve_of_ingredients(23000, 0.004, MillijoulesPerCm2{0.5}));
+  CHECK_FALSE(mixed.curve_measured);
+  CHECK(load_resin(curve_profile()).curve_measured);
+  mixed.undersides = Undersides::Dose;
+  CHECK_THAT(settle_undersides(mixed), Catch::Matchers::Contains("is computed by its ingredients"));
+  CHECK(mixed.undersides == Undersides::Plain);
+  curve["initiator_mmol_l"] = 0.01;
+  CHECK(
+      resin_complaints(resin) ==
+      Complaints{"/working_curve/initiator_mmol_l: 0.01 mmol/L give a penetration depth of 3.776e+04 um and "
+                 "a critical energy of 158.1 mJ/cm²; they must be 1 to 5000 um and 0.01 to 1000 mJ/cm²"});
+  curve["initiator_mmol_l"] = 4;
+  curve["critical_energy_mj_cm2"] = 5;
+  const Complaints both = resin_complaints(resin);
+  REQUIRE(both.size() == 1);
+  CHECK_THAT(both[0], Catch::Matchers::StartsWith("/working_curve: give either "));
+}
+
 TEST_CASE("minimum, default and maximum layer height must be in order") {
   json resin = shipped("resins/standard.json");
   resin["layer_height_um"] = 110;

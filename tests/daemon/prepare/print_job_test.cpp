@@ -4,8 +4,8 @@
 #include <numeric>
 
 #include "core/layers/layers.hpp"
+#include "core/support/support_counts.hpp"
 #include "daemon/prepare/job_memory.hpp"
-#include "daemon/prepare/support_counts.hpp"
 #include "daemon/print/layer_durations.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/prepare/print_job_fixture.hpp"

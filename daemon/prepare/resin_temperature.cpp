@@ -1,4 +1,4 @@
-#include "daemon/jobs/resin_temperature.hpp"
+#include "daemon/prepare/resin_temperature.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -51,6 +51,16 @@ std::string impossible_exposure(const ResinProfile& resin, const JobSummary& sum
   return {};
 }
 
+// Makes the light that of the profile again.
+void take_back(PreparedJob& job, const WorkingCurve& measured, double irradiance_mw_cm2) {
+  JobSummary& summary = job.summary;
+  if (!summary.temperature_warning.empty()) std::erase(summary.warnings, summary.temperature_warning);
+  summary.temperature_warning.clear();
+  summary.temperature.reset();
+  summary.resin.cure->curve = measured;
+  job.plan.exposure = exposure_by(summary.resin, irradiance_mw_cm2);
+}
+
 }  // namespace
 
 double read_temperature(const ResinTemperature& from) {
@@ -65,33 +75,37 @@ double read_temperature(const ResinTemperature& from) {
 
 void follow_temperature(PreparedJob& job, const PrinterConfig& printer) {
   JobSummary& summary = job.summary;
-  const ResinProfile& resin = summary.resin;
-  if (!printer.resin_temperature || !resin.cure_temperature ||
-      !std::holds_alternative<CurveExposure>(resin.exposure))
+  if (!printer.resin_temperature || !summary.resin.cure_temperature ||
+      !std::holds_alternative<CurveExposure>(summary.resin.exposure))
     return;
-  const double curve_c = resin.cure_temperature->measured_at_c;
-  const auto warn = [&](const std::string& why) {
-    summary.warnings.push_back(
-        fmt::format("the light is that for resin of {:g} degrees C, and does not follow the temperature: {}",
-                    curve_c, why));
+  const WorkingCurve& measured = job.settings.resin.cure.value().curve;
+  take_back(job, measured, printer.irradiance_mw_cm2);
+  const double curve_c = summary.resin.cure_temperature->measured_at_c;
+  const auto warn = [&](std::string sentence) {
+    summary.temperature_warning = sentence;
+    summary.warnings.push_back(std::move(sentence));
+  };
+  const auto keep_light = [&](const std::string& why) {
+    warn(fmt::format("the light is that for resin of {:g} degrees C, and does not follow the temperature: {}",
+                     curve_c, why));
   };
   try {
     const double resin_c = read_temperature(*printer.resin_temperature);
     const double followed_c = std::clamp(resin_c, curve_c - kMostDifference_c, curve_c + kMostDifference_c);
-    ResinProfile adjusted = resin;
-    adjusted.cure->curve = at_temperature(resin.cure->curve, *resin.cure_temperature, followed_c);
-    if (const std::string why = impossible_exposure(adjusted, summary); !why.empty()) return warn(why);
+    ResinProfile adjusted = summary.resin;
+    adjusted.cure->curve = at_temperature(measured, *adjusted.cure_temperature, followed_c);
+    if (const std::string why = impossible_exposure(adjusted, summary); !why.empty()) return keep_light(why);
     if (followed_c != resin_c)
-      summary.warnings.push_back(fmt::format(
+      warn(fmt::format(
           "the resin has {:.1f} degrees C, and its working curve was measured at {:g}: the light is that for "
           "{:g} degrees, since more than {:g} degrees of difference are not followed",
           resin_c, curve_c, followed_c, kMostDifference_c));
-    summary.temperature = FollowedTemperature{
-        resin_c, curve_c, adjusted.cure->curve.critical_dose / resin.cure->curve.critical_dose};
+    summary.temperature =
+        FollowedTemperature{resin_c, curve_c, adjusted.cure->curve.critical_dose / measured.critical_dose};
     summary.resin = std::move(adjusted);
     job.plan.exposure = exposure_by(summary.resin, printer.irradiance_mw_cm2);
   } catch (const std::runtime_error& error) {
-    warn(error.what());
+    keep_light(error.what());
   }
 }
 

@@ -17,7 +17,8 @@ namespace contourd {
 // cure depth stays. More than 20 degrees beside the curve's temperature count as 20. Does nothing for a
 // profile with fixed exposures, or if the temperature of resin or curve is not configured. If the sensor
 // cannot be read or an exposure would be outside kShortestExposure..kLongestExposure, the light stays that of
-// the profile, with a warning. Blocks as read_temperature() does.
+// the profile, with a warning. May be called again, for the temperature of another time. Blocks as
+// read_temperature() does.
 void follow_temperature(PreparedJob& job, const PrinterConfig& printer);
 
 }  // namespace contourd

@@ -1,4 +1,4 @@
-#include "daemon/jobs/resin_temperature.hpp"
+#include "daemon/prepare/resin_temperature.hpp"
 
 #include <cmath>
 #include <fstream>
@@ -67,6 +67,22 @@ TEST_CASE_METHOD(TemperatureFixture, "A sensor's thousandths of a degree are rea
   const PreparedJob job = followed(sensor("28125\n"));
   CHECK(job.summary.temperature->resin_c == 28.125);
   CHECK(light_of(job).second == Approx(arrhenius(28.125)));
+}
+
+TEST_CASE_METHOD(TemperatureFixture, "The light of a waiting job is replaced by that of its turn") {
+  printer.resin_temperature = 60.0;
+  PreparedJob job = prepare(testing::kCube);
+  follow_temperature(job, printer);
+  CHECK(job.summary.warnings.size() == 1);
+  printer.resin_temperature = 28.0;
+  follow_temperature(job, printer);
+  CHECK(light_of(job).second == Approx(arrhenius(28)));
+  CHECK(job.summary.warnings.empty());
+  printer.resin_temperature = sensor("warm");
+  follow_temperature(job, printer);
+  CHECK(light_of(job).second == 1);
+  CHECK(job.summary.warnings.size() == 1);
+  CHECK_FALSE(job.summary.temperature);
 }
 
 TEST_CASE_METHOD(TemperatureFixture, "More than 20 degrees of difference are not followed, with a warning") {
