@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "core/contract/expects.hpp"
 
@@ -18,6 +19,9 @@ struct Stage {
   Millimeters distance{};
   RiseLimit limit{};
   MillimetersPerSecond speed{};  // planned
+  // Of a slab in which the bounds have changed: the speed before, and whether this is the part after it.
+  MillimetersPerSecond most{std::numeric_limits<double>::infinity()};
+  bool is_upper_part = false;
 };
 using Stages = std::span<Stage>;
 
@@ -55,6 +59,19 @@ std::vector<MillimetersPerSecond> passing_speeds(std::span<const Stage> stages, 
   return speeds;
 }
 
+// Returns the slowest speed since the resin at the lower end of a stage entered the gap, in the two slabs
+// beneath; 0 if that was before the rise.
+MillimetersPerSecond slowest_beneath(std::size_t stage, std::span<const Stage> stages,
+                                     std::span<const MillimetersPerSecond> passing) {
+  MillimetersPerSecond slowest{std::numeric_limits<double>::infinity()};
+  for (int slabs = 0; slabs < 2; --stage) {
+    if (stage == 0) return MillimetersPerSecond{};
+    slowest = std::min({slowest, passing[stage], stages[stage - 1].speed});
+    if (!stages[stage - 1].is_upper_part) ++slabs;
+  }
+  return slowest;
+}
+
 // Slows the stages down to what resin can follow through the gap of the stage before. False if none was too
 // fast.
 bool slow_down(Stages stages, const RiseBounds& bounds) {
@@ -62,8 +79,7 @@ bool slow_down(Stages stages, const RiseBounds& bounds) {
   bool slowed = false;
   for (std::size_t i = 0; i < stages.size(); ++i) {
     Stage& stage = stages[i];
-    MillimetersPerSecond slowest{};  // speed of the stage before
-    if (i > 1) slowest = std::min({passing[i - 1], passing[i], stages[i - 2].speed, stages[i - 1].speed});
+    const MillimetersPerSecond slowest = slowest_beneath(i, stages, passing);
     const Micrometers gap = gel_gap(bounds.lit, margin_at(bounds.lit, slowest));
     const MillimetersPerSecond most = refill_speed(bounds.refill, gap, stage.distance);
     if (!(most < stage.speed)) continue;
@@ -77,14 +93,15 @@ bool slow_down(Stages stages, const RiseBounds& bounds) {
 // Plans the speeds of the stages of one rise.
 void plan_speeds(Stages stages, const RiseBounds& bounds) {
   for (Stage& stage : stages)
-    stage.speed = stage.steady;
+    stage.speed = std::min(stage.steady, stage.most);
   // Slower stages before make slower ones after them, and rarely the other way round.
   constexpr int kPasses = 50;
   for (int pass = 0; pass < kPasses; ++pass)
     if (!slow_down(stages, bounds)) return;
   for (Stage& stage : stages) {
-    if (stage.start < stage.speed) stage.limit = RiseLimit::Refill;
-    stage.speed = stage.start;
+    const MillimetersPerSecond start = std::min(stage.start, stage.most);
+    if (start < stage.speed) stage.limit = RiseLimit::Refill;
+    stage.speed = start;
   }
 }
 
@@ -166,6 +183,55 @@ void add_rises(Stages stages, const RiseBounds& bounds, std::vector<RisePlan>& r
   }
 }
 
+// Returns the slabs of a rise, joined to slabs at least as thick as the gap.
+std::vector<RiseSlab> slabs_of(const RisePlan& rise, std::span<const RiseSlab> slabs, Micrometers gap) {
+  const Nanometers bottom = rise.points.front().height, top = rise.points.back().height;
+  std::vector<RiseSlab> joined;
+  Nanometers from = bottom;
+  Millimeters distance{};
+  for (const RiseSlab& slab : slabs) {
+    if (slab.top <= bottom || slab.top > top) continue;
+    distance = std::max(distance, slab.distance);
+    if (in_mm(slab.top - from) * 1000 < gap.count()) continue;
+    joined.push_back({slab.top, distance});
+    from = slab.top;
+    distance = Millimeters{};
+  }
+  if (joined.empty()) joined.push_back({from, distance});
+  joined.back().top = top;
+  joined.back().distance = std::max(joined.back().distance, distance);
+  return joined;
+}
+
+// Returns the slowest speed of a rise within a span, but for its ramps from and to rest.
+MillimetersPerSecond slowest_within(const RisePlan& rise, Nanometers low, Nanometers high) {
+  MillimetersPerSecond slowest{std::numeric_limits<double>::infinity()};
+  const auto add = [&](MillimetersPerSecond speed) {
+    if (speed > MillimetersPerSecond{}) slowest = std::min(slowest, speed);
+  };
+  add(speed_at(rise, low));
+  add(speed_at(rise, high));
+  for (const RisePoint& point : rise.points)
+    if (point.height > low && point.height < high) add(point.speed);
+  return slowest;
+}
+
+// Adds a slab's stage, or two if the bounds change within it.
+void add_changed(const Stage& stage, const RiseChange& change, std::vector<Stage>& stages) {
+  constexpr Nanometers kLeastPart{1'000};
+  stages.push_back(stage);
+  if (change.from < stage.bottom + kLeastPart) return;
+  Stage& lower = stages.back();
+  lower.top = std::min(stage.top, change.from);
+  if (stage.top < change.from + kLeastPart) lower.top = stage.top;
+  lower.most = slowest_within(change.before, lower.bottom, lower.top) * change.light;
+  if (lower.top == stage.top) return;
+  Stage upper = stage;
+  upper.bottom = lower.top;
+  upper.is_upper_part = true;
+  stages.push_back(upper);
+}
+
 // True if the slabs are those of a sweep for these bounds.
 bool are_thick(std::span<const RiseSlab> slabs, const RiseBounds& bounds) {
   const Micrometers gap = gel_gap(bounds.lit, bounds.margin);
@@ -200,6 +266,23 @@ std::vector<RisePlan> plan_rises(std::span<const RiseSlab> slabs, Nanometers fro
   }
   add_rises(stages, bounds, rises);
   return rises;
+}
+
+ChangedRise change_rise(std::span<const RiseSlab> slabs, const RiseChange& change, const RiseBounds& bounds) {
+  expects(change.before.points.size() > 2 && change.light > 0, "a rise was planned, and has light");
+  std::vector<Stage> stages;
+  Nanometers bottom = change.before.points.front().height;
+  for (const RiseSlab& slab : slabs_of(change.before, slabs, gel_gap(bounds.lit, bounds.margin))) {
+    add_changed(stage_of(slab, bottom, bounds), change, stages);
+    bottom = slab.top;
+  }
+  ChangedRise changed{rise_of(stages, bounds), MillimetersPerSecond{std::numeric_limits<double>::infinity()}};
+  for (const Stage& stage : stages) {
+    if (stage.top <= change.from || stage.speed >= changed.slowest) continue;
+    changed.slowest = stage.speed;
+    changed.slowest_at = std::max(stage.bottom, change.from);
+  }
+  return changed;
 }
 
 }  // namespace contourd

@@ -39,4 +39,25 @@ struct RiseBounds {
 [[nodiscard]] std::vector<RisePlan> plan_rises(std::span<const RiseSlab> slabs, Nanometers from,
                                                const RiseBounds& bounds);
 
+// A rise whose bounds change before it or while it is under way.
+struct RiseChange {
+  RisePlan before{};  // the whole rise by the bounds before
+  Nanometers from{};  // up to here, the plate does not rise faster than it did
+  double light = 1;   // irradiance over that of the bounds before
+};
+
+struct ChangedRise {
+  RisePlan plan;
+  // The slowest speed above RiseChange::from, but for ramps, and the height from which on it holds.
+  MillimetersPerSecond slowest{};
+  Nanometers slowest_at{};
+};
+
+// Returns the rise from the same bottom to the same top by other bounds, whose slowest speed and window are
+// not kept. Above `from`, resin flows through the gap that the speeds and the light before have left.
+// REQUIRES: the slabs of sweep_slabs() by which the rise was planned; bounds as for plan_rises(), but for
+// the slabs' thickness; a light above 0.
+[[nodiscard]] ChangedRise change_rise(std::span<const RiseSlab> slabs, const RiseChange& change,
+                                      const RiseBounds& bounds);
+
 }  // namespace contourd

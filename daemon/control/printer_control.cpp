@@ -57,6 +57,18 @@ std::vector<ControlParameter> pause_parameters() {
                                    "the height of the part at which the print pauses")};
 }
 
+std::vector<ControlParameter> set_parameters() {
+  return {ControlParameter::one_of("setting", {kPrintSettings.begin(), kPrintSettings.end()}, "the setting")
+              .needed(),
+          ControlParameter::number("value", 0, 1'000'000, "",
+                                   "its value: `exposure` in percent of each layer's planned exposure, "
+                                   "`lift` in mm, speeds of lifts in mm/s, `rest` in ms; of a rise, `speed` "
+                                   "in mm/h at most, `light` in percent, and `margin`, the least dose over "
+                                   "the critical one")
+              .needed()
+              .described_as("a number from 0 to 1000000")};
+}
+
 }  // namespace
 
 using Json = PrinterControl::Json;
@@ -87,17 +99,12 @@ ControlMethods PrinterControl::methods() {
         .call = [this](const Json& parameters, const ControlCaller&) { return pause(parameters); },
         .changes = true}},
       {"set",
-       {.description = "Changes a setting of the print from the next layer on.",
-        .parameters = {ControlParameter::one_of("setting", {kPrintSettings.begin(), kPrintSettings.end()},
-                                                "the setting")
-                           .needed(),
-                       ControlParameter::number("value", 0, 1'000'000, "",
-                                                "its value: `exposure` in percent of each layer's planned "
-                                                "exposure, `lift` in mm, speeds in mm/s, `rest` in ms")
-                           .needed()
-                           .described_as("a number from 0 to 1000000")},
-        .call = [this](const Json& parameters, const ControlCaller&) { return set(parameters); },
-        .changes = true}},
+       {.description = "Changes a setting of the print from the next layer on, or of a plate that rises in "
+                       "the light from now on.",
+        .parameters = set_parameters(),
+        .changes = true,
+        .call_later = [this](const Json& parameters, const ControlCaller&,
+                             Later later) { set(parameters, std::move(later)); }}},
       {"copies",
        {.description = "Lists the copies of models on the plate of the print under way.",
         .call = [this](const Json&, const ControlCaller&) { return copies(); }}},
@@ -132,30 +139,40 @@ Json PrinterControl::pause(const Json& parameters) {
   return status_.status();
 }
 
-Json PrinterControl::set(const Json& parameters) {
+void PrinterControl::set(const Json& parameters, ControlMethod::Later later) {
   const PrintMode& print = job_.print();
   if (!print.under_way())
     throw ControlRefusal(
         "nothing prints: settings can be changed only during a print; a job's ticket sets them before");
-  const std::int32_t next = next_layer();
-  const JobSummary& summary = job_.job()->prepared->summary;
   const auto wanted = parameters.at("setting").get<std::string>();
   const std::string_view setting = *std::ranges::find(kPrintSettings, wanted);
+  const std::int32_t next = is_of_rises(setting) ? print.layer() : next_layer();
+  const JobSummary& summary = job_.job()->prepared->summary;
   if (const std::string_view why = print.why_fixed(setting); !why.empty())
     throw ControlRefusal(std::string(why));
   const auto value = parameters.at("value").get<double>();
   const Limits<double> bounds = setting_bounds(setting, summary, resin_machine(context_.config), next);
   if (!bounds.contain(value))
-    throw ControlRefusal(fmt::format(
-        "{0} {1:g} {4} is not allowed: the resin's profile {5} and the machine "
-        "allow {2:g} to {3:g} {4}",
-        setting, value, bounds.least, bounds.most, unit_of(setting), printable(summary.resin.name)));
-  if (job_.job()->record->changes().size() >= PrintRecord::kMostChanges)
+    throw ControlRefusal(
+        fmt::format("{} {} is not allowed: the resin's profile {} and the machine allow {:g} to {}", setting,
+                    figure_text(setting, value), printable(summary.resin.name), bounds.least,
+                    figure_text(setting, bounds.most)));
+  constexpr std::size_t kAtOnce = 3;
+  if (job_.job()->record->changes().size() + kAtOnce > PrintRecord::kMostChanges)
     throw ControlRefusal(
         fmt::format("this print's settings were changed {} times, and its report lists no more",
                     PrintRecord::kMostChanges));
+  if (is_of_rises(setting)) return set_rises(setting, value, std::move(later));
   job_.set(setting, value);
-  return status_.status();
+  later(status_.status());
+}
+
+void PrinterControl::set_rises(std::string_view setting, double value, ControlMethod::Later later) {
+  const PrintSettings settings = with_value(job_.print().settings(), setting, value);
+  job_.set_rises(settings.rise, [this, later = std::move(later)](const std::string& refusal) {
+    if (!refusal.empty()) return later(ControlRefusal(refusal));
+    later(status_.status());
+  });
 }
 
 std::int32_t PrinterControl::next_layer() const {

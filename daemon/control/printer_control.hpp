@@ -30,8 +30,9 @@ class PrinterControl {
   //
   // Pauses the print after the current layer, or at the point that the parameters name.
   Json pause(const Json& parameters);
-  // Changes a setting of the print from the next layer on.
-  Json set(const Json& parameters);
+  // Changes a setting of the print from the next layer on, or of its rises from now on. Calls `later` with
+  // the status, or a refusal.
+  void set(const Json& parameters, ControlMethod::Later later);
   // Leaves a copy dark from the next layer on.
   Json exclude(const Json& parameters);
   // Returns the copies on the plate.
@@ -52,6 +53,8 @@ class PrinterControl {
   [[nodiscard]] PausePoint pause_point(const Json& parameters) const;
   // Returns the layer from which on a change holds, from 0; throws ControlRefusal if no layer follows.
   [[nodiscard]] std::int32_t next_layer() const;
+  // Sets a setting of the rises, one of kPrintSettings.
+  void set_rises(std::string_view setting, double value, ControlMethod::Later later);
   void require_print(std::string_view what) const;
   void require_ready(std::string_view what) const;
 

@@ -5,6 +5,9 @@
 #include <optional>
 #include <variant>
 
+#include "core/continuous/rise_laws.hpp"
+#include "daemon/print/rise_change.hpp"
+
 namespace contourd {
 namespace {
 
@@ -44,11 +47,25 @@ Limits<double> exposure_bounds(const JobSummary& job, std::int32_t layer) {
           std::max(100.0, std::floor(percent.most * 10) / 10)};
 }
 
+// The settings of rises: those with which the plate can rise at the slowest speed, if resin flows in fast
+// enough. The margin has the bounds of config/resin.schema.json, too.
+Limits<double> rise_setting_bounds(std::string_view setting, const RiseBounds& rise) {
+  constexpr double kPerHour = 3600;
+  constexpr Limits<double> kMargin{1.1, 100};
+  const double least_mm_h = rise.slowest.count() * kPerHour;
+  const double times_margin_mm_h = cure_speed(rise.lit, rise.margin).count() * rise.margin * kPerHour;
+  if (setting == "speed") return {least_mm_h, planned_settings(rise).speed_mm_h};
+  const double most_margin = std::floor(times_margin_mm_h / least_mm_h * 100) / 100;
+  if (setting == "margin") return {kMargin.least, std::min(kMargin.most, most_margin)};
+  return {std::max(1.0, std::ceil(100 * least_mm_h * rise.margin / times_margin_mm_h)), 100};
+}
+
 }  // namespace
 
 Limits<double> setting_bounds(std::string_view setting, const JobSummary& job, const ResinMachine& machine,
                               std::int32_t layer) {
   if (setting == "exposure") return exposure_bounds(job, layer);
+  if (is_of_rises(setting)) return rise_setting_bounds(setting, job.continuous.value().bounds);
   const LayerMotion& motion = job.resin.motion;
   Limits<double> bounds = kSpeedMmS;
   if (setting == "lift") {

@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::string_view kFrameMagic = "contourd-frames\n";
 constexpr std::uint32_t kFrameVersion = 1;
-constexpr std::uint32_t kBegins = 0x80000000;
+constexpr std::uint32_t kBegins = 0x80000000, kMostLayer = 0x7fffff, kDarkness = kMostLayer + 1;
 
 // Returns the nearest number that the type can hold.
 template <typename To>
@@ -57,7 +57,8 @@ void put_record(std::string& bytes, const FrameRecord& frame) {
     put(bytes, saturated<std::int32_t>(height.count()));
   using std::chrono::microseconds;
   put(bytes, saturated<std::uint32_t>(std::chrono::duration_cast<microseconds>(frame.lit).count()));
-  put(bytes, static_cast<std::uint32_t>(frame.layer) | (frame.begins ? kBegins : 0));
+  put(bytes, (static_cast<std::uint32_t>(frame.layer) & kMostLayer) | (255U - frame.light) * kDarkness |
+                 (frame.begins ? kBegins : 0));
   put(bytes, saturated<std::uint16_t>(frame.refreshes));
   put(bytes, saturated<std::uint16_t>(frame.missed));
 }
@@ -69,7 +70,8 @@ FrameRecord take_record(std::string_view& bytes) {
     *height = Nanometers{take<std::int32_t>(bytes)};
   frame.lit = std::chrono::microseconds{take<std::uint32_t>(bytes)};
   const auto layer = take<std::uint32_t>(bytes);
-  frame.layer = static_cast<std::int32_t>(layer & ~kBegins);
+  frame.layer = static_cast<std::int32_t>(layer & kMostLayer);
+  frame.light = static_cast<std::uint8_t>(255 - (layer & ~kBegins) / kDarkness);
   frame.begins = (layer & kBegins) != 0;
   frame.refreshes = take<std::uint16_t>(bytes);
   frame.missed = take<std::uint16_t>(bytes);

@@ -5,7 +5,8 @@
 //            u64 checksum of the 24 bytes before
 //   block    u32 number of records (1 to 512), u32 0, u64 checksum of these 8 bytes and the records; records
 //   record   i64 shown, ns of the machine's clock; i32 cut, i32 first, i32 last, nm; u32 lit, us;
-//            u32 layer, from 0, and 2^31 if the mask is the first since the light went on;
+//            u32 layer, from 0, below 2^23; 2^23 times the 255ths of the lamp's light that white pixels lack;
+//            and 2^31 if the mask is the first since the light went on;
 //            u16 refreshes, u16 missed (65535: that many or more)
 //   end      u32 0, u32 16, u64 checksum of these 8 bytes and the 16 that follow;
 //            u64 records in the file, u64 records that are lost

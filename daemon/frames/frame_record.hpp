@@ -18,6 +18,7 @@ struct FrameRecord {
   std::uint32_t missed = 0;     // refreshes for which a later mask was wanted, and was late
   std::int32_t layer = 0;       // slice of the rise, from 0
   bool begins = false;          // the first mask since the light went on
+  std::uint8_t light = 255;     // of white pixels, in 255ths of the lamp's light
 
   bool operator==(const FrameRecord&) const = default;
 };

@@ -136,7 +136,8 @@ CurrentJob::CurrentJob(const PrinterContext& context, Spool& spool, JobReader& r
       archivist_(context.loop, spool, context.config.memory_limit_bytes),
       progress_(context.loop, context.log, progress_file(context.config.spool_folder),
                 [this] { return print_->light_may_be_on(); }),
-      frames_(context.loop, frames_file(context.config.spool_folder)) {
+      frames_(context.loop, frames_file(context.config.spool_folder)),
+      speeds_(context.loop, "contourd-speeds") {
   context_.loop.on_turn_over([this](const EventLoop::Turn& turn) {
     if (print_->light_may_be_on()) add_lit_turn(turn);
   });
@@ -315,6 +316,10 @@ void CurrentJob::start_print() {
                  [this](AnalyzedPrint print) { analyzed(std::move(print)); });
   if (!job_->claimed.resumed) record_progress();
   print_->start(std::move(job_->prepared->plan));
+  if (job_->rise_settings && print_->rises_ahead())
+    set_rises(*job_->rise_settings, [this](const std::string& refusal) {
+      if (!refusal.empty()) context_.log.warning("set", refusal, {});
+    });
   // The machine may have become unready, or the queue held, while the model was read.
   if (const std::string not_ready = machine.why_not_ready(); !not_ready.empty()) {
     print_->interrupt(not_ready);
@@ -343,8 +348,14 @@ void CurrentJob::go_on() {
 void CurrentJob::take_changes(const JobProgress::Changes& changes) {
   PrintPlan& plan = job_->prepared->plan;
   const std::int32_t layer = plan.resume->layer;
-  PrintSettings settings{plan.exposure_percent, plan.motion};
+  PrintSettings settings{plan.exposure_percent, plan.motion,
+                         plan.rises ? plan.rises->settings : RiseSettings{}};
+  const RiseSettings planned = settings.rise;
   for (std::size_t i = 0; i < changes.settings.size(); ++i) {
+    if (is_of_rises(kPrintSettings[i])) {
+      settings = with_value(settings, kPrintSettings[i], changes.settings[i]);
+      continue;
+    }
     const double value = changes.settings[i], before = value_of(settings, kPrintSettings[i]);
     if (value == before) continue;
     job_->record->add(SettingChange{layer, kPrintSettings[i], value, before});
@@ -352,6 +363,7 @@ void CurrentJob::take_changes(const JobProgress::Changes& changes) {
   }
   plan.exposure_percent = settings.exposure_percent;
   plan.motion = settings.motion;
+  if (plan.rises && settings.rise != planned) job_->rise_settings = settings.rise;
   const JobSummary& summary = job_->prepared->summary;
   const std::vector<PlateCopy> copies = copies_of(summary, name());
   std::set<std::size_t> excluded;
@@ -396,12 +408,56 @@ void CurrentJob::analyzed(AnalyzedPrint print) {
 
 void CurrentJob::set(std::string_view setting, double value) {
   expects(print_->under_way(), "a print is under way");
-  const PrintSettings settings = print_->settings();
-  const SettingChange change{print_->layer() + 1, setting, value, value_of(settings, setting)};
-  job_->record->add(change);
-  print_->set(with_value(settings, setting, value));
+  record_change(setting, value, std::nullopt);
+  print_->set(with_value(print_->settings(), setting, value));
   record_changes();
+}
+
+// Records a change that is about to be made.
+void CurrentJob::record_change(std::string_view setting, double value, std::optional<Nanometers> height) {
+  const std::int32_t layer = print_->layer() + (height ? 0 : 1);
+  const SettingChange change{layer, setting, value, value_of(print_->settings(), setting), height};
+  job_->record->add(change);
   context_.log.info("set", fmt::format("{}: {}", printable(name()), describe(change)), job_fields(name()));
+}
+
+void CurrentJob::set_rises(const RiseSettings& settings,
+                           std::function<void(const std::string& refusal)> done) {
+  std::optional<RisesAhead> ahead = print_->rises_ahead();
+  expects(ahead.has_value(), "a rise is left");
+  if (std::exchange(job_->plans_rises, true))
+    return done("the speeds of the last change are still being planned: try again in a second");
+  const auto planned = std::make_shared<const RisesAhead>(std::move(*ahead));
+  speeds_.run([planned, settings] { return change_rises(*planned, settings); },
+              [this, planned, key = job_->key,
+               done = std::move(done)](const std::variant<ChangedRises, std::string>& result) {
+                if (!job_ || job_->key != key) return done("the print has ended, and nothing was changed");
+                job_->plans_rises = false;
+                rises_planned(*planned, result, done);
+              });
+}
+
+// Changes the rises, if the print is where it was expected to be.
+void CurrentJob::rises_planned(const RisesAhead& planned,
+                               const std::variant<ChangedRises, std::string>& result,
+                               const std::function<void(const std::string& refusal)>& done) {
+  if (const auto* const refusal = std::get_if<std::string>(&result)) return done(*refusal);
+  const auto& changed = std::get<ChangedRises>(result);
+  const std::optional<RisesAhead> ahead = print_->rises_ahead();
+  if (!ahead || ahead->each.size() != planned.each.size() ||
+      ahead->height.has_value() != planned.height.has_value() ||
+      (ahead->height && *ahead->height > *changed.from))
+    return done("the plate has gone on before its speeds were planned, and nothing was changed: try again");
+  PrintSettings settings = print_->settings();
+  settings.rise = changed.settings;
+  for (const std::string_view setting : kPrintSettings) {
+    if (!is_of_rises(setting)) continue;
+    const double value = value_of(settings, setting);
+    if (value != value_of(print_->settings(), setting)) record_change(setting, value, ahead->height);
+  }
+  print_->change(changed);
+  record_changes();
+  done("");
 }
 
 void CurrentJob::exclude(std::size_t number) {

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 
 #include "core/contract/expects.hpp"
 #include "daemon/frames/frame_log.hpp"
@@ -23,6 +25,7 @@
 #include "daemon/progress/progress_keeper.hpp"
 #include "daemon/report/print_record.hpp"
 #include "daemon/spool/spool.hpp"
+#include "daemon/system/worker.hpp"
 
 namespace contourd {
 
@@ -53,15 +56,17 @@ class CurrentJob final : private PrintObserver {
     std::int64_t key = 0;                 // in the history (EndedJob)
     std::optional<PreparedJob> prepared;  // nullopt while it is being read; its plan moves to the print mode
     std::optional<PrintRecord> record;    // nullopt before its print begins
-    std::optional<PrintFindings> findings;    // nullopt while the analysis is under way
-    nlohmann::ordered_json analysis;          // the findings in short; null while there are none
-    std::optional<EndedPrint> over;           // set when the print is over, until its analysis is too
-    EndedJob ended;                           // set once the job is being filed
-    bool cancel_wanted = false;               // cancelled before it could start
-    std::optional<std::string> plate_before;  // the plate's occupant before this job
-    bool leaving = false;                     // it does not begin, and its files are being moved
-    bool had_light = false;                   // the light of its first layer was due
-    int readings = 0;                         // number of readings that found too little memory
+    std::optional<PrintFindings> findings;      // nullopt while the analysis is under way
+    nlohmann::ordered_json analysis;            // the findings in short; null while there are none
+    std::optional<EndedPrint> over;             // set when the print is over, until its analysis is too
+    EndedJob ended;                             // set once the job is being filed
+    bool cancel_wanted = false;                 // cancelled before it could start
+    std::optional<std::string> plate_before;    // the plate's occupant before this job
+    bool leaving = false;                       // it does not begin, and its files are being moved
+    bool had_light = false;                     // the light of its first layer was due
+    int readings = 0;                           // number of readings that found too little memory
+    bool plans_rises = false;                   // set_rises() is under way
+    std::optional<RiseSettings> rise_settings;  // of the print that a power cut ended, until it goes on
   };
 
   // All arguments must outlive this object.
@@ -72,8 +77,12 @@ class CurrentJob final : private PrintObserver {
   // Reads the job, then prints it. REQUIRES: there is no current job.
   void begin(ClaimedJob job);
   // Changes a setting of the print from the next layer on, and records this. REQUIRES: a print under way, one
-  // of kPrintSettings, and room in its record.
+  // of kPrintSettings that is not of rises, and room in its record.
   void set(std::string_view setting, double value);
+  // Plans the rises that are left with other settings, on a thread of its own, then changes them and records
+  // this. Calls `done` once, from the loop, with the reason why nothing has changed, or an empty text.
+  // REQUIRES: a print with rises_ahead(), and room in its record for three changes.
+  void set_rises(const RiseSettings& settings, std::function<void(const std::string& refusal)> done);
   // Leaves a copy dark from the next layer on, and records this. `number` is its place in copies_of(), from
   // 0. REQUIRES: a print under way, and such a copy.
   void exclude(std::size_t number);
@@ -131,6 +140,9 @@ class CurrentJob final : private PrintObserver {
   void record_progress();
   void take_changes(const JobProgress::Changes& changes);
   void record_changes();
+  void record_change(std::string_view setting, double value, std::optional<Nanometers> height);
+  void rises_planned(const RisesAhead& planned, const std::variant<ChangedRises, std::string>& result,
+                     const std::function<void(const std::string& refusal)>& done);
   void go_on();
   void analyzed(AnalyzedPrint print);
   void file();
@@ -148,6 +160,7 @@ class CurrentJob final : private PrintObserver {
   PrintArchivist archivist_;
   ProgressKeeper progress_;
   FrameLog frames_;
+  Worker speeds_;
   std::optional<State> job_;
   Duration lit_{};
   bool stopping_ = false;

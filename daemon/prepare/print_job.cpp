@@ -19,7 +19,9 @@
 #include "daemon/prepare/model_checks.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/print/layer_durations.hpp"
+#include "daemon/print/mask_ahead.hpp"
 #include "daemon/print/mask_cost.hpp"
+#include "daemon/print/rise_change.hpp"
 #include "daemon/print/rise_forecast.hpp"
 #include "daemon/system/memory_room.hpp"
 #include "daemon/system/readable.hpp"
@@ -152,18 +154,28 @@ class Preparation {
     const ContinuousSubject subject{volume_.display, layers.front(),
                                     std::accumulate(layers.begin(), layers.end(), Nanometers{})};
     StopCheck stopped([&stop] { return stop.stop_requested(); });
-    std::vector<RisePlan> rises;
+    SlabsAndRises planned;
     try {
-      rises = plan_continuous(*plan.engine, subject, resin, machine, stopped);
+      planned = plan_continuous(*plan.engine, subject, resin, machine, stopped);
     } catch (const ComputationStopped&) {
       return;
     }
-    if (rises.empty()) throw JobRefused(why_no_rise(subject, resin));
+    if (planned.rises.empty()) {
+      warn(why_no_rise(subject, resin));
+      summary_.resin.mode = PrintWay::Layered;
+      return;
+    }
+    const RiseBounds bounds = rise_bounds(resin, machine);
     plan.rises = PlannedRises{
-        rises_between(std::move(rises), layers, layer_durations(plan, printer_), continuous),
-        Nanometers{std::llround(continuous.mask_step.count() * 1000)}, continuous.missed, continuous.slowest};
-    summary_.continuous =
-        ContinuousForecast{rise_bounds(resin, machine), ranges_of(plan, layer_durations(plan, printer_))};
+        .each = rises_between(std::move(planned.rises), layers, layer_durations(plan, printer_), continuous),
+        .mask_step = Nanometers{std::llround(continuous.mask_step.count() * 1000)},
+        .missed = continuous.missed,
+        .slowest = continuous.slowest,
+        .slabs = std::make_shared<const std::vector<RiseSlab>>(std::move(planned.slabs)),
+        .bounds = bounds,
+        .gamma = printer_.tone.gamma,
+        .settings = planned_settings(bounds)};
+    summary_.continuous = ContinuousForecast{bounds, ranges_of(plan, layer_durations(plan, printer_))};
     warn(layered_parts_sentence(*summary_.continuous, continuous.layered));
   }
 
@@ -243,7 +255,8 @@ class Preparation {
     content_.require_room_for_masks(
         standing, summary_.resin.compensation != Compensation{},
         (cure ? UndersideDimming::most_memory(settings.display, *cure) : 0) +
-            (printer_.splits_exposures() ? SplitExposure::memory(settings.display) : 0));
+            (printer_.splits_exposures() ? SplitExposure::memory(settings.display) : 0) +
+            (summary_.resin.mode == PrintWay::Continuous ? MaskAhead::memory(settings.display) : 0));
     if (printer_.splits_exposures())
       plan.split = std::make_unique<SplitExposure>(PanelTone{printer_.grey_bits, summary_.tone.gamma},
                                                    settings.display.width, settings.display.height);

@@ -60,7 +60,7 @@ void ContinuousPrint::start(PrintPlan plan) {
           "rises follow at least one layer, with masks as they are");
   plan_ = std::move(plan);
   rises_ = {};
-  if (plan_->rises) rises_ = {plan_->rises->each, plan_->resume.value_or(ResumePoint{}).bottom};
+  if (plan_->rises) rises_ = {*plan_->rises, plan_->resume.value_or(ResumePoint{}).bottom};
   planned_pause_.reset();
   canceled_ = over_ = pause_wanted_ = false;
   reason_.clear();
@@ -88,6 +88,29 @@ void ContinuousPrint::set(const PrintSettings& settings) {
   if (layering()) return layers_.set(settings);
   plan_->motion = settings.motion;
   left_after_ = durations_to_end(*plan_, machine_.z_axis());
+}
+
+std::optional<RisesAhead> ContinuousPrint::rises_ahead() const {
+  if (!under_way() || ends() || is_in(kEnding) || !rises_.any_left() || !rises_.can_change())
+    return std::nullopt;
+  const bool moves = is_in({ContinuousState::Rising, ContinuousState::Slowing, ContinuousState::Braking});
+  return rises_.ahead(moves ? machine_.z_axis().height() : std::nullopt);
+}
+
+void ContinuousPrint::change(const ChangedRises& rises) {
+  expects(under_way() && rises_.any_left(), "a rise is left");
+  const double light_before = rises_.settings().light_percent;
+  rises_.change(rises);
+  if (layering()) return layers_.change(rises);
+  take_change(rises, *plan_->rises);
+  left_after_ = durations_to_end(*plan_, machine_.z_axis());
+  const bool is_lit = is_in({ContinuousState::Rising, ContinuousState::Slowing});
+  if (frames_ && (!is_lit || rises.settings.light_percent > light_before)) set_white();
+}
+
+// Passes the share of the lamp's light on to the masks.
+void ContinuousPrint::set_white() {
+  frames_->set_white(white_for(rises_.settings().light_percent, plan_->rises->gamma));
 }
 
 void ContinuousPrint::exclude(ExcludedCopy copy) {
@@ -150,6 +173,11 @@ const std::optional<PausePoint>& ContinuousPrint::planned_pause() const {
 
 std::string_view ContinuousPrint::why_fixed(std::string_view what) const {
   expects(under_way(), "a print is under way");
+  if (is_of_rises(what)) {
+    if (!rises_.planned())
+      return "the plate of this print does not rise in the light: it has no speed, light or margin to change";
+    return rises_ahead() ? "" : "no rise follows: what is left is printed in layers";
+  }
   if (layering()) return layers_.why_fixed(what);
   if (what == "exposure") return LayeredPrint::kFixedExposure;
   return what == "copies" ? "a continuous print leaves copies dark only while it prints layers" : "";
@@ -157,8 +185,10 @@ std::string_view ContinuousPrint::why_fixed(std::string_view what) const {
 
 PrintSettings ContinuousPrint::settings() const {
   expects(under_way(), "a print is under way");
-  if (layering()) return layers_.settings();
-  return {plan_->exposure_percent, plan_->motion};
+  if (!layering()) return {plan_->exposure_percent, plan_->motion, rises_.settings()};
+  PrintSettings settings = layers_.settings();
+  settings.rise = rises_.settings();
+  return settings;
 }
 
 std::string_view ContinuousPrint::next_pause() const {
@@ -378,7 +408,7 @@ void ContinuousPrint::perform(ContinuousEffect effect) {
     case ContinuousEffect::Rise:
       show_masks();
       return rise();
-    case ContinuousEffect::RiseMoreSlowly:
+    case ContinuousEffect::RiseOn:
       return rise();
     case ContinuousEffect::AwaitDark:
       if (is_in(ContinuousState::Ending))
@@ -438,6 +468,7 @@ void ContinuousPrint::move_to(Nanometers target, MillimetersPerSecond speed, std
 void ContinuousPrint::lower() {
   if (!frames_) frames_ = std::make_unique<RiseFrames>(machine_, clock_, *plan_);
   rises_.begin();
+  set_white();
   const LayerMotion& motion = plan_->motion;
   const Nanometers height = rises_.rest().points.front().height;
   const Nanometers slow_from = std::min(height + motion.slow_retract, current_height());
@@ -475,11 +506,20 @@ void ContinuousPrint::end_rise() {
 
 // --- Light
 
+// Returns the longest time that what is left of the rise may take, however its speeds change.
+Duration ContinuousPrint::longest_rise() const {
+  const PlannedRises& plan = *plan_->rises;
+  const bool can_change = rises_.can_change() || plan.missed == MissedMasks::Slow;
+  if (!can_change) return rise_left();
+  const Duration longest = rises_.longest(plan.slowest);
+  if (plan.missed == MissedMasks::Slow) return longest;
+  const auto window = std::chrono::duration<double>(plan.bounds.window);
+  return window < longest ? std::max(std::chrono::duration_cast<Duration>(window), rise_left()) : longest;
+}
+
 // The rise itself ends the light.
 void ContinuousPrint::expose() {
-  const PlannedRises& plan = *plan_->rises;
-  const Duration most =
-      longest_light(plan.missed == MissedMasks::Slow ? rises_.longest(plan.slowest) : rise_left());
+  const Duration most = longest_light(longest_rise());
   if (plan_->dry) {
     light_end_ = clock_.now() + most;
     return handle_at(clock_.now(), ContinuousEvent::LightOnSent);
@@ -503,6 +543,7 @@ void ContinuousPrint::show_masks() {
 }
 
 void ContinuousPrint::rise() {
+  set_white();
   estimate(rise_left());
   wait_ = clock_.call_at(std::min(light_end_, clock_.now() + longest_light(rise_left())),
                          [this] { interrupt("the rise takes longer than planned"); });
@@ -536,6 +577,8 @@ void ContinuousPrint::missed() {
 void ContinuousPrint::refreshed() {
   const std::optional<LightSpan> light = machine_.projector().last_light();
   if (!plan_->dry && light && light->off_earliest) return interrupt("the light went off during the rise");
+  if (rises_.is_changed() && is_in(ContinuousState::Rising) && frames_->shows_white())
+    return handle(ContinuousEvent::SpeedsChanged);
   const std::optional<Nanometers> height = machine_.z_axis().height();
   const Nanometers end = rises_.rest().points.back().height;
   while (height && *height >= layer_top() && layer_top() < end) {

@@ -38,6 +38,10 @@ class ContinuousPrint final : public PrintMode,
   void pause_at(PausePoint point) override;
   void resume() override;
   void set(const PrintSettings& settings) override;
+  [[nodiscard]] std::optional<RisesAhead> rises_ahead() const override;
+  // If the plate rises, it stops for a moment in the light and goes on by the new plan; more light comes
+  // before that, less light after it.
+  void change(const ChangedRises& rises) override;
   void exclude(ExcludedCopy copy) override;
   void interrupt(const std::string& what) override;
   void cancel() override;
@@ -101,6 +105,8 @@ class ContinuousPrint final : public PrintMode,
   void risen(MoveResult result);
   void refreshed();
   void missed();
+  [[nodiscard]] Duration longest_rise() const;
+  void set_white();
   void begin_slice(Nanometers bottom);
   void note_light();
   void report_slice(bool complete);

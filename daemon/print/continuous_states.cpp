@@ -33,8 +33,8 @@ constexpr auto kRows = std::to_array<ContinuousTransition>({
     {S::Showing, E::MaskShown, S::Igniting, F::LightOn},
     {S::Igniting, E::LightOnSent, S::Rising, F::Rise},
     {S::Rising, {E::MoveEnded, E::RiseBroken}, S::Darkening, F::LightOff, F::BlackNow, F::AwaitDark},
-    {S::Rising, E::TooFast, S::Slowing, F::StopAxis},
-    {S::Slowing, E::SlowedDown, S::Rising, F::RiseMoreSlowly},
+    {S::Rising, {E::TooFast, E::SpeedsChanged}, S::Slowing, F::StopAxis},
+    {S::Slowing, E::SlowedDown, S::Rising, F::RiseOn},
     {S::Slowing, {E::MoveEnded, E::RiseBroken}, S::Darkening, F::LightOff, F::BlackNow, F::AwaitDark},
     {S::Darkening, E::LightIsOff, S::Lifting, F::Lift},
 
@@ -93,13 +93,12 @@ std::span<const PrintState> continuous_print_states() {
 }
 
 const StateTable<ContinuousTransition>& continuous_table() {
-  static constexpr StateTable<ContinuousTransition> kTable{
-      .rows = kRows,
-      .start = S::Idle,
-      .answered = kAnswered,
-      .light_on = F::LightOn,
-      .light_off = F::LightOff,
-      .harmless = {F::Rise, F::RiseMoreSlowly, F::StopAxis}};
+  static constexpr StateTable<ContinuousTransition> kTable{.rows = kRows,
+                                                           .start = S::Idle,
+                                                           .answered = kAnswered,
+                                                           .light_on = F::LightOn,
+                                                           .light_off = F::LightOff,
+                                                           .harmless = {F::Rise, F::RiseOn, F::StopAxis}};
   return kTable;
 }
 

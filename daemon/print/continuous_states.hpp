@@ -19,7 +19,7 @@ enum class ContinuousState {
   Showing,     // until the kernel reports that the first mask is on the screen
   Igniting,    // until the light-on command is sent
   Rising,      // the plate rises in the light, and each refresh shows the mask for its height
-  Slowing,     // in the light, until the plate stands, from where it rises more slowly
+  Slowing,     // in the light, until the plate stands, from where it rises at other speeds
   Braking,     // light off is sent; until the plate has come to a standstill
   Darkening,   // until the light is confirmed off
   Lifting,     // the plate moves up, out of the resin
@@ -34,11 +34,12 @@ enum class ContinuousEvent {
   MoveEnded,
   WaitOver,
   MaskShown,
-  LightOnSent,  // there may be light from now on
-  RiseBroken,   // a disturbance has stopped the plate
-  TooFast,      // a mask was missed, and the rise is to be slower
-  SlowedDown,   // the plate is at a standstill in the light, and the rise has a rest
-  LightIsOff,   // confirmed
+  LightOnSent,    // there may be light from now on
+  RiseBroken,     // a disturbance has stopped the plate
+  TooFast,        // a mask was missed, and the rise is to be slower
+  SpeedsChanged,  // by the user
+  SlowedDown,     // the plate is at a standstill in the light, and the rise has a rest
+  LightIsOff,     // confirmed
   // The plate is up in the dark, and next comes:
   RiseDue,    // a rise, or the rest of one
   RestDue,    // the rest before a rise
@@ -68,7 +69,7 @@ enum class ContinuousEffect {
   ShowMask,
   LightOn,
   Rise,
-  RiseMoreSlowly,
+  RiseOn,
   AwaitDark,
   Lift,
   Park,
@@ -84,14 +85,14 @@ inline constexpr auto kNames<ContinuousState> = names_to<ContinuousState::Ending
 template <>
 inline constexpr auto kNames<ContinuousEvent> = names_to<ContinuousEvent::GaveUp>(
     "started, layering ended, move ended, wait over, mask shown, light on sent, rise broken, too fast, "
-    "slowed down, "
+    "speeds changed, slowed down, "
     "light is off, rise due, rest due, layers due, pause due, rises over, interrupted, cancelled, failed, "
     "gave up");
 template <>
 inline constexpr auto kNames<ContinuousEffect> = names_to<ContinuousEffect::Finish>(
     "print layers, print more layers, interrupt layers, cancel layers, fail layers, light off, black now, "
     "abort axis, stop axis, power off, await oxygen, lower to rise, wait to settle, show mask, light on, "
-    "rise, rise more slowly, await dark, lift, park, finish");
+    "rise, rise on, await dark, lift, park, finish");
 
 using ContinuousTransition = StateTransition<ContinuousState, ContinuousEvent, ContinuousEffect>;
 

@@ -75,7 +75,7 @@ void LayeredPrint::go_on(PrintPlan plan, std::int32_t layer, Nanometers bottom) 
   expects(!under_way(), "no print is under way");
   expects(plan.layers.thickness_at(bottom) && plan.exposure, "a print has a layer and its exposure");
   begin(std::move(plan), layer, bottom);
-  if (plan_->pressed) pressed_shape_mm4_ = last_shape_mm4();
+  if (plan_->pressed) begin_press_shape();
   handle(LayeredEvent::WentOn);
 }
 
@@ -113,6 +113,12 @@ void LayeredPrint::set(const PrintSettings& settings) {
   expect_layers();
   take_settings(of_layer);
   new_settings_ = settings;
+}
+
+void LayeredPrint::change(const ChangedRises& rises) {
+  expects(under_way() && plan_->rises, "a print with rises is under way");
+  take_change(rises, *plan_->rises);
+  expect_layers();
 }
 
 std::string_view LayeredPrint::why_fixed(std::string_view what) const {
@@ -309,6 +315,7 @@ void LayeredPrint::perform(LayeredEffect effect) {
     case LayeredEffect::LowerToLayer:
       return lower();
     case LayeredEffect::WaitToSettle:
+      take_press_shape();
       record_.settling = settling_duration(*plan_, pressed_shape_mm4_, thickness_);
       wait(record_.settling);
       // The plate is at rest in the dark, and has to wait anyway.
@@ -577,15 +584,26 @@ void LayeredPrint::report_layer() {
   record_.complete = layer_exposed_ && !plan_->dry;
   if (layer_exposed_) {
     record_.loops = plan_->engine->count_loops();
-    if (plan_->pressed) pressed_shape_mm4_ = last_shape_mm4();
+    if (plan_->pressed) begin_press_shape();
   }
   observer_.layer_done(record_);
   if (layer_exposed_) judge_exposure();
 }
 
-// Returns the factor of the face with the last mask.
-double LayeredPrint::last_shape_mm4() const {
-  return press_shape_mm4(plan_->engine->coverage(), Micrometers{1000 * std::sqrt(plan_->pixel_area_mm2)});
+// Begins to compute the factor of the face with the last mask, which takes milliseconds, on a thread of its
+// own. The engine makes no mask before take_press_shape().
+void LayeredPrint::begin_press_shape() {
+  const Mask& mask = plan_->engine->coverage();
+  const Micrometers pitch{1000 * std::sqrt(plan_->pixel_area_mm2)};
+  // Without a free thread, the factor is computed when it is taken.
+  next_shape_ = std::async(std::launch::async | std::launch::deferred,
+                           [&mask, pitch] { return press_shape_mm4(mask, pitch); });
+  if (clock_.skips_waiting()) take_press_shape();
+}
+
+// Takes the factor over. The plate has been lifted and lowered since it was begun.
+void LayeredPrint::take_press_shape() {
+  if (next_shape_.valid()) pressed_shape_mm4_ = next_shape_.get();
 }
 
 // Requests a pause if the layer's exposure is less certain than its resin tolerates. No other transition is
@@ -663,6 +681,7 @@ void LayeredPrint::finish() {
                                                  : PrintOutcome::Done;
   count_light();
   if (record_.exposure_parts > 0 && !layer_reported_) report_layer();
+  take_press_shape();
   if (plan_->rises) {  // what follows goes on with what was changed since the last layer began
     if (new_settings_) take_settings(*new_settings_);
     for (const ExcludedCopy& copy : new_exclusions_)

@@ -6,6 +6,7 @@
 // on the layer under way and account for its light. It is larger than other classes for this reason.
 #pragma once
 
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,6 +38,8 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   void pause_at(PausePoint point) override;
   void resume() override;
   void set(const PrintSettings& settings) override;
+  // Changes the last rises of the plan. REQUIRES: under_way(), and a plan with at least as many.
+  void change(const ChangedRises& rises) override;
   void exclude(ExcludedCopy copy) override;
   void interrupt(const std::string& what) override;
   void cancel() override;
@@ -72,7 +75,8 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   [[nodiscard]] bool rises_next() const;
   void begin(PrintPlan plan, std::int32_t layer, Nanometers bottom);
   void take_layer_beneath();
-  [[nodiscard]] double last_shape_mm4() const;
+  void begin_press_shape();
+  void take_press_shape();
   [[nodiscard]] Duration exposure_left() const { return record_.exposure_asked - record_.exposure_most; }
   void estimate(Duration duration) { estimated_end_ = clock_.now() + duration; }
   [[nodiscard]] Duration homing_duration() const;
@@ -136,6 +140,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   std::vector<ExcludedCopy> new_exclusions_;   // from the next layer on
   LayerRecord record_;                         // the layer under way
   double pressed_shape_mm4_ = 0;               // factor of the face that presses out resin next
+  std::future<double> next_shape_;             // this factor, while a thread computes it
   ShownMask shown_;
   bool layer_exposed_ = false;         // the layer has had all its light
   bool layer_reported_ = false;        // the record has been passed to the observer

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <thread>
 
@@ -21,10 +22,17 @@ class MaskAhead {
   struct Cut {
     Mask mask;
     Nanometers height{};
-    double lit_area = 0;  // in pixels
+    std::uint8_t white = 255;  // grey value of white pixels; darker ones are darkened in proportion
+    double lit_area = 0;       // in pixels, as if white were white
     std::chrono::steady_clock::duration time{};
     std::string trouble{};  // a sentence: the mask could not be cut
   };
+
+  // Returns the memory of the masks in bytes.
+  [[nodiscard]] static std::uint64_t memory(const DisplayGeometry& display) {
+    return 2 * static_cast<std::uint64_t>(display.width.count()) *
+           static_cast<std::uint64_t>(display.height.count());
+  }
 
   // The engine has no other user while this object lives. Engine and clock must outlive it. Throws
   // std::system_error (a thread).
@@ -35,7 +43,7 @@ class MaskAhead {
 
   // Begins to cut the mask at a height, which replaces one that is ready and was not taken. REQUIRES:
   // !busy().
-  void begin(Nanometers height);
+  void begin(Nanometers height, std::uint8_t white = 255);
   // True from begin() until the mask is ready. If the clock skips all waiting, waits for that.
   [[nodiscard]] bool busy() const;
   // Returns the mask that is ready. Valid until the next take(). REQUIRES: !busy(), and begin() was called

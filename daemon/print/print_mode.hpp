@@ -15,6 +15,7 @@
 #include "daemon/print/print_plan.hpp"
 #include "daemon/print/print_progress.hpp"
 #include "daemon/print/print_settings.hpp"
+#include "daemon/print/rise_change.hpp"
 #include "daemon/print/shown_mask.hpp"
 #include "hw/clock.hpp"
 
@@ -103,8 +104,13 @@ class PrintMode {
   // Withdraws a pending pause, or continues a paused or interrupted print; an interrupted layer then gets the
   // light that it still lacks. Does not check that the machine is ready.
   virtual void resume() = 0;
-  // Sets the print's settings, from the next layer on. REQUIRES: under_way(), and none that changes is fixed.
+  // Sets the print's settings, but for those of rises, from the next layer on. REQUIRES: under_way(), and
+  // none that changes is fixed.
   virtual void set(const PrintSettings& settings) = 0;
+  // Returns the rises that are left; nullopt if there are none.
+  [[nodiscard]] virtual std::optional<RisesAhead> rises_ahead() const { return std::nullopt; }
+  // Changes the rises that are left, from now on: all of those in rises_ahead().
+  virtual void change(const ChangedRises& /*rises*/) {}
   // Leaves a copy dark from the next layer on. REQUIRES: under_way(), such a copy, and that they are not
   // fixed.
   virtual void exclude(ExcludedCopy copy) = 0;

@@ -11,11 +11,13 @@
 #include <vector>
 
 #include "core/continuous/rise_plan.hpp"
+#include "core/continuous/rise_planner.hpp"
 #include "core/cure/underside_dimming.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/layers/print_layers.hpp"
 #include "core/peel/pressed_resin.hpp"
 #include "daemon/config/resin_profile.hpp"
+#include "daemon/print/print_settings.hpp"
 #include "daemon/print/split_exposure.hpp"
 #include "hw/clock.hpp"
 #include "hw/z_axis.hpp"
@@ -27,6 +29,7 @@ struct PlannedRise {
   RisePlan plan;                 // begins on top of a layer
   std::int32_t first_layer = 1;  // number of layers beneath it
   Duration rest{};               // before it, in the dark, until the window has its oxygen again
+  Duration lit{};                // by rises before it, since the window had all its oxygen
 };
 
 // The rises of a continuous print, from the plate up. What lies beneath, between and above them is printed
@@ -35,7 +38,13 @@ struct PlannedRises {
   std::vector<PlannedRise> each;
   Nanometers mask_step{2'000};  // a new mask when the height has changed by this much
   MissedMasks missed = MissedMasks::Keep;
-  MillimetersPerSecond slowest{};  // for MissedMasks::Slow
+  MillimetersPerSecond slowest{};  // for MissedMasks::Slow, and for speeds that are changed
+
+  // What the speeds follow from, so that they can be planned again while it prints.
+  std::shared_ptr<const std::vector<RiseSlab>> slabs{};  // null: they cannot be changed
+  RiseBounds bounds{};                                   // with all of the lamp's light
+  double gamma = 1;                                      // of the projector, see ToneCurve
+  RiseSettings settings{};
 };
 
 // The point from which a print goes on that a power cut ended. Its part hangs on the plate.

@@ -16,14 +16,18 @@ namespace {
 struct Setting {
   std::string_view name, unit;
   std::variant<double PrintSettings::*, Nanometers LayerMotion::*, MillimetersPerSecond LayerMotion::*,
-               Duration LayerMotion::*>
+               Duration LayerMotion::*, double RiseSettings::*>
       field;
 };
 
-constexpr std::array kSettings{
-    Setting{"exposure", "%", &PrintSettings::exposure_percent}, Setting{"lift", "mm", &LayerMotion::lift},
-    Setting{"lift-speed", "mm/s", &LayerMotion::lift_speed},
-    Setting{"retract-speed", "mm/s", &LayerMotion::retract_speed}, Setting{"rest", "ms", &LayerMotion::rest}};
+constexpr std::array kSettings{Setting{"exposure", "%", &PrintSettings::exposure_percent},
+                               Setting{"lift", "mm", &LayerMotion::lift},
+                               Setting{"lift-speed", "mm/s", &LayerMotion::lift_speed},
+                               Setting{"retract-speed", "mm/s", &LayerMotion::retract_speed},
+                               Setting{"rest", "ms", &LayerMotion::rest},
+                               Setting{"speed", "mm/h", &RiseSettings::speed_mm_h},
+                               Setting{"light", "%", &RiseSettings::light_percent},
+                               Setting{"margin", "", &RiseSettings::margin}};
 static_assert(std::ranges::equal(kSettings, kPrintSettings, {}, &Setting::name));
 
 const Setting& find(std::string_view name) {
@@ -49,6 +53,8 @@ double value_of(const PrintSettings& settings, std::string_view setting) {
       [&](auto member) {
         if constexpr (std::is_same_v<decltype(member), double PrintSettings::*>) {
           return settings.*member;
+        } else if constexpr (std::is_same_v<decltype(member), double RiseSettings::*>) {
+          return settings.rise.*member;
         } else {
           return figure_of(settings.motion.*member);
         }
@@ -65,6 +71,8 @@ PrintSettings with_value(PrintSettings settings, std::string_view setting, doubl
       [&](auto member) {
         if constexpr (std::is_same_v<decltype(member), double PrintSettings::*>) {
           settings.*member = value;
+        } else if constexpr (std::is_same_v<decltype(member), double RiseSettings::*>) {
+          settings.rise.*member = value;
         } else {
           assign(settings.motion.*member, value);
         }
@@ -73,10 +81,17 @@ PrintSettings with_value(PrintSettings settings, std::string_view setting, doubl
   return settings;
 }
 
+std::string figure_text(std::string_view setting, double value) {
+  const std::string_view unit = unit_of(setting);
+  return fmt::format("{:g}{}{}", value, unit.empty() ? "" : " ", unit);
+}
+
 std::string describe(const SettingChange& change) {
-  const std::string_view unit = unit_of(change.setting);
-  return fmt::format("from layer {} on {} {:g} {} instead of {:g} {}", change.layer + 1, change.setting,
-                     change.value, unit, change.before, unit);
+  return fmt::format("from {} on {} {} instead of {}",
+                     change.height ? fmt::format("{:.3f} mm", in_mm(*change.height))
+                                   : fmt::format("layer {}", change.layer + 1),
+                     change.setting, figure_text(change.setting, change.value),
+                     figure_text(change.setting, change.before));
 }
 
 std::string describe(std::span<const SettingChange> changes) {

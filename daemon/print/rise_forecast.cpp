@@ -133,9 +133,8 @@ RiseBounds rise_bounds(const ResinProfile& resin, const ContinuousMachine& machi
           .window = continuous.window};
 }
 
-std::vector<RisePlan> plan_continuous(ContourEngine& engine, const ContinuousSubject& subject,
-                                      const ResinProfile& resin, const ContinuousMachine& machine,
-                                      StopCheck& stop) {
+SlabsAndRises plan_continuous(ContourEngine& engine, const ContinuousSubject& subject,
+                              const ResinProfile& resin, const ContinuousMachine& machine, StopCheck& stop) {
   expects(continuous_refusal(resin, machine).empty(), "the resin can be printed continuously");
   const RiseBounds bounds = rise_bounds(resin, machine);
   const Micrometers gap = gel_gap(bounds.lit, bounds.margin);
@@ -144,7 +143,9 @@ std::vector<RisePlan> plan_continuous(ContourEngine& engine, const ContinuousSub
                               .thickness = slab_thickness(subject.top, subject.layer, gap),
                               .growth = resin.compensation.growth,
                               .mask_budget = machine.mask_budget};
-  return plan_rises(sweep_slabs(engine, settings, stop), end_of_layers(resin, subject.layer), bounds);
+  SlabsAndRises planned{sweep_slabs(engine, settings, stop), {}};
+  planned.rises = plan_rises(planned.slabs, end_of_layers(resin, subject.layer), bounds);
+  return planned;
 }
 
 std::vector<PlannedRise> rises_between(std::vector<RisePlan> rises, std::span<const Nanometers> layers,
@@ -163,6 +164,7 @@ std::vector<PlannedRise> rises_between(std::vector<RisePlan> rises, std::span<co
       next.rest = resin.recovery - layered;
       lit = Duration{};
     }
+    next.lit = lit;
     lit += time;
     (void)walk.to(next.plan.points.back().height);
     planned.push_back(std::move(next));
@@ -174,15 +176,14 @@ std::string why_no_rise(const ContinuousSubject& subject, const ResinProfile& re
   const Nanometers layers = end_of_layers(resin, subject.layer);
   if (subject.top - layers < kLowestRise)
     return fmt::format(
-        "a print of {:.2f} mm is too low for a continuous one: above its first layers, {:.2f} mm, the plate "
-        "would have to rise {:.0f} mm: print it in layers (\"mode\": \"layered\")",
+        "the print is layered, not continuous: it is {:.2f} mm high, and above its first layers, {:.2f} mm, "
+        "the plate would have to rise {:.0f} mm",
         in_mm(subject.top), in_mm(layers), in_mm(kLowestRise));
   return fmt::format(
-      "nowhere can the plate rise {:.0f} mm without a stop at {:.3g} mm/h, the resin's "
-      "continuous/least_speed_mm_h, or faster, because the sections are too wide for the resin to flow in, "
-      "or "
-      "the window's oxygen lasts for too short a rise: turn the model, lower that speed, or print in layers "
-      "(\"mode\": \"layered\")",
+      "the print is layered, not continuous: nowhere can the plate rise {:.0f} mm without a stop at {:.3g} "
+      "mm/h, the resin's continuous/least_speed_mm_h, or faster, because the sections are too wide for the "
+      "resin to flow in, or the window's oxygen lasts for too short a rise; turn the model, or lower that "
+      "speed",
       in_mm(kLowestRise), resin.continuous.value().slowest.count() * kSecondsPerHour);
 }
 

@@ -42,12 +42,18 @@ struct ContinuousSubject {
   Nanometers top{};
 };
 
+// The rises of a print, and the slabs by which they were planned.
+struct SlabsAndRises {
+  std::vector<RiseSlab> slabs;
+  std::vector<RisePlan> rises;
+};
+
 // Returns the rises, from the top of the first layers up; none if the print is too wide throughout. Throws
 // ComputationStopped. Blocks for up to a thousand masks. REQUIRES: no continuous_refusal(), an engine with
 // the resin's compensation and this display.
-[[nodiscard]] std::vector<RisePlan> plan_continuous(ContourEngine& engine, const ContinuousSubject& subject,
-                                                    const ResinProfile& resin,
-                                                    const ContinuousMachine& machine, StopCheck& stop);
+[[nodiscard]] SlabsAndRises plan_continuous(ContourEngine& engine, const ContinuousSubject& subject,
+                                            const ResinProfile& resin, const ContinuousMachine& machine,
+                                            StopCheck& stop);
 
 // Returns the rises as parts of a print whose layers have these thicknesses, and these times if printed one
 // by one. A rise follows a rest where it and the rises before would use up the window's oxygen; the time of
@@ -58,7 +64,7 @@ struct ContinuousSubject {
                                                      std::span<const Duration> layer_times,
                                                      const ContinuousResin& resin);
 
-// Returns a sentence with the reason why a print has no rise.
+// Returns a sentence with the reason why a print has no rise, so that it is layered throughout.
 [[nodiscard]] std::string why_no_rise(const ContinuousSubject& subject, const ResinProfile& resin);
 
 // A range of heights that is printed in one way.

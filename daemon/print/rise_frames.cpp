@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
+
+#include "daemon/print/rise_change.hpp"
 
 namespace contourd {
 namespace {
@@ -51,7 +54,7 @@ void RiseFrames::show_first(std::function<void()> shown, std::function<void(cons
   }
   const std::optional<Nanometers> height = machine_.z_axis().height();
   if (!height) return calls_.unsafe(kUnknownHeight);
-  masks_.begin(*height);
+  masks_.begin(*height, white_.wanted);
   await_first(std::move(shown));
 }
 
@@ -84,8 +87,9 @@ void RiseFrames::refresh() {
   const TimePoint vblank = next_vblank();
   const std::optional<Nanometers> height = machine_.z_axis().height_at(vblank + frame / 2);
   if (!height) return calls_.unsafe(kUnknownHeight);
-  const bool is_new = apart(*height, shown_.cut_at) >= plan_.rises->mask_step;
-  if (is_new && !masks_.busy()) masks_.begin(*height);
+  const bool is_new =
+      white_.passed != white_.wanted || apart(*height, shown_.cut_at) >= plan_.rises->mask_step;
+  if (is_new && !masks_.busy()) masks_.begin(*height, white_.wanted);
   hand_over_ = clock_.call_at(vblank - frame / 2, [this, vblank, is_new] { hand_over(vblank, is_new); });
   refresh_ = clock_.call_at(vblank, [this] { refresh(); });
 }
@@ -130,6 +134,8 @@ void RiseFrames::begin_frame(TimePoint shown) {
   const std::optional<Nanometers> height =
       machine_.z_axis().height_at(shown + machine_.display().frame() / 2);
   frame_ = FrameRecord{.cut = shown_.cut_at, .first = height.value_or(shown_.cut_at), .shown = shown};
+  frame_->light =
+      static_cast<std::uint8_t>(std::lround(255 * light_of(white_.on_screen, plan_.rises->gamma)));
 }
 
 // Ends the record of the mask on the screen, and passes it on if the plate rose meanwhile.
@@ -156,12 +162,14 @@ void RiseFrames::present(std::function<void(TimePoint)> presented) {
   lit_pixels_.last = cut.lit_area;
   lit_pixels_.sum += cut.lit_area;
   ++lit_pixels_.masks;
+  white_.passed = cut.white;
   shown_ = {&cut.mask, shown_.number + 1, plan_.job, shown_.layer, cut.height};
   machine_.display().show(
       cut.mask, [this, stops = stops_, presented = std::move(presented)](std::optional<TimePoint> at) {
         if (stops != stops_) return;
         if (!at) return calls_.unsafe("the display was lost");
         on_screen_ = shown_.cut_at;
+        white_.on_screen = white_.passed;
         presented(*at);
       });
 }

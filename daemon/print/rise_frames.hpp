@@ -45,6 +45,11 @@ class RiseFrames {
   // Shows no further mask, and makes no further call.
   void stop();
 
+  // Gives white pixels this grey value from the next mask on, which comes with the next refresh; and returns
+  // true if the mask on the screen has it.
+  void set_white(std::uint8_t white) { white_.wanted = white; }
+  [[nodiscard]] bool shows_white() const { return white_.on_screen == white_.wanted; }
+
   // Returns the mask that was passed to the display last.
   [[nodiscard]] const ShownMask& shown() const { return shown_; }
   // Returns the mean lit area, in pixels, of the masks since the last call, or that of the last mask.
@@ -76,6 +81,11 @@ class RiseFrames {
     double sum = 0;          // of the masks since the last take_lit_pixels()
     std::int64_t masks = 0;  // in the sum
   } lit_pixels_;
+  struct White {
+    std::uint8_t wanted = 255;
+    std::uint8_t passed = 255;     // of the mask that was passed to the display last
+    std::uint8_t on_screen = 255;  // of the mask that is on the screen
+  } white_;
   FrameFigures figures_;
   std::optional<FrameRecord> frame_;  // the mask that is on the screen
   TimePoint vblank_{};                // a refresh, from which the others are counted

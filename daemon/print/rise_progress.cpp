@@ -40,26 +40,25 @@ RisePlan capped(const RisePlan& plan, MillimetersPerSecond most) {
   return slower;
 }
 
-RiseProgress::RiseProgress(std::vector<PlannedRise> rises, Nanometers from)
-    : rises_(std::move(rises)), here_(from) {
-  while (any_left() && bottom_of(rises_[at_]) < from)
+RiseProgress::RiseProgress(PlannedRises rises, Nanometers from) : rises_(std::move(rises)), here_(from) {
+  while (any_left() && bottom_of(rises_.each[at_]) < from)
     ++at_;
 }
 
 void RiseProgress::reach() {
   expects(any_left(), "a rise is left");
-  here_ = bottom_of(rises_[at_]);
+  here_ = bottom_of(rises_.each[at_]);
 }
 
 void RiseProgress::begin() {
   expects(next() != NextPart::Layers, "a rise is next");
   if (std::exchange(begun_, true)) return;
-  rest_ = cap_ ? capped(rises_[at_].plan, *cap_) : rises_[at_].plan;
+  rest_ = cap_ ? capped(rises_.each[at_].plan, *cap_) : rises_.each[at_].plan;
 }
 
 const PlannedRise& RiseProgress::current() const {
   expects(any_left(), "a rise is left");
-  return rises_[at_];
+  return rises_.each[at_];
 }
 
 const RisePlan& RiseProgress::rest() const {
@@ -69,12 +68,13 @@ const RisePlan& RiseProgress::rest() const {
 
 void RiseProgress::stop_at(Nanometers height) {
   expects(begun_, "a rise is under way");
+  changed_ = false;
   rest_ = rest_of(rest_, std::max(height, rest_.points.front().height));
   if (!rest_.points.empty()) {
     if (cap_) rest_ = capped(rest_, *cap_);
     return;
   }
-  here_ = rises_[at_].plan.points.back().height;
+  here_ = rises_.each[at_].plan.points.back().height;
   begun_ = false;
   rest_until_.reset();
   ++at_;
@@ -93,6 +93,32 @@ bool RiseProgress::slow_down(Nanometers height, MillimetersPerSecond slowest, Ti
   return true;
 }
 
+RisesAhead RiseProgress::ahead(std::optional<Nanometers> height) const {
+  expects(any_left() && rises_.slabs, "a rise is left, and its slabs are known");
+  RisesAhead ahead{rises_.slabs,
+                   rises_.bounds,
+                   rises_.gamma,
+                   rises_.settings,
+                   {rises_.each.begin() + static_cast<std::ptrdiff_t>(at_), rises_.each.end()}};
+  if (begun_) ahead.height = std::max(height.value_or(Nanometers{}), rest_.points.front().height);
+  if (!cap_) return ahead;
+  for (PlannedRise& rise : ahead.each)
+    rise.plan = capped(rise.plan, *cap_);
+  return ahead;
+}
+
+void RiseProgress::change(const ChangedRises& changed) {
+  expects(changed.each.size() + at_ == rises_.each.size(), "all rises that are left have changed");
+  if (changed.settings.speed_mm_h != rises_.settings.speed_mm_h) cap_.reset();
+  take_change(changed, rises_);
+  if (!begun_) return;
+  const Nanometers from = rest_.points.front().height;
+  const RisePlan& plan = rises_.each[at_].plan;
+  rest_ = from == plan.points.front().height ? plan : rest_of(plan, from);
+  if (cap_) rest_ = capped(rest_, *cap_);
+  changed_ = true;
+}
+
 Duration RiseProgress::longest(MillimetersPerSecond slowest) const {
   expects(begun_, "a rise is under way");
   return std::chrono::duration_cast<Duration>(duration(capped(rest_, slowest)));
@@ -100,13 +126,13 @@ Duration RiseProgress::longest(MillimetersPerSecond slowest) const {
 
 NextPart RiseProgress::next() const {
   if (begun_) return NextPart::Rise;
-  if (!any_left() || bottom_of(rises_[at_]) != here_) return NextPart::Layers;
-  return rises_[at_].rest > Duration{} ? NextPart::Rest : NextPart::Rise;
+  if (!any_left() || bottom_of(rises_.each[at_]) != here_) return NextPart::Layers;
+  return rises_.each[at_].rest > Duration{} ? NextPart::Rest : NextPart::Rise;
 }
 
 TimePoint RiseProgress::rest_until(TimePoint now) {
   expects(any_left(), "a rise is left");
-  if (!rest_until_) rest_until_ = now + rises_[at_].rest;
+  if (!rest_until_) rest_until_ = now + rises_.each[at_].rest;
   return *rest_until_;
 }
 

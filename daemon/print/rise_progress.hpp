@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/print/print_plan.hpp"
+#include "daemon/print/rise_change.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd {
@@ -27,10 +28,12 @@ class RiseProgress {
  public:
   RiseProgress() = default;
   // Starts a print, in layers. Rises that begin beneath `from` are over: the print goes on from there.
-  RiseProgress(std::vector<PlannedRise> rises, Nanometers from);
+  RiseProgress(PlannedRises rises, Nanometers from);
 
+  // True if the print has rises.
+  [[nodiscard]] bool planned() const { return !rises_.each.empty(); }
   // True until the last rise is over.
-  [[nodiscard]] bool any_left() const { return at_ < rises_.size(); }
+  [[nodiscard]] bool any_left() const { return at_ < rises_.each.size(); }
   // Notes that the print has reached the next rise in layers. REQUIRES: any_left().
   void reach();
   // Begins the next rise, unless it has begun. REQUIRES: next() is not Layers.
@@ -50,6 +53,17 @@ class RiseProgress {
   // False, and nothing changed, if the rise cannot be slower, or was slowed down less than a second ago.
   // REQUIRES: begun(); a height within the rise.
   bool slow_down(Nanometers height, MillimetersPerSecond slowest, TimePoint now);
+  // Returns what a change of the settings is planned from, with the plate at a height of the rise under way.
+  // REQUIRES: any_left(), and that the rises can be changed.
+  [[nodiscard]] RisesAhead ahead(std::optional<Nanometers> height) const;
+  // Changes the rise under way, from the next call of stop_at() on if the plate moves, and all rises after
+  // it. A new speed replaces that of slow_down(). REQUIRES: as many rises as are left.
+  void change(const ChangedRises& changed);
+  // True from a change within a rise until the plate has come to rest.
+  [[nodiscard]] bool is_changed() const { return changed_; }
+  // True if the plan says what the speeds follow from.
+  [[nodiscard]] bool can_change() const { return rises_.slabs != nullptr; }
+  [[nodiscard]] const RiseSettings& settings() const { return rises_.settings; }
   // Returns the time that what is left of the rise takes if it is slowed down as far as that goes. REQUIRES:
   // begun().
   [[nodiscard]] Duration longest(MillimetersPerSecond slowest) const;
@@ -60,9 +74,9 @@ class RiseProgress {
   [[nodiscard]] TimePoint rest_until(TimePoint now);
 
  private:
-  std::vector<PlannedRise> rises_;
-  std::size_t at_ = 0;  // index in rises_: the rise under way, or else the next
-  bool begun_ = false;
+  PlannedRises rises_;
+  std::size_t at_ = 0;  // index of the rise under way, or else the next
+  bool begun_ = false, changed_ = false;
   RisePlan rest_;                            // of the rise under way
   std::optional<MillimetersPerSecond> cap_;  // once the print was slowed down
   TimePoint slowed_at_{};

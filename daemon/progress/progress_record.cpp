@@ -35,6 +35,8 @@ constexpr std::int64_t kMostNm = 10'000'000'000, kMostNs = std::int64_t{1} << 55
 // The latest time that the clock can represent.
 constexpr std::int64_t kLatestMs =
     std::chrono::duration_cast<milliseconds>(system_clock::duration::max()).count();
+// The number of a copy, far beyond the phases of all prints: the next one is always larger.
+constexpr std::uint64_t kMostNumber = std::uint64_t{1} << 62;
 constexpr std::size_t kHeader = kMagic.size() + kVersion.size() + kChecksumDigits;
 
 // Returns the text of a copy, padded with zero bytes.
@@ -146,7 +148,7 @@ Copy parse(std::string_view text) {
     return {Copy::State::Damaged};
   Fields fields(body);
   Copy copy{Copy::State::Valid};
-  copy.number = fields.number<std::uint64_t>();
+  copy.number = fields.number<std::uint64_t>(1, kMostNumber);
   JobProgress& progress = copy.progress;
   progress.job = fields.text();
   progress.layers = fields.number<std::int32_t>(1, kMostLayers);

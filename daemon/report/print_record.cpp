@@ -49,7 +49,7 @@ void PrintRecord::add_interruption(std::int32_t layer, const std::string& what) 
 void PrintRecord::add(const SettingChange& change) {
   expects(changes_.size() < kMostChanges, "there is room for a change");
   const auto same = std::ranges::find_if(changes_, [&](const SettingChange& each) {
-    return each.layer == change.layer && each.setting == change.setting;
+    return each.layer == change.layer && each.setting == change.setting && each.height == change.height;
   });
   if (same != changes_.end()) {
     same->value = change.value;

@@ -132,6 +132,7 @@ Json changes_json(const PrintReport& report) {
   Json list = Json::array();
   for (const SettingChange& each : report.changes)
     list.push_back({{"from_layer", each.layer + 1},
+                    {"from_mm", each.height ? Json(in_mm(*each.height)) : Json()},
                     {"setting", each.setting},
                     {"value", each.value},
                     {"before", each.before},

@@ -19,6 +19,11 @@ Nanometers film_of(const FrameRecord& frame) {
   return frame.first + (frame.last - frame.first) / 2;
 }
 
+// Returns the time in which all of the lamp's light gives as much as a mask did.
+double full_light_s(const FrameRecord& frame) {
+  return in_seconds(frame.lit) * frame.light / 255;
+}
+
 Nanometers step_of(const ShownFrames& shown) {
   if (shown.frames.empty()) return kFinestStep;
   const Nanometers height = film_of(shown.frames.back()) - film_of(shown.frames.front());
@@ -32,7 +37,7 @@ class StepOfRise {
   explicit StepOfRise(std::span<const FrameRecord> frames) {
     double cuts = 0;
     for (const FrameRecord& frame : frames) {
-      const double lit = in_seconds(frame.lit);
+      const double lit = full_light_s(frame);
       top_ = std::max(top_, film_of(frame));
       cuts += lit * static_cast<double>(frame.cut.count());
       lit_s_ += lit;
@@ -48,7 +53,7 @@ class StepOfRise {
   [[nodiscard]] MillijoulesPerCm2 dose(double irradiance_mw_cm2, double depth_mm) const {
     double lit_s = 0;
     for (const FrameRecord& frame : frames_)
-      lit_s += in_seconds(frame.lit) * std::exp(in_mm(top_ - film_of(frame)) / depth_mm);
+      lit_s += full_light_s(frame) * std::exp(in_mm(top_ - film_of(frame)) / depth_mm);
     return MillijoulesPerCm2{lit_s * irradiance_mw_cm2};
   }
 

@@ -315,6 +315,12 @@ void write_record_inputs(const fs::path& folder) {
   write(folder / "printing",
         std::string("ppart.stl\nppart.json\nPplate\niother.json\npother.stl\npnotes.txt\nplost.json\n"
                     "dlost.stl\nilost.stl\nfnotes.txt\nfother.stl\n"));
+  const std::string place =
+      "\npart\n200\n1 2 3\n4\n5000\n1700000000000\n4\n12\n600000\n50000\n2500000000\n0\n0\n1\n600000\n"
+      "5600000\n1\n";
+  write(folder / "place", "s1" + place + "0\n0\n#2" + place + "8\n110\n5\n1\n1\n0\n40\n50\n4\n2\n0\n3\n");
+  write(folder / "place_alone", "s7" + place + "0\n1\n2\n#");
+  write(folder / "place_of_a_version", std::string("gcontourd-progress 2 "));
 }
 
 }  // namespace

@@ -1,7 +1,10 @@
 // Fuzz target: any bytes in the records that the daemon leaves for its next start, chosen by the first byte:
 // o plate-occupied, h queue-held, e ended-jobs, c copied originals, r the file being read, l light.json, p
-// the names in printing/ and beside it. A valid record reads back the same, an invalid one is ignored, and no
-// file is lost. An '@' in c and r is replaced by the mark of an existing job.
+// the names in printing/ and beside it, g the place of the print under way, s its fields with a checksum that
+// is right. A valid record reads back the same, an invalid one is ignored, and no file is lost. An '@' in c
+// and r is replaced by the mark of an existing job.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
@@ -13,10 +16,12 @@
 
 #include "daemon/config/light_config.hpp"
 #include "daemon/jobs/print_archivist.hpp"
+#include "daemon/progress/progress_record.hpp"
 #include "daemon/spool/copied_originals.hpp"
 #include "daemon/spool/job_moves.hpp"
 #include "daemon/spool/reading_record.hpp"
 #include "daemon/spool/state_records.hpp"
+#include "daemon/system/checksum.hpp"
 #include "tests/daemon/spool/spool_fixture.hpp"
 #include "tests/fuzz/told.hpp"
 
@@ -114,6 +119,51 @@ void check_light(const testing::TemporaryFolder& folder, const std::string& text
   }
 }
 
+// Returns the two copies of a record with these fields, in which a newline stands for a zero byte. The second
+// copy has the fields after a '#'.
+std::string sealed(std::string_view fields) {
+  constexpr std::string_view kWord = "contourd-progress 1 ";
+  constexpr std::size_t kDigits = 16;
+  std::string text;
+  for (std::size_t copy = 0; copy < 2; ++copy) {
+    const std::size_t end = std::min(fields.find('#'), fields.size());
+    std::string body(fields.substr(0, end));
+    fields.remove_prefix(std::min(end + 1, fields.size()));
+    std::ranges::replace(body, '\n', '\0');
+    body.resize(ProgressRecord::kCopyBytes - kWord.size() - kDigits, '\0');
+    text.resize(copy * ProgressRecord::kCopyDistance, '\0');
+    text += fmt::format("{}{:016x}", kWord, checksum_of(body)) + body;
+  }
+  return text;
+}
+
+void check_progress(const testing::TemporaryFolder& folder, const std::string& text) {
+  const fs::path file = folder.write("place", text);
+  ProgressRecord record(file);
+  const ProgressRecord::Found found = record.read();
+  if (!found.progress) {
+    demand(!found.trouble.empty() || std::ranges::all_of(text, [](char byte) { return byte == '\0'; }),
+           "a record that cannot be used is not told");
+    return;
+  }
+  const PrintProgress& print = found.progress->print;
+  demand(found.progress->layers > 0 && print.layer >= 0 && print.thickness > Nanometers{},
+         "a print without a layer is read");
+  demand(!print.plate || print.plate->least <= print.plate->most, "a plate's heights are read in reverse");
+  demand(found.progress->changes.excluded.size() <= ProgressRecord::kMostExcluded, "the record has no limit");
+  // The names that a file system allows, and marks, are shorter.
+  constexpr std::size_t kLongestName = 255, kLongestMark = 500;
+  if (found.progress->job.size() > kLongestName || found.progress->marks.files.size() > kLongestMark) return;
+  for (int write = 0; write < 2; ++write) {
+    record.go_on();
+    record.write(*found.progress);
+    demand(record.read().progress == found.progress, "the latest progress does not read back");
+  }
+  demand(record.read().trouble.empty(), "two copies that were just written are in trouble");
+  record.end();
+  demand(!ProgressRecord(file).read().progress, "the progress of an ended print is read");
+}
+
 std::string folder_called(char letter) {
   switch (letter) {
     case 'i':
@@ -184,6 +234,10 @@ void check(char kind, std::string_view bytes) {
       return check_light(folder, std::string(bytes));
     case 'p':
       return check_printing(bytes);
+    case 'g':
+      return check_progress(folder, std::string(bytes));
+    case 's':
+      return check_progress(folder, sealed(bytes));
     default:
       return;
   }

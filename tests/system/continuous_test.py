@@ -57,9 +57,12 @@ class Continuous(SpoolTest):
         daemon = self.window_daemon({"z_axis": {"microsteps_per_mm": 100}})
         self.assert_words(daemon.refused("needle.stl", NEEDLE), "microsteps of 10 um", "mask_step_um")
 
-    def test_a_print_too_low_for_a_rise_is_refused_with_the_reason(self):
+    def test_a_print_without_a_rise_is_layered_and_the_report_says_why(self):
         daemon = self.window_daemon()
-        self.assert_words(daemon.refused("low.stl", binary_stl(box((0, 0, 0), (2, 2, 0.3)))), "too low", "in layers")
+        report = daemon.printed("low.stl", binary_stl(box((0, 0, 0), (2, 2, 0.3))))
+        self.assertEqual(report["settings"]["mode"], "layered")
+        self.assertIsNone(report.get("continuous"))
+        self.assert_words(json.dumps(report), "layered, not continuous", "0.30 mm high")
 
     def test_the_cured_part_is_not_compared_with_single_masks_of_a_rise(self):
         daemon = self.window_daemon()
@@ -105,6 +108,34 @@ class Continuous(SpoolTest):
         result = json.loads(contourctl(*arguments, expect=OK).stdout)
         self.assertNotIn("rise", result)
         self.assert_words(" ".join(result["warnings"]), "taken from its slices", "wedge.frames.bin")
+
+    def test_speed_light_and_margin_change_while_the_plate_rises(self):
+        nimble = {key: value for key, value in NIMBLE_RESIN.items() if "exposure" not in key}
+        config = realtime(z_axis={"travel_mm": 30}, projector={"irradiance_mw_cm2": 25})
+        daemon = self.daemon(config, {**nimble, **WINDOW, "mode": "continuous"}).start()
+        daemon.drop("needle.stl", NEEDLE)
+        daemon.wait_state("rising")
+        left = daemon.status()["job"]["time_left_s"]
+        self.assert_refusal(daemon.ctl("set", "speed", "1"), 1, "speed 1 mm/h is not allowed", "allow 5 to")
+        self.assert_refusal(daemon.ctl("set", "exposure", "110%"), 1, "speeds that were planned")
+        changes = [("light", 20), ("speed", 60), ("margin", 3), ("light", 100), ("speed", 300)]
+        for setting, value in changes:
+            daemon.ctl("set", setting, str(value), expect=OK)
+            if setting == "speed" and value == 60:
+                self.assertGreater(daemon.status()["job"]["time_left_s"], left + 5)
+                self.assert_refusal(daemon.ctl("set", "margin", "99"), 1, "margin 99", "least_speed_mm_h is 5")
+        daemon.cancel("needle")
+        report = json.loads(daemon.read("failed", "needle.report.json"))
+        self.assertEqual([(each["setting"], each["value"]) for each in report["changes"]], changes)
+        self.assertTrue(all(0.2 <= each["from_mm"] < 2 for each in report["changes"]), report["changes"])
+        self.assert_words(contourctl("frames", "--csv", daemon.file("failed", "needle.frames.bin"), expect=OK).stdout, ",100.0\n", ",20.0\n")
+
+    def test_a_layered_print_has_no_speed_light_or_margin(self):
+        daemon = self.daemon(realtime(), {**NIMBLE_RESIN}).start()
+        daemon.drop("needle.stl", NEEDLE)
+        daemon.wait_state("exposing")
+        self.assert_refusal(daemon.ctl("set", "light", "50"), 1, "does not rise")
+        daemon.cancel("needle")
 
     def test_after_a_power_cut_within_a_rise_the_part_is_lifted_out_and_nothing_offers_to_resume(self):
         nimble = {key: value for key, value in NIMBLE_RESIN.items() if "exposure" not in key}

@@ -47,7 +47,7 @@ struct SetArgs {
 
 // Returns the number, which may have the unit %; a mistake is a usage error.
 double number_of(const SetArgs& args) {
-  const bool percent = args.setting == "exposure" && args.value.ends_with('%');
+  const bool percent = (args.setting == "exposure" || args.setting == "light") && args.value.ends_with('%');
   const std::string_view digits =
       std::string_view(args.value).substr(0, args.value.size() - (percent ? 1 : 0));
   double number = 0;
@@ -58,12 +58,16 @@ double number_of(const SetArgs& args) {
 }
 
 void add_set(Command& program) {
-  Command& command = program.add("set", "Change a setting of the print from the next layer on");
+  Command& command =
+      program.add("set", "Change a setting of the print from the next layer or, of a rise, from now on");
   auto& args = command.arguments<SetArgs>();
-  command.option("SETTING", args.setting, "exposure, lift, lift-speed, retract-speed or rest")
+  command
+      .option("SETTING", args.setting,
+              "exposure, lift, lift-speed, retract-speed, rest, speed, light or margin")
       .required()
       .one_of({kPrintSettings.begin(), kPrintSettings.end()});
-  command.option("VALUE", args.value, "exposure in % of the planned ones, mm, mm/s, rest in ms").required();
+  command.option("VALUE", args.value, "exposure and light in %, mm, mm/s, rest in ms, speed in mm/h")
+      .required();
   const ClientOptions& client = add_client_options(command);
   command.run = [&client, &args] {
     return request(client, {"set", {{"setting", args.setting}, {"value", number_of(args)}}}, print_status);

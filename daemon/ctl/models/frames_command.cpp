@@ -73,11 +73,11 @@ void print_summary_json(const FrameFile& file, const FrameSummary& all) {
 }
 
 void print_table(const FrameFile& file) {
-  fmt::print("layer,begins,shown_s,cut_mm,first_mm,last_mm,lit_ms,refreshes,missed\n");
+  fmt::print("layer,begins,shown_s,cut_mm,first_mm,last_mm,lit_ms,refreshes,missed,light_percent\n");
   for (const FrameRecord& each : file.records)
-    fmt::print("{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.3f},{},{}\n", each.layer + 1, each.begins ? 1 : 0,
+    fmt::print("{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.3f},{},{},{:.1f}\n", each.layer + 1, each.begins ? 1 : 0,
                in_seconds(each.shown.time_since_epoch()), in_mm(each.cut), in_mm(each.first),
-               in_mm(each.last), in_ms(each.lit), each.refreshes, each.missed);
+               in_mm(each.last), in_ms(each.lit), each.refreshes, each.missed, each.light / 2.55);
 }
 
 int frames(const FramesOptions& options) {

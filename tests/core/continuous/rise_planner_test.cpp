@@ -215,3 +215,78 @@ TEST_CASE("The plan of an hourglass is slowest at its ends") {
   CHECK(speed_at(*plan, Nanometers{1'050'000}) < speed_at(*plan, mm(4)));
   CHECK(limit_at(*plan, mm(4)) == RiseLimit::Cure);
 }
+
+TEST_CASE("A rise whose bounds change holds the new laws, and speeds up only above the change") {
+  const std::vector<RiseSlab> slabs = slabs_up_to(20, [](double) { return 4.0; });
+  RiseBounds slow = kBounds;
+  slow.fastest = MillimetersPerSecond{20.0 / 3600};
+  const RisePlan before = only_plan(slabs, slow).value();
+  const Nanometers from{9'930'000};
+  const ChangedRise faster = change_rise(slabs, {before, from}, kBounds);
+  CHECK(broken_law(faster.plan, slabs, kBounds).empty());
+  CHECK(faster.plan.points.front().height == before.points.front().height);
+  CHECK(faster.plan.points.back().height == mm(20));
+  CHECK(mm_h(speed_at(faster.plan, from - Nanometers{1'000})) == Approx(20));
+  CHECK(mm_h(speed_at(faster.plan, from + Nanometers{5'000})) == Approx(55.26).epsilon(1e-3));
+  CHECK(mm_h(faster.slowest) == Approx(55.26).epsilon(1e-3));
+
+  const ChangedRise slower = change_rise(slabs, {faster.plan, mm(15)}, slow);
+  CHECK(mm_h(speed_at(slower.plan, mm(12))) == Approx(20));
+  CHECK(mm_h(slower.slowest) == Approx(20));
+  CHECK(slower.slowest_at == mm(15));
+
+  // Half of the light: half of the speed, with the margin and the gap of before.
+  RiseBounds dim = kBounds;
+  dim.lit.irradiance = MilliwattsPerCm2{2};
+  const ChangedRise dimmed = change_rise(slabs, {faster.plan, mm(15), 0.5}, dim);
+  CHECK(broken_law(dimmed.plan, slabs, dim).empty());
+  CHECK(mm_h(speed_at(dimmed.plan, mm(16))) == Approx(55.26 / 2).epsilon(1e-3));
+}
+
+TEST_CASE("Where resin follows slowly, a rise that may be faster waits for its gap") {
+  const std::vector<RiseSlab> slabs = slabs_up_to(20, [](double) { return 22.0; });
+  RiseBounds slow = kBounds;
+  slow.fastest = MillimetersPerSecond{14.0 / 3600};
+  const RisePlan before = only_plan(slabs, slow).value();
+  const ChangedRise faster = change_rise(slabs, {before, mm(10)}, kBounds);
+  CHECK(broken_law(faster.plan, slabs, kBounds).empty());
+  const MillimetersPerSecond through_gap = refill_speed(
+      kBounds.refill, gel_gap(kBounds.lit, margin_at(kBounds.lit, slow.fastest)), Millimeters{22});
+  CHECK(speed_at(faster.plan, mm(10) + Nanometers{50'000}).count() <= through_gap.count() * 1.000001);
+  CHECK(speed_at(faster.plan, mm(18)) > through_gap);
+}
+
+TEST_CASE("Random changes of random rises break no law, and nowhere speed up below the change") {
+  std::uint32_t state = 7;
+  const auto random = [&state] { return (state = state * 1'664'525 + 1'013'904'223) / 4294967296.0; };
+  int changed = 0;
+  for (int print = 0; print < 40; ++print) {
+    RiseBounds bounds = kBounds;
+    bounds.acceleration = MillimetersPerSecondSquared{std::pow(10, -3 + 4 * random())};
+    bounds.margin = 2.8 + 6 * random();
+    double distance_mm = 10;
+    const std::vector<RiseSlab> slabs = slabs_up_to(3 + 3 * random(), [&](double) {
+      if (random() < 0.2) distance_mm = 1 + 30 * random() * random();
+      return distance_mm;
+    });
+    for (const RisePlan& rise : plan_rises(slabs, {}, bounds)) {
+      RiseBounds other = bounds;
+      const double light = random() < 0.5 ? 1 : 0.3 + random();
+      other.margin = 1.2 + 10 * random();
+      other.fastest = MillimetersPerSecond{0.005 + 0.1 * random()};
+      other.lit.irradiance = bounds.lit.irradiance * light;
+      const Nanometers bottom = rise.points.front().height, length = rise.points.back().height - bottom;
+      const Nanometers from = bottom + Nanometers{std::llround(random() * in_mm(length) * 1e6)};
+      const ChangedRise risen = change_rise(slabs, {rise, from, light}, other);
+      CAPTURE(print, other.margin, light, in_mm(from));
+      CHECK(broken_law(risen.plan, slabs, other) == "");
+      CHECK(risen.plan.points.back().height == rise.points.back().height);
+      const Nanometers ramp = std::max(rise.points[1].height, risen.plan.points[1].height);
+      for (Nanometers height = ramp; height < from; height += Nanometers{1'777})
+        if (speed_at(risen.plan, height).count() > speed_at(rise, height).count() * light * 1.000001 + 1e-9)
+          FAIL_CHECK("faster than before at " << in_mm(height));
+      ++changed;
+    }
+  }
+  CHECK(changed > 20);
+}

@@ -993,3 +993,200 @@ TEST_CASE(
                                                   : PrintOutcome::Done});
   }
 }
+
+namespace {
+
+// Returns a plan for the cone whose rise follows from slabs: at most 20 mm/h, with a margin of 4 the cure
+// allows 55.
+PrintPlan changeable_plan() {
+  PrintPlan plan = cone_plan();
+  std::vector<RiseSlab> slabs;
+  for (const std::int64_t um : {100, 400, 700, 1000})
+    slabs.push_back({Nanometers{um * 1000}, Millimeters{1}});
+  PlannedRises& rises = *plan.rises;
+  rises.slowest = MillimetersPerSecond{5.0 / 3600};
+  rises.bounds = {.lit = {{Micrometers{150}, MillijoulesPerCm2{8}}, MilliwattsPerCm2{4}, Micrometers{30}},
+                  .margin = 4,
+                  .refill = {.viscosity_pa_s = 0.2, .pressure_kpa = 50},
+                  .fastest = MillimetersPerSecond{0.1},
+                  .slowest = rises.slowest,
+                  .acceleration = MillimetersPerSecondSquared{5},
+                  .window = std::chrono::minutes{20}};
+  rises.settings = planned_settings(rises.bounds);
+  rises.settings.speed_mm_h = 20;
+  rises.slabs = std::make_shared<const std::vector<RiseSlab>>(std::move(slabs));
+  const RiseChange as_planned{rises.each[0].plan, Nanometers{100'000}};
+  rises.each[0].plan =
+      change_rise(*rises.slabs, as_planned, bounds_with(rises.bounds, rises.gamma, rises.settings)).plan;
+  return plan;
+}
+
+// Changes the rises that are left; returns the reason if that is not possible.
+std::string change(ContinuousPrintFixture& fixture, const RiseSettings& settings) {
+  const std::optional<RisesAhead> ahead = fixture.process.rises_ahead();
+  if (!ahead) return "no rise is left";
+  const auto changed = change_rises(*ahead, settings);
+  if (const auto* const refusal = std::get_if<std::string>(&changed)) return *refusal;
+  fixture.process.change(std::get<ChangedRises>(changed));
+  return "";
+}
+
+// Runs on for some seconds and returns the plate's mean speed, in mm/h, to half a mm/h: a microstep in ten
+// seconds. The light must stay on.
+double speed_after(ContinuousPrintFixture& fixture, Duration settle) {
+  const auto run = [&](Duration time) {
+    const TimePoint end = fixture.clock.now() + time;
+    while (fixture.clock.now() < end && fixture.step())
+      if (!fixture.printer.light_is_on()) return;
+  };
+  run(settle);
+  const Nanometers from = fixture.printer.z_axis().height().value();
+  const TimePoint then = fixture.clock.now();
+  run(10s);
+  REQUIRE(fixture.printer.light_is_on());
+  return in_mm(fixture.printer.z_axis().height().value() - from) * 3600 /
+         in_seconds(fixture.clock.now() - then);
+}
+
+// The grey value of half of the light.
+const int kHalf = white_for(50, 1);
+
+int brightest(const ContinuousPrintFixture& fixture) {
+  return std::ranges::max(fixture.screen.on_screen.value().pixels());
+}
+
+}  // namespace
+
+TEST_CASE("Speed, light and margin of a rise change while the plate rises, in the light") {
+  ContinuousPrintFixture fixture;
+  fixture.compares = false;
+  fixture.process.start(changeable_plan());
+  REQUIRE(fixture.run_to_height(0.2));
+  CHECK(speed_after(fixture, 0s) == Approx(20).margin(0.5));
+  RiseSettings settings = fixture.process.settings().rise;
+
+  settings.speed_mm_h = 300;
+  REQUIRE(change(fixture, settings) == "");
+  CHECK(fixture.process.settings().rise == settings);
+  CHECK(speed_after(fixture, 1s) == Approx(55.26).margin(0.5));
+  CHECK(std::ranges::count(fixture.states, "slowing") == 1);
+
+  settings.light_percent = 50;
+  REQUIRE(change(fixture, settings) == "");
+  CHECK(speed_after(fixture, 1s) == Approx(55.26 * kHalf / 255).margin(0.5));
+  CHECK(brightest(fixture) == kHalf);
+
+  settings.margin = 8;
+  REQUIRE(change(fixture, settings) == "");
+  CHECK(speed_after(fixture, 1s) == Approx(55.26 * kHalf / 255 / 2).margin(0.5));
+
+  settings.light_percent = 100;
+  settings.speed_mm_h = 10;
+  REQUIRE(change(fixture, settings) == "");
+  CHECK(speed_after(fixture, 1s) == Approx(10).margin(0.5));
+  CHECK(brightest(fixture) == 255);
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  CHECK(fixture.interruptions.empty());
+  CHECK(fixture.dangers() == "");
+  CHECK(std::ranges::count(fixture.states, "darkening") == kFirstLayers + 1);  // and at the rise's end
+  CHECK(frame_figures(fixture.layers).missed == 0);
+  // The masks' light is on record.
+  std::set<int> lights;
+  for (const FrameRecord& frame : fixture.recorded)
+    lights.insert(frame.light);
+  CHECK(lights == std::set{kHalf, 255});
+  CHECK(std::ranges::count(fixture.recorded, kHalf, &FrameRecord::light) > 5);
+  CHECK(std::ranges::count(fixture.recorded, 255, &FrameRecord::light) > 50);
+}
+
+TEST_CASE("More light is on the screen before the plate rises faster by it") {
+  ContinuousPrintFixture fixture;
+  fixture.compares = false;
+  PrintPlan plan = changeable_plan();
+  plan.rises->settings.speed_mm_h = 300;
+  fixture.process.start(std::move(plan));
+  REQUIRE(fixture.run_to_height(0.2));
+  RiseSettings settings = fixture.process.settings().rise;
+  settings.light_percent = 30;
+  REQUIRE(change(fixture, settings) == "");
+  (void)speed_after(fixture, 1s);
+  settings.light_percent = 90;
+  REQUIRE(change(fixture, settings) == "");
+  REQUIRE(fixture.run_to(C::Slowing));
+  CHECK(brightest(fixture) == std::lround(255 * 0.9));
+}
+
+TEST_CASE("The time left follows a change of the speed, which also holds for rises that come later") {
+  ContinuousPrintFixture fixture;
+  fixture.compares = false;
+  fixture.process.start(changeable_plan());
+  SECTION("In the first layers") {
+    REQUIRE(fixture.run_to(C::Layering));
+    while (fixture.process.state().name != "exposing")
+      REQUIRE(fixture.step());
+  }
+  SECTION("On the way down to the rise") {
+    REQUIRE(fixture.run_to(C::Lowering));
+  }
+  SECTION("Within the rise") {
+    REQUIRE(fixture.run_to_height(0.15));
+  }
+  SECTION("In a pause within the rise") {
+    REQUIRE(fixture.run_to_height(0.15));
+    fixture.process.pause();
+    REQUIRE(fixture.run_to(C::Paused));
+  }
+  const Duration before = fixture.process.time_left();
+  RiseSettings settings = fixture.process.settings().rise;
+  settings.speed_mm_h = 10;
+  REQUIRE(change(fixture, settings) == "");
+  const bool rises = fixture.process.continuous_state() == C::Rising;
+  if (rises) REQUIRE(fixture.run_to(C::Slowing));
+  if (rises) REQUIRE(fixture.run_to(C::Rising));
+  CHECK(in_seconds(fixture.process.time_left() - before) == Approx(0.87 * 3600 / 20).margin(10));
+  if (fixture.process.continuous_state() == C::Paused) fixture.process.resume();
+  REQUIRE(fixture.run_to_height(0.3));
+  CHECK(speed_after(fixture, 0s) == Approx(10).margin(0.5));
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  CHECK(fixture.dangers() == "");
+}
+
+TEST_CASE("Settings with which a rise is too slow or too long, and prints without a rise, change nothing") {
+  ContinuousPrintFixture fixture;
+  fixture.process.start(changeable_plan());
+  REQUIRE(fixture.run_to_height(0.2));
+  const RiseSettings settings = fixture.process.settings().rise;
+  RiseSettings other = settings;
+  other.margin = 50;
+  CHECK(testing::lacking(change(fixture, other), {"margin 50", "4.4", "least_speed_mm_h is 5"}) == "");
+  other.margin = 1;
+  CHECK(testing::lacking(change(fixture, other), {"a margin above 1"}) == "");
+  other = settings;
+  other.light_percent = 0;
+  CHECK(testing::lacking(change(fixture, other), {"a light 1 to 100 %"}) == "");
+  CHECK(fixture.process.settings().rise == settings);
+  CHECK(fixture.process.why_fixed("speed").empty());
+  CHECK(speed_after(fixture, 0s) == Approx(20).margin(0.5));
+  REQUIRE(fixture.run_to(C::Parking));
+  CHECK(testing::lacking(std::string(fixture.process.why_fixed("light")), {"no rise follows"}) == "");
+  CHECK(change(fixture, settings) == "no rise is left");
+  fixture.run_out();
+  CHECK(std::ranges::count(fixture.states, "slowing") == 0);
+
+  ContinuousPrintFixture layered;
+  layered.process.start(testing::box_plan(2));
+  CHECK(testing::lacking(std::string(layered.process.why_fixed("margin")), {"does not rise"}) == "");
+}
+
+TEST_CASE("A change within a rise that would outlast the window's oxygen is refused") {
+  ContinuousPrintFixture fixture;
+  PrintPlan plan = changeable_plan();
+  plan.rises->bounds.window = std::chrono::minutes{4};
+  fixture.process.start(std::move(plan));
+  REQUIRE(fixture.run_to_height(0.2));
+  RiseSettings settings = fixture.process.settings().rise;
+  settings.speed_mm_h = 10;
+  CHECK(testing::lacking(change(fixture, settings), {"0.10 to 1.00 mm", "oxygen", "240", "window_s"}) == "");
+}

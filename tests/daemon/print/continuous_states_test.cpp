@@ -39,7 +39,7 @@ light on sent -> rising: rise (igniting)
 move ended -> darkening: light off, black now, await dark (rising, slowing)
 rise broken -> darkening: light off, black now, await dark (rising, slowing)
 too fast -> slowing: stop axis (rising)
-slowed down -> rising: rise more slowly (slowing)
+slowed down -> rising: rise on (slowing)
 move ended -> darkening: await dark (braking)
 interrupted -> stay: light off, black now (braking, darkening, lifting, paused, parking, ending)
 cancelled -> stay: light off, black now (braking, darkening, lifting)
@@ -64,7 +64,7 @@ TEST_CASE_METHOD(ContinuousTable, "The plate rises in the light only from the st
   for (const Transition& t : transitions()) {
     CAPTURE(name_of(t.from), name_of(t.on));
     CHECK(has(t, F::Rise) == (t.from == S::Igniting && t.on == E::LightOnSent));
-    CHECK(has(t, F::RiseMoreSlowly) == (t.from == S::Slowing && t.on == E::SlowedDown));
+    CHECK(has(t, F::RiseOn) == (t.from == S::Slowing && t.on == E::SlowedDown));
     CHECK(has(t, F::LightOn) == (t.from == S::Showing && t.on == E::MaskShown));
     if (has(t, F::LightOff)) CHECK(t.effects.front() == F::LightOff);
     if (has(t, F::Lift)) CHECK(t.on == E::LightIsOff);

@@ -50,12 +50,11 @@ TEST_CASE("Coarse mask steps and microsteps slow the plate, so that no mask is o
       "microsteps, or print in layers");
 }
 
-TEST_CASE("A print without a rise is refused with the reason: too low, or no way up without a stop") {
+TEST_CASE("A print without a rise is layered, and the reason is that it is too low or too wide") {
   const ResinProfile resin = window_resin();
-  CHECK(
-      why_no_rise({kCoarseDisplay, Nanometers{50'000}, Nanometers{300'000}}, resin) ==
-      "a print of 0.30 mm is too low for a continuous one: above its first layers, 0.95 mm, the plate would "
-      "have to rise 1 mm: print it in layers (\"mode\": \"layered\")");
+  CHECK(why_no_rise({kCoarseDisplay, Nanometers{50'000}, Nanometers{300'000}}, resin) ==
+        "the print is layered, not continuous: it is 0.30 mm high, and above its first layers, 0.95 mm, the "
+        "plate would have to rise 1 mm");
   CHECK(lacking(why_no_rise({kCoarseDisplay, Nanometers{50'000}, mm(2)}, resin),
                 {"rise 1 mm", "5 mm/h", "too wide", "oxygen"}) == "");
 }
@@ -110,7 +109,8 @@ TEST_CASE("A part is layered at first, rests, and has the times of its layers, r
   ContourEngine engine = testing::engine_for(models::box({-3, -3, 0}, {3, 3, 30}), {kCoarseDisplay});
   StopCheck never;
   const PlannedParts parts = parts_of(plan_continuous(engine, {kCoarseDisplay, Nanometers{50'000}, mm(30)},
-                                                      window_resin(), kWindowPrinter, never),
+                                                      window_resin(), kWindowPrinter, never)
+                                          .rises,
                                       600, Nanometers{50'000});
   const std::vector<Duration> times = times_of(parts);
   const std::vector<ContinuousRange> ranges = ranges_of(parts.plan, times);

@@ -39,7 +39,7 @@ TEST_CASE("A print goes from layers to rises, rests once, and is layered above i
   const auto rise = [](double from, double to, Duration rest) {
     return PlannedRise{{{point(from, 0), point(from + 0.1, 0.1), point(to, 0)}}, 1, rest};
   };
-  RiseProgress rises({rise(1, 2, 0s), rise(2, 3, 5s), rise(4, 5, 0s)}, {});
+  RiseProgress rises(PlannedRises{.each = {rise(1, 2, 0s), rise(2, 3, 5s), rise(4, 5, 0s)}}, {});
   CHECK(rises.next() == NextPart::Layers);
   rises.reach();
   CHECK(rises.next() == NextPart::Rise);
@@ -64,14 +64,14 @@ TEST_CASE("A print goes from layers to rises, rests once, and is layered above i
 }
 
 TEST_CASE("A print that goes on higher up begins with the rises that are left") {
-  const std::vector<PlannedRise> all{{two_speeds(), 1, {}}};
+  const PlannedRises all{.each = {{two_speeds(), 1, {}}}};
   CHECK(RiseProgress(all, Nanometers{1'000'000}).next() == NextPart::Rise);
   CHECK(RiseProgress(all, {}).any_left());
   CHECK_FALSE(RiseProgress(all, Nanometers{3'000'000}).any_left());
 }
 
 TEST_CASE("A rise is slowed down by steps to its slowest speed, once a second at most") {
-  RiseProgress rises({PlannedRise{two_speeds(), 1, {}}}, Nanometers{1'000'000});
+  RiseProgress rises(PlannedRises{.each = {{two_speeds(), 1, {}}}}, Nanometers{1'000'000});
   const MillimetersPerSecond slowest{0.07};
   rises.begin();
   const TimePoint start{100s};
