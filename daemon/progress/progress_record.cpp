@@ -35,7 +35,7 @@ constexpr std::int64_t kMostNm = 10'000'000'000, kMostNs = std::int64_t{1} << 55
 // The latest time that the clock can represent.
 constexpr std::int64_t kLatestMs =
     std::chrono::duration_cast<milliseconds>(system_clock::duration::max()).count();
-// The number of a copy, far beyond the phases of all prints: the next one is always larger.
+// The largest number of a copy, far beyond the phases of all prints. A damaged record may hold it.
 constexpr std::uint64_t kMostNumber = std::uint64_t{1} << 62;
 constexpr std::size_t kHeader = kMagic.size() + kVersion.size() + kChecksumDigits;
 
@@ -227,7 +227,8 @@ void ProgressRecord::begin(const JobProgress& progress) {
 void ProgressRecord::go_on() {
   for (const Copy& copy : copies_in(text_in(path_)))
     number_ = std::max(number_, copy.number);
-  open();
+  const std::optional<JobProgress> progress = number_ < kMostNumber ? std::nullopt : read().progress;
+  progress ? begin(*progress) : open();
 }
 
 void ProgressRecord::write(const JobProgress& progress) {
