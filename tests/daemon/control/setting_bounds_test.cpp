@@ -50,3 +50,20 @@ TEST_CASE("The machine's travel and top speed bound what is set while it prints"
   CHECK(setting_bounds("lift-speed", job, machine, 2) == Limits<double>{0.01, 20});
   CHECK(setting_bounds("retract-speed", job, {}, 2) == Limits<double>{0.01, 50});
 }
+
+TEST_CASE("The settings of rises keep the plate at the slowest speed or faster") {
+  JobSummary job = summary_of(4s, 40s);
+  // At a margin of 4, the cure allows 55.26 mm/h.
+  job.continuous.emplace().bounds = {
+      .lit = {{Micrometers{150}, MillijoulesPerCm2{8}}, MilliwattsPerCm2{4}, Micrometers{30}},
+      .margin = 4,
+      .fastest = MillimetersPerSecond{0.12},
+      .slowest = MillimetersPerSecond{5.0 / 3600}};
+  const Limits<double> speed = setting_bounds("speed", job, {}, 2);
+  CHECK(speed.least == Approx(5));
+  CHECK(speed.most == Approx(432));
+  const Limits<double> margin = setting_bounds("margin", job, {}, 2);
+  CHECK(margin.least == 1.1);
+  CHECK(margin.most == Approx(4 * 55.26 / 5).epsilon(1e-3));
+  CHECK(setting_bounds("light", job, {}, 2) == Limits<double>{10, 100});
+}

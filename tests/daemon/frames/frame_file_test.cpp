@@ -83,15 +83,18 @@ TEST_CASE_METHOD(FrameFileFixture, "The bytes of a record are those of the docum
   frame.last = Nanometers{-2};
   frame.layer = 0x0506;
   frame.begins = true;
+  frame.light = 254;
   frame.refreshes = 70'000;  // more than can be told
   write({frame});
   const std::string record = bytes().substr(32 + 16, 32);
   CHECK(bytes().starts_with("contourd-frames\n"));
   CHECK(record.substr(8, 4) == "\x04\x03\x02\x01");
   CHECK(record.substr(16, 4) == "\xfe\xff\xff\xff");
-  CHECK(record.substr(24, 4) == std::string("\x06\x05\x00\x80", 4));
+  CHECK(record.substr(24, 4) == std::string("\x06\x05\x80\x80", 4));
   CHECK(record.substr(28, 4) == std::string("\xff\xff\x02\x00", 4));
   CHECK(read_frame_file(path).records.front().refreshes == 65'535);
+  CHECK(read_frame_file(path).records.front().layer == 0x0506);
+  CHECK(read_frame_file(path).records.front().light == 254);
 }
 
 TEST_CASE_METHOD(FrameFileFixture,

@@ -99,7 +99,7 @@ TEST_CASE_METHOD(PrintJobFixture, "A continuous job rises from its first layers 
 }
 
 TEST_CASE_METHOD(PrintJobFixture,
-                 "A continuous job is layered where it cannot rise, or refused if that is everywhere") {
+                 "A continuous job is layered where it cannot rise, even if that is everywhere") {
   make_continuous(*this);
   resin.viscosity_mpa_s = 2000;
   const models::Facets stem = models::box({-2, -2, 0}, {2, 2, 12}),
@@ -120,7 +120,12 @@ TEST_CASE_METHOD(PrintJobFixture,
   const Duration sum = std::accumulate(durations.begin(), durations.end(), Duration{});
   CHECK(std::chrono::abs(job.summary.continuous->time() - sum) < 1us);
   const models::Facets foot = models::box({-20, -20, 0}, {20, 20, 4});
-  CHECK(lacking(refusal_of(foot), {"nowhere can the plate rise 1 mm", "print in layers"}) == "");
+  const PreparedJob layered = prepare(foot);
+  CHECK_FALSE(layered.plan.rises);
+  CHECK_FALSE(layered.summary.continuous);
+  CHECK(layered.summary.resin.mode == PrintWay::Layered);
+  REQUIRE(layered.summary.warnings.size() == 1);
+  CHECK(lacking(layered.summary.warnings[0], {"is layered", "nowhere can the plate rise 1 mm"}) == "");
 }
 
 TEST_CASE_METHOD(PrintJobFixture,
