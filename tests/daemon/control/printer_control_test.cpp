@@ -23,7 +23,7 @@ class PrinterControlFixture : public testing::ControlFixture {
       if (method.call)
         reply = method.call(method.check(name, parameters), {});
       else
-        method.call_later(Json::object(), {}, later);
+        method.call_later(parameters, {}, later);
     });
   }
   // Runs a job to the state, calls the method, and returns why it is refused.
