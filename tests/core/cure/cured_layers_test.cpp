@@ -111,18 +111,18 @@ double plain_underside_um(const WorkingCurve& curve, MillijoulesPerCm2 dose) {
   return underside_um({.curve = curve}, dose, [](int) { return 1.0; });
 }
 
-constexpr WorkingCurve kCurve{Micrometers{150}, MillijoulesPerCm2{kCritical}};
+constexpr WorkingCurve kFactsCurve{Micrometers{150}, MillijoulesPerCm2{kCritical}};
 
 }  // namespace
 
 TEST_CASE("Undersides move by 21 um with Dp 5 % larger, by -18 with Ec 13 % larger, by 30 with 5 C more") {
-  const MillijoulesPerCm2 dose = kCurve.dose_for(Micrometers{100});
+  const MillijoulesPerCm2 dose = kFactsCurve.dose_for(Micrometers{100});
   const auto moved = [&](const WorkingCurve& curve) {
-    return plain_underside_um(curve, dose) - plain_underside_um(kCurve, dose);
+    return plain_underside_um(curve, dose) - plain_underside_um(kFactsCurve, dose);
   };
-  CHECK(moved({Micrometers{157.5}, kCurve.critical_dose}) == Approx(21).margin(0.6));  // rounded to 1 um
-  CHECK(moved({kCurve.penetration_depth, kCurve.critical_dose * 1.13}) == Approx(-18).margin(0.6));
-  CHECK(moved(at_temperature(kCurve, {}, 30)) == Approx(30).margin(0.6));
+  CHECK(moved({Micrometers{157.5}, kFactsCurve.critical_dose}) == Approx(21).margin(0.6));  // rounded to 1 um
+  CHECK(moved({kFactsCurve.penetration_depth, kFactsCurve.critical_dose * 1.13}) == Approx(-18).margin(0.6));
+  CHECK(moved(at_temperature(kFactsCurve, {}, 30)) == Approx(30).margin(0.6));
 }
 
 TEST_CASE("Overhangs of published resins print through by Dp ln(E q / (Ec (1 - q)))") {
@@ -147,8 +147,8 @@ TEST_CASE("An underside that is dimmed for the wrong memory is missing as far as
   for (const auto& [memory, missing_um] :
        {std::pair(1.0, 0.0), {0.95, 48.0}, {0.9, 73.0}, {0.75, 119.0}, {0.5, 163.0}, {0.0, 200.0}}) {
     CAPTURE(memory);
-    const CureSettings of{.curve = kCurve, .peel_memory = memory};
-    CHECK(-underside_um(of, kCurve.dose_for(Micrometers{100}), share) == Approx(missing_um).margin(1));
+    const CureSettings of{.curve = kFactsCurve, .peel_memory = memory};
+    CHECK(-underside_um(of, kFactsCurve.dose_for(Micrometers{100}), share) == Approx(missing_um).margin(1));
   }
 }
 
