@@ -93,14 +93,16 @@ void ContinuousPrint::set(const PrintSettings& settings) {
 std::optional<RisesAhead> ContinuousPrint::rises_ahead() const {
   if (!under_way() || ends() || is_in(kEnding) || !rises_.any_left() || !rises_.can_change())
     return std::nullopt;
-  const bool moves = is_in({ContinuousState::Rising, ContinuousState::Slowing, ContinuousState::Braking});
-  return rises_.ahead(moves ? machine_.z_axis().height() : std::nullopt);
+  const bool moves = is_in({ContinuousState::Rising, ContinuousState::Slowing});
+  RisesAhead ahead = rises_.ahead(moves ? machine_.z_axis().height() : std::nullopt);
+  if (lit_from_) ahead.each.front().lit += clock_.now() - *lit_from_;
+  return ahead;
 }
 
 void ContinuousPrint::change(const ChangedRises& rises) {
   expects(under_way() && rises_.any_left(), "a rise is left");
   const double light_before = rises_.settings().light_percent;
-  rises_.change(rises);
+  rises_.change(rises, clock_.now());
   if (layering()) return layers_.change(rises);
   take_change(rises, *plan_->rises);
   left_after_ = durations_to_end(*plan_, machine_.z_axis());
@@ -176,7 +178,11 @@ std::string_view ContinuousPrint::why_fixed(std::string_view what) const {
   if (is_of_rises(what)) {
     if (!rises_.planned())
       return "the plate of this print does not rise in the light: it has no speed, light or margin to change";
-    return rises_ahead() ? "" : "no rise follows: what is left is printed in layers";
+    if (!rises_ahead()) return "no rise follows: what is left is printed in layers";
+    return is_in({ContinuousState::Rising, ContinuousState::Slowing}) && rises_.just_changed(clock_.now())
+               ? "the rise was changed a moment ago, which stops the plate in the light: try again in three "
+                 "seconds"
+               : "";
   }
   if (layering()) return layers_.why_fixed(what);
   if (what == "exposure") return LayeredPrint::kFixedExposure;
@@ -611,6 +617,7 @@ void ContinuousPrint::note_light() {
   if (!lit_from_) return;
   const Duration lit = clock_.now() - *lit_from_;
   lit_from_ = clock_.now();
+  rises_.add_light(lit);
   record_.exposure_asked += lit;
   record_.exposure_least += lit;
   record_.exposure_most += lit;

@@ -20,7 +20,7 @@ struct RisesAhead {
   RiseBounds bounds{};  // with all of the lamp's light
   double gamma = 1;     // of the projector
   RiseSettings settings{};
-  std::vector<PlannedRise> each;       // at least one
+  std::vector<PlannedRise> each;       // at least one; `lit` of the first one includes its own light so far
   std::optional<Nanometers> height{};  // the plate's, if the first one is under way
 };
 

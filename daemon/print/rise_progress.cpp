@@ -53,6 +53,8 @@ void RiseProgress::reach() {
 void RiseProgress::begin() {
   expects(next() != NextPart::Layers, "a rise is next");
   if (std::exchange(begun_, true)) return;
+  lit_ = {};
+  changed_at_.reset();
   rest_ = cap_ ? capped(rises_.each[at_].plan, *cap_) : rises_.each[at_].plan;
 }
 
@@ -100,23 +102,32 @@ RisesAhead RiseProgress::ahead(std::optional<Nanometers> height) const {
                    rises_.gamma,
                    rises_.settings,
                    {rises_.each.begin() + static_cast<std::ptrdiff_t>(at_), rises_.each.end()}};
-  if (begun_) ahead.height = std::max(height.value_or(Nanometers{}), rest_.points.front().height);
+  if (begun_) {
+    ahead.height = std::max(height.value_or(Nanometers{}), rest_.points.front().height);
+    ahead.each.front().lit += lit_;
+  }
   if (!cap_) return ahead;
   for (PlannedRise& rise : ahead.each)
     rise.plan = capped(rise.plan, *cap_);
   return ahead;
 }
 
-void RiseProgress::change(const ChangedRises& changed) {
+void RiseProgress::change(const ChangedRises& changed, TimePoint now) {
   expects(changed.each.size() + at_ == rises_.each.size(), "all rises that are left have changed");
   if (changed.settings.speed_mm_h != rises_.settings.speed_mm_h) cap_.reset();
   take_change(changed, rises_);
   if (!begun_) return;
+  changed_at_ = now;
   const Nanometers from = rest_.points.front().height;
   const RisePlan& plan = rises_.each[at_].plan;
   rest_ = from == plan.points.front().height ? plan : rest_of(plan, from);
   if (cap_) rest_ = capped(rest_, *cap_);
   changed_ = true;
+}
+
+bool RiseProgress::just_changed(TimePoint now) const {
+  constexpr Duration kBetweenChanges = std::chrono::seconds{3};
+  return begun_ && changed_at_ && now - *changed_at_ < kBetweenChanges;
 }
 
 Duration RiseProgress::longest(MillimetersPerSecond slowest) const {

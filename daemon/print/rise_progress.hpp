@@ -58,7 +58,12 @@ class RiseProgress {
   [[nodiscard]] RisesAhead ahead(std::optional<Nanometers> height) const;
   // Changes the rise under way, from the next call of stop_at() on if the plate moves, and all rises after
   // it. A new speed replaces that of slow_down(). REQUIRES: as many rises as are left.
-  void change(const ChangedRises& changed);
+  void change(const ChangedRises& changed, TimePoint now);
+  // True for three seconds after a change within a rise: each one stops the plate in the light, and it has to
+  // rise between two.
+  [[nodiscard]] bool just_changed(TimePoint now) const;
+  // Counts light of the rise under way, which uses up the window's oxygen.
+  void add_light(Duration light) { lit_ += light; }
   // True from a change within a rise until the plate has come to rest.
   [[nodiscard]] bool is_changed() const { return changed_; }
   // True if the plan says what the speeds follow from.
@@ -80,6 +85,8 @@ class RiseProgress {
   RisePlan rest_;                            // of the rise under way
   std::optional<MillimetersPerSecond> cap_;  // once the print was slowed down
   TimePoint slowed_at_{};
+  std::optional<TimePoint> changed_at_;  // the last change within the rise under way
+  Duration lit_{};                       // of the rise under way
   Nanometers here_{};                    // the height up to which the print has whole parts
   std::optional<TimePoint> rest_until_;  // once the rest has begun
 };

@@ -109,6 +109,16 @@ class Continuous(SpoolTest):
         self.assertNotIn("rise", result)
         self.assert_words(" ".join(result["warnings"]), "taken from its slices", "wedge.frames.bin")
 
+    @staticmethod
+    def set_in_time(daemon, setting, value):
+        """Sets a setting of the rise as soon as the last change allows it. Returns what the command said."""
+
+        def answer():
+            result = daemon.ctl("set", setting, str(value))
+            return None if b"try again" in result.stderr else result
+
+        return wait_until(answer, "the time between two changes")
+
     def test_speed_light_and_margin_change_while_the_plate_rises(self):
         nimble = {key: value for key, value in NIMBLE_RESIN.items() if "exposure" not in key}
         config = realtime(z_axis={"travel_mm": 30}, projector={"irradiance_mw_cm2": 25})
@@ -120,10 +130,12 @@ class Continuous(SpoolTest):
         self.assert_refusal(daemon.ctl("set", "exposure", "110%"), 1, "speeds that were planned")
         changes = [("light", 20), ("speed", 60), ("margin", 3), ("light", 100), ("speed", 300)]
         for setting, value in changes:
-            daemon.ctl("set", setting, str(value), expect=OK)
+            changed = self.set_in_time(daemon, setting, value)
+            self.assertEqual(changed.returncode, OK, changed)
             if setting == "speed" and value == 60:
                 self.assertGreater(daemon.status()["job"]["time_left_s"], left + 5)
-                self.assert_refusal(daemon.ctl("set", "margin", "99"), 1, "margin 99", "least_speed_mm_h is 5")
+                self.assert_refusal(daemon.ctl("set", "margin", "98"), 1, "try again in three seconds")
+                self.assert_refusal(self.set_in_time(daemon, "margin", 99), 1, "margin 99", "least_speed_mm_h is 5")
         daemon.cancel("needle")
         report = json.loads(daemon.read("failed", "needle.report.json"))
         self.assertEqual([(each["setting"], each["value"]) for each in report["changes"]], changes)

@@ -32,9 +32,14 @@ struct ExposureFitArgs {
 };
 
 // Returns the tower's exposures in ms, falling, from the ticket that it was printed with. Throws UsageError.
-std::vector<double> tower_exposures(const ExposureFitArgs& args) {
+std::vector<double> tower_exposures(const ExposureFitArgs& args, const ResinProfile& resin) {
   const std::string name = printable(args.ticket.string());
   const JobTicket ticket = parse_job_ticket(read_text(args.ticket), args.ticket.string());
+  if (ticket.layer_height && *ticket.layer_height != resin.layer_height)
+    throw UsageError(
+        fmt::format("{} sets a layer height of its own: the tower's exposures would be written for that of "
+                    "the profile; print a tower with the layer height of the profile",
+                    name));
   if (ticket.resin && *ticket.resin != args.resin)
     throw UsageError(fmt::format("{} is the ticket of a tower of the resin {}, not of {}", name,
                                  printable(*ticket.resin), printable(args.resin)));
@@ -71,6 +76,10 @@ BestStep best_step(const std::vector<double>& exposures, int step) {
 // Returns the curve at the temperature of the print, and adds a note about it.
 WorkingCurve curve_of_print(const ExposureFitArgs& args, const ResinProfile& resin, FitResult& result) {
   const WorkingCurve& curve = cure_of(resin).curve;
+  constexpr double kColdest = 0, kWarmest = 80;  // of the schema's temperature_c
+  if (args.temperature_c && !(*args.temperature_c >= kColdest && *args.temperature_c <= kWarmest))
+    throw UsageError(fmt::format("--temperature-c: {:g} degrees C is not a temperature of {:g} to {:g}",
+                                 *args.temperature_c, kColdest, kWarmest));
   if (args.temperature_c && !resin.cure_temperature)
     throw UsageError(
         fmt::format("--temperature-c: the working_curve of {} has no temperature_c to compare with",
@@ -101,7 +110,7 @@ CalibratedValue overcure_of(const ExposureFitArgs& args, const ResinProfile& res
 int fit_exposure(const ExposureFitArgs& args) {
   const PrinterConfig printer = load_printer_config(args.fit.printer, Places::Elsewhere);
   const ResinProfile resin = find_resin(printer, args.resin);
-  const std::vector<double> exposures = tower_exposures(args);
+  const std::vector<double> exposures = tower_exposures(args, resin);
   const BestStep best = best_step(exposures, args.step);
   FitResult result{.kind = "exposure"};
   if (resin.cure) {

@@ -1057,6 +1057,39 @@ int brightest(const ContinuousPrintFixture& fixture) {
 
 }  // namespace
 
+TEST_CASE("A rise can be changed every three seconds, since each change stops the plate in the light") {
+  ContinuousPrintFixture fixture;
+  fixture.compares = false;
+  fixture.process.start(changeable_plan());
+  REQUIRE(fixture.run_to_height(0.2));
+  CHECK(fixture.process.why_fixed("speed").empty());
+  RiseSettings settings = fixture.process.settings().rise;
+  settings.speed_mm_h = 30;
+  REQUIRE(change(fixture, settings) == "");
+  CHECK(testing::lacking(std::string(fixture.process.why_fixed("margin")), {"try again in three seconds"}) ==
+        "");
+  (void)speed_after(fixture, 3s);
+  CHECK(fixture.process.why_fixed("margin").empty());
+}
+
+TEST_CASE("A slower rise is refused by the light so far and what is left, not by that of the whole rise") {
+  PrintPlan plan = changeable_plan();
+  plan.rises->bounds.window = std::chrono::seconds{250};
+  ContinuousPrintFixture fixture;
+  fixture.compares = false;
+  fixture.process.start(std::move(plan));
+  REQUIRE(fixture.run_to_height(0.2));
+  RiseSettings slower = fixture.process.settings().rise;
+  slower.speed_mm_h = 10;
+  CHECK(testing::lacking(change(fixture, slower), {"for 30", "lasts for 250"}) ==
+        "");  // 18 s, and 0.8 mm in 288
+  REQUIRE(fixture.run_to_height(0.7));
+  CHECK(change(fixture, slower) == "");  // 108 s, and 0.3 mm in 108
+  slower.speed_mm_h = 5;
+  (void)speed_after(fixture, 3s);
+  CHECK(testing::lacking(change(fixture, slower), {"lasts for 250"}) == "");
+}
+
 TEST_CASE("Speed, light and margin of a rise change while the plate rises, in the light") {
   ContinuousPrintFixture fixture;
   fixture.compares = false;
