@@ -19,7 +19,7 @@ struct Stage {
   Millimeters distance{};
   RiseLimit limit{};
   MillimetersPerSecond speed{};  // planned
-  // Of a slab in which the bounds have changed: the speed before, and whether this is the part after it.
+  // Speed before the change, and whether this stage lies above it, in a slab in which the bounds change.
   MillimetersPerSecond most{std::numeric_limits<double>::infinity()};
   bool is_upper_part = false;
 };

@@ -515,6 +515,14 @@ std::vector<std::string> layer_height_problems(const ResinProfile& resin, Nanome
   }
   if (std::optional<std::string> problem = exposure_problem(resin, layer_height, irradiance_mw_cm2, of))
     problems.push_back(*std::move(problem));
+  const auto* by_curve = std::get_if<CurveExposure>(&resin.exposure);
+  if (by_curve == nullptr) return problems;
+  const double cured_um = in_mm(layer_height) * 1000 + by_curve->overcure.count();
+  if (const double dead_um = resin.cure.value().dead_zone.count(); dead_um >= cured_um)
+    problems.push_back(fmt::format(
+        "the dead zone of {:.4g} um{} is as thick as the {:g} um that the light of a layer reaches, "
+        "so that nothing would harden: correct dead_zone_um or irradiance_mw_cm2 of the resin",
+        dead_um, resin.cure_irradiance ? " at this irradiance" : "", cured_um));
   return problems;
 }
 

@@ -173,7 +173,7 @@ class Preparation {
         .slowest = continuous.slowest,
         .slabs = std::make_shared<const std::vector<RiseSlab>>(std::move(planned.slabs)),
         .bounds = bounds,
-        .gamma = printer_.tone.gamma,
+        .gamma = summary_.tone.gamma,
         .settings = planned_settings(bounds)};
     summary_.continuous = ContinuousForecast{bounds, ranges_of(plan, layer_durations(plan, printer_))};
     warn(layered_parts_sentence(*summary_.continuous, continuous.layered));

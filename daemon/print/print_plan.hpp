@@ -40,10 +40,10 @@ struct PlannedRises {
   MissedMasks missed = MissedMasks::Keep;
   MillimetersPerSecond slowest{};  // for MissedMasks::Slow, and for speeds that are changed
 
-  // What the speeds follow from, so that they can be planned again while it prints.
+  // Slabs, bounds and settings by which the speeds are planned again while it prints.
   std::shared_ptr<const std::vector<RiseSlab>> slabs{};  // null: they cannot be changed
   RiseBounds bounds{};                                   // with all of the lamp's light
-  double gamma = 1;                                      // of the projector, see ToneCurve
+  double gamma = 1;                                      // by which the resin cures, see ToneCurve
   RiseSettings settings{};
 };
 

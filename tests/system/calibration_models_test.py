@@ -198,7 +198,16 @@ class Refused(CalibrationTest):
                 self.assertEqual(result.returncode, code, result)
                 self.assert_words(result.stderr.decode(), said)
         self.assertEqual(self.fit("exposure", "4", "--ticket", ticket, "--temperature-c", "20", expect=None).returncode, BAD_USAGE)
+        for option in ("--temperature-c", "--lamp-hours"):
+            for number in ("nan", "-300", "1e300"):
+                result = self.fit("exposure", "4", "--ticket", ticket, option, number, expect=None)
+                self.assert_refusal(result, BAD_USAGE, option, "is not a number from 0 to")
         self.assertEqual(self.profile(), before)
+        # A layer gets no more light than a bottom layer, and the exposures are those of the profile's layers.
+        daemon.write_resin("standard", {**LIMITS, "bottom_exposure_ms": 3000})
+        self.assert_refusal(self.fit("exposure", "1", "--ticket", ticket, expect=None), BAD_DATA, "step 1 got 5000 ms", "raise bottom_exposure_ms")
+        thick = self.write("thick.json", json.dumps({**json.loads(contents(ticket)), "layer_height_um": 100}).encode())
+        self.assert_refusal(self.fit("exposure", "9", "--ticket", thick, expect=None), BAD_USAGE, "a layer height of its own")
         # A curve by which the step would not even cure its layer.
         daemon.write_resin("standard", {**CURVE, "working_curve": {**CURVE["working_curve"], "critical_energy_mj_cm2": 20}})
         self.assert_refusal(self.fit("exposure", "9", "--ticket", ticket, expect=None), BAD_DATA, "less than a layer of 50 um")

@@ -57,6 +57,15 @@ class Continuous(SpoolTest):
         daemon = self.window_daemon({"z_axis": {"microsteps_per_mm": 100}})
         self.assert_words(daemon.refused("needle.stl", NEEDLE), "microsteps of 10 um", "mask_step_um")
 
+    def test_a_dry_run_has_no_cured_part_and_a_rise_that_was_not_printed_is_said_to_be_in_layers(self):
+        daemon = self.window_daemon()
+        needle, ticket = self.write("needle.stl", NEEDLE), self.write("dry.json", b'{"dry": true}')
+        daemon.drop("needle.stl", NEEDLE, contents(ticket))
+        daemon.wait_ended("needle")
+        arguments = ("cure", needle, "--printer", self.path("contourd.json"))
+        self.assert_refusal(contourctl(*arguments, "--report", daemon.file("done", "needle.report.json")), BAD_DATA, "a dry run")
+        self.assert_words(contourctl(*arguments, expect=OK).stdout, "rises without a stop", "--report")
+
     def test_a_print_without_a_rise_is_layered_and_the_report_says_why(self):
         daemon = self.window_daemon()
         report = daemon.printed("low.stl", binary_stl(box((0, 0, 0), (2, 2, 0.3))))
@@ -90,6 +99,10 @@ class Continuous(SpoolTest):
         self.assertEqual(len(lines), found["masks"] + 1)
         self.assert_words(contourctl("frames", path, expect=OK).stdout, f"{found['masks']} in 1 rise", "complete")
         self.assert_refusal(contourctl("frames", daemon.file("done", "wedge.report.json")), BAD_DATA, "no record of frames")
+        with open(path, "rb") as file:
+            damaged = bytearray(file.read())
+        damaged[100] ^= 1
+        self.assert_refusal(contourctl("frames", self.write("damaged.frames.bin", bytes(damaged))), BAD_DATA, "first block is damaged")
 
     def test_the_cured_part_of_a_rise_is_that_of_its_masks(self):
         daemon = self.window_daemon()

@@ -279,6 +279,7 @@ std::string plot_of(const GammaFit& gamma, const std::vector<GreyWindow>& window
 }
 
 int fit_curve(const FitWindowsArgs& args) {
+  check_option("--temperature-c", args.temperature_c, kResinTemperatures_c);
   const PrinterConfig printer = load_printer_config(args.fit.printer, Places::Elsewhere);
   const FitTarget target = resin_target(printer, args.resin);
   std::vector<CuredWindow> windows;

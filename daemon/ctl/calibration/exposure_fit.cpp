@@ -76,10 +76,6 @@ BestStep best_step(const std::vector<double>& exposures, int step) {
 // Returns the curve at the temperature of the print, and adds a note about it.
 WorkingCurve curve_of_print(const ExposureFitArgs& args, const ResinProfile& resin, FitResult& result) {
   const WorkingCurve& curve = cure_of(resin).curve;
-  constexpr double kColdest = 0, kWarmest = 80;  // of the schema's temperature_c
-  if (args.temperature_c && !(*args.temperature_c >= kColdest && *args.temperature_c <= kWarmest))
-    throw UsageError(fmt::format("--temperature-c: {:g} degrees C is not a temperature of {:g} to {:g}",
-                                 *args.temperature_c, kColdest, kWarmest));
   if (args.temperature_c && !resin.cure_temperature)
     throw UsageError(
         fmt::format("--temperature-c: the working_curve of {} has no temperature_c to compare with",
@@ -103,11 +99,18 @@ CalibratedValue overcure_of(const ExposureFitArgs& args, const ResinProfile& res
         "by its working_curve, {} cures {:.4g} um in the {:g} ms of step {}, less than a layer of "
         "{:g} um: calibrate the curve again",
         printable(args.resin), depth_um, best.exposure_ms, args.step, layer_um));
+  const double bottom_um = std::get<CurveExposure>(resin.exposure).bottom_overcure.count();
+  if (depth_um - layer_um > bottom_um)
+    throw CalibrationRefused(fmt::format(
+        "step {} cures {:.4g} um more than a layer, and bottom layers, which may not get less, only "
+        "{:g}: raise bottom_overcure_um of {} first",
+        args.step, depth_um - layer_um, bottom_um, printable(args.resin)));
   return {"/working_curve/overcure_um", rounded(depth_um - layer_um),
           rounded(curve.penetration_depth.count() * best.log_uncertainty())};
 }
 
 int fit_exposure(const ExposureFitArgs& args) {
+  check_option("--temperature-c", args.temperature_c, kResinTemperatures_c);
   const PrinterConfig printer = load_printer_config(args.fit.printer, Places::Elsewhere);
   const ResinProfile resin = find_resin(printer, args.resin);
   const std::vector<double> exposures = tower_exposures(args, resin);
@@ -119,6 +122,12 @@ int fit_exposure(const ExposureFitArgs& args) {
     if (args.temperature_c)
       throw UsageError(fmt::format("--temperature-c: {} has fixed exposures, which follow no temperature",
                                    printable(args.resin)));
+    const double bottom_ms = milliseconds(std::get<FixedExposure>(resin.exposure).bottom_exposure);
+    if (best.exposure_ms > bottom_ms)
+      throw CalibrationRefused(
+          fmt::format("step {} got {:g} ms, and bottom layers, which may not get less, get {:g}: raise "
+                      "bottom_exposure_ms of {} first",
+                      args.step, best.exposure_ms, bottom_ms, printable(args.resin)));
     result.values.push_back(
         {"/exposure_ms", best.exposure_ms, rounded(best.exposure_ms * best.log_uncertainty())});
   }

@@ -112,6 +112,13 @@ void add_fit_options(Command& command, FitArgs& args) {
   command.option("--json", args.json, "Print JSON");
 }
 
+void check_option(std::string_view option, const std::optional<double>& number,
+                  const Limits<double>& limits) {
+  if (number && !limits.contain(*number))
+    throw UsageError(fmt::format("{}: {:g} is not a number from {:g} to {:g}", option, *number, limits.least,
+                                 limits.most));
+}
+
 std::vector<std::pair<double, double>> parse_measured(const std::vector<std::string>& words) {
   std::vector<std::pair<double, double>> pairs;
   for (const std::string& word : words) {
@@ -166,6 +173,7 @@ FitTarget printer_target(const fs::path& printer) {
 }
 
 int finish_fit(const FitArgs& args, const FitTarget& target, const FitResult& result) {
+  check_option("--lamp-hours", args.lamp_hours, {0, 1'000'000});
   const std::string before = read_text(target.file);
   const Calibration calibration{.kind = result.kind,
                                 .date = local_time(std::chrono::system_clock::now()).substr(0, 10),

@@ -26,6 +26,11 @@ struct FitArgs {
 // Adds the options.
 void add_fit_options(Command& command, FitArgs& args);
 
+// Temperatures of resin that a profile may name, in degrees C, as in its schema.
+constexpr Limits<double> kResinTemperatures_c{0, 80};
+// Checks the number of an option, if it was given. Throws UsageError.
+void check_option(std::string_view option, const std::optional<double>& number, const Limits<double>& limits);
+
 // Parses "10=85": what was made or drawn, and what was measured. Throws UsageError for any other text.
 [[nodiscard]] std::vector<std::pair<double, double>> parse_measured(const std::vector<std::string>& words);
 // Returns the standard uncertainty of what was measured by the rounding of its last digit: that of the number

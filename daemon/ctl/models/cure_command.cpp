@@ -158,6 +158,11 @@ CureResult compute(const PrintSubject& subject, const std::optional<RecordedPrin
       result.part.weakest_bond_layer = layer_of(*printed, result.part.weakest_bond_layer);
     result.rise = printed->rise;
   }
+  if (!recorded && subject.continuous)
+    result.warnings.emplace_back(
+        "the plate of this print rises without a stop in the light, and these are the figures of the same "
+        "part "
+        "in layers: after the print, --report gives those of the rise");
   std::ranges::move(cured_part_warnings(result.part, subject.resin->peel_memory_measured),
                     std::back_inserter(result.warnings));
   if (stl) result.surface = write_cured_surface(*stl, print);

@@ -27,7 +27,10 @@ double um(Nanometers length) {
 
 FrameFile read_frames(const std::filesystem::path& path) {
   try {
-    return read_frame_file(path);
+    FrameFile file = read_frame_file(path);
+    if (file.records.empty() && !file.complete)
+      throw std::runtime_error("its first block is damaged or cut short");
+    return file;
   } catch (const UnreadableFile& error) {
     throw UnreadableFile(error.code(),
                          fmt::format("cannot read {}: {}", printable(path.string()), error.what()));

@@ -64,6 +64,7 @@ RecordedPrint recorded_print(const Json& report) {
   RecordedPrint print;
   print.job = report.at("job").get<std::string>();
   print.outcome = report.at("outcome").get<std::string>();
+  if (report.value("dry", false)) throw ModelError("it is that of a dry run, in which nothing cured");
   const Json& settings = report.at("settings");
   print.undersides =
       settings.at("undersides").get<std::string>() == "dose" ? Undersides::Dose : Undersides::Plain;

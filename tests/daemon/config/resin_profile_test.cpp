@@ -393,6 +393,15 @@ TEST_CASE("a layer height is checked against the profile's range and its exposur
   CHECK(layer_height_problems(resin, Nanometers{24'999}, 5.0).size() == 1);
   CHECK(layer_height_problems(resin, Nanometers{50'000}, 0.01).size() == 1);      // 1359 s, 3695 s
   CHECK(layer_height_problems(resin, Nanometers{50'000}, 20'000.0).size() == 1);  // 0.68 ms, 1.85 ms
+
+  ResinProfile dead = resin;
+  const double cured_um = 50 + std::get<CurveExposure>(resin.exposure).overcure.count();
+  dead.cure->dead_zone = Micrometers{cured_um - 1};
+  CHECK(layer_height_problems(dead, Nanometers{50'000}, 5.0).empty());
+  dead.cure->dead_zone = Micrometers{cured_um};
+  const Complaints problems = layer_height_problems(dead, Nanometers{50'000}, 5.0);
+  REQUIRE(problems.size() == 1);
+  CHECK(problems.front().find("nothing would harden") != std::string::npos);
 }
 
 }  // namespace

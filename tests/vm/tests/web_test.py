@@ -14,7 +14,7 @@ _LAYERS = 4
 
 
 def _http(machine, method, path, body=b"", **headers):
-    """Sends a request from within the machine. Returns the status and the body of the reply; status 0 if nobody listens."""
+    """Sends a request from within the machine. Returns the status and the body of the reply; status 0 if no service listens."""
     lines = [f"{method} {path} HTTP/1.1", "Host: 127.0.0.1:8080", "Connection: close", f"Content-Length: {len(body)}"]
     lines += [f"{name.replace('_', '-')}: {value}" for name, value in headers.items()]
     request = "\r\n".join(lines).encode() + b"\r\n\r\n" + body
