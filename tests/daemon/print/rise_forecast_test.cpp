@@ -143,7 +143,8 @@ TEST_CASE("Rises rest before the window's oxygen is used up, less by the time of
   // The window lasts for 20 minutes and recovers in 2. A millimetre at 0.002 mm/s takes 500 s.
   const auto rests = [&](std::vector<RisePlan> rises) {
     std::vector<Duration> found;
-    for (const PlannedRise& each : parts_of(std::move(rises), 60, mm(1)).plan.rises->each)
+    const PlannedParts parts = parts_of(std::move(rises), 60, mm(1));
+    for (const PlannedRise& each : parts.plan.rises->each)
       found.push_back(each.rest);
     return found;
   };
@@ -153,9 +154,9 @@ TEST_CASE("Rises rest before the window's oxygen is used up, less by the time of
         std::vector<Duration>{0s, 0s, 2min - 10s, 0s});
   CHECK(rests({rise(1, 3, 0.002), rise(27, 28, 0.002), rise(28, 29, 0.002)}) ==
         std::vector<Duration>{0s, 0s, 0s});  // 24 layers take the 2 minutes
-  const PlannedParts parts = parts_of({rise(1, 2, 0.002), rise(4, 5, 0.002)}, 60, mm(1));
-  CHECK(parts.plan.rises->each[0].first_layer == 1);
-  CHECK(parts.plan.rises->each[1].first_layer == 4);
+  const PlannedParts parted = parts_of({rise(1, 2, 0.002), rise(4, 5, 0.002)}, 60, mm(1));
+  CHECK(parted.plan.rises->each[0].first_layer == 1);
+  CHECK(parted.plan.rises->each[1].first_layer == 4);
   CHECK(contract_broken_by([&] {
           (void)rises_between({}, std::array{mm(1)}, {}, *window_resin().continuous);
         }) == "each layer has a time");
