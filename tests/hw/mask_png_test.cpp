@@ -117,7 +117,7 @@ TEST_CASE("The widest and the highest masks come back from their PNG") {
   CHECK(comes_back(testing::noise(16384, 5)));
 }
 
-TEST_CASE("A mask as large as masks can be, all lit or all dark, comes back from its PNG") {
+TEST_CASE("A mask as large as masks can be, all lit or all dark, comes back from its PNG", "[long]") {
   for (const int grey : {0, 255})
     CHECK(comes_back(testing::mask_of(16384, 16384, grey)));
 }

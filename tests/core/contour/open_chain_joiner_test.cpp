@@ -221,7 +221,7 @@ TEST_CASE("Too many open chains to weigh all pairs are each closed on themselves
   CHECK(std::ranges::all_of(result.loops, [](const auto& loop) { return loop.repaired; }));
 }
 
-TEST_CASE("Thousands of chains that all end in one point are joined without weighing all pairs") {
+TEST_CASE("Thousands of chains that all end in one point are joined without weighing all pairs", "[long]") {
   std::vector<OpenChain> chains(30'000, OpenChain{{1, 1}, {1, 1}});
   const JoinedChains result = joined(chains);
   CHECK(every_chain_once(result, chains.size()));

@@ -92,7 +92,7 @@ TEST_CASE("The underside of a thick bridge is 239 um too low, that of a thin one
   CHECK(cured(bridge(3), {.memory = 0.9}).figures.undersides.median_um == Approx(168).margin(0.6));
 }
 
-TEST_CASE("Dose that is lost to oxygen at each peel lets a thick bridge print through less") {
+TEST_CASE("Dose that is lost to oxygen at each peel lets a thick bridge print through less", "[long]") {
   struct Row {
     double memory, oxygen;
     std::array<double, 2> um;  // for Dp of 150 and 100 um

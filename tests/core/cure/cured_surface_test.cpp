@@ -121,7 +121,7 @@ TEST_CASE("The surface of a cured ball encloses the volume of its columns, on co
   }
 }
 
-TEST_CASE("Surfaces with little memory, oxygen, a dead zone or spread light are closed") {
+TEST_CASE("Surfaces with little memory, oxygen, a dead zone or spread light are closed", "[long]") {
   SurfacePrinting printing;
   SECTION("no memory") {
     printing.cure.peel_memory = 0;

@@ -272,7 +272,7 @@ Holes holes_in(const Facets& lost, double z) {
 
 }  // namespace
 
-TEST_CASE("A damaged ball's and box's masks differ from the intact ones only where the damage is") {
+TEST_CASE("A damaged ball's and box's masks differ from the intact ones only where the damage is", "[long]") {
   for (const Facets& whole : {models::sphere(8, 24), fine_box()}) {
     for (const Damage& damage : kDamages) {
       for (std::uint64_t seed = 0; seed < 6; ++seed) {
@@ -290,7 +290,8 @@ TEST_CASE("A damaged ball's and box's masks differ from the intact ones only whe
 
 // Some walls turn level, and some facets are smaller than the distance by which their corners move: there the
 // ends that belong together cannot always be found.
-TEST_CASE("A damaged gyroid's masks hardly differ from the intact ones except where the damage is") {
+TEST_CASE("A damaged gyroid's masks hardly differ from the intact ones except where the damage is",
+          "[long]") {
   const Facets whole = models::gyroid_sphere(8, 5, 40);
   for (const Damage& damage : kDamages) {
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
@@ -407,7 +408,7 @@ TEST_CASE("A side split at its middle leaves only gaps of rounding, which do not
   CHECK(layers == 20);
 }
 
-TEST_CASE("Damaged real models spill no light") {
+TEST_CASE("Damaged real models spill no light", "[long]") {
   const std::filesystem::path folder = std::filesystem::path(CONTOURD_SHARED_DIR) / "models";
   if (!std::filesystem::exists(folder)) {
     std::puts("SKIPPED: the shared models are not there");

@@ -5,7 +5,7 @@
 #include "tests/reference/dirty_parts.hpp"
 #include "tests/reference/scan_lines.hpp"
 
-TEST_CASE("Masks of dirty models equal those of the clean ones") {
+TEST_CASE("Masks of dirty models equal those of the clean ones", "[long]") {
   constexpr double kHeights[] = {0.37};
   for (const reference::Part& part : reference::clean_parts()) {
     for (const reference::Dirt& dirt : reference::all_dirt()) {

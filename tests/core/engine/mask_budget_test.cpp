@@ -45,7 +45,7 @@ double steps_to_move(const Contours& contours, double distance) {
 
 }  // namespace
 
-TEST_CASE("A mask that overruns its budget is abandoned, and the next one is correct") {
+TEST_CASE("A mask that overruns its budget is abandoned, and the next one is correct", "[long]") {
   for (const double growth : {0.0, 40.0, -40.0}) {
     CAPTURE(growth);
     ContourEngine engine = engine_of(dense_soup(3000), Micrometers{growth});

@@ -213,7 +213,7 @@ TEST_CASE("Uniform layers have the thickness and count of the stack") {
   CHECK(PrintLayers(LayerStack{um(50), 0}).all().empty());
 }
 
-TEST_CASE("Adaptive layers of a model of any height are counted up to the most a print can have") {
+TEST_CASE("Adaptive layers of a model of any height are counted up to the most a print can have", "[long]") {
   const auto tower = [](float height_mm) {
     return std::vector{
         StandingModel{std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {5, 5, height_mm}))}};

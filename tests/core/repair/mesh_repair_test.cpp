@@ -263,7 +263,7 @@ TEST_CASE("A wall across a solid along its own edges is dropped") {
     CHECK(area_of(together(cube(), dirt)) == Approx(400).epsilon(1e-12));
 }
 
-TEST_CASE("A wall outside a solid and a part of its surface are not dropped as inner walls") {
+TEST_CASE("A wall outside a solid and a part of its surface are not dropped as inner walls", "[long]") {
   Facets outside = cube();
   add_wall(outside, 30, 0, 30, 10);
   CHECK(repairs_of(outside) == MeshRepairs{});

@@ -22,7 +22,7 @@ WindingProbe::Windings windings_around(const models::Facets& facets, const Space
 
 }  // namespace
 
-TEST_CASE("All rays from a point agree on how often a closed model winds around it") {
+TEST_CASE("All rays from a point agree on how often a closed model winds around it", "[long]") {
   models::Facets cavity = models::sphere(3, 12);
   models::invert(cavity);
   const models::Facets ball = together(models::sphere(8, 20), cavity);

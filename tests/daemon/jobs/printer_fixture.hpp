@@ -13,6 +13,7 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "daemon/config/printer_config.hpp"
@@ -82,6 +83,7 @@ inline bool run_loop_until(EventLoop& loop, const std::function<bool()>& so) {
   const auto looks = loop.when_idle("the test", [&] {
     reached = so();
     if (reached) loop.stop();
+    std::this_thread::yield();  // leaves the processor to the thread that is waited for
     return !reached;
   });
   loop.run();

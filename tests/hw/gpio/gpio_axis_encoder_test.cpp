@@ -61,7 +61,8 @@ TEST_CASE("An encoder that loses a few counts in every lift does not make the pl
   }
 }
 
-TEST_CASE("However often an encoder loses counts, 200 layers end in a fault or within the tolerance") {
+TEST_CASE("However often an encoder loses counts, 200 layers end in a fault or within the tolerance",
+          "[long]") {
   std::minstd_rand random(1);
   for (const unsigned one_in : {15U, 60U, 200U, 800U, 3'000U}) {
     for (const auto& [up, down] : {std::pair{true, false}, std::pair{false, true}, std::pair{true, true}}) {
