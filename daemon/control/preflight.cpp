@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/jobs/job_questions.hpp"
+#include "daemon/report/time_causes.hpp"
 
 namespace contourd {
 namespace {
@@ -21,6 +22,11 @@ PreflightCheck check_model(const WaitingJob& job) {
   return {
       "model", Verdict::Pass,
       fmt::format("{} layers, {:.2f} mm high, fit the machine", job.outlook->layers, job.outlook->height_mm)};
+}
+
+PreflightCheck check_time(const WaitingJob& job) {
+  if (!job.outlook) return {"time", Verdict::Pass, "it is known once the job is checked"};
+  return {"time", Verdict::Pass, causes_line(job.outlook->forecast.time)};
 }
 
 PreflightCheck check_resin(const WaitingJob& job, const std::optional<double>& vat_ml) {
@@ -90,6 +96,7 @@ std::string_view name_of(Verdict verdict) {
 std::vector<PreflightCheck> preflight(const WaitingJob& job, const PreflightFacts& facts) {
   std::vector<PreflightCheck> checks{
       check_model(job),
+      check_time(job),
       check_resin(job, facts.vat_ml),
       refused_by("machine", facts.not_ready, "switches, projector and axis are ready"),
       {"display", Verdict::Pass, facts.display},

@@ -6,6 +6,7 @@
 #include "daemon/control/control_method.hpp"
 #include "daemon/prepare/job_summary.hpp"
 #include "daemon/prepare/supports_text.hpp"
+#include "daemon/report/time_causes.hpp"
 #include "daemon/spool/spool_folders.hpp"
 
 namespace contourd {
@@ -96,7 +97,7 @@ Json PrinterStatus::waiting_job(std::size_t number) const {
            {"state", state_of(waiting)},
            {"waiting_for", or_null(reason_to_wait(number))}};
   for (const char* key : {"bytes", "parts", "resin", "overrides", "layers", "thinnest_layer_um",
-                          "thickest_layer_um", "height_mm", "print_time_s", "supports"})
+                          "thickest_layer_um", "height_mm", "print_time_s", "forecast", "supports"})
     job[key] = nullptr;
   job["resin_ml"] = waiting.analyzed ? or_null(waiting.analyzed->analysis.resin_ml) : Json();
   job["asks"] = waiting.asks;
@@ -111,7 +112,8 @@ Json PrinterStatus::waiting_job(std::size_t number) const {
   job["thinnest_layer_um"] = to_millimeters(outlook.thinnest_layer).count() * 1000;
   job["thickest_layer_um"] = to_millimeters(outlook.thickest_layer).count() * 1000;
   job["height_mm"] = outlook.height_mm;
-  job["print_time_s"] = in_seconds(outlook.print_time);
+  job["print_time_s"] = in_seconds(outlook.forecast.time.total());
+  job["forecast"] = forecast_json(outlook.forecast);
   if (outlook.supports) job["supports"] = supports_summary_json(*outlook.supports);
   return job;
 }
@@ -191,6 +193,8 @@ void PrinterStatus::add_print(Json& job) const {
   job["layer_height_um"] = to_millimeters(print.layer_thickness()).count() * 1000;
   job["elapsed_s"] = in_seconds(record.elapsed());
   job["time_left_s"] = in_seconds(print.time_left());
+  job["planned_s"] = causes_json(parts_.job.job()->forecast.time);
+  job["took_s"] = causes_json(record.times());
   const std::optional<Duration> state_left = print.state_left();
   job["state_left_s"] = state_left ? Json(in_seconds(*state_left)) : Json();
   job["pause_pending"] = print.pause_pending();

@@ -67,6 +67,7 @@ PrintReport report_of(CurrentJob::State& job) {
   PrintReport report = job.record->take_report();
   report.job = job.claimed.files.name;
   report.summary = std::move(job.prepared->summary);
+  report.forecast = job.forecast;
   report.first_mask_after = job.prepared->first_mask_at - job.claimed.turn_came;
   return report;
 }
@@ -312,6 +313,7 @@ void CurrentJob::start_print() {
   }
   job_->record.emplace(machine, context_.clock, std::move(masks));
   if (job_->claimed.resumed) go_on();
+  job_->forecast = forecast_of(job_->prepared->plan, context_.config);
   analyst_.start(analysis_of(*job_->prepared, machine.z_axis()),
                  [this](AnalyzedPrint print) { analyzed(std::move(print)); });
   if (!job_->claimed.resumed) record_progress();

@@ -56,6 +56,7 @@ class CurrentJob final : private PrintObserver {
     std::int64_t key = 0;                 // in the history (EndedJob)
     std::optional<PreparedJob> prepared;  // nullopt while it is being read; its plan moves to the print mode
     std::optional<PrintRecord> record;    // nullopt before its print begins
+    PrintForecast forecast;               // of its print, made when the print begins
     std::optional<PrintFindings> findings;      // nullopt while the analysis is under way
     nlohmann::ordered_json analysis;            // the findings in short; null while there are none
     std::optional<EndedPrint> over;             // set when the print is over, until its analysis is too

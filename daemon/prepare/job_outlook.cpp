@@ -4,7 +4,6 @@
 #include <system_error>
 
 #include "daemon/json/config_error.hpp"
-#include "daemon/print/layer_durations.hpp"
 #include "daemon/spool/copied_originals.hpp"
 
 namespace contourd {
@@ -44,7 +43,7 @@ JobOutlook outlook_of(const PreparedJob& job, const JobFiles& files, const Print
   if (summary.supports) outlook.supports = counts_of(*summary.supports);
   for (const ModelSummary& model : summary.models)
     outlook.parts += model.centers.size();
-  outlook.print_time = print_duration(job.plan, printer);
+  outlook.forecast = forecast_of(job.plan, printer);
   return outlook;
 }
 

@@ -10,8 +10,8 @@
 #include "daemon/config/printer_config.hpp"
 #include "daemon/prepare/preprint_analysis.hpp"
 #include "daemon/prepare/print_job.hpp"
+#include "daemon/print/layer_durations.hpp"
 #include "daemon/spool/job_files.hpp"
-#include "hw/clock.hpp"
 
 namespace contourd {
 
@@ -24,7 +24,7 @@ struct JobOutlook {
   std::int32_t layers = 0;
   Nanometers thinnest_layer{}, thickest_layer{};
   double height_mm = 0;
-  Duration print_time{};                    // with warm-up, homing and parking
+  PrintForecast forecast{};                 // of its time
   std::optional<SupportCounts> supports{};  // nullopt if the job has supports off
   std::optional<AnalyzedJob> question{};    // findings that need confirmation even if ask_before is empty
 };

@@ -69,15 +69,25 @@ constexpr auto kAnswered = std::to_array<StateTable<ContinuousTransition>::Answe
      {E::Failed, {S::Idle, S::Ending}},
      {E::Interrupted, S::Idle}});
 
+// Returns the cause of the time in a state that no layered print has.
+TimeCause cause_of(S state) {
+  if (EnumSet<S>{S::Rising, S::Slowing}.contains(state)) return TimeCause::Light;
+  return state == S::Recovering ? TimeCause::Recovering : TimeCause::Switching;
+}
+
 PrintState print_state(S state) {
   const std::string_view name = name_of(state);
   const auto layered = layered_print_states();
   const auto same = std::ranges::find(layered, name, &PrintState::name);
   if (same != layered.end()) return *same;
   const std::size_t number = layered.size() + static_cast<std::size_t>(state);
-  const bool lit = EnumSet<S>{S::Rising, S::Slowing}.contains(state);
-  return {number, name, lit ? PrintActivity::Exposing : PrintActivity::Waiting,
-          EnumSet<S>{S::Recovering, S::Rising}.contains(state), false};
+  const bool lit = cause_of(state) == TimeCause::Light;
+  return {number,
+          name,
+          lit ? PrintActivity::Exposing : PrintActivity::Waiting,
+          EnumSet<S>{S::Recovering, S::Rising}.contains(state),
+          false,
+          cause_of(state)};
 }
 
 }  // namespace

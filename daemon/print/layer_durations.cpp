@@ -12,12 +12,11 @@
 namespace contourd {
 namespace {
 
-// Returns the duration of the way from a lift down to the height from which the plate rises, and of the wait
-// there.
-template <typename Move>
-Duration approach_duration(const PrintPlan& plan, std::int32_t layer, const Move& move) {
-  return lowering_duration(plan.motion, Nanometers{}, move) + expected_settling(plan, layer);
-}
+// A layer's place in the print.
+struct LayerSlice {
+  std::int32_t layer;
+  Nanometers bottom, top;
+};
 
 // Returns the function that computes the duration of a move on this printer.
 auto moves_of(const PrinterConfig& printer) {
@@ -27,12 +26,38 @@ auto moves_of(const PrinterConfig& printer) {
   };
 }
 
-// Returns the duration of the expected layers of a part of the print, of a rise or of one layer, on an axis
-// described by `move(distance, speed)`. The first layer of a rise has the rest and the moves before it, the
-// last one the lift after it.
+// Returns the time of an expected layer on an axis described by `move(distance, speed)`.
 template <typename Move>
-std::vector<Duration> durations_of(const PrintPlan& plan, const Move& move) {
-  std::vector<Duration> durations;
+TimeByCause layer_time(const PrintPlan& plan, std::int32_t layer, const Move& move) {
+  const Nanometers thickness = plan.expected_layers[static_cast<std::size_t>(layer)];
+  TimeByCause time;
+  time[TimeCause::Lowering] = lowering_duration(plan.motion, thickness, move);
+  time[TimeCause::Settling] = expected_settling(plan, layer);
+  time[TimeCause::Light] = exposure_of(plan, layer, thickness);
+  time[TimeCause::Resting] = plan.motion.after_light();
+  time[TimeCause::Lifting] = lift_duration(plan.motion, move);
+  return time;
+}
+
+// Returns the time of a slice of a rise, between two heights. The first slice has the rest and the moves
+// before the rise, the last one the lift after it.
+template <typename Move>
+TimeByCause slice_time(const PrintPlan& plan, const PlannedRise& rise, LayerSlice slice, const Move& move) {
+  TimeByCause time;
+  time[TimeCause::Light] = std::chrono::duration_cast<Duration>(duration(rise.plan, slice.bottom, slice.top));
+  if (slice.layer == rise.first_layer) {
+    time[TimeCause::Recovering] = rise.rest;
+    time[TimeCause::Lowering] = lowering_duration(plan.motion, Nanometers{}, move);
+    time[TimeCause::Settling] = expected_settling(plan, slice.layer);
+  }
+  if (slice.top >= rise.plan.points.back().height)
+    time[TimeCause::Lifting] = lift_duration(plan.motion, move);
+  return time;
+}
+
+// Calls `take(layer, time)` for each expected layer of a part of the print, of a rise or not.
+template <typename Move, typename Take>
+void for_each_layer(const PrintPlan& plan, const Move& move, const Take& take) {
   const std::span<const PlannedRise> rises =
       plan.rises ? std::span<const PlannedRise>(plan.rises->each) : std::span<const PlannedRise>();
   auto rise = rises.begin();
@@ -42,16 +67,53 @@ std::vector<Duration> durations_of(const PrintPlan& plan, const Move& move) {
     const Nanometers bottom = top;
     top += plan.expected_layers[i];
     if (rise != rises.end() && bottom >= rise->plan.points.back().height) ++rise;
-    if (rise == rises.end() || layer < rise->first_layer) {
-      durations.push_back(layer_duration(plan, layer, move));
-      continue;
-    }
-    Duration time = std::chrono::duration_cast<Duration>(duration(rise->plan, bottom, top));
-    if (layer == rise->first_layer) time += rise->rest + approach_duration(plan, layer, move);
-    if (top >= rise->plan.points.back().height) time += lift_duration(plan.motion, move);
-    durations.push_back(time);
+    const bool rises_here = rise != rises.end() && layer >= rise->first_layer;
+    take(layer,
+         rises_here ? slice_time(plan, *rise, {layer, bottom, top}, move) : layer_time(plan, layer, move));
   }
+}
+
+template <typename Move>
+std::vector<Duration> durations_of(const PrintPlan& plan, const Move& move) {
+  std::vector<Duration> durations;
+  for_each_layer(plan, move,
+                 [&](std::int32_t, const TimeByCause& time) { durations.push_back(time.total()); });
   return durations;
+}
+
+void add(const TimeByCause& more, TimeByCause& sum) {
+  for (std::size_t cause = 0; cause < kTimeCauses; ++cause)
+    sum.each[cause] += more.each[cause];
+}
+
+Nanometers sum_of(std::span<const Nanometers> layers) {
+  return std::accumulate(layers.begin(), layers.end(), Nanometers{});
+}
+
+// Returns the number, among these, of the first duration that is the median.
+std::size_t median_of(const std::vector<Duration>& durations) {
+  std::vector<Duration> sorted = durations;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>((sorted.size() - 1) / 2);
+  std::ranges::nth_element(sorted, middle);
+  return static_cast<std::size_t>(std::ranges::find(durations, *middle) - durations.begin());
+}
+
+// Returns the time of the layers from one on, as a whole and of two of them.
+template <typename Move>
+PrintForecast forecast_of_layers(const PrintPlan& plan, std::int32_t first, const Move& move) {
+  PrintForecast forecast;
+  std::vector<Duration> durations;
+  for_each_layer(plan, move, [&](std::int32_t layer, const TimeByCause& time) {
+    if (layer < first) return;
+    durations.push_back(time.total());
+    add(time, forecast.time);
+    if (layer == first || time.total() > forecast.longest.time.total()) forecast.longest = {layer, time};
+  });
+  const std::int32_t typical = first + static_cast<std::int32_t>(median_of(durations));
+  for_each_layer(plan, move, [&](std::int32_t layer, const TimeByCause& time) {
+    if (layer == typical) forecast.typical = {layer, time};
+  });
+  return forecast;
 }
 
 }  // namespace
@@ -66,28 +128,32 @@ std::vector<Duration> layer_durations(const PrintPlan& plan, const ZAxis& axis) 
 
 std::vector<Duration> durations_to_end(const PrintPlan& plan, const ZAxis& axis) {
   std::vector<Duration> left = layer_durations(plan, axis);
-  const Nanometers top =
-      std::accumulate(plan.expected_layers.begin(), plan.expected_layers.end(), Nanometers{});
-  const Nanometers to_park = std::max(axis.travel() - top - plan.motion.whole_lift(), Nanometers{});
+  const Nanometers to_park =
+      std::max(axis.travel() - sum_of(plan.expected_layers) - plan.motion.whole_lift(), Nanometers{});
   left.push_back(axis.move_duration(to_park, plan.travel_speed));
   for (std::size_t i = left.size() - 1; i-- > 0;)
     left[i] += left[i + 1];
   return left;
 }
 
-Duration print_duration(const PrintPlan& plan, const PrinterConfig& printer) {
+PrintForecast forecast_of(const PrintPlan& plan, const PrinterConfig& printer) {
   expects(!plan.expected_layers.empty(), "a print has a layer");
+  const ResumePoint from = plan.resume.value_or(ResumePoint{});
+  const std::int32_t first = std::min(from.layer, static_cast<std::int32_t>(plan.expected_layers.size()) - 1);
   const auto move = moves_of(printer);
-  const std::vector<Duration> layers = layer_durations(plan, printer);
-  const Nanometers top =
-      std::accumulate(plan.expected_layers.begin(), plan.expected_layers.end(), Nanometers{});
-  const Nanometers to_park = std::max(printer.travel - top - plan.motion.whole_lift(), Nanometers{});
+  PrintForecast forecast = forecast_of_layers(plan, first, move);
+  TimeByCause& time = forecast.time;
+  const Nanometers thickness = plan.expected_layers[static_cast<std::size_t>(first)];
+  const Nanometers to_park =
+      std::max(printer.travel - sum_of(plan.expected_layers) - plan.motion.whole_lift(), Nanometers{});
+  time[TimeCause::WarmingUp] += plan.warm_up;
+  time[TimeCause::Homing] += homing_duration(plan, printer.travel, move);
   // For its first layer, the plate comes from the height after homing, not from a lift.
-  const Duration approach = lowering_duration(plan.motion, plan.home_height - plan.expected_layers.front(),
-                                              plan.travel_speed, move) -
-                            lowering_duration(plan.motion, plan.expected_layers.front(), move);
-  return plan.warm_up + homing_duration(plan, printer.travel, move) + approach +
-         std::accumulate(layers.begin(), layers.end(), Duration{0}) + move(to_park, plan.travel_speed);
+  time[TimeCause::Lowering] +=
+      lowering_duration(plan.motion, plan.home_height - from.bottom - thickness, plan.travel_speed, move) -
+      lowering_duration(plan.motion, thickness, move);
+  time[TimeCause::Parking] += move(to_park, plan.travel_speed);
+  return forecast;
 }
 
 }  // namespace contourd

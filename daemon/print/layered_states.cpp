@@ -100,11 +100,42 @@ constexpr PrintActivity activity_of(S state) {
   return PrintActivity::Waiting;
 }
 
+constexpr TimeCause cause_of(S state) {
+  switch (state) {
+    case S::WarmingUp:
+      return TimeCause::WarmingUp;
+    case S::Homing:
+      return TimeCause::Homing;
+    case S::Lowering:
+      return TimeCause::Lowering;
+    case S::Settling:
+      return TimeCause::Settling;
+    case S::Exposing:
+      return TimeCause::Light;
+    case S::Resting:
+      return TimeCause::Resting;
+    case S::Lifting:
+      return TimeCause::Lifting;
+    case S::Interrupting:
+    case S::Raising:
+    case S::Paused:
+    case S::Held:
+    case S::Braking:
+    case S::Halting:
+      return TimeCause::Stopped;
+    case S::Parking:
+      return TimeCause::Parking;
+    default:
+      return TimeCause::Switching;
+  }
+}
+
 constexpr auto kPrintStates = [] {
   std::array<PrintState, kNames<S>.size()> states;
   for (std::size_t i = 0; i < states.size(); ++i) {
     const S state{static_cast<int>(i)};
-    states[i] = {i, kNames<S>[i], activity_of(state), kLogged.contains(state), state == S::Ending};
+    states[i] = {
+        i, kNames<S>[i], activity_of(state), kLogged.contains(state), state == S::Ending, cause_of(state)};
   }
   return states;
 }();

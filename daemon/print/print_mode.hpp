@@ -2,10 +2,12 @@
 // history and the reports know a print only by this interface. Event loop's thread only.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,6 +20,7 @@
 #include "daemon/print/rise_change.hpp"
 #include "daemon/print/shown_mask.hpp"
 #include "hw/clock.hpp"
+#include "hw/enum_names.hpp"
 
 namespace contourd {
 
@@ -26,6 +29,37 @@ enum class PrintActivity { Preparing, Exposing, Moving, Waiting, Stopped };
 inline constexpr std::size_t kPrintActivities = 5;
 [[nodiscard]] std::string_view name_of(PrintActivity activity);
 
+// The causes of a print's time, which forecast and report share. They have the names of the states that they
+// consist of.
+enum class TimeCause : std::uint8_t {
+  WarmingUp,
+  Homing,
+  Lowering,    // to the height of a layer or rise
+  Settling,    // of the resin, before the light
+  Light,       // exposures and rises
+  Resting,     // between the light and the peel
+  Lifting,     // peel and lift
+  Recovering,  // of the window, between two rises
+  Switching,   // waiting for masks, for the screen and for the projector to answer
+  Stopped,     // for the user, with the moves for that
+  Parking,
+};
+template <>
+inline constexpr auto kNames<TimeCause> = names_to<TimeCause::Parking>(
+    "warming up, homing, lowering, settling, light, resting, lifting, recovering, switching, stopped, "
+    "parking");
+inline constexpr std::size_t kTimeCauses = kNames<TimeCause>.size();
+
+// The time of a print or of a part of it, by cause.
+struct TimeByCause {
+  std::array<Duration, kTimeCauses> each{};
+
+  [[nodiscard]] Duration& operator[](TimeCause cause) { return each[static_cast<std::size_t>(cause)]; }
+  [[nodiscard]] Duration operator[](TimeCause cause) const { return each[static_cast<std::size_t>(cause)]; }
+  [[nodiscard]] Duration total() const { return std::accumulate(each.begin(), each.end(), Duration{}); }
+  bool operator==(const TimeByCause&) const = default;
+};
+
 // A state of a print. Each mode has its own; the first one is kIdle.
 struct PrintState {
   std::size_t number = 0;  // position among the mode's states
@@ -33,6 +67,7 @@ struct PrintState {
   PrintActivity activity = PrintActivity::Waiting;
   bool logged = false;  // worth a line in the log, because it lasts or the user should know of it
   bool ending = false;  // the print is over, and waits only for the light to be confirmed off
+  TimeCause cause = TimeCause::Switching;  // of the time in this state
 
   friend bool operator==(const PrintState&, const PrintState&) = default;
 };

@@ -145,17 +145,6 @@ template <typename MoveDuration>
   return lowering_duration(motion, motion.whole_lift() - thickness, motion.retract_speed, move_duration);
 }
 
-// Returns the duration of an expected layer, exposure, peel, the move back down and the waits, on an axis
-// described by `move_duration(distance, speed)`.
-template <typename MoveDuration>
-[[nodiscard]] Duration layer_duration(const PrintPlan& plan, std::int32_t layer,
-                                      const MoveDuration& move_duration) requires
-    std::is_invocable_r_v<Duration, MoveDuration, Nanometers, MillimetersPerSecond> {
-  const Nanometers thickness = plan.expected_layers[static_cast<std::size_t>(layer)];
-  return exposure_of(plan, layer, thickness) + expected_settling(plan, layer) + plan.motion.after_light() +
-         lift_duration(plan.motion, move_duration) + lowering_duration(plan.motion, thickness, move_duration);
-}
-
 // Returns the function that computes the duration of a move of this axis.
 [[nodiscard]] inline auto moves_of(const ZAxis& axis) {
   return [&axis](Nanometers distance, MillimetersPerSecond speed) {

@@ -63,6 +63,12 @@ void PrintRecord::add_lit_turn(const EventLoop::Turn& turn) {
   if (turn.busy > busiest_lit_.busy) busiest_lit_ = turn;
 }
 
+TimeByCause PrintRecord::times() const {
+  TimeByCause times = time_by_cause(states_);
+  times[states_.state().cause] += elapsed() - states_.total();
+  return times;
+}
+
 PrintReport PrintRecord::take_report() {
   PrintReport report;
   report.layers = std::move(layers_);

@@ -46,6 +46,9 @@ class PrintRecord {
   // Returns the time since the print began, by the machine's clock.
   [[nodiscard]] Duration elapsed() const { return clock_.now() - started_; }
 
+  // Returns the time since the print began, by cause.
+  [[nodiscard]] TimeByCause times() const;
+
   // Ends the record and moves its layers and stops into a report. Leaves out what the record does not know:
   // job, printer, outcome and reason, summary, findings, the time to the first mask.
   [[nodiscard]] PrintReport take_report();

@@ -14,6 +14,7 @@
 #include "core/analysis/print_analysis.hpp"
 #include "core/cure/cured_part.hpp"
 #include "daemon/prepare/print_job.hpp"
+#include "daemon/print/layer_durations.hpp"
 #include "daemon/print/print_settings.hpp"
 #include "daemon/report/job_picture.hpp"
 #include "daemon/report/printed_light.hpp"
@@ -102,6 +103,7 @@ struct PrintReport {
   std::vector<SettingChange> changes;  // settings that were changed while it printed
   std::vector<Exclusion> exclusions;
   StateTimes states;
+  PrintForecast forecast;  // made when the print began
   std::chrono::system_clock::time_point started,
       ended;                                   // wall-clock times, only to be read; durations are monotonic
   Duration print_time{};                       // by the machine's clock

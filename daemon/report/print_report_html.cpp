@@ -19,6 +19,7 @@
 #include "daemon/report/range_times.hpp"
 #include "daemon/report/rise_forecast_text.hpp"
 #include "daemon/report/state_time_line.hpp"
+#include "daemon/report/time_causes.hpp"
 #include "daemon/system/base64.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -40,6 +41,7 @@ constexpr std::string_view kReportPageStyle = R"(
 svg .tick { stroke: var(--ink); stroke-width: 1; } svg .most { fill: var(--accent); } svg .least { fill: var(--waiting); }
 .swatch.most { background: var(--accent); } .swatch.least { background: var(--waiting); }
 .figures td, .figures th { font-variant-numeric: tabular-nums; }
+.figures .differs { color: var(--bad); }
 .figures td:nth-child(n+2), .figures th:nth-child(n+2) { text-align: right; }
 @media (max-width: 40rem) { .layers { grid-template-columns: repeat(2, minmax(0, 1fr)); gap: .5rem; } body { margin: 1rem auto; } }
 @media print {
@@ -280,7 +282,8 @@ std::string stop_list(const PrintReport& report) {
 std::string time_section(const PrintReport& report) {
   const std::string line = state_time_line(report);
   if (line.empty()) return "";
-  return "<h2>Where the time went</h2>\n" + line + stop_list(report) + state_table(report.states);
+  return "<h2>Where the time went</h2>\n" + line + times_table(report) + stop_list(report) +
+         state_table(report.states);
 }
 
 // Returns the plan of a continuous print, and how long its ranges took.

@@ -12,6 +12,7 @@
 #include "daemon/report/cured_part_text.hpp"
 #include "daemon/report/range_times.hpp"
 #include "daemon/report/rise_forecast_text.hpp"
+#include "daemon/report/time_causes.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd {
@@ -123,6 +124,7 @@ void add_stops(const PrintReport& report, Json& json) {
     pauses.push_back(
         {{"layer", each.layer + 1}, {"at_s", in_seconds(each.at)}, {"lasted_s", in_seconds(each.lasted)}});
   json["states_s"] = std::move(states);
+  json["time"] = times_json(report);
   json["interruptions"] = std::move(interruptions);
   json["pauses"] = std::move(pauses);
   json["pause_count"] = stops.pauses.size() + stops.more_pauses;

@@ -25,6 +25,13 @@ void StateTimes::enter(const PrintState& state, TimePoint now) {
   state_ = state;
 }
 
+TimeByCause time_by_cause(const StateTimes& states) {
+  TimeByCause times;
+  for (const auto& [state, time] : states.totals())
+    times[state.cause] += time;
+  return times;
+}
+
 // Merges pairs of slices into half as many slices of twice the width.
 void StateTimes::halve() {
   for (std::size_t i = 0; i < slices_.size(); ++i) {

@@ -49,4 +49,7 @@ class StateTimes {
   std::vector<Slice> slices_;
 };
 
+// Returns the times of all states by their causes.
+[[nodiscard]] TimeByCause time_by_cause(const StateTimes& states);
+
 }  // namespace contourd

@@ -183,7 +183,7 @@ void check(const PreparedJob& job, const JobFiles& files, const PrinterConfig& p
   demand(std::isfinite(job.summary.height_mm) && job.summary.height_mm > 0, "a job without height");
   for (const std::string& warning : job.summary.warnings)
     demand_sentence(warning);
-  demand(outlook_of(job, files, printer).print_time > Duration{0}, "a print takes no time");
+  demand(outlook_of(job, files, printer).forecast.time.total() > Duration{0}, "a print takes no time");
   demand_sentence(describe_settings(job.summary));
   constexpr std::size_t kMostLayers = 150;
   if (job.plan.expected_layers.size() > kMostLayers) return;

@@ -8,7 +8,7 @@ import os
 from harness import ascii_stl, binary_stl, wedge
 
 # A report's keys that depend on wall time, or on when and where the job was printed.
-OF_ITS_TIME = ("job", "started", "ended", "print_time_s", "states_s", "interruptions", "pauses", "pause_count", "late_steps", "loop_busy_ms_worst_lit", "reading_ms",
+OF_ITS_TIME = ("job", "started", "ended", "print_time_s", "states_s", "time", "interruptions", "pauses", "pause_count", "late_steps", "loop_busy_ms_worst_lit", "reading_ms",
                "indexing_ms", "first_mask_ms", "arrival_to_first_mask_ms", "masks_folder", "analysis")  # fmt: skip
 OF_ITS_TIME_IN_A_LAYER = ("shown_at_s", "mask_ms", "exposure_least_ms", "exposure_most_ms", "exposure_parts")
 

@@ -48,10 +48,19 @@ class Continuous(SpoolTest):
             # First masks, light on and off, and the lift after a layer, which counts for what follows. The forecast of layers samples
             # the faces that press out resin, so that the wait of one may be missing: up to a minute.
             self.assertAlmostEqual(each["took_s"], each["time_s"], delta=12 if each["limit"] else 72)
+        planned, took = report["time"]["forecast"]["causes_s"], report["time"]["took_s"]
+        self.assertEqual(list(planned), list(took))
+        self.assertAlmostEqual(sum(planned.values()), report["time"]["forecast"]["time_s"], delta=1e-6)
+        self.assertAlmostEqual(sum(took.values()), report["print_time_s"], delta=1e-6)
+        for cause in ("light", "recovering", "resting"):
+            self.assertAlmostEqual(took[cause], planned[cause], delta=0.01 * planned[cause] + 1, msg=cause)
+        self.assertGreater(took["recovering"], 25)
+        self.assertNotIn("light", report["time"]["differs"])
         found = contourctl("analyze", self.write("flange.stl", flange), "--printer", self.path("contourd.json"), "--json", expect=OK)
         for each in plan["ranges"]:
             del each["took_s"]
         self.assertEqual(json.loads(found.stdout)["continuous"], plan)
+        self.assertEqual(json.loads(found.stdout)["forecast"], report["time"]["forecast"])
 
     def test_steps_too_coarse_for_masks_are_refused(self):
         daemon = self.window_daemon({"z_axis": {"microsteps_per_mm": 100}})

@@ -48,7 +48,7 @@ NOTIFICATIONS = [name for name, _ in rows("## Notifications")]
 STATUS, JOB, ANALYSIS = rows("### A status"), rows("### A job"), rows("### An analysis")
 ENDED_JOB, MANUAL = rows("### An ended job"), rows("### A manual operation")
 WAITING, OVERRIDE = rows("### A waiting job"), rows("### An override")
-SUPPORTS = rows("### Supports")
+SUPPORTS, FORECAST = rows("### Supports"), rows("### A forecast")
 PAST_JOB = rows("### A job of the history")
 INPUT = rows("### An input")
 PART = rows("### A part that wears")
@@ -121,6 +121,10 @@ class ControlApiTest(FolderTest):
         for job in result["jobs"] if reply[1] == "a-queue" else ():
             self.assert_fields(job, WAITING)
             self.assertIn(f"`{job['state']}`", WAITING[3][2])
+            if job["forecast"]:
+                self.assert_fields(job["forecast"], FORECAST)
+                for cause in job["forecast"]["causes_s"]:
+                    self.assertIn(f"`{cause}`", section("### A forecast"))
             if job["supports"]:
                 self.assert_fields(job["supports"], SUPPORTS)
             for each in job["overrides"] or ():

@@ -89,12 +89,12 @@ class Checks(PreflightTest):
         self.assertEqual(result.returncode, FAILED)
         reply = json.loads(result.stdout)["result"]
         verdicts = {each["check"]: each["verdict"] for each in reply["checks"]}
-        self.assertEqual(list(verdicts), ["model", "resin", "machine", "display", "disk", "queue", "temperature", "wear", "findings"])
+        self.assertEqual(list(verdicts), ["model", "time", "resin", "machine", "display", "disk", "queue", "temperature", "wear", "findings"])
         # The plate is not cleared.
         self.assertEqual((verdicts.pop("queue"), reply["verdict"]), ("refuse", "refuse"))
         self.assertEqual(verdicts.pop("resin"), "warn")  # not analyzed
         self.assertEqual(set(verdicts.values()), {"pass"})
-        self.assert_words(daemon.ctl("preflight", "part").stdout.decode(), "20 layers, 1.00 mm high", "1920 x 1080 pixels", "lamp", "film")
+        self.assert_words(daemon.ctl("preflight", "part").stdout.decode(), "20 layers, 1.00 mm high", "light, ", "lifting", "1920 x 1080 pixels", "lamp", "film")
         nothing = daemon.ctl("preflight", "other")
         self.assertEqual((nothing.returncode, nothing.stdout), (FAILED, b""))
         self.assertIn(b'no job "other" waits', nothing.stderr)

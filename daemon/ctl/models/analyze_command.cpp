@@ -108,6 +108,7 @@ AnalyzedModel analyze(PrintSubject subject, Duration layer_time, bool with_pictu
       analyze_print(*subject.engine, model.display, model.layers, duration_of, {}, subject.analysis).value();
   expose_by_dose(subject, model);
   model.supports = std::move(subject.supports);
+  model.forecast = subject.forecast;
   model.continuous = std::move(subject.continuous);
   LayerStopwatch stopwatch;
   for (const Nanometers middle : model.layer_middles)
@@ -129,6 +130,10 @@ void print_findings(const AnalyzedModel& m) {
              m.size_mm[1], m.size_mm[2]);
   fmt::print("layers        {}\n", layers_text(m.layers));
   fmt::print("layer time    {}\n", layer_time_text(m));
+  if (m.forecast) {
+    for (const std::string& line : forecast_lines(*m.forecast))
+      fmt::print("{}\n", line);
+  }
   if (m.continuous) print_continuous(*m.continuous);
   fmt::print("resin         {:.3f} ml\n", found.resin_ml());
   if (m.supports) fmt::print("supports      {}\n", supports_line(counts_of(*m.supports)));
@@ -154,6 +159,7 @@ void print_json(const AnalyzedModel& m) {
   json.update(findings_json(m.findings));
   json["assumed_layer_time_s"] =
       m.assumed_layer_time ? Json(std::chrono::duration<double>(*m.assumed_layer_time).count()) : Json();
+  json["forecast"] = m.forecast ? forecast_json(*m.forecast) : Json();
   json["continuous"] = m.continuous ? continuous_json(*m.continuous) : Json();
   json["supports"] = m.supports ? supports_json(*m.supports) : Json();
   json["model_warnings"] = m.warnings;

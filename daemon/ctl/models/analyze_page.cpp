@@ -235,6 +235,7 @@ std::string layer_time_text(const AnalyzedModel& model) {
 std::string analysis_page(const AnalyzedModel& model) {
   const std::string name = escaped(model.name);
   std::string tables = island_table(model);
+  if (model.forecast) tables += "<h2>Time by cause</h2>\n" + forecast_table(*model.forecast);
   if (model.continuous) tables += "<h2>Rises</h2>\n" + ranges_table(*model.continuous);
   for (const VoidsShown& kind : voids_shown(model))
     tables += void_table(model, kind);

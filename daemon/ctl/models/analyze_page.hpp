@@ -12,6 +12,7 @@
 #include "core/layers/layer_statistics.hpp"
 #include "core/support/supports.hpp"
 #include "daemon/report/rise_forecast_text.hpp"
+#include "daemon/report/time_causes.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd::ctl {
@@ -27,6 +28,7 @@ struct AnalyzedModel {
   std::optional<Duration> assumed_layer_time;  // if there is no printer's configuration
   std::vector<std::string> warnings;           // about the file and its mesh
   PrintFindings findings;
+  std::optional<PrintForecast> forecast;         // nullopt if there is no printer's configuration
   std::optional<ContinuousForecast> continuous;  // nullopt: not wanted
   std::vector<LayerMeasurement> measurements;    // by layer; z above the plate
   LayerStatistics statistics;

@@ -148,6 +148,7 @@ PrintSubject subject_of_printer(const PrintArgs& args) {
   subject.doses = layer_doses(job.summary.resin, subject.layers, printer.irradiance_mw_cm2);
   subject.split = split_of(job, printer);
   subject.layer_durations = layer_durations(job.plan, printer);
+  if (!subject.layers.empty()) subject.forecast = forecast_of(job.plan, printer);
   subject.continuous = std::move(job.summary.continuous);
   subject.resin = std::move(job.summary.resin);
   refuse_plain_undersides(args, subject);

@@ -18,6 +18,7 @@
 #include "daemon/config/resin_profile.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/terminal/command.hpp"
+#include "daemon/print/layer_durations.hpp"
 #include "daemon/print/rise_forecast.hpp"
 #include "hw/clock.hpp"
 
@@ -67,6 +68,7 @@ struct PrintSubject {
   std::optional<Supports> supports;
   AnalysisOptions analysis;
   std::optional<std::vector<Duration>> layer_durations;  // nullopt without a printer's configuration
+  std::optional<PrintForecast> forecast;                 // nullopt without a printer's configuration
   std::optional<ContinuousForecast> continuous;          // nullopt: the print is layered
   std::array<double, 3> size_mm{};                       // of the model, as printed
   std::vector<std::string> warnings;

@@ -83,7 +83,7 @@ class Look {
                     settings_by(std::move(ticket), "the ticket", *printer_.config), *printer_.config);
     follow_temperature(job, *printer_.config);
     const std::vector<Duration> durations = layer_durations(job.plan, *printer_.config);
-    const Duration time = print_duration(job.plan, *printer_.config);
+    const Duration time = forecast_of(job.plan, *printer_.config).time.total();
     outlook_.json["layers"] = job.summary.layers.count;
     outlook_.json["print_time_s"] = std::chrono::duration<double>(time).count();
     outlook_.json["resin"] = job.summary.resin.name;

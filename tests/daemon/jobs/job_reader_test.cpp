@@ -71,8 +71,8 @@ TEST_CASE_METHOD(StartedReaderFixture, "The check of a waiting job returns its o
   CHECK(outlook->thickest_layer == Nanometers{50'000});
   CHECK(outlook->height_mm == testing::Approx(0.2));
   // More than four exposures and the first layer's wait, and less than five minutes.
-  CHECK(outlook->print_time > std::chrono::seconds{64});
-  CHECK(outlook->print_time < std::chrono::minutes{5});
+  CHECK(outlook->forecast.time.total() > std::chrono::seconds{64});
+  CHECK(outlook->forecast.time.total() < std::chrono::minutes{5});
 }
 
 TEST_CASE_METHOD(StartedReaderFixture,

@@ -84,7 +84,7 @@ TEST_CASE("MaskAhead cuts one mask at a time, and each is taken once") {
 }
 
 TEST_CASE("The duration of a print requires a layer") {
-  CHECK(contract_broken_by([] { (void)print_duration({}, {}); }) == "a print has a layer");
+  CHECK(contract_broken_by([] { (void)forecast_of({}, {}); }) == "a print has a layer");
 }
 
 TEST_CASE("The functions of PrintMode for a print under way require that a print is under way") {

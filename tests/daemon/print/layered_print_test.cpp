@@ -1196,7 +1196,11 @@ TEST_CASE("The time left is the actual duration of the print, with warm-up, homi
   printer.simulated = testing::small_printer();
   PrintPlan forecast = plan_of(3);
   forecast.warm_up = 5s;
-  CHECK(print_duration(forecast, printer) == expected);
+  const PrintForecast by_cause = forecast_of(forecast, printer);
+  CHECK(by_cause.time.total() == expected);
+  CHECK(by_cause.typical.time.total() <= by_cause.longest.time.total());
+  CHECK(by_cause.time[TimeCause::WarmingUp] == 5s);
+  CHECK(by_cause.time[TimeCause::Switching] == Duration{});
   const TimePoint start = fixture.clock.now();
   REQUIRE(fixture.run_to(S::Ending));
   const Duration real = fixture.clock.now() - start;
