@@ -11,6 +11,7 @@
 
 #include "core/contract/expects.hpp"
 #include "daemon/print/rise_frames.hpp"
+#include "hw/rise_curve.hpp"
 
 namespace contourd {
 namespace {
@@ -218,6 +219,36 @@ Duration ContinuousForecast::time() const {
   for (const ContinuousRange& range : ranges)
     time += range.time + range.rest;
   return time;
+}
+
+ChangedForecast changed_forecast(const RisesAhead& ahead, const ChangedRises& changed) {
+  expects(!changed.each.empty() && changed.each.size() == ahead.each.size(), "all rises have changed");
+  ChangedForecast forecast{changed.each.front().points.front().height,
+                           changed.settings,
+                           {bounds_with(ahead.bounds, ahead.gamma, changed.settings)}};
+  std::vector<ContinuousRange>& ranges = forecast.plan.ranges;
+  for (std::size_t i = 0; i < changed.each.size(); ++i) {
+    RisePlan plan = changed.each[i];
+    if (i == 0 && ahead.height) {
+      forecast.from = *ahead.height;
+      plan = rest_of(plan, *ahead.height);
+    } else if (!ranges.empty()) {
+      ranges.back().rest = ahead.each[i].rest;
+    }
+    for (std::size_t point = 1; point < plan.points.size(); ++point)
+      add_stretch(plan.points[point - 1], plan.points[point], point == 1, ranges);
+  }
+  return forecast;
+}
+
+void end_at(Nanometers height, ContinuousForecast& plan) {
+  std::erase_if(plan.ranges, [&](const ContinuousRange& range) { return range.bottom >= height; });
+  if (plan.ranges.empty() || plan.ranges.back().top <= height) return;
+  ContinuousRange& last = plan.ranges.back();
+  const double part = in_mm(height - last.bottom) / in_mm(last.top - last.bottom);
+  last.time = std::chrono::duration_cast<Duration>(last.time * part);
+  last.top = height;
+  last.rest = {};
 }
 
 std::string layered_parts_sentence(const ContinuousForecast& forecast, Nanometers first_layers) {

@@ -12,6 +12,7 @@
 #include "daemon/config/printer_config.hpp"
 #include "daemon/config/resin_profile.hpp"
 #include "daemon/print/print_plan.hpp"
+#include "daemon/print/rise_change.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd {
@@ -89,6 +90,18 @@ struct ContinuousForecast {
   // Returns the time of all ranges and rests.
   [[nodiscard]] Duration time() const;
 };
+
+// The plan of a print's rises since they were changed.
+struct ChangedForecast {
+  Nanometers from{};
+  RiseSettings settings{};
+  ContinuousForecast plan{};  // of the rises from there on, without what lies between them
+};
+
+// Returns the plan of the rises that are left, from the plate's height on.
+[[nodiscard]] ChangedForecast changed_forecast(const RisesAhead& ahead, const ChangedRises& changed);
+// Ends a plan at a height, where another begins. The time of a range that is cut there is shared by height.
+void end_at(Nanometers height, ContinuousForecast& plan);
 
 // Returns a sentence about what is printed layer by layer above the first layers, if that is more than a
 // millimetre high; else an empty text.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "core/contract/expects.hpp"
@@ -48,15 +49,21 @@ void PrintRecord::add_interruption(std::int32_t layer, const std::string& what) 
 
 void PrintRecord::add(const SettingChange& change) {
   expects(changes_.size() < kMostChanges, "there is room for a change");
-  const auto same = std::ranges::find_if(changes_, [&](const SettingChange& each) {
-    return each.layer == change.layer && each.setting == change.setting && each.height == change.height;
-  });
-  if (same != changes_.end()) {
-    same->value = change.value;
-    if (same->value == same->before) changes_.erase(same);
+  const auto last =
+      std::ranges::find(changes_.rbegin(), changes_.rend(), change.setting, &SettingChange::setting);
+  if (last != changes_.rend() && last->layer == change.layer && last->height == change.height) {
+    last->value = change.value;
+    if (last->value == last->before) changes_.erase(std::next(last).base());
   } else if (change.value != change.before) {
     changes_.push_back(change);
   }
+}
+
+void PrintRecord::add(ChangedForecast plan) {
+  while (!changed_rises_.empty() && changed_rises_.back().from >= plan.from)
+    changed_rises_.pop_back();
+  if (!changed_rises_.empty()) end_at(plan.from, changed_rises_.back().plan);
+  changed_rises_.push_back(std::move(plan));
 }
 
 void PrintRecord::add_lit_turn(const EventLoop::Turn& turn) {
@@ -75,6 +82,7 @@ PrintReport PrintRecord::take_report() {
   enter(kIdle, 0);
   report.stops = std::move(stops_);
   report.changes = std::move(changes_);
+  report.changed_rises = std::move(changed_rises_);
   report.exclusions = std::move(exclusions_);
   report.print_time = states_.total();
   report.states = std::move(states_);

@@ -31,9 +31,11 @@ class PrintRecord {
   // Records that the print is in this state from now on, at this layer, counted from 0.
   void enter(const PrintState& state, std::int32_t layer);
   void add_interruption(std::int32_t layer, const std::string& what);
-  // Records a change, which replaces an earlier one of the same setting for the same layer. REQUIRES: there
-  // are fewer than kMostChanges.
+  // Records a change, which replaces the last one of the same setting if that is for the same layer.
+  // REQUIRES: there are fewer than kMostChanges.
   void add(const SettingChange& change);
+  // Records the plan of the rises that are left, which replaces the one before from its height on.
+  void add(ChangedForecast plan);
   void add(Exclusion exclusion) { exclusions_.push_back(std::move(exclusion)); }
   // Records a turn of the event loop during which there was or may have been light; the longest is
   // kept.
@@ -64,6 +66,7 @@ class PrintRecord {
   std::chrono::system_clock::time_point started_at_;
   std::vector<LayerRecord> layers_;
   std::vector<SettingChange> changes_;
+  std::vector<ChangedForecast> changed_rises_;
   std::vector<Exclusion> exclusions_;
   StateTimes states_;
   PrintStops stops_;

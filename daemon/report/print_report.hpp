@@ -100,7 +100,8 @@ struct PrintReport {
   std::vector<LayerRecord> layers;        // the exposed layers
   std::optional<FrameLogFile> frames;     // nullopt: nothing rose, or the file could not be written
   PrintStops stops;
-  std::vector<SettingChange> changes;  // settings that were changed while it printed
+  std::vector<SettingChange> changes;          // settings that were changed while it printed
+  std::vector<ChangedForecast> changed_rises;  // each up to the next one; `continuous` of the summary before
   std::vector<Exclusion> exclusions;
   StateTimes states;
   PrintForecast forecast;  // made when the print began

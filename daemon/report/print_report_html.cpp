@@ -286,12 +286,25 @@ std::string time_section(const PrintReport& report) {
          state_table(report.states);
 }
 
+// Returns a list of the plans that replaced the first one.
+std::string changed_rises(const PrintReport& report) {
+  if (report.changed_rises.empty()) return "";
+  std::string list = "<ul class=\"notes\" id=\"changed-rises\">\n";
+  for (const ChangedForecast& each : first_items(report.changed_rises, kMaxItems))
+    list += item(
+        fmt::format("From {:.3f} mm on with speed {:g} mm/h, light {:g} % and margin {:g}: {}; gel gap {}",
+                    in_mm(each.from), each.settings.speed_mm_h, each.settings.light_percent,
+                    each.settings.margin, continuous_line(each.plan), gel_line(each.plan)));
+  return list + more_items(beyond(report.changed_rises)) + "</ul>\n";
+}
+
 // Returns the plan of a continuous print, and how long its ranges took.
 std::string rises_section(const PrintReport& report) {
   if (!report.summary.continuous) return "";
   const ContinuousForecast& plan = *report.summary.continuous;
   return "<h2>Rises</h2>\n<table>\n" + table_row("Planned", continuous_line(plan)) +
-         table_row("Gel gap", gel_line(plan)) + "</table>\n" + ranges_table(plan, range_times(report));
+         table_row("Gel gap", gel_line(plan)) + "</table>\n" +
+         ranges_table(plan, range_times(report, plan.ranges)) + changed_rises(report);
 }
 
 std::string light_section(const PrintReport& report) {

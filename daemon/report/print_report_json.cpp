@@ -177,6 +177,26 @@ Json rise_json(const PrintReport& report) {
   return json;
 }
 
+// Returns the plan of the rises when the print began, and as it was changed; null if the print is layered.
+Json rises_json(const PrintReport& report) {
+  const auto plan_json = [&report](const ContinuousForecast& plan) {
+    return continuous_json(plan, range_times(report, plan.ranges));
+  };
+  if (!report.summary.continuous) return {};
+  Json json = plan_json(*report.summary.continuous);
+  json["changed"] = Json::array();
+  for (const ChangedForecast& each : report.changed_rises) {
+    Json changed{{"from_mm", in_mm(each.from)},
+                 {"set",
+                  {{"speed_mm_h", each.settings.speed_mm_h},
+                   {"light_percent", each.settings.light_percent},
+                   {"margin", each.settings.margin}}}};
+    changed.update(plan_json(each.plan));
+    json["changed"].push_back(std::move(changed));
+  }
+  return json;
+}
+
 Json layer_json(const LayerRecord& layer) {
   Json json{{"layer", layer.layer + 1},
             {"thickness_um", in_mm(layer.thickness) * 1000},
@@ -242,8 +262,7 @@ std::string report_as_json(const PrintReport& report) {
   add_layer_figures(summary.layers, json);
   json["layers_exposed"] = layers_exposed(report.layers);
   add_stops(report, json);
-  json["continuous"] =
-      summary.continuous ? continuous_json(*summary.continuous, range_times(report)) : Json();
+  json["continuous"] = rises_json(report);
   json["frames"] = rise_json(report);
   json["unfound_undersides"] = layers_with_unfound_undersides(report.layers);
   json["late_steps"] = report.late_steps;

@@ -41,11 +41,11 @@ std::optional<Duration> time_at(const PrintReport& report, Nanometers height) {
 
 }  // namespace
 
-std::vector<std::optional<Duration>> range_times(const PrintReport& report) {
+std::vector<std::optional<Duration>> range_times(const PrintReport& report,
+                                                 std::span<const ContinuousRange> ranges) {
   std::vector<std::optional<Duration>> times;
-  if (!report.summary.continuous) return times;
   Duration rest{};
-  for (const ContinuousRange& range : report.summary.continuous->ranges) {
+  for (const ContinuousRange& range : ranges) {
     const std::optional<Duration> from = time_at(report, range.bottom), to = time_at(report, range.top);
     times.push_back(from && to ? std::optional(std::max(*to - *from - rest, Duration{})) : std::nullopt);
     rest = range.rest;

@@ -161,6 +161,16 @@ class Continuous(SpoolTest):
         report = json.loads(daemon.read("failed", "needle.report.json"))
         self.assertEqual([(each["setting"], each["value"]) for each in report["changes"]], changes)
         self.assertTrue(all(0.2 <= each["from_mm"] < 2 for each in report["changes"]), report["changes"])
+        self.assertEqual([each["before"] for each in report["changes"] if each["setting"] == "light"], [100, 20])
+        plans = report["continuous"]["changed"]
+        self.assertEqual([each["from_mm"] for each in plans], [each["from_mm"] for each in report["changes"]])
+        self.assertEqual([each["set"]["light_percent"] for each in plans], [20, 20, 20, 100, 100])
+        self.assertAlmostEqual(plans[1]["speed_mm_h"][1], 60, delta=0.01)
+        self.assertAlmostEqual(plans[3]["margin"][0], plans[2]["margin"][0] * 5, delta=0.2 * plans[3]["margin"][0])  # as fast, with more light
+        for plan, following in zip(plans, plans[1:]):
+            self.assertAlmostEqual(plan["ranges"][-1]["top_mm"], following["from_mm"], delta=1e-6)
+        self.assertEqual(plans[-1]["ranges"][-1]["top_mm"], 2)
+        self.assert_words(daemon.read("failed", "needle.report.html"), "light 20 % and margin 3")
         self.assert_words(contourctl("frames", "--csv", daemon.file("failed", "needle.frames.bin"), expect=OK).stdout, ",100.0\n", ",20.0\n")
 
     def test_a_layered_print_has_no_speed_light_or_margin(self):

@@ -64,6 +64,38 @@ TEST_CASE_METHOD(PrintRecordFixture,
         "from layer 4 on rest 800 ms instead of 500 ms; from layer 5 on rest 900 ms instead of 800 ms");
 }
 
+TEST_CASE_METHOD(
+    PrintRecordFixture,
+    "Each change of a setting begins with the value of the change before, also for an earlier layer") {
+  PrintRecord record = begin();
+  const Nanometers low{1'000'000}, high{2'000'000};
+  record.add(SettingChange{3, "margin", 3, 4, low});
+  record.add(SettingChange{3, "margin", 2, 3, high});
+  record.add(SettingChange{3, "margin", 5, 2, low});
+  const std::vector<SettingChange> changes = record.take_report().changes;
+  REQUIRE(changes.size() == 3);
+  CHECK(changes[1].before == changes[0].value);
+  CHECK(changes[2].before == changes[1].value);
+}
+
+TEST_CASE_METHOD(PrintRecordFixture, "A changed plan of the rises ends where the next one begins") {
+  PrintRecord record = begin();
+  const auto changed = [](std::int64_t from_um, double margin) {
+    const Nanometers from{from_um * 1000}, top{5'000'000};
+    ContinuousRange range{.bottom = from, .top = top, .limit = RiseLimit::Cure};
+    range.time = std::chrono::seconds(8);
+    return ChangedForecast{from, {.margin = margin}, {{}, {range}}};
+  };
+  for (const std::int64_t from_um : {1000, 3000, 3000})
+    record.add(changed(from_um, static_cast<double>(from_um)));
+  const std::vector<ChangedForecast> plans = record.take_report().changed_rises;
+  REQUIRE(plans.size() == 2);
+  CHECK(plans[0].plan.ranges.front().top == Nanometers{3'000'000});
+  CHECK(plans[0].plan.time() == std::chrono::seconds(4));
+  CHECK(plans[1].from == Nanometers{3'000'000});
+  CHECK(plans[1].plan.time() == std::chrono::seconds(8));
+}
+
 TEST_CASE_METHOD(PrintRecordFixture, "A record keeps layers and interruptions in order") {
   PrintRecord record = begin();
   record.add(layer(0));
