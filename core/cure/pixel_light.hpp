@@ -1,8 +1,10 @@
 // Light of one pixel on the film: how much of it reaches the neighbours. Values and pure functions;
 // thread-safe.
 //
-// The light is a sum of Gaussians (Kang et al. 2012): one of the width that was measured, or a second one
-// with the wide tail that small features show. Widths are standard deviations in pixels.
+// A pixel is an evenly lit square, which the optics blur: its light is the square, spread by a Gaussian (Kang
+// et al. 2012) of the width that was measured, or by a second one with the wide tail that small features
+// show. So the dose is even within a lit area, and half of that at the area's edge, however narrow the
+// Gaussian is. Widths are standard deviations in pixels.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +29,8 @@ struct PixelLight {
 };
 
 // Returns the place of a wall between the middles of two pixels, from the brighter one's, 0 to 1: where the
-// dose falls to `least`. REQUIRES: bright >= least > dark.
+// dose falls to `least`, as it does between two pixels at the edge of a lit area. REQUIRES: bright >= least >
+// dark.
 [[nodiscard]] double wall_between(double bright, double dark, double least);
 
 // Spreads the light of a picture's pixels. Keeps its working memory. Not thread-safe.

@@ -225,17 +225,12 @@ TEST_CASE("Walls bulge where spread light of all layers adds up, as far as the G
   // The middle of a layer is solid from exp(25/150) Ec on. All layers together give its top up to E0 / (1 -
   // q).
   const double share = std::exp(25.0 / 150) * (1 - std::exp(-50.0 / 150)) / std::exp(100.0 / 150);
-  // The light of the outermost lit pixels: their own Gaussian and that of their neighbours, over the comb's
-  // sum.
-  const double comb = 1 + 2 * std::exp(-2) + 2 * std::exp(-8);
-  const auto light = [&](double x) {
-    return (std::exp(-2 * x * x) + std::exp(-2 * (x + 1) * (x + 1)) + std::exp(-2 * (x + 2) * (x + 2))) /
-           comb;
-  };
+  // The light of a lit area, beside its edge.
+  const auto light = [](double x) { return std::erfc(x / (0.5 * std::sqrt(2))) / 2; };
   double inside = 0, outside = 1;
   for (int halving = 0; halving < 30; ++halving)
     (light((inside + outside) / 2) > share ? inside : outside) = (inside + outside) / 2;
-  CHECK(of.walls.p95_um == Approx((inside - 0.5) * 50).margin(5));  // a tenth of a pixel
+  CHECK(of.walls.p95_um == Approx(inside * 50).margin(0.5));  // a hundredth of a pixel
   CHECK(of.tops.median_um == Approx(0).margin(kRounding));
   CHECK(of.undersides.median_um == Approx(239).margin(0.6));
 }
@@ -250,8 +245,8 @@ TEST_CASE("The weakest bond is the dose at the lower side of the layer with the 
 TEST_CASE("Pixels that the light of their neighbours lacks bond with less") {
   // A pin of two by two pixels; the light of a pixel reaches its neighbours.
   const CuredPart part = cured(models::box({0, 0, 0}, {0.1F, 0.1F, 1}), {.pixel = {{{0.5, 1}}}});
-  const double comb = 1 + 2 * std::exp(-2) + 2 * std::exp(-8);
-  const double share = (1 + std::exp(-2)) / comb;  // along a row, and as much along a column
+  // Along a row, and as much along a column: of its own square and of its neighbour's.
+  const double share = (std::erf(1 / std::sqrt(2)) + std::erf(3 / std::sqrt(2))) / 2;
   CHECK(part.weakest_bond == Approx(share * share * std::exp(kOvercureUm / 150)).epsilon(1e-4));
 }
 
