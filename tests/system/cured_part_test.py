@@ -16,14 +16,14 @@ IRRADIANCE = 5  # mW/cm²
 
 
 class CuredPart(FolderTest):
-    def printed(self, facets, memory, undersides="dose", claimed_memory=None):
-        """Prints the facets; returns the print."""
+    def printed(self, facets, memory, undersides="dose", claimed_memory=None, **curve):
+        """Prints the facets, with further keys of the working curve; returns the print."""
         claimed = memory if claimed_memory is None else claimed_memory
         profile = source_json("resins/standard.json")
         del profile["exposure_ms"], profile["bottom_exposure_ms"]
         profile |= {
             "bottom_layers": 0, "fade_layers": 0, "growth_um": 0, "elephant_foot_um": 0, "undersides": undersides,
-            "working_curve": working_curve(claimed),
+            "working_curve": working_curve(claimed) | curve,
         }  # fmt: skip
         if not hasattr(self, "daemon"):
             self.daemon = Daemon(self, {"display": {"width_px": WIDTH, "height_px": HEIGHT, "pixel_pitch_um": PITCH * 1000}}, masks=True).start()
@@ -141,6 +141,33 @@ class CuredPart(FolderTest):
             self.assertEqual(page.count("by their distance, um"), 3)
         self.daemon.printed("flat.stl", binary_stl(box((0, 0, 0), (2, 2, 0.5))))
         self.assertIsNone(self.daemon.report("flat")["cured_part"])  # its resin has no curve
+
+    def test_a_print_of_warm_resin_with_light_that_spreads_has_the_same_part_in_its_report_and_by_cure(self):
+        light = [{"sigma_um": 500 * PITCH, "share": 0.9}, {"sigma_um": 2000 * PITCH, "share": 0.1}]
+        display = {"width_px": WIDTH, "height_px": HEIGHT, "pixel_pitch_um": PITCH * 1000, "pixel_light": light}
+        self.daemon = Daemon(self, {"display": display, "resin_temperature": {"celsius": 33}}, masks=True).start()
+        self.printed(BRIDGE, 1, "plain", temperature_c=23)
+        job = "part-plain-1"
+        part, report = self.reported(job), self.daemon.report(job)
+        self.assertEqual(report["settings"]["pixel_light"], [{"sigma_pixels": 0.5, "share": 0.9}, {"sigma_pixels": 2, "share": 0.1}])
+        factor = math.exp(30000 / 8.314462618 * (1 / 306.15 - 1 / 296.15))  # Arrhenius' law
+        self.assertAlmostEqual(report["settings"]["temperature"]["light"], factor, places=4)
+
+        def cured(report):
+            result = contourctl("cure", "--json", self.write("model.stl", binary_stl(BRIDGE)), "--printer", self.daemon.config_path,
+                                "--ticket", self.write("ticket.json", json.dumps({"resin": job}).encode()),
+                                "--report", self.write("job.report.json", json.dumps(report).encode()), expect=OK)  # fmt: skip
+            return json.loads(result.stdout)
+
+        found = cured(report)
+        self.assertEqual({key: found[key] for key in part}, part)
+        self.assertEqual(found["pixel_light"], report["settings"]["pixel_light"])
+        self.assertEqual(found["warnings"], [])
+        # Warm resin got less light, and its part is that of the curve's temperature: in the middle, light from all sides makes up
+        # for light that spreads.
+        self.assertAlmostEqual(found["undersides"]["median_um"], 239, delta=2.5)
+        report["settings"]["temperature"]["light"] = 1  # the same light in resin as at the curve's measurement
+        self.assertAlmostEqual(cured(report)["undersides"]["median_um"] - found["undersides"]["median_um"], 150 * math.log(factor), delta=0.1)
 
     def test_a_report_of_another_model_or_of_no_print_is_noticed(self):
         self.printed(BRIDGE, 1, "plain")
