@@ -10,6 +10,7 @@
 
 #include "core/contract/expects.hpp"
 #include "core/cure/pixel_light.hpp"
+#include "core/cure/ray_sort.hpp"
 
 namespace contourd {
 namespace {
@@ -179,10 +180,8 @@ void CureComparison::measure_walls(Walls& walls, std::size_t height, const Cured
 
 CureFigures CureComparison::figures() {
   expects(layers_left_ == 0, "all layers were added");
-  std::ranges::sort(cured_, [this](const Stretch& a, const Stretch& b) {
-    check_.spend(1);
-    return std::pair(a.pixel, a.from) < std::pair(b.pixel, b.from);
-  });
+  sort_by_ray(
+      cured_, &Stretch::pixel, [](const Stretch& a, const Stretch& b) { return a.from < b.from; }, check_);
   auto model = model_.begin();
   auto cured = cured_.begin();
   while (model != model_.end() || cured != cured_.end()) {

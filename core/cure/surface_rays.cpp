@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
+#include "core/cure/ray_sort.hpp"
 
 namespace contourd {
 namespace {
@@ -246,10 +247,10 @@ std::vector<RayCrossing> entries_between(std::span<const PlateModel> models, con
 }
 
 std::vector<RayStretch> stretches_within(std::vector<RayCrossing> crossings, StopCheck& check) {
-  std::ranges::sort(crossings, [&check](const RayCrossing& a, const RayCrossing& b) {
-    check.spend(1);
-    return std::tie(a.ray, a.at, a.steepness) < std::tie(b.ray, b.at, b.steepness);
-  });
+  const auto is_before = [](const RayCrossing& a, const RayCrossing& b) {
+    return std::tie(a.at, a.steepness) < std::tie(b.at, b.steepness);
+  };
+  sort_by_ray(crossings, &RayCrossing::ray, is_before, check);
   std::vector<RayStretch> stretches;
   int inside = 0;
   RayCrossing from{};
