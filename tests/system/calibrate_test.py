@@ -147,6 +147,7 @@ class Windows(CalibrationTest):
     def test_a_hidden_gamma_is_found_from_grey_windows_and_goes_to_the_printers_file(self):
         daemon = self.daemon()
         self.assert_refusal(self.run_ctl(daemon, "fit", "grey", "standard", "255=400"), BAD_DATA, "calibrate the curve first")
+        self.assert_refusal(self.run_ctl(daemon, "calibrate", "grey", "standard", "--confirm", "--in-resin"), BAD_DATA, "calibrate the curve first")
         self.well(self.run_ctl(daemon, "fit", "curve", "standard", *self.measured_curve(daemon), "--accept"))
         output = self.well(self.run_ctl(daemon, "calibrate", "grey", "standard", "--confirm", "--in-resin"))
         greys = self.given(output)

@@ -127,7 +127,7 @@ class Printed(CalibrationTest):
         daemon = Daemon(self, resin={**CURVE, "ticket_limits": {"exposure_ms": [100, 10000]}})
         text, ticket = self.calibrate("exposure").stdout.decode(), self.path("out", "exposure.json")
         overcures = [float(line.split()[-1]) for line in text.splitlines() if "   overcure_um " in line]
-        for step, overcure in enumerate(overcures[:-1], 1):
+        for step, overcure in enumerate(overcures, 1):
             found = json.loads(self.fit("exposure", str(step), "--ticket", ticket, "--json").stdout)["values"][0]
             self.assertEqual(found["key"], "/working_curve/overcure_um")
             self.assertAlmostEqual(found["value"], overcure, delta=0.06)
@@ -136,6 +136,27 @@ class Printed(CalibrationTest):
         cold = json.loads(self.fit("exposure", "1", "--ticket", ticket, "--temperature-c", "25", "--json").stdout)["values"][0]
         self.assertAlmostEqual(overcures[0] - cold["value"], 30, delta=1)
         self.assertIn("give --temperature-c", self.fit("exposure", "1", "--ticket", ticket).stdout.decode())
+
+    def test_every_step_of_a_tower_can_become_the_exposure(self):
+        daemon = Daemon(self, resin=LIMITS)
+        curve = CURVE["working_curve"]
+        profiles = {
+            "fixed": LIMITS,
+            "no longer than bottom layers": {**LIMITS, "bottom_exposure_ms": 3100.7},
+            "odd limits": {"ticket_limits": {"exposure_ms": [1999.3, 4321.9]}},
+            "a curve": {**CURVE, "ticket_limits": {"exposure_ms": [1, 120000]}},
+            "little overcure of bottom layers": {**CURVE, "working_curve": {**curve, "bottom_overcure_um": 77.77}, "ticket_limits": {"exposure_ms": [1, 120000]}},
+            "thin layers": {**CURVE, "layer_height_um": 25, "working_curve": {**curve, "overcure_um": 30, "bottom_overcure_um": 61.3}, "ticket_limits": {"exposure_ms": [1, 120000]}},
+            "a clear resin": {**CURVE, "working_curve": {**curve, "penetration_depth_um": 733, "critical_energy_mj_cm2": 3.3, "overcure_um": 400, "bottom_overcure_um": 2000}, "ticket_limits": {"exposure_ms": [1, 120000]}},
+        }  # fmt: skip
+        for name, profile in profiles.items():
+            with self.subTest(name):
+                daemon.write_resin("standard", profile)
+                self.calibrate("exposure")
+                steps = json.loads(contents(self.path("out", "exposure.json")))["exposure_steps"]
+                self.assertGreater(len({step["exposure_ms"] for step in steps}), 5)
+                for step in range(1, len(steps) + 1):
+                    self.fit("exposure", str(step), "--ticket", self.path("out", "exposure.json"))
 
     def test_bridges_get_all_their_light_even_if_the_resin_s_undersides_are_dimmed(self):
         daemon = Daemon(self, resin=CURVE).start()
@@ -176,6 +197,10 @@ class Refused(CalibrationTest):
         self.assert_refusal(self.calibrate("exposure", expect=None), BAD_DATA, '"ticket_limits": {"exposure_ms": [1800, 6000]}')
         daemon.write_resin("standard", {"ticket_limits": {"exposure_ms": [2900, 3100]}})
         self.assert_refusal(self.calibrate("exposure", expect=None), BAD_DATA, "2900 to 3100 ms")
+        daemon.write_resin("standard", {**LIMITS, "exposure_ms": 2000, "bottom_exposure_ms": 2300})
+        self.assert_refusal(self.calibrate("exposure", expect=None), BAD_DATA, "2000 to 2300 ms", "bottom layers' 2300 ms", "raise bottom_exposure_ms")
+        daemon.write_resin("standard", {**CURVE, "working_curve": {**CURVE["working_curve"], "overcure_um": 5, "bottom_overcure_um": 20}, **LIMITS})
+        self.assert_refusal(self.calibrate("exposure", expect=None), BAD_DATA, "cures its own height", "raise bottom_overcure_um")
         self.assertFalse(os.path.exists(self.path("out")))
         missing = contourctl("calibrate", "memory", "none", "--printer", self.path("contourd.json"), "-o", self.path("out"))
         self.assert_refusal(missing, BAD_CONFIG, "none")
@@ -197,6 +222,7 @@ class Refused(CalibrationTest):
                 result = self.fit("exposure", step, "--ticket", of, "--accept", expect=None)
                 self.assertEqual(result.returncode, code, result)
                 self.assert_words(result.stderr.decode(), said)
+        self.assertIn("it is a folder, not a file", self.fit("exposure", "4", "--ticket", self.path("out"), expect=None).stderr.decode())
         self.assertEqual(self.fit("exposure", "4", "--ticket", ticket, "--temperature-c", "20", expect=None).returncode, BAD_USAGE)
         for option in ("--temperature-c", "--lamp-hours"):
             for number in ("nan", "-300", "1e300"):
@@ -220,6 +246,7 @@ class Refused(CalibrationTest):
         for word in ("30=29", "x=29", "z30=29", "xgap=3", "x30", "x30=", "x30=long"):
             with self.subTest(word):
                 self.assertEqual(self.fit("dimensions", word, expect=None).returncode, BAD_USAGE)
+        self.assert_refusal(self.fit("memory", "99999999=100", expect=None), BAD_USAGE, "99999999=100: a bridge has a whole number of layers, 1 to 100")
         self.assert_refusal(self.fit("memory", "2=200", "4=300", "8=500", expect=None), BAD_DATA, "3 thicknesses")
         self.assert_refusal(self.fit("memory", *["16=2000"] * 4, expect=None), BAD_DATA, "thicker")
         self.assert_refusal(self.fit("dimensions", "x30=29.9", expect=None), BAD_DATA, "1 lengths do not determine")

@@ -85,6 +85,7 @@ class WindowPrint {
   int print_greys() {
     const double time_s = args_.seconds.value_or(std::min(normal_exposure_s() * kSpan, longest_s()));
     check_longest(time_s);
+    (void)cure_of(resin_);  // without a curve, nothing follows from the windows
     if (const int code = prepare(time_s); code != kOk) return code;
     fmt::print("all windows: {:.3g} s\n", time_s);
     std::fflush(stdout);

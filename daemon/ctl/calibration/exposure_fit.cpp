@@ -34,7 +34,7 @@ struct ExposureFitArgs {
 // Returns the tower's exposures in ms, falling, from the ticket that it was printed with. Throws UsageError.
 std::vector<double> tower_exposures(const ExposureFitArgs& args, const ResinProfile& resin) {
   const std::string name = printable(args.ticket.string());
-  const JobTicket ticket = parse_job_ticket(read_text(args.ticket), args.ticket.string());
+  const JobTicket ticket = load_job_ticket(args.ticket);
   if (ticket.layer_height && *ticket.layer_height != resin.layer_height)
     throw UsageError(
         fmt::format("{} sets a layer height of its own: the tower's exposures would be written for that of "
@@ -105,7 +105,7 @@ CalibratedValue overcure_of(const ExposureFitArgs& args, const ResinProfile& res
         "step {} cures {:.4g} um more than a layer, and bottom layers, which may not get less, only "
         "{:g}: raise bottom_overcure_um of {} first",
         args.step, depth_um - layer_um, bottom_um, printable(args.resin)));
-  return {"/working_curve/overcure_um", rounded(depth_um - layer_um),
+  return {"/working_curve/overcure_um", std::min(rounded(depth_um - layer_um), bottom_um),
           rounded(curve.penetration_depth.count() * best.log_uncertainty())};
 }
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <system_error>
+#include <variant>
 #include <vector>
 
 #include "core/calibration/calibration_models.hpp"
@@ -88,6 +89,10 @@ class CalibrationJobs {
   }
   [[nodiscard]] int first_normal_layer() const { return resin_.bottom_layers + resin_.fade_layers; }
   [[nodiscard]] std::vector<double> tower_exposures() const;
+  [[nodiscard]] double exposure_ms_of(MillijoulesPerCm2 dose) const {
+    return dose.count() / printer_.irradiance_mw_cm2 * 1000;
+  }
+  [[nodiscard]] double bottom_exposure_ms() const;
   [[nodiscard]] Json ticket() const { return {{"resin", args_.resin}, {"supports", "off"}}; }
   // Returns the command that computes the figures, with a question mark for each value.
   [[nodiscard]] std::string fit_command(const char* kind, const std::vector<std::string>& keys) const;
@@ -147,7 +152,16 @@ CalibrationJob CalibrationJobs::dimensions() const {
   return job;
 }
 
-// Returns the exposures of the tower's steps in ms, falling, within the limits for tickets.
+// Returns the exposure of a bottom layer of the profile's height, by the curve if the profile has one.
+double CalibrationJobs::bottom_exposure_ms() const {
+  if (const auto* fixed = std::get_if<FixedExposure>(&resin_.exposure))
+    return milliseconds(fixed->bottom_exposure);
+  const Micrometers overcure = std::get<CurveExposure>(resin_.exposure).bottom_overcure;
+  return exposure_ms_of(cure_of(resin_).curve.dose_for(Micrometers{layer_mm_ * 1000} + overcure));
+}
+
+// Returns the exposures of the tower's steps in ms, falling: within the limits for tickets, and such that
+// each of them may become that of the profile, see fit_exposure().
 std::vector<double> CalibrationJobs::tower_exposures() const {
   const double normal = normal_exposure_ms();
   double least = 0.6 * normal, most = 2 * normal;
@@ -160,17 +174,26 @@ std::vector<double> CalibrationJobs::tower_exposures() const {
   most = std::min(most, figure_of(resin_.limits.exposure->most));
   // With less light than this, layers do not bond, and the tower falls apart.
   if (resin_.cure)
-    least = std::max(least, resin_.cure->curve.dose_for(Micrometers{layer_mm_ * 1000}).count() /
-                                printer_.irradiance_mw_cm2 * 1000);
+    least = std::max(least, exposure_ms_of(resin_.cure->curve.dose_for(Micrometers{layer_mm_ * 1000})));
+  const double bottom = bottom_exposure_ms();
+  most = std::min(most, bottom);
+  // Whole numbers, since rounding would lead beyond the limits.
+  least = std::ceil(least);
+  most = std::floor(most);
   if (!(most > 1.2 * least))
-    throw CalibrationRefused(
-        fmt::format("the ticket_limits of {} leave {:.4g} to {:.4g} ms for a test print: widen the limits of "
-                    "exposure_ms",
-                    printable(resin_.name), least, most));
+    throw CalibrationRefused(fmt::format(
+        "{} leaves {:g} to {:g} ms for a test print, whose longest exposure must be 1.2 times the shortest "
+        "one: by its ticket_limits of exposure_ms, {:g} to {:g}, and by its bottom layers' {:.4g} ms, the "
+        "longest "
+        "exposure that another layer may get{}; widen the limits, or raise {}",
+        printable(resin_.name), least, most, figure_of(resin_.limits.exposure->least),
+        figure_of(resin_.limits.exposure->most), bottom,
+        resin_.cure ? ", and a layer needs as much as cures its own height" : "",
+        resin_.cure ? "bottom_overcure_um" : "bottom_exposure_ms"));
   std::vector<double> exposures;
   for (int step = 0; step < kMostTowerSteps; ++step) {
     const double exposure = most * std::pow(least / most, 1.0 * step / (kMostTowerSteps - 1));
-    exposures.push_back(std::clamp(std::round(exposure), least, most));
+    exposures.push_back(std::clamp(std::round(exposure), least, most));  // rounding of the power
   }
   return exposures;
 }

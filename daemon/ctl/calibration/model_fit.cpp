@@ -87,7 +87,8 @@ int peel_memory(const ModelFitArgs& args) {
   std::vector<BridgeThickness> bridges;
   for (const auto& [layers, thickness_um] : parse_measured(args.measured)) {
     if (layers != std::round(layers) || layers < 1 || layers > kMostBridgeLayers)
-      throw UsageError(fmt::format("{:g} is not a number of layers, 1 to {}", layers, kMostBridgeLayers));
+      throw UsageError(fmt::format("{:.10g}={:g}: a bridge has a whole number of layers, 1 to {}", layers,
+                                   thickness_um, kMostBridgeLayers));
     // The bridge was thicker before the part shrank.
     bridges.push_back({static_cast<int>(layers), Micrometers{thickness_um * resin.shrinkage_factors.z}});
   }
