@@ -23,7 +23,14 @@ constexpr double kMostUncertain = 0.1;                        // of a slope, as 
 
 void check_count(std::size_t count) {
   if (count < kFewestWindows)
-    refuse("%zu windows do not determine a curve: measure at least %zu, better eight", count, kFewestWindows);
+    refuse("%zu %s not determine a curve: measure at least %zu, better eight", count,
+           count == 1 ? "window does" : "windows do", kFewestWindows);
+}
+
+void check_thickness(Micrometers thickness) {
+  if (thickness.count() <= kThickestUm) return;
+  refuse("a window of %.4g um: cured resin is at most %g um thick; type thicknesses in um", thickness.count(),
+         kThickestUm);
 }
 
 // Returns the line of thickness over the light's logarithm.
@@ -77,6 +84,7 @@ CurveFit fit_working_curve(std::span<const CuredWindow> windows, Micrometers rea
           "a window of %.4g um at %.4g mJ/cm2: both must be more than 0; leave out windows without cured "
           "resin",
           thickness.count(), dose.count());
+    check_thickness(thickness);
     points.push_back({std::log(dose.count()), thickness.count()});
   }
   const auto [least, most] = std::ranges::minmax(windows, {}, &CuredWindow::dose);
@@ -103,6 +111,7 @@ GammaFit fit_gamma(std::span<const GreyWindow> windows, Estimate penetration_dep
       refuse(
           "a window of %.4g um at grey %d: both must be more than 0; leave out windows without cured resin",
           thickness.count(), static_cast<int>(grey));
+    check_thickness(thickness);
     points.push_back({std::log(grey / 255.0), thickness.count()});
   }
   const auto [darkest, brightest] = std::ranges::minmax(windows, {}, &GreyWindow::grey);

@@ -1,4 +1,4 @@
-// The sentence with which a fit refuses measurements.
+// The sentence with which a fit refuses measurements, and a limit that fits share.
 #pragma once
 
 #include <array>
@@ -7,6 +7,8 @@
 #include "core/calibration/line_fit.hpp"
 
 namespace contourd {
+
+inline constexpr double kThickestUm = 100'000;  // of cured resin; more is no measurement in um
 
 // Throws CalibrationRefused with a sentence, written as by printf.
 template <typename... Figures>

@@ -167,6 +167,7 @@ FrameFile read_frame_file(const std::filesystem::path& path) {
     if (block->records == 0) {
       const auto records = take<std::uint64_t>(block->body);
       file.lost = take<std::uint64_t>(block->body);
+      file.after_end = bytes.size();
       file.complete = bytes.empty() && records == file.records.size();
       break;
     }

@@ -35,7 +35,8 @@ struct FrameFile {
 
   std::vector<FrameRecord> records;  // in the order of time
   std::uint64_t lost = 0;            // records that were not written
-  bool complete = false;             // the file has its end
+  bool complete = false;             // the file has its end, and nothing after it
+  std::size_t after_end = 0;         // bytes after the end, which do not belong to it
 };
 static_assert(FrameFile::kMostBytes == 16'793'664);
 

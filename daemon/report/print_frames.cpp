@@ -19,7 +19,9 @@ PrintFrames read_print_frames(std::span<const LayerRecord> layers, const std::fi
   try {
     FrameFile frames = read_frame_file(file);
     if (frames.complete && frames.lost == 0) return {std::move(frames.records)};
-    return {{}, fmt::format(kFromSlices, printable(file.filename().string()) + " does not have all of them")};
+    const std::string name = printable(file.filename().string());
+    if (frames.after_end > 0) return {{}, fmt::format(kFromSlices, name + " goes on after its end")};
+    return {{}, fmt::format(kFromSlices, name + " does not have all of them")};
   } catch (const std::exception& error) {
     return {{},
             fmt::format(kFromSlices,

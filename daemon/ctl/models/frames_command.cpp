@@ -41,6 +41,8 @@ FrameFile read_frames(const std::filesystem::path& path) {
 }
 
 std::string record_text(const FrameFile& file) {
+  if (file.after_end > 0)
+    return fmt::format("damaged: {} after its end", count_of(file.after_end, "byte", "bytes"));
   if (!file.complete) return "ends early: masks shown after these are not known";
   if (file.lost > 0) return fmt::format("{} masks are missing", file.lost);
   return "complete";

@@ -106,6 +106,13 @@ TEST_CASE("Windows that do not determine a curve are refused with their figures"
   const std::vector<CuredWindow> sound = measured_windows(1);
   CHECK_THROWS_WITH(fit_working_curve({sound.data(), 4}),
                     "4 windows do not determine a curve: measure at least 5, better eight");
+  CHECK_THROWS_WITH(fit_working_curve({sound.data(), 1}),
+                    "1 window does not determine a curve: measure at least 5, better eight");
+  std::vector<CuredWindow> huge = sound;
+  for (CuredWindow& window : huge)
+    window.thickness = Micrometers{1e308};
+  CHECK_THROWS_WITH(fit_working_curve(huge),
+                    "a window of 1e+308 um: cured resin is at most 100000 um thick; type thicknesses in um");
   CHECK_THROWS_WITH(fit_working_curve(measured_windows(1, 8, 3.9)),
                     Catch::Matchers::StartsWith("the doses span a factor of 3.9: they must span at least 4"));
   std::vector<CuredWindow> falling = sound;

@@ -282,6 +282,10 @@ TEST_CASE("Bridges that do not determine the memory are refused with their figur
   std::vector<BridgeThickness> torn = good;
   torn[2].thickness = Micrometers{0};
   CHECK(lacking(memory_refusal(print, torn), {"a bridge of 4 layers that is 0 um thick"}).empty());
+  torn[2].thickness = Micrometers{1e300};
+  CHECK(lacking(memory_refusal(print, torn),
+                {"a bridge of 4 layers that is 1e+300 um thick", "at most 100000 um"})
+            .empty());
   torn[2] = {101, Micrometers{100}};
   CHECK(lacking(memory_refusal(print, torn), {"a bridge of 101 layers"}).empty());
   torn[2] = {4, Micrometers{std::nan("")}};

@@ -122,8 +122,9 @@ TEST_CASE_METHOD(FrameFileFixture, "A byte that is changed anywhere is noticed")
     CHECK(is_refused() == (at < FrameFile::kHeaderBytes));
     if (at >= FrameFile::kHeaderBytes) CHECK_FALSE(read_frame_file(path).complete);
   }
-  put(whole + "x");
+  put(whole + "xy");
   CHECK_FALSE(read_frame_file(path).complete);
+  CHECK(read_frame_file(path).after_end == 2);
 }
 
 TEST_CASE_METHOD(FrameFileFixture, "A file that is no record of frames is refused with the reason") {
