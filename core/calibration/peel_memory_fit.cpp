@@ -89,9 +89,8 @@ void check_bridges(std::span<const BridgeThickness> measured) {
     if (layers < 1 || layers > kMostBridgeLayers ||
         !(thickness.count() > 0 && thickness.count() <= kThickestUm))
       refuse(
-          "a bridge of %d layers that is %.4g um thick: a bridge has 1 to %d layers and is more than 0 and "
-          "at "
-          "most %g um thick; leave out bridges that are torn",
+          "a bridge of %d layers that is %.4g um thick: a bridge has 1 to %d layers and is more than 0 "
+          "and at most %g um thick; leave out bridges that are torn",
           layers, thickness.count(), kMostBridgeLayers, kThickestUm);
   }
   const auto several = std::ranges::count_if(measured, [](const auto& bridge) { return bridge.layers > 1; });

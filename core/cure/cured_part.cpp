@@ -197,7 +197,7 @@ std::optional<CuredPart> PrintCure::compare(const Supports* supports) {
   try {
     CureComparison comparison(engine_.models(), support_models, display_, window_, light_.layers,
                               light_.is_stopped);
-    LayerBonds bonds(light_.cure, light_.layers);
+    LayerBonds bonds(light_.cure, light_.layers, static_cast<std::size_t>(window_.columns));
     const bool has_dimmed_pixels = masks_.darken() || !light_.pixel.gaussians.empty();
     std::vector<std::uint8_t> covered;
     part.abandoned_layers = cure_layers([&](const CuredLayer& layer) {

@@ -13,16 +13,19 @@ constexpr float kFullLight = 0.999F;
 
 }  // namespace
 
-LayerBonds::LayerBonds(const CureSettings& settings, std::span<const LayerDose> layers)
+LayerBonds::LayerBonds(const CureSettings& settings, std::span<const LayerDose> layers, std::size_t width)
     : layers_(layers),
+      width_(width),
       depth_mm_(to_millimeters(settings.curve.penetration_depth).count()),
       critical_(settings.curve.critical_dose.count()),
-      dead_zone_mm_(to_millimeters(settings.dead_zone).count()) {}
+      dead_zone_mm_(to_millimeters(settings.dead_zone).count()) {
+  expects(width >= 1, "a layer has pixels");
+}
 
 void LayerBonds::add_layer(std::size_t number, const Light& light) {
   expects(number < layers_.size() && light.covered.size() == light.share.size() &&
-              light.dose.size() == light.share.size(),
-          "the layer is one of the print's, with light for each pixel");
+              light.dose.size() == light.share.size() && light.share.size() % width_ == 0,
+          "the layer is one of the print's, with light for each pixel of whole rows");
   if (number + 1 < layers_.size() && layers_[number].peeled) compare(number + 1, light);
   gather(number, light);
 }
@@ -31,6 +34,21 @@ void LayerBonds::add_layer(std::size_t number, const Light& light) {
 double LayerBonds::own_dose(std::size_t number, const Light& light, std::size_t pixel) const {
   const double above = above_.empty() ? 0 : static_cast<double>(above_[pixel]);
   return static_cast<double>(light.share[pixel]) * layers_[number].dose.count() / critical_ + above;
+}
+
+LayerBonds::Dimmed LayerBonds::dimmed(std::size_t number, const Light& light, std::size_t pixel) const {
+  Dimmed found{pixel, 0, 0};
+  const std::size_t column = pixel % width_, row = pixel / width_, rows = light.share.size() / width_;
+  for (std::size_t y = row - std::min<std::size_t>(row, 1); y <= std::min(row + 1, rows - 1); ++y) {
+    for (std::size_t x = column - std::min<std::size_t>(column, 1); x <= std::min(column + 1, width_ - 1);
+         ++x) {
+      const std::size_t each = y * width_ + x;
+      if (light.covered[each] != 255) continue;
+      found.own = std::max(found.own, static_cast<float>(own_dose(number, light, each)));
+      found.dose = std::max(found.dose, light.dose[each]);
+    }
+  }
+  return found;
 }
 
 void LayerBonds::compare(std::size_t upper, const Light& lower) {
@@ -63,7 +81,7 @@ void LayerBonds::gather(std::size_t number, const Light& light) {
     if (any == 0) continue;
     for (std::size_t pixel = first; pixel < end; ++pixel)
       if (light.covered[pixel] == 255 && light.share[pixel] < kFullLight && light.dose[pixel] >= 1)
-        dimmed_.push_back({pixel, static_cast<float>(own_dose(number, light, pixel)), light.dose[pixel]});
+        dimmed_.push_back(dimmed(number, light, pixel));
   }
   if (number == 0 || layers_[number - 1].peeled) return;
   const double falloff = std::exp(-in_mm(layer.top - layers_[number - 1].top) / depth_mm_);

@@ -184,8 +184,7 @@ std::vector<double> CalibrationJobs::tower_exposures() const {
     throw CalibrationRefused(fmt::format(
         "{} leaves {:g} to {:g} ms for a test print, whose longest exposure must be 1.2 times the shortest "
         "one: by its ticket_limits of exposure_ms, {:g} to {:g}, and by its bottom layers' {:.4g} ms, the "
-        "longest "
-        "exposure that another layer may get{}; widen the limits, or raise {}",
+        "longest exposure that another layer may get{}; widen the limits, or raise {}",
         printable(resin_.name), least, most, figure_of(resin_.limits.exposure->least),
         figure_of(resin_.limits.exposure->most), bottom,
         resin_.cure ? ", and a layer needs as much as cures its own height" : "",

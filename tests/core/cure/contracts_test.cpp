@@ -107,10 +107,12 @@ TEST_CASE("A comparison requires rising layers, all of which are added from the 
 
 TEST_CASE("Bonds between layers require layers of the print, with light for each pixel") {
   const std::array layers{layer(0)};
-  LayerBonds bonds({.curve = kResinCurve}, layers);
-  const std::string known = "the layer is one of the print's, with light for each pixel";
+  LayerBonds bonds({.curve = kResinCurve}, layers, 1);
+  const std::string known = "the layer is one of the print's, with light for each pixel of whole rows";
   const std::array<std::uint8_t, 1> covered{255};
   const std::array light{1.0F};
+  CHECK(contract_broken_by([&] { (void)LayerBonds({.curve = kResinCurve}, layers, 0); }) ==
+        "a layer has pixels");
   CHECK(contract_broken_by([&] { bonds.add_layer(1, {covered, light, light}); }) == known);
   CHECK(contract_broken_by([&] { bonds.add_layer(0, {covered, light, {}}); }) == known);
   CHECK(contract_broken_by([&] { bonds.add_layer(0, {covered, light, light}); }).empty());

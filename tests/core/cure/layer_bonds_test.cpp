@@ -31,7 +31,7 @@ std::optional<LayerBond> weakest_bond(const std::vector<Lit>& print,
     layers.push_back({kThick * static_cast<std::int64_t>(layers.size() + 1), kThick,
                       MillijoulesPerCm2{8 * kFull}, lit.peeled});
   CuredLayers cured(settings, 1);
-  LayerBonds bonds(settings, layers);
+  LayerBonds bonds(settings, layers, 1);
   for (std::size_t layer = print.size(); layer-- > 0;) {
     const std::array share{print[layer].share};
     const std::array covered{print[layer].covered};
@@ -68,6 +68,31 @@ TEST_CASE("Layers that light from above solidifies are bonded by that light") {
   const auto over_solid = weakest_bond({{1}, {0}, {1}}, {.curve = kSettings.curve, .peel_memory = 0});
   REQUIRE(over_solid);
   CHECK(over_solid->dose == Approx(kFull * kThroughLayer * kThroughLayer));
+}
+
+TEST_CASE("A corner hangs on its neighbours, and a thin wall has none that hold it") {
+  // Light that spreads: the outermost pixels get 0.7, and those in the corners half.
+  constexpr std::size_t kSide = 4;
+  const auto weakest = [](std::size_t wall) {
+    std::vector<float> share(kSide * kSide);
+    std::vector<std::uint8_t> covered(kSide * kSide);
+    for (std::size_t y = 0; y < kSide; ++y) {
+      for (std::size_t x = 0; x < wall; ++x) {
+        const bool at_side = x == 0 || x + 1 == wall, at_end = y == 0 || y + 1 == kSide;
+        share[y * kSide + x] = at_side && at_end ? 0.52F : at_side || at_end ? 0.7F : 1;
+        covered[y * kSide + x] = 255;
+      }
+    }
+    const std::vector<LayerDose> layers{{kThick, kThick, MillijoulesPerCm2{8 * kFull}, true},
+                                        {2 * kThick, kThick, MillijoulesPerCm2{8 * kFull}, true}};
+    CuredLayers cured(kSettings, share.size());
+    LayerBonds bonds(kSettings, layers, kSide);
+    for (const std::size_t layer : {1U, 0U})
+      bonds.add_layer(layer, {covered, share, cured.add_layer(layers[layer], share)});
+    return bonds.weakest().value().dose;
+  };
+  CHECK(weakest(4) == Approx(kFull * kThroughLayer));
+  CHECK(weakest(1) == Approx(0.7 * kFull * kThroughLayer));
 }
 
 TEST_CASE("Light of layers without a peel between them bonds them together") {
