@@ -32,6 +32,7 @@ constexpr std::string_view kReportPageStyle = R"(
 @media (prefers-color-scheme: dark) { :root { --exposing: #b08af5; --moving: #56a8e0; --waiting: #6d7886; --preparing: #3fbd8d; --stopped: #f0863f; } }
 @media print { :root { --exposing: #6a3fb5; --moving: #2673ad; --waiting: #87909b; --preparing: #1f8a63; --stopped: #cf5a17; } }
 .top table { flex: 1 1 22rem; } .top th { white-space: nowrap; } td { overflow-wrap: anywhere; }
+.wide { overflow-x: auto; }
 .notes { margin: .3rem 0; padding-left: 1.2rem; } .notes li { margin: .3rem 0; overflow-wrap: anywhere; }
 .notes a { white-space: nowrap; } .warnings li::marker { color: var(--bad); content: "! "; }
 .layers { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 12.5rem), 1fr)); gap: 1rem; }

@@ -137,7 +137,8 @@ std::string times_table(const PrintReport& report) {
   const TimeByCause took = time_by_cause(report.states), mean = mean_layer_time(report);
   const std::vector<TimeCause> differing = differing_causes(report);
   std::string table =
-      "<table class=\"figures\" id=\"causes\">\n<tr><th>Cause</th><th>planned</th><th>took</th>"
+      "<div class=\"wide\">\n<table class=\"figures\" "
+      "id=\"causes\">\n<tr><th>Cause</th><th>planned</th><th>took</th>"
       "<th>difference</th>" +
       layer_heading("planned: typical", forecast.typical) +
       layer_heading("planned: longest", forecast.longest) + "<th>took: mean layer</th></tr>\n";
@@ -150,10 +151,10 @@ std::string times_table(const PrintReport& report) {
                          cell(forecast.typical.time[cause]), cell(forecast.longest.time[cause]),
                          cell(mean[cause]));
   }
-  table += fmt::format("<tr><td>sum</td>{}{}<td>{}</td>{}{}{}</tr>\n</table>\n", cell(forecast.time.total()),
-                       cell(took.total()), signed_text(took.total() - forecast.time.total()),
-                       cell(forecast.typical.time.total()), cell(forecast.longest.time.total()),
-                       cell(mean.total()));
+  table += fmt::format("<tr><td>sum</td>{}{}<td>{}</td>{}{}{}</tr>\n</table>\n</div>\n",
+                       cell(forecast.time.total()), cell(took.total()),
+                       signed_text(took.total() - forecast.time.total()), cell(forecast.typical.time.total()),
+                       cell(forecast.longest.time.total()), cell(mean.total()));
   std::string marked;
   for (const TimeCause cause : differing)
     marked += fmt::format("{}{}", marked.empty() ? "" : ", ", name_of(cause));
