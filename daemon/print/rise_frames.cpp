@@ -74,7 +74,10 @@ void RiseFrames::await_first(std::function<void()> shown) {
 
 void RiseFrames::run(Calls calls) {
   calls_ = std::move(calls);
-  if (frame_) frame_->begins = true;
+  if (frame_) {  // the mask at rest, which is on the screen
+    frame_->begins = true;
+    ++figures_.shown;
+  }
   refresh_ = clock_.call_at(next_vblank(), [this] { refresh(); });
 }
 
