@@ -277,7 +277,7 @@ TEST_CASE("Turned facets anywhere bridge no gap") {
   }
 }
 
-TEST_CASE("A few turned facets of a gyroid leave its sections as they are") {
+TEST_CASE("A few turned facets of a gyroid leave its sections as they are", "[long]") {
   const models::Facets whole = models::gyroid_sphere(8, 5, 30);
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     models::Dice dice(seed);

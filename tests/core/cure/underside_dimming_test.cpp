@@ -201,7 +201,7 @@ TEST_CASE("What stands on the plate, and what is less than three pixels wide, ke
     CHECK(rail.undersides().dimmed(layer).empty());
 }
 
-TEST_CASE("Dimming leaves no part of a layer without hold") {
+TEST_CASE("Dimming leaves no part of a layer without hold", "[long]") {
   for (const float lean_mm : {0.5F, 1.0F, 2.0F, 4.0F, 5.0F}) {
     for (const float thick_mm : {0.15F, 0.2F, 0.3F, 0.4F, 0.6F}) {
       // Strong light, by which nearly all layers above an underside would be dimmed.

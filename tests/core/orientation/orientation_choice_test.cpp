@@ -122,12 +122,12 @@ TEST_CASE("The alternatives are ranked, with the model as it is drawn among them
   CHECK(choice.tried <= kMostDirections);
 }
 
-TEST_CASE("The same model gives the same choice every time") {
+TEST_CASE("The same model gives the same choice every time", "[long]") {
   const models::Facets gyroid = models::gyroid_sphere(10, 6, 40);
   CHECK(chosen(gyroid).ranked == chosen(gyroid).ranked);
 }
 
-TEST_CASE("A large model takes a bounded number of steps") {
+TEST_CASE("A large model takes a bounded number of steps", "[long]") {
   const models::Facets ball = models::sphere(20, 200);
   REQUIRE(ball.size() > 200'000);
   const OrientationChoice choice = chosen(ball);
@@ -228,7 +228,7 @@ TEST_CASE("A base that is drawn nearly level is put flat on the plate") {
   }
 }
 
-TEST_CASE("A model that carries supports in its file stays as drawn") {
+TEST_CASE("A model that carries supports in its file stays as drawn", "[long]") {
   for (const OrientationPreset preset :
        {OrientationPreset::Auto, OrientationPreset::Fast, OrientationPreset::Clean}) {
     const OrientationChoice choice = chosen(plate_on_its_supports(), {}, preset);

@@ -23,7 +23,8 @@ bool has(const std::string& text, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE_METHOD(PrintJobFixture, "A model of which nothing would be printed is refused with its size") {
+TEST_CASE_METHOD(PrintJobFixture, "A model of which nothing would be printed is refused with its size",
+                 "[long]") {
   CHECK(refusal_of(models::box({0, 0, 0}, {0.02F, 0.03F, 1})) ==
         "nothing of the model would be printed: in 20 layers, no pixel of 0.05 mm reaches grey 64 of 255; it "
         "measures 0.02 x 0.03 x 1 mm");
@@ -135,7 +136,8 @@ TEST_CASE_METHOD(PrintJobFixture, "A compensation that erases walls whole is rep
   CHECK(warnings().empty());
 }
 
-TEST_CASE_METHOD(PrintJobFixture, "A compensation that erases pins is reported, whatever their thickness") {
+TEST_CASE_METHOD(PrintJobFixture, "A compensation that erases pins is reported, whatever their thickness",
+                 "[long]") {
   const std::string small = " mm from the plate's centre (";
   for (const double radius_mm : {0.01, 0.02, 0.035}) {
     for (const double slant : {0.0, 0.7}) {
