@@ -458,7 +458,7 @@ void CurrentJob::rises_planned(const RisesAhead& planned,
     if (value != value_of(print_->settings(), setting)) record_change(setting, value, ahead->height);
   }
   // The plate's way on from now counts, not from when the speeds began to be planned.
-  job_->record->add(changed_forecast(*ahead, changed));
+  if (changed.settings != print_->settings().rise) job_->record->add(changed_forecast(*ahead, changed));
   print_->change(changed);
   record_changes();
   done("");

@@ -60,6 +60,7 @@ void PrintRecord::add(const SettingChange& change) {
 }
 
 void PrintRecord::add(ChangedForecast plan) {
+  if (plan.plan.ranges.empty()) return;
   while (!changed_rises_.empty() && changed_rises_.back().from >= plan.from)
     changed_rises_.pop_back();
   if (!changed_rises_.empty()) end_at(plan.from, changed_rises_.back().plan);

@@ -34,7 +34,8 @@ class PrintRecord {
   // Records a change, which replaces the last one of the same setting if that is for the same layer.
   // REQUIRES: there are fewer than kMostChanges.
   void add(const SettingChange& change);
-  // Records the plan of the rises that are left, which replaces the one before from its height on.
+  // Records the plan of the rises that are left, which replaces the one before from its height on. Nothing is
+  // recorded if no rise is left that is worth a motion.
   void add(ChangedForecast plan);
   void add(Exclusion exclusion) { exclusions_.push_back(std::move(exclusion)); }
   // Records a turn of the event loop during which there was or may have been light; the longest is

@@ -88,6 +88,7 @@ TEST_CASE_METHOD(PrintRecordFixture, "A changed plan of the rises ends where the
   };
   for (const std::int64_t from_um : {1000, 3000, 3000})
     record.add(changed(from_um, static_cast<double>(from_um)));
+  record.add(ChangedForecast{Nanometers{4'999'000}, {}, {}});  // no rise is left
   const std::vector<ChangedForecast> plans = record.take_report().changed_rises;
   REQUIRE(plans.size() == 2);
   CHECK(plans[0].plan.ranges.front().top == Nanometers{3'000'000});

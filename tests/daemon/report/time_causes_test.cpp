@@ -46,7 +46,7 @@ TEST_CASE("The times of all states, rises among them, add up by cause to the tim
     CHECK(time > Duration{});
 }
 
-TEST_CASE("A cause is told that differs by more than a fiftieth of the print's expected time") {
+TEST_CASE("A cause that differs by more than a fiftieth of the print's expected time is marked") {
   CHECK(differing_causes(report_of_lifts(308s)).empty());
   CHECK(differing_causes(report_of_lifts(308s + 1ms)) == Causes{TimeCause::Lifting});
   CHECK(differing_causes(report_of_lifts(291s)) == Causes{TimeCause::Lifting});
