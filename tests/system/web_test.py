@@ -674,13 +674,15 @@ class SlicerTest(WebTest):
             challenge = self.challenge(*self.ask(f"{get}\r\n"))
             answer = self.digest(challenge, "GET", "/api/version", password)
             self.assertEqual(self.ask(f"{get}{answer}\r\n\r\n")[0], expected)
-        # curl sends its first POST without a body, to be asked for the digest, and tries again if its nonce had to go.
-        for _ in range(3):
+
+        def arrives():
+            # curl sends its first POST without a body, to be asked for the digest, and tries again if another client used its nonce.
             challenge = self.challenge(*self.ask(f"POST /api/files/local HTTP/1.1\r\nHost: 127.0.0.1\r\n{self.AGENT}Content-Length: 0\r\n\r\n"))
             status, reply = self.send(self.form("digest.stl", SMALL), self.digest(challenge, "POST", "/api/files/local", self.key))
-            if b"stale=true" not in reply:
-                break
-        self.assertEqual(status, 201, reply)
+            self.assertTrue(status == 201 or b'stale="true"' in reply, reply)
+            return status == 201
+
+        wait_until(arrives, "a nonce of its own")
 
     def challenge(self, status, reply):
         """Returns the challenge of a refusal."""
@@ -691,12 +693,15 @@ class SlicerTest(WebTest):
         get = f"GET /api/version HTTP/1.1\r\nHost: 127.0.0.1\r\n{self.AGENT}"
         for _ in range(200):
             self.challenge(*self.ask(f"{get}\r\n"))
-        for _ in range(3):  # curl tries again if its nonce had to go
+
+        def comes_in():
             challenge = self.challenge(*self.ask(f"{get}\r\n"))
             status, reply = self.ask(f"{get}{self.digest(challenge, 'GET', '/api/version', self.key)}\r\n\r\n")
-            if b"stale=true" not in reply:
-                break
-        self.assertEqual(status, 200, reply)
+            self.assertTrue(status == 200 or b'stale="true"' in reply, reply)
+            return status == 200
+
+        # libmicrohttpd 0.9.75 makes two nonces a second for one address, and a nonce serves one client: others try again.
+        wait_until(comes_in, "a nonce of its own")
 
     def test_broken_and_hostile_forms_are_refused(self):
         model = self.form("a.stl", SMALL)
