@@ -76,8 +76,9 @@ struct JobSummary {
   Duration first_mask{};                         // time to build the engine and compute the mask of layer 1
   bool prepared_before = false;  // true if the job was prepared while it waited, not at its turn
   std::vector<std::string> warnings;
-  std::string temperature_warning{};  // from follow_temperature(); a warning, too
-  std::string unit_hint;              // from unit_hint(), of the first model that has one; a warning, too
+  std::string temperature_warning{};         // from follow_temperature(); a warning, too
+  std::vector<std::string> rise_warnings{};  // from plan_rises_of(); warnings, too
+  std::string unit_hint;  // from unit_hint(), of the first model that has one; a warning, too
   std::string wide_gaps;  // a sentence about the first model with gaps far wider than a pixel; a warning, too
 };
 

@@ -54,6 +54,27 @@ void take_settings(const PrinterConfig& printer, const ResinProfile& resin, Prin
   if (printer.real) plan.home_height = printer.real->axis.switch_height;
 }
 
+void warn_of_rises(JobSummary& summary, std::string warning) {
+  if (warning.empty()) return;
+  summary.rise_warnings.push_back(warning);
+  summary.warnings.push_back(std::move(warning));
+}
+
+void forget_rises(PreparedJob& job) {
+  JobSummary& summary = job.summary;
+  for (const std::string& warning : summary.rise_warnings)
+    std::erase(summary.warnings, warning);
+  summary.rise_warnings.clear();
+  summary.continuous.reset();
+  summary.resin.mode = job.settings.resin.mode;
+  job.plan.rises.reset();
+}
+
+ContinuousSubject continuous_subject(const PreparedJob& job) {
+  const std::vector<Nanometers>& layers = job.plan.expected_layers;
+  return {job.display, layers.front(), std::accumulate(layers.begin(), layers.end(), Nanometers{})};
+}
+
 // Prepares one job: prepare_job() in steps.
 class Preparation {
  public:
@@ -146,37 +167,15 @@ class Preparation {
   // Plans the rises of a continuous print. A stop leaves them unplanned.
   void plan_rises(const std::stop_token& stop) {
     const ResinProfile& resin = summary_.resin;
-    PrintPlan& plan = job_.plan;
-    const std::vector<Nanometers>& layers = plan.expected_layers;
-    if (resin.mode == PrintWay::Layered || layers.empty()) return;
-    const ContinuousResin& continuous = resin.continuous.value();
-    const ContinuousMachine machine = continuous_machine(printer_);
-    const ContinuousSubject subject{volume_.display, layers.front(),
-                                    std::accumulate(layers.begin(), layers.end(), Nanometers{})};
+    if (resin.mode == PrintWay::Layered || job_.plan.expected_layers.empty()) return;
     StopCheck stopped([&stop] { return stop.stop_requested(); });
-    SlabsAndRises planned;
     try {
-      planned = plan_continuous(*plan.engine, subject, resin, machine, stopped);
+      job_.slabs = std::make_shared<const std::vector<RiseSlab>>(continuous_slabs(
+          *job_.plan.engine, continuous_subject(job_), resin, continuous_machine(printer_), stopped));
     } catch (const ComputationStopped&) {
       return;
     }
-    if (planned.rises.empty()) {
-      warn(why_no_rise(subject, resin));
-      summary_.resin.mode = PrintWay::Layered;
-      return;
-    }
-    const RiseBounds bounds = rise_bounds(resin, machine);
-    plan.rises = PlannedRises{
-        .each = rises_between(std::move(planned.rises), layers, layer_durations(plan, printer_), continuous),
-        .mask_step = Nanometers{std::llround(continuous.mask_step.count() * 1000)},
-        .missed = continuous.missed,
-        .slowest = continuous.slowest,
-        .slabs = std::make_shared<const std::vector<RiseSlab>>(std::move(planned.slabs)),
-        .bounds = bounds,
-        .gamma = summary_.tone.gamma,
-        .settings = planned_settings(bounds)};
-    summary_.continuous = ContinuousForecast{bounds, ranges_of(plan, layer_durations(plan, printer_))};
-    warn(layered_parts_sentence(*summary_.continuous, continuous.layered));
+    plan_rises_of(job_, printer_);
   }
 
   void warn(const std::string& warning) {
@@ -362,6 +361,39 @@ class Preparation {
 };
 
 }  // namespace
+
+void plan_rises_of(PreparedJob& job, const PrinterConfig& printer) {
+  if (!job.slabs) return;
+  forget_rises(job);
+  JobSummary& summary = job.summary;
+  PrintPlan& plan = job.plan;
+  const ResinProfile& resin = summary.resin;
+  const ContinuousResin& continuous = resin.continuous.value();
+  const ContinuousMachine machine = continuous_machine(printer);
+  const ContinuousSubject subject = continuous_subject(job);
+  const std::string refusal = continuous_refusal(resin, machine);
+  std::vector<RisePlan> rises;
+  if (refusal.empty()) rises = rises_through(*job.slabs, subject.layer, resin, machine);
+  if (rises.empty()) {
+    warn_of_rises(summary, refusal.empty()
+                               ? why_no_rise(subject, resin)
+                               : fmt::format("the print is layered, not continuous: {}", refusal));
+    summary.resin.mode = PrintWay::Layered;
+    return;
+  }
+  const RiseBounds bounds = rise_bounds(resin, machine);
+  plan.rises = PlannedRises{.each = rises_between(std::move(rises), plan.expected_layers,
+                                                  layer_durations(plan, printer), continuous),
+                            .mask_step = Nanometers{std::llround(continuous.mask_step.count() * 1000)},
+                            .missed = continuous.missed,
+                            .slowest = continuous.slowest,
+                            .slabs = job.slabs,
+                            .bounds = bounds,
+                            .gamma = summary.tone.gamma,
+                            .settings = planned_settings(bounds)};
+  summary.continuous = ContinuousForecast{bounds, ranges_of(plan, layer_durations(plan, printer))};
+  warn_of_rises(summary, layered_parts_sentence(*summary.continuous, continuous.layered));
+}
 
 std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure_by(const ResinProfile& resin,
                                                                               double irradiance_mw_cm2) {

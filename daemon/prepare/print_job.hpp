@@ -27,10 +27,16 @@ struct PreparedJob {
   DisplayGeometry display;
   AnalysisOptions analysis;
   JobSummary summary;
-  JobSettings settings;       // with which the job was prepared
+  JobSettings settings;  // with which the job was prepared
+  // By which the rises of a continuous print are planned; null: it was to be layered from the beginning.
+  std::shared_ptr<const std::vector<RiseSlab>> slabs{};
   TimePoint first_mask_at{};  // CLOCK_MONOTONIC, whatever clock the machine runs by
 };
 
+// Plans the rises of a job by its slabs and the working curve of its summary, and puts plan, forecast and
+// warnings into the job in place of those before. A job in which no rise is possible is layered, with a
+// warning. Does nothing for a job without slabs.
+void plan_rises_of(PreparedJob& job, const PrinterConfig& printer);
 // Returns the exposure of each layer by this profile, for PrintPlan::exposure.
 [[nodiscard]] std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure_by(
     const ResinProfile& resin, double irradiance_mw_cm2);

@@ -61,23 +61,9 @@ void take_back(PreparedJob& job, const WorkingCurve& measured, double irradiance
   job.plan.exposure = exposure_by(summary.resin, irradiance_mw_cm2);
 }
 
-}  // namespace
-
-double read_temperature(const ResinTemperature& from) {
-  if (const auto* const celsius = std::get_if<double>(&from)) return *celsius;
-  const auto& sensor = std::get<std::filesystem::path>(from);
-  try {
-    return read_sensor(sensor);
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(fmt::format("the sensor {}: {}", sensor.string(), error.what()));
-  }
-}
-
-void follow_temperature(PreparedJob& job, const PrinterConfig& printer) {
+// Makes the exposures those for the resin's temperature.
+void adjust_exposures(PreparedJob& job, const PrinterConfig& printer) {
   JobSummary& summary = job.summary;
-  if (!printer.resin_temperature || !summary.resin.cure_temperature ||
-      !std::holds_alternative<CurveExposure>(summary.resin.exposure))
-    return;
   const WorkingCurve& measured = job.settings.resin.cure.value().curve;
   take_back(job, measured, printer.irradiance_mw_cm2);
   const double curve_c = summary.resin.cure_temperature->measured_at_c;
@@ -107,6 +93,27 @@ void follow_temperature(PreparedJob& job, const PrinterConfig& printer) {
   } catch (const std::runtime_error& error) {
     keep_light(error.what());
   }
+}
+
+}  // namespace
+
+double read_temperature(const ResinTemperature& from) {
+  if (const auto* const celsius = std::get_if<double>(&from)) return *celsius;
+  const auto& sensor = std::get<std::filesystem::path>(from);
+  try {
+    return read_sensor(sensor);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("the sensor {}: {}", sensor.string(), error.what()));
+  }
+}
+
+void follow_temperature(PreparedJob& job, const PrinterConfig& printer) {
+  const JobSummary& summary = job.summary;
+  if (!printer.resin_temperature || !summary.resin.cure_temperature ||
+      !std::holds_alternative<CurveExposure>(summary.resin.exposure))
+    return;
+  adjust_exposures(job, printer);
+  plan_rises_of(job, printer);
 }
 
 }  // namespace contourd

@@ -134,8 +134,9 @@ RiseBounds rise_bounds(const ResinProfile& resin, const ContinuousMachine& machi
           .window = continuous.window};
 }
 
-SlabsAndRises plan_continuous(ContourEngine& engine, const ContinuousSubject& subject,
-                              const ResinProfile& resin, const ContinuousMachine& machine, StopCheck& stop) {
+std::vector<RiseSlab> continuous_slabs(ContourEngine& engine, const ContinuousSubject& subject,
+                                       const ResinProfile& resin, const ContinuousMachine& machine,
+                                       StopCheck& stop) {
   expects(continuous_refusal(resin, machine).empty(), "the resin can be printed continuously");
   const RiseBounds bounds = rise_bounds(resin, machine);
   const Micrometers gap = gel_gap(bounds.lit, bounds.margin);
@@ -144,9 +145,13 @@ SlabsAndRises plan_continuous(ContourEngine& engine, const ContinuousSubject& su
                               .thickness = slab_thickness(subject.top, subject.layer, gap),
                               .growth = resin.compensation.growth,
                               .mask_budget = machine.mask_budget};
-  SlabsAndRises planned{sweep_slabs(engine, settings, stop), {}};
-  planned.rises = plan_rises(planned.slabs, end_of_layers(resin, subject.layer), bounds);
-  return planned;
+  return sweep_slabs(engine, settings, stop);
+}
+
+std::vector<RisePlan> rises_through(std::span<const RiseSlab> slabs, Nanometers layer,
+                                    const ResinProfile& resin, const ContinuousMachine& machine) {
+  expects(layer > Nanometers{}, "a layer has a thickness");
+  return plan_rises(slabs, end_of_layers(resin, layer), rise_bounds(resin, machine));
 }
 
 std::vector<PlannedRise> rises_between(std::vector<RisePlan> rises, std::span<const Nanometers> layers,

@@ -43,18 +43,19 @@ struct ContinuousSubject {
   Nanometers top{};
 };
 
-// The rises of a print, and the slabs by which they were planned.
-struct SlabsAndRises {
-  std::vector<RiseSlab> slabs;
-  std::vector<RisePlan> rises;
-};
+// Returns the slabs by which the rises of a print are planned. Throws ComputationStopped. Blocks for up to a
+// thousand masks. REQUIRES: no continuous_refusal(), an engine with the resin's compensation and this
+// display.
+[[nodiscard]] std::vector<RiseSlab> continuous_slabs(ContourEngine& engine, const ContinuousSubject& subject,
+                                                     const ResinProfile& resin,
+                                                     const ContinuousMachine& machine, StopCheck& stop);
 
-// Returns the rises, from the top of the first layers up; none if the print is too wide throughout. Throws
-// ComputationStopped. Blocks for up to a thousand masks. REQUIRES: no continuous_refusal(), an engine with
-// the resin's compensation and this display.
-[[nodiscard]] SlabsAndRises plan_continuous(ContourEngine& engine, const ContinuousSubject& subject,
-                                            const ResinProfile& resin, const ContinuousMachine& machine,
-                                            StopCheck& stop);
+// Returns the rises through these slabs, from the top of the first layers up; none if the print is too wide
+// throughout. REQUIRES: no continuous_refusal(); slabs of continuous_slabs() for layers of this thickness,
+// and the same penetration depth, dead zone and margin.
+[[nodiscard]] std::vector<RisePlan> rises_through(std::span<const RiseSlab> slabs, Nanometers layer,
+                                                  const ResinProfile& resin,
+                                                  const ContinuousMachine& machine);
 
 // Returns the rises as parts of a print whose layers have these thicknesses, and these times if printed one
 // by one. A rise follows a rest where it and the rises before would use up the window's oxygen; the time of

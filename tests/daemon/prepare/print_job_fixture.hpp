@@ -10,6 +10,7 @@
 
 #include "daemon/prepare/print_job.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
+#include "tests/daemon/print/rise_fixture.hpp"
 #include "tests/message_of.hpp"
 #include "tests/models/models.hpp"
 
@@ -45,6 +46,15 @@ class PrintJobFixture {
   }
   std::string refusal_of(const models::Facets& facets, const std::string& ticket = "") {
     return refusal_by([&] { (void)prepare(facets, ticket); });
+  }
+
+  // Gives the resin a window and the way of its prints.
+  void make_continuous() {
+    const ResinProfile window = window_resin();
+    resin.cure = window.cure;
+    resin.continuous = window.continuous;
+    resin.mode = PrintWay::Continuous;
+    printer.irradiance_mw_cm2 = 4;
   }
 
   PrinterConfig printer;

@@ -70,18 +70,9 @@ TEST_CASE_METHOD(PrintJobFixture, "A cube lies in the middle of the display, at 
   CHECK(mask.lit_area() == 160000.0);
 }
 
-// Gives a fixture's resin a window and the way of its prints.
-void make_continuous(PrintJobFixture& fixture) {
-  const ResinProfile window = testing::window_resin();
-  fixture.resin.cure = window.cure;
-  fixture.resin.continuous = window.continuous;
-  fixture.resin.mode = PrintWay::Continuous;
-  fixture.printer.irradiance_mw_cm2 = 4;
-}
-
 TEST_CASE_METHOD(PrintJobFixture, "A continuous job rises from its first layers to its top") {
   CHECK_FALSE(prepare(kCube).plan.rises);
-  make_continuous(*this);
+  make_continuous();
   const models::Facets column = models::box({0, 0, 0}, {6, 6, 10});
   const PreparedJob job = prepare(column);
   REQUIRE(job.plan.rises);
@@ -101,7 +92,7 @@ TEST_CASE_METHOD(PrintJobFixture, "A continuous job rises from its first layers 
 
 TEST_CASE_METHOD(PrintJobFixture,
                  "A continuous job is layered where it cannot rise, even if that is everywhere") {
-  make_continuous(*this);
+  make_continuous();
   resin.viscosity_mpa_s = 2000;
   const models::Facets stem = models::box({-2, -2, 0}, {2, 2, 12}),
                        flange = models::box({-20, -20, 5}, {20, 20, 7});
@@ -131,7 +122,7 @@ TEST_CASE_METHOD(PrintJobFixture,
 
 TEST_CASE_METHOD(PrintJobFixture,
                  "A continuous job that the resin, its ticket or the panel rules out is refused") {
-  make_continuous(*this);
+  make_continuous();
   CHECK(lacking(refusal_of(kCube, R"({"adaptive_layers": {"cusp_um": 10}})"), {"adaptive layers"}) == "");
   resin.undersides = Undersides::Dose;
   CHECK(lacking(refusal_of(kCube), {"undersides"}) == "");

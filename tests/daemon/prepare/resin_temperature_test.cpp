@@ -1,9 +1,14 @@
 #include "daemon/prepare/resin_temperature.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <fstream>
+#include <numeric>
 #include <string>
+#include <vector>
 
+#include "daemon/print/layer_durations.hpp"
 #include "daemon/system/readable.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/prepare/print_job_fixture.hpp"
@@ -116,6 +121,45 @@ TEST_CASE_METHOD(TemperatureFixture, "Exposures beyond the limits are not follow
   CHECK(light_of(cold) == std::pair(1.0, 1.0));
   REQUIRE(cold.summary.warnings.size() == 1);
   CHECK_THAT(cold.summary.warnings[0], Catch::Matchers::Contains("an exposure must last 1 ms to 120 s"));
+}
+
+// Returns the speed at which a job's first rise is held by the cure.
+double cure_speed_of(const PreparedJob& job) {
+  const std::vector<RisePoint>& points = job.plan.rises.value().each.front().plan.points;
+  return std::ranges::max(points, {}, [](const RisePoint& point) { return point.speed.count(); })
+      .speed.count();
+}
+
+TEST_CASE_METHOD(TemperatureFixture, "The speed of a rise follows the resin's temperature, too") {
+  make_continuous();
+  const double at_curve = cure_speed_of(followed(23.0));
+  for (const double celsius : {10.0, 28.0}) {
+    CAPTURE(celsius);
+    const PreparedJob job = followed(celsius);
+    CHECK(cure_speed_of(job) == Approx(at_curve / arrhenius(celsius)).epsilon(1e-3));
+    const std::vector<Duration> times = layer_durations(job.plan, printer);
+    CHECK(std::chrono::abs(job.summary.continuous.value().time() -
+                           std::accumulate(times.begin(), times.end(), Duration{})) <
+          std::chrono::microseconds{1});
+    CHECK(job.summary.warnings.empty());
+  }
+}
+
+TEST_CASE_METHOD(TemperatureFixture,
+                 "A print is layered while the resin is too cold to rise at the least speed") {
+  make_continuous();
+  resin.continuous->slowest = MillimetersPerSecond{0.65 * cure_speed_of(followed(23.0))};
+  PreparedJob job = followed(10.0);
+  CHECK_FALSE(job.plan.rises);
+  CHECK(job.summary.resin.mode == PrintWay::Layered);
+  REQUIRE(job.summary.warnings.size() == 1);
+  CHECK_THAT(job.summary.warnings[0],
+             Catch::Matchers::StartsWith("the print is layered, not continuous: the resin "));
+  printer.resin_temperature = 28.0;
+  follow_temperature(job, printer);
+  CHECK(job.plan.rises);
+  CHECK(job.summary.resin.mode == PrintWay::Continuous);
+  CHECK(job.summary.warnings.empty());
 }
 
 TEST_CASE_METHOD(TemperatureFixture, "Fixed exposures, and a curve of unknown temperature, do not follow") {

@@ -108,10 +108,10 @@ Duration sum_of(const std::vector<Duration>& times) {
 TEST_CASE("A part is layered at first, rests, and has the times of its layers, rises and rests") {
   ContourEngine engine = testing::engine_for(models::box({-3, -3, 0}, {3, 3, 30}), {kCoarseDisplay});
   StopCheck never;
-  const PlannedParts parts = parts_of(plan_continuous(engine, {kCoarseDisplay, Nanometers{50'000}, mm(30)},
-                                                      window_resin(), kWindowPrinter, never)
-                                          .rises,
-                                      600, Nanometers{50'000});
+  const std::vector<RiseSlab> slabs = continuous_slabs(engine, {kCoarseDisplay, Nanometers{50'000}, mm(30)},
+                                                       window_resin(), kWindowPrinter, never);
+  const PlannedParts parts = parts_of(
+      rises_through(slabs, Nanometers{50'000}, window_resin(), kWindowPrinter), 600, Nanometers{50'000});
   const std::vector<Duration> times = times_of(parts);
   const std::vector<ContinuousRange> ranges = ranges_of(parts.plan, times);
   REQUIRE(ranges.size() == 3);
