@@ -26,6 +26,18 @@ bool is_plan(const RisePlan& plan) {
 
 }  // namespace
 
+RisePlan with_overrun(const RisePlan& plan) {
+  expects(is_plan(plan), "a plan rises from rest to rest");
+  if (plan.points.empty() || plan.overrun <= Nanometers{}) return {plan.points};
+  RisePlan whole{plan.points};
+  RisePoint top = whole.points.back(), ramp = *std::prev(whole.points.end(), 2);
+  whole.points.back() = {ramp.height + plan.overrun, ramp.speed, top.limit};
+  whole.points[whole.points.size() - 2].limit = plan.points[plan.points.size() - 3].limit;
+  top.height += plan.overrun;
+  whole.points.push_back(top);
+  return whole;
+}
+
 std::chrono::duration<double> duration(const RisePoint& from, const RisePoint& to) {
   // The mean speed of a constant acceleration is the mean of its ends' speeds.
   return std::chrono::duration<double>(2 * in_mm(to.height - from.height) / (from.speed + to.speed).count());

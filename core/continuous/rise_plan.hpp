@@ -23,13 +23,19 @@ struct RisePoint {
 // square of the speed is linear in height. The first and the last speed are 0, all others are positive.
 struct RisePlan {
   std::vector<RisePoint> points;
+  // The plate goes on for so long above the last point, until resin has gelled up to there.
+  Nanometers overrun{};
   bool operator==(const RisePlan&) const = default;
 };
+
+// Returns the plan of the plate's whole way, whose last point is higher by the overrun. It is passed at the
+// speed before the last ramp.
+[[nodiscard]] RisePlan with_overrun(const RisePlan& plan);
 
 // Returns the time between two points that follow each other.
 [[nodiscard]] std::chrono::duration<double> duration(const RisePoint& from, const RisePoint& to);
 
-// Returns the time that the rise takes. REQUIRES: a plan as described above.
+// Returns the time that the rise takes without its overrun. REQUIRES: a plan as described above.
 [[nodiscard]] std::chrono::duration<double> duration(const RisePlan& plan);
 
 // Returns the time that the rise takes between two heights.

@@ -16,7 +16,8 @@ struct Stage {
   Nanometers bottom, top;
   MillimetersPerSecond steady{};  // if the plate has moved so for long
   MillimetersPerSecond start{};   // through the gap that the dead zone leaves
-  Millimeters distance{};
+  Millimeters own{};              // distance of its slab
+  Millimeters distance{};         // the larger one of that and of the slab beneath
   RiseLimit limit{};
   MillimetersPerSecond speed{};  // planned
   // Speed before the change, and whether this stage lies above it, in a slab in which the bounds change.
@@ -36,13 +37,21 @@ MillimetersPerSecond after(MillimetersPerSecond speed, const Stage& stage, const
   return MillimetersPerSecond{std::sqrt(square(speed) + 2 * bounds.acceleration.count() * length_mm)};
 }
 
-Stage stage_of(const RiseSlab& slab, Nanometers bottom, const RiseBounds& bounds) {
+// A place between slabs: height, and distance of the slab beneath, whose sections are lit until their resin
+// has gelled; 0 if the rise begins here.
+struct SlabBottom {
+  Nanometers height{};
+  Millimeters distance{};
+};
+
+Stage stage_of(const RiseSlab& slab, const SlabBottom& bottom, const RiseBounds& bounds) {
   const MillimetersPerSecond cure = cure_speed(bounds.lit, bounds.margin);
   const MillimetersPerSecond most = std::min(cure, bounds.fastest);
-  Stage stage{bottom, slab.top};
-  stage.distance = slab.distance;
-  stage.steady = steady_refill_speed(bounds.refill, bounds.lit, slab.distance, most);
-  stage.start = std::min(most, refill_speed(bounds.refill, bounds.lit.dead_zone, slab.distance));
+  Stage stage{bottom.height, slab.top};
+  stage.own = slab.distance;
+  stage.distance = std::max(slab.distance, bottom.distance);
+  stage.steady = steady_refill_speed(bounds.refill, bounds.lit, stage.distance, most);
+  stage.start = std::min(most, refill_speed(bounds.refill, bounds.lit.dead_zone, stage.distance));
   stage.limit = stage.steady < most     ? RiseLimit::Refill
                 : bounds.fastest < cure ? RiseLimit::Machine
                                         : RiseLimit::Cure;
@@ -127,12 +136,25 @@ void add_stage(const Stage& stage, MillimetersPerSecond from, MillimetersPerSeco
   plan.points.push_back({stage.top, to, RiseLimit::Machine});
 }
 
+// Returns how far the plate goes on above a rise: by the gel gap of the fastest speed that resin still has
+// light from.
+Nanometers overrun_of(const RisePlan& plan, const RiseBounds& bounds) {
+  const Nanometers top = plan.points.back().height;
+  const Nanometers reach{std::llround(gel_gap(bounds.lit, bounds.margin).count() * 1000)};
+  MillimetersPerSecond fastest = speed_at(plan, std::max(top - reach, plan.points.front().height));
+  for (const RisePoint& point : plan.points)
+    if (point.height > top - reach) fastest = std::max(fastest, point.speed);
+  const Micrometers gap = gel_gap(bounds.lit, margin_at(bounds.lit, fastest));
+  return std::clamp(bounds.travel - top, Nanometers{}, Nanometers{std::llround(gap.count() * 1000)});
+}
+
 RisePlan rise_of(Stages stages, const RiseBounds& bounds) {
   plan_speeds(stages, bounds);
   const std::vector<MillimetersPerSecond> passing = passing_speeds(stages, bounds);
   RisePlan plan{{{stages.front().bottom, MillimetersPerSecond{}, RiseLimit::Machine}}};
   for (std::size_t i = 0; i < stages.size(); ++i)
     add_stage(stages[i], passing[i], passing[i + 1], bounds, plan);
+  plan.overrun = overrun_of(plan, bounds);
   return plan;
 }
 
@@ -153,8 +175,9 @@ std::size_t stages_within(const RisePlan& rise, std::span<const Stage> stages,
 RisePlan plan_rise(Stages stages, const RiseBounds& bounds) {
   std::size_t count = stages.size();
   RisePlan rise = rise_of(stages, bounds);
-  while (duration(rise) > bounds.window) {
-    count = std::min(count - 1, stages_within(rise, stages, bounds.window));
+  const auto whole = [&rise] { return duration(with_overrun(rise)); };
+  while (whole() > bounds.window) {
+    count = std::min(count - 1, stages_within(rise, stages, bounds.window - (whole() - duration(rise))));
     if (count == 0) return {};
     rise = rise_of(stages.first(count), bounds);
   }
@@ -173,6 +196,8 @@ bool can_begin(std::span<const Stage> stages, const RiseBounds& bounds) {
 void add_rises(Stages stages, const RiseBounds& bounds, std::vector<RisePlan>& rises) {
   bool rests = false;
   while (!stages.empty()) {
+    Stage& first = stages.front();
+    if (!rests) first = stage_of({first.top, first.own}, {first.bottom}, bounds);
     const bool is_high = rests || stages.back().top - stages.front().bottom >= kLowestRise;
     RisePlan rise = is_high && can_begin(stages, bounds) ? plan_rise(stages, bounds) : RisePlan{};
     rests = !rise.points.empty();
@@ -253,16 +278,16 @@ std::vector<RisePlan> plan_rises(std::span<const RiseSlab> slabs, Nanometers fro
           "a rise has speeds, an acceleration and a window");
   std::vector<RisePlan> rises;
   std::vector<Stage> stages;
-  Nanometers bottom{};
+  SlabBottom bottom;
   for (const RiseSlab& slab : slabs) {
-    const Stage stage = stage_of(slab, bottom, bounds);
-    if (bottom >= from && stage.steady >= bounds.slowest) {
-      stages.push_back(stage);
+    const Stage stage = stage_of(slab, {bottom.height}, bounds);
+    if (bottom.height >= from && stage.steady >= bounds.slowest) {
+      stages.push_back(stages.empty() ? stage : stage_of(slab, bottom, bounds));
     } else {
       add_rises(stages, bounds, rises);
       stages.clear();
     }
-    bottom = slab.top;
+    bottom = {slab.top, slab.distance};
   }
   add_rises(stages, bounds, rises);
   return rises;
@@ -271,10 +296,10 @@ std::vector<RisePlan> plan_rises(std::span<const RiseSlab> slabs, Nanometers fro
 ChangedRise change_rise(std::span<const RiseSlab> slabs, const RiseChange& change, const RiseBounds& bounds) {
   expects(change.before.points.size() > 2 && change.light > 0, "a rise was planned, and has light");
   std::vector<Stage> stages;
-  Nanometers bottom = change.before.points.front().height;
+  SlabBottom bottom{change.before.points.front().height};
   for (const RiseSlab& slab : slabs_of(change.before, slabs, gel_gap(bounds.lit, bounds.margin))) {
     add_changed(stage_of(slab, bottom, bounds), change, stages);
-    bottom = slab.top;
+    bottom = {slab.top, slab.distance};
   }
   ChangedRise changed{rise_of(stages, bounds), MillimetersPerSecond{std::numeric_limits<double>::infinity()}};
   for (const Stage& stage : stages) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -24,6 +26,7 @@ struct RiseBounds {
   MillimetersPerSecond slowest{};  // where the laws ask for less, the print is layered
   MillimetersPerSecondSquared acceleration{};
   std::chrono::duration<double> window{};  // light at a time, after which the window's oxygen is used up
+  Nanometers travel{std::numeric_limits<std::int64_t>::max()};  // the plate rises no higher
 };
 
 // Returns the rises of a print from a height on, from the plate up. Between the top of one and the bottom of
@@ -31,7 +34,11 @@ struct RiseBounds {
 // window has its oxygen again. Rises are at least a millimetre high, unless such a rest makes them lower, and
 // begin and end between slabs.
 //
-// Each slab is passed at the speed of the strictest law in it. With light that is always on, the gap that
+// The masks are those of the height at which resin gels, see GelFront. So the plate goes on above the top of
+// a rise, by the widest gap that its last speeds leave, or to the end of its travel.
+//
+// Each slab is passed at the speed of the strictest law in it and in the slab beneath, whose sections are
+// still lit. With light that is always on, the gap that
 // resin flows through depends on the speeds since resin entered it, which is less than a slab ago: faster
 // than before, resin has to flow through the narrow gap of the slower speed. So a rise starts as the dead
 // zone alone allows, and speeds up from slab to slab. REQUIRES: slabs of sweep_slabs() at least as thick as

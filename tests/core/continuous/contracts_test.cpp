@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "core/continuous/gel_front.hpp"
 #include "core/continuous/refill_distance.hpp"
 #include "core/continuous/rise_laws.hpp"
 #include "core/continuous/rise_plan.hpp"
@@ -50,6 +51,14 @@ TEST_CASE("The laws of a rise require quantities that can be") {
           (void)steady_refill_speed(refill, resin, Millimeters{1}, MillimetersPerSecond{1});
         }) == "resin cures at the fastest speed");
   CHECK(contract_broken_by([] { (void)machine_speed({}); }) == "a machine makes masks and steps");
+}
+
+TEST_CASE("A front of gelled resin requires lit resin, and a speed of masks") {
+  const LitResin resin{{Micrometers{150}, MillijoulesPerCm2{8}}, MilliwattsPerCm2{4}, Micrometers{30}};
+  const std::string lit = "lit resin has a working curve, light and a dead zone, and masks a speed";
+  CHECK(contract_broken_by([&] { (void)GelFront(resin, {}, MillimetersPerSecond{1}); }).empty());
+  CHECK(contract_broken_by([] { (void)GelFront({}, {}, MillimetersPerSecond{1}); }) == lit);
+  CHECK(contract_broken_by([&] { (void)GelFront(resin, {}, {}); }) == lit);
 }
 
 TEST_CASE("Slabs require lengths, the same cells each, and are not too many") {

@@ -24,6 +24,18 @@ TEST_CASE("A rise with constant acceleration between its points takes their dist
   CHECK(duration({}).count() == 0);
 }
 
+TEST_CASE("An overrun is passed at the speed before the last ramp") {
+  RisePlan plan = trapezoid();
+  CHECK(with_overrun(plan) == plan);
+  plan.overrun = Nanometers{500'000};
+  const RisePlan whole = with_overrun(plan);
+  CHECK(whole.points.back() == point(13.5, 0));
+  CHECK(whole.overrun == Nanometers{});
+  CHECK(speed_at(whole, Nanometers{12'400'000}).count() == 2);
+  CHECK(duration(whole).count() == Approx(duration(plan).count() + 0.25));
+  CHECK(with_overrun({}).points.empty());
+}
+
 TEST_CASE("The time between two heights is that of the parts of the way between them") {
   const auto between = [](double low_mm, double high_mm) {
     return duration(trapezoid(), *to_nanometers(Millimeters{low_mm}), *to_nanometers(Millimeters{high_mm}))
