@@ -5,9 +5,9 @@
 namespace contourd {
 namespace {
 
-void take_farthest(FrameSummary::Distance& farthest, Nanometers cut, Nanometers plate) {
-  const Nanometers apart = std::max(cut, plate) - std::min(cut, plate);
-  if (apart > farthest.apart) farthest = {apart, plate};
+// Takes over a way that is longer.
+void take_longer(FrameSummary::Distance& longest, Nanometers way, Nanometers plate) {
+  if (way > longest.way) longest = {way, plate};
 }
 
 }  // namespace
@@ -17,6 +17,8 @@ FrameSummary summary_of(std::span<const FrameRecord> frames) {
   if (frames.empty()) return summary;
   summary.lowest = frames.front().first;
   summary.highest = frames.front().last;
+  const Nanometers first_below = frames.front().first - frames.front().cut;
+  summary.nearest = summary.farthest = {first_below, frames.front().first};
   for (const FrameRecord& frame : frames) {
     summary.rises += frame.begins ? 1 : 0;
     summary.refreshes += frame.refreshes;
@@ -24,9 +26,10 @@ FrameSummary summary_of(std::span<const FrameRecord> frames) {
     summary.lit += frame.lit;
     summary.lowest = std::min({summary.lowest, frame.first, frame.last});
     summary.highest = std::max({summary.highest, frame.first, frame.last});
-    take_farthest(summary.farthest_first, frame.cut, frame.first);
-    take_farthest(summary.farthest, frame.cut, frame.first);
-    take_farthest(summary.farthest, frame.cut, frame.last);
+    const Nanometers below = frame.first - frame.cut;
+    if (below < summary.nearest.way) summary.nearest = {below, frame.first};
+    take_longer(summary.farthest, below, frame.first);
+    take_longer(summary.longest, frame.last - frame.first, frame.last);
   }
   return summary;
 }

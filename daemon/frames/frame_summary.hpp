@@ -14,12 +14,12 @@ struct FrameSummary {
   std::uint64_t refreshes = 0, missed = 0;
   Duration lit{};
   Nanometers lowest{}, highest{};  // heights of the plate
-  // The largest distances of a cut from the plate's height at the middle of a refresh that showed it, and
-  // that height: of the first refresh, and of all.
+  // Distances of the cuts below the plate, at the middle of the first refresh that showed them, and the
+  // longest way of the plate while a mask stayed; each with the plate's height.
   struct Distance {
-    Nanometers apart{}, at{};
+    Nanometers way{}, at{};
   };
-  Distance farthest_first{}, farthest{};
+  Distance nearest{}, farthest{}, longest{};
 };
 
 [[nodiscard]] FrameSummary summary_of(std::span<const FrameRecord> frames);

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -265,7 +267,7 @@ Duration ContinuousPrint::left_after_state() const {
     const bool rests = is_in(ContinuousState::Recovering);
     return left_after_[next] - (rests ? rises_.current().rest : Duration{0});
   }
-  const Nanometers top = rises_.current().plan.points.back().height;
+  const Nanometers top = rise_top();
   std::size_t above = next;
   for (Nanometers bottom = record_.bottom; bottom < top; ++above)
     bottom += plan_->expected_layers[above];
@@ -444,9 +446,14 @@ void ContinuousPrint::print_more_layers() {
 
 // Notes where the plate has come to rest in a rise.
 void ContinuousPrint::stop_here() {
-  const Nanometers top = rises_.rest().points.back().height;
+  const Nanometers top = rise_top();
   rises_.stop_at(current_height());
   if (rises_.begun()) return;
+  while (layer_top() < top) {
+    const Nanometers next = layer_top();
+    report_slice(true);
+    begin_slice(next);
+  }
   record_.complete = true;
   over_ = !plan_->layers.thickness_at(top);
 }
@@ -472,7 +479,10 @@ void ContinuousPrint::move_to(Nanometers target, MillimetersPerSecond speed, std
 
 // Lowers the plate to the height from which it rises, slowly at the end, where it presses out resin.
 void ContinuousPrint::lower() {
-  if (!frames_) frames_ = std::make_unique<RiseFrames>(machine_, clock_, *plan_);
+  if (!frames_) {
+    const Nanometers solid = rises_.current().plan.points.front().height;
+    frames_ = std::make_unique<RiseFrames>(machine_, clock_, *plan_, solid);
+  }
   rises_.begin();
   set_white();
   const LayerMotion& motion = plan_->motion;
@@ -535,17 +545,27 @@ void ContinuousPrint::expose() {
   });
 }
 
+// Returns the height up to which the rise makes the part.
+Nanometers ContinuousPrint::rise_top() const {
+  return rises_.current().plan.points.back().height;
+}
+
 void ContinuousPrint::show_masks() {
   if (!plan_->dry) lit_from_ = clock_.now();
-  frames_->run({.refreshed = [this] { refreshed(); },
-                .missed = [this] { missed(); },
-                .unsafe = [this](const std::string& what) { interrupt(what); },
-                .frame_over =
-                    [this](FrameRecord frame) {
-                      frame.layer = record_.layer;
-                      observer_.frame_over(frame);
-                    },
-                .lit_from = lit_from_});
+  // The masks of the last rise become dark at its top. Those of others do not show what is on top of them.
+  const Nanometers top = rise_top();
+  const bool goes_on = plan_->layers.thickness_at(top).has_value();
+  frames_->run(
+      {.refreshed = [this] { refreshed(); },
+       .missed = [this] { missed(); },
+       .unsafe = [this](const std::string& what) { interrupt(what); },
+       .frame_over =
+           [this](FrameRecord frame) {
+             frame.layer = record_.layer;
+             observer_.frame_over(frame);
+           },
+       .lit_from = lit_from_,
+       .highest = goes_on ? top - Nanometers{1} : Nanometers{std::numeric_limits<std::int64_t>::max()}});
 }
 
 void ContinuousPrint::rise() {
@@ -585,9 +605,9 @@ void ContinuousPrint::refreshed() {
   if (!plan_->dry && light && light->off_earliest) return interrupt("the light went off during the rise");
   if (rises_.is_changed() && is_in(ContinuousState::Rising) && frames_->shows_white())
     return handle(ContinuousEvent::SpeedsChanged);
-  const std::optional<Nanometers> height = machine_.z_axis().height();
-  const Nanometers end = rises_.rest().points.back().height;
-  while (height && *height >= layer_top() && layer_top() < end) {
+  const std::optional<Nanometers> gelled = frames_->gelled();
+  const Nanometers end = rise_top();
+  while (gelled && *gelled >= layer_top() && layer_top() < end) {
     const Nanometers top = layer_top();
     report_slice(true);
     begin_slice(top);

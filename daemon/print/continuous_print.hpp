@@ -106,6 +106,7 @@ class ContinuousPrint final : public PrintMode,
   void refreshed();
   void missed();
   [[nodiscard]] Duration longest_rise() const;
+  [[nodiscard]] Nanometers rise_top() const;
   void set_white();
   void begin_slice(Nanometers bottom);
   void note_light();

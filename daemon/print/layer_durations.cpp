@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/contract/expects.hpp"
+#include "daemon/print/rise_progress.hpp"
 #include "hw/gpio/axis_motion.hpp"
 #include "hw/motion_curve.hpp"
 
@@ -40,11 +41,15 @@ TimeByCause layer_time(const PrintPlan& plan, std::int32_t layer, const Move& mo
 }
 
 // Returns the time of a slice of a rise, between two heights. The first slice has the rest and the moves
-// before the rise, the last one the lift after it.
+// before the rise, the last one the lift after it. Resin of a slice gels while the plate is above it.
 template <typename Move>
-TimeByCause slice_time(const PrintPlan& plan, const PlannedRise& rise, LayerSlice slice, const Move& move) {
+TimeByCause slice_time(const PrintPlan& plan, std::size_t at, LayerSlice slice, const Move& move) {
+  const PlannedRise& rise = plan.rises->each[at];
+  const RisePlan way = way_of(rise.plan, end_beneath(plan.rises->each, at));
+  const Nanometers low = slice.layer == rise.first_layer ? Nanometers{} : slice.bottom + rise.plan.overrun;
   TimeByCause time;
-  time[TimeCause::Light] = std::chrono::duration_cast<Duration>(duration(rise.plan, slice.bottom, slice.top));
+  time[TimeCause::Light] =
+      std::chrono::duration_cast<Duration>(duration(way, low, slice.top + rise.plan.overrun));
   if (slice.layer == rise.first_layer) {
     time[TimeCause::Recovering] = rise.rest;
     time[TimeCause::Lowering] = lowering_duration(plan.motion, Nanometers{}, move);
@@ -60,16 +65,16 @@ template <typename Move, typename Take>
 void for_each_layer(const PrintPlan& plan, const Move& move, const Take& take) {
   const std::span<const PlannedRise> rises =
       plan.rises ? std::span<const PlannedRise>(plan.rises->each) : std::span<const PlannedRise>();
-  auto rise = rises.begin();
+  std::size_t at = 0;  // index of the rise
   Nanometers top{};
   for (std::size_t i = 0; i < plan.expected_layers.size(); ++i) {
     const auto layer = static_cast<std::int32_t>(i);
     const Nanometers bottom = top;
     top += plan.expected_layers[i];
-    if (rise != rises.end() && bottom >= rise->plan.points.back().height) ++rise;
-    const bool rises_here = rise != rises.end() && layer >= rise->first_layer;
+    if (at < rises.size() && bottom >= rises[at].plan.points.back().height) ++at;
+    const bool rises_here = at < rises.size() && layer >= rises[at].first_layer;
     take(layer,
-         rises_here ? slice_time(plan, *rise, {layer, bottom, top}, move) : layer_time(plan, layer, move));
+         rises_here ? slice_time(plan, at, {layer, bottom, top}, move) : layer_time(plan, layer, move));
   }
 }
 

@@ -91,7 +91,8 @@ std::variant<ChangedRises, std::string> change_rises(const RisesAhead& ahead, co
           with_settings(settings), risen.slowest.count() * kPerHour, in_mm(risen.slowest_at),
           bounds.slowest.count() * kPerHour);
     if (!is_first && rise.lit == Duration{}) lit = {};
-    lit += duration(is_first && ahead.height ? rest_of(risen.plan, *ahead.height) : risen.plan);
+    const RisePlan whole = with_overrun(risen.plan);
+    lit += duration(is_first && ahead.height ? rest_of(whole, *ahead.height) : whole);
     if (lit > bounds.window)
       return fmt::format(
           "{} the rise from {:.2f} to {:.2f} mm would keep the light on for {:.0f} s in all, and the "

@@ -95,7 +95,8 @@ ContinuousMachine continuous_machine(const PrinterConfig& printer) {
           .microstep = Micrometers{1000 / printer.simulated.axis.microsteps_per_mm},
           .top_speed = printer.top_speed,
           .acceleration = printer.simulated.axis.acceleration,
-          .mask_budget = printer.mask_budget};
+          .mask_budget = printer.mask_budget,
+          .travel = printer.travel};
 }
 
 std::string continuous_refusal(const ResinProfile& resin, const ContinuousMachine& machine) {
@@ -131,7 +132,8 @@ RiseBounds rise_bounds(const ResinProfile& resin, const ContinuousMachine& machi
           .fastest = fastest(resin, machine),
           .slowest = continuous.slowest,
           .acceleration = machine.acceleration,
-          .window = continuous.window};
+          .window = continuous.window,
+          .travel = machine.travel};
 }
 
 std::vector<RiseSlab> continuous_slabs(ContourEngine& engine, const ContinuousSubject& subject,
@@ -164,7 +166,7 @@ std::vector<PlannedRise> rises_between(std::vector<RisePlan> rises, std::span<co
     const Duration layered = walk.to(rise.points.front().height);
     expects(walk.height == rise.points.front().height, "a rise begins on top of a layer");
     PlannedRise next{.plan = std::move(rise), .first_layer = static_cast<std::int32_t>(walk.layer)};
-    const auto time = std::chrono::duration_cast<Duration>(duration(next.plan));
+    const auto time = std::chrono::duration_cast<Duration>(duration(with_overrun(next.plan)));
     if (layered >= resin.recovery) lit = Duration{};
     if (lit > Duration{} && lit + time > resin.window) {
       next.rest = resin.recovery - layered;

@@ -1,6 +1,8 @@
 // The plan of a continuous print: the rises, and what lies between them. Pure functions; thread-safe.
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -25,6 +27,7 @@ struct ContinuousMachine {
   std::optional<MillimetersPerSecond> top_speed{};
   MillimetersPerSecondSquared acceleration{};
   Duration mask_budget{};
+  Nanometers travel{std::numeric_limits<std::int64_t>::max()};
 };
 
 [[nodiscard]] ContinuousMachine continuous_machine(const PrinterConfig& printer);

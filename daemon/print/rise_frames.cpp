@@ -20,15 +20,54 @@ Nanometers apart(Nanometers a, Nanometers b) {
 
 }  // namespace
 
-RiseFrames::RiseFrames(Machine& machine, Clock& clock, const PrintPlan& plan)
-    : machine_(machine), clock_(clock), plan_(plan), masks_(*plan.engine, clock, plan.mask_budget) {}
+RiseFrames::RiseFrames(Machine& machine, Clock& clock, const PrintPlan& plan, Nanometers solid)
+    : machine_(machine), clock_(clock), plan_(plan), masks_(*plan.engine, clock, plan.mask_budget) {
+  const LitResin& resin = plan.rises->bounds.lit;
+  if (resin.irradiance <= MilliwattsPerCm2{}) return;
+  // The masks may change as fast as the plate may rise.
+  constexpr double kRefreshes = 2.5;
+  gelling_.front.emplace(
+      resin, solid,
+      MillimetersPerSecond{in_mm(kFarthest) / kRefreshes / in_seconds(machine.display().frame())});
+}
 
 void RiseFrames::stop() {
+  count_light();
+  if (std::exchange(gelling_.lit_until, std::nullopt) && gelling_.front) gelling_.front->forget();
   end_frame(clock_.now());
   calls_.frame_over = nullptr;
   ++stops_;
   refresh_.reset();
   hand_over_.reset();
+}
+
+// --- The height at which resin gels
+
+GelFront::Light RiseFrames::light_until(TimePoint when) const {
+  if (!gelling_.lit_until) return {};
+  return {std::max<std::chrono::duration<double>>(when - *gelling_.lit_until, {}),
+          light_of(white_.on_screen, plan_.rises->gamma)};
+}
+
+// Adds the light since the last call.
+void RiseFrames::count_light() {
+  if (!gelling_.front || !gelling_.lit_until) return;
+  const std::optional<Nanometers> plate = machine_.z_axis().height();
+  if (!plate) return;
+  const TimePoint now = clock_.now();
+  gelling_.front->add(*plate, light_until(now));
+  gelling_.lit_until = now;
+}
+
+std::optional<Nanometers> RiseFrames::gelled() const {
+  return gelling_.front ? gelling_.front->height() : machine_.z_axis().height();
+}
+
+// Returns the height of the cut that is right at a time; nullopt if the plate's position is unknown.
+std::optional<Nanometers> RiseFrames::section_at(TimePoint when) const {
+  const std::optional<Nanometers> plate = machine_.z_axis().height_at(when);
+  if (!plate) return std::nullopt;
+  return std::min(gelling_.front ? gelling_.front->ahead(*plate, light_until(when)) : *plate, calls_.highest);
 }
 
 double RiseFrames::take_lit_pixels() {
@@ -39,7 +78,7 @@ double RiseFrames::take_lit_pixels() {
 
 TimePoint RiseFrames::next_vblank() const {
   const Duration frame = machine_.display().frame();
-  return vblank_ + ((clock_.now() - vblank_) / frame + 1) * frame;
+  return screen_.vblank + ((clock_.now() - screen_.vblank) / frame + 1) * frame;
 }
 
 // Waits for the mask by looking once a refresh: nothing shines, and nothing moves.
@@ -52,9 +91,10 @@ void RiseFrames::show_first(std::function<void()> shown, std::function<void(cons
     });
     return;
   }
-  const std::optional<Nanometers> height = machine_.z_axis().height();
-  if (!height) return calls_.unsafe(kUnknownHeight);
-  masks_.begin(*height, white_.wanted);
+  const std::optional<Nanometers> plate = machine_.z_axis().height();
+  if (!plate) return calls_.unsafe(kUnknownHeight);
+  screen_.plate = *plate;
+  masks_.begin(*gelled(), white_.wanted);
   await_first(std::move(shown));
 }
 
@@ -66,7 +106,7 @@ void RiseFrames::await_first(std::function<void()> shown) {
     return;
   }
   present([this, shown = std::move(shown)](TimePoint at) {
-    vblank_ = at;
+    screen_.vblank = at;
     begin_frame(at);
     shown();
   });
@@ -74,6 +114,7 @@ void RiseFrames::await_first(std::function<void()> shown) {
 
 void RiseFrames::run(Calls calls) {
   calls_ = std::move(calls);
+  gelling_.lit_until = clock_.now();
   if (frame_) {  // the mask at rest, which is on the screen
     frame_->begins = true;
     ++figures_.shown;
@@ -81,18 +122,21 @@ void RiseFrames::run(Calls calls) {
   refresh_ = clock_.call_at(next_vblank(), [this] { refresh(); });
 }
 
-// Begins the next refresh's mask, if the height will have changed enough.
+// Begins the next refresh's mask, if one of the heights will have changed enough.
 void RiseFrames::refresh() {
   const std::uint64_t stops = stops_;
+  count_light();
   calls_.refreshed();
   if (stops != stops_) return;
   const Duration frame = machine_.display().frame();
   const TimePoint vblank = next_vblank();
-  const std::optional<Nanometers> height = machine_.z_axis().height_at(vblank + frame / 2);
-  if (!height) return calls_.unsafe(kUnknownHeight);
-  const bool is_new =
-      white_.passed != white_.wanted || apart(*height, shown_.cut_at) >= plan_.rises->mask_step;
-  if (is_new && !masks_.busy()) masks_.begin(*height, white_.wanted);
+  const std::optional<Nanometers> plate = machine_.z_axis().height_at(vblank + frame / 2);
+  const std::optional<Nanometers> section = section_at(vblank + frame / 2);
+  if (!plate || !section) return calls_.unsafe(kUnknownHeight);
+  const Nanometers step = plan_.rises->mask_step;
+  const bool is_new = white_.passed != white_.wanted || apart(*section, shown_.cut_at) >= step ||
+                      apart(*plate, screen_.plate) >= step;
+  if (is_new && !masks_.busy()) masks_.begin(*section, white_.wanted);
   hand_over_ = clock_.call_at(vblank - frame / 2, [this, vblank, is_new] { hand_over(vblank, is_new); });
   refresh_ = clock_.call_at(vblank, [this] { refresh(); });
 }
@@ -101,12 +145,13 @@ void RiseFrames::refresh() {
 // a refresh later, and until then this mask may stay.
 void RiseFrames::hand_over(TimePoint vblank, bool is_new) {
   const Duration frame = machine_.display().frame();
-  const std::optional<Nanometers> then = machine_.z_axis().height_at(vblank + frame / 2);
-  if (!then) return calls_.unsafe(kUnknownHeight);
-  if (apart(*then, on_screen_) > kFarthest) {
+  const std::optional<Nanometers> plate = machine_.z_axis().height_at(vblank + frame / 2);
+  const std::optional<Nanometers> section = section_at(vblank + frame / 2);
+  if (!plate || !section) return calls_.unsafe(kUnknownHeight);
+  if (apart(*section, screen_.cut) > kFarthest) {
     return calls_.unsafe(
-        fmt::format("the mask on the screen is too old: {} masks were missed, and the plate "
-                    "would be more than {:.0f} um from it",
+        fmt::format("the mask on the screen is too old: {} masks were missed, and resin would gel more than "
+                    "{:.0f} um from it",
                     figures_.missed, in_mm(kFarthest) * 1e3));
   }
   if (!is_new) return;
@@ -114,15 +159,17 @@ void RiseFrames::hand_over(TimePoint vblank, bool is_new) {
     if (frame_) ++frame_->missed;
     return tell_missed(1);
   }
+  screen_.plate = *plate;
   present([this, vblank, frame](TimePoint at) {
-    vblank_ = at;
+    screen_.vblank = at;
     ++figures_.shown;
     const auto late =
         static_cast<std::uint32_t>(std::max<std::int64_t>((at - vblank + frame / 2) / frame, 0));
     if (frame_) frame_->missed += late;
     end_frame(at);
     begin_frame(at);
-    figures_.farthest = std::max(figures_.farthest, apart(frame_->first, frame_->cut));
+    figures_.farthest =
+        std::max(figures_.farthest, apart(section_at(at + frame / 2).value_or(frame_->cut), frame_->cut));
     if (late > 0) tell_missed(late);
   });
 }
@@ -171,7 +218,7 @@ void RiseFrames::present(std::function<void(TimePoint)> presented) {
       cut.mask, [this, stops = stops_, presented = std::move(presented)](std::optional<TimePoint> at) {
         if (stops != stops_) return;
         if (!at) return calls_.unsafe("the display was lost");
-        on_screen_ = shown_.cut_at;
+        screen_.cut = shown_.cut_at;
         white_.on_screen = white_.passed;
         presented(*at);
       });

@@ -1,16 +1,19 @@
-// The masks of a rise: for each refresh of the display the one for the plate's height at the middle of that
-// refresh, cut on a thread of its own; the event loop never waits for it. A mask is cut when the height has
-// changed by `mask_step` since the last cut, and passed to the display half a refresh before the vblank. A
-// mask that is not ready by then is missed: the shown one stays. Event loop's thread only.
+// The masks of a rise: for each refresh of the display the one for the height at which resin gels at the
+// middle of that refresh, which follows from the plate's height and the light so far (GelFront), cut on a
+// thread of its own; the event loop never waits for it. A mask is cut when one of the two heights has changed
+// by `mask_step`, and passed to the display half a refresh before the vblank. A mask that is not ready by
+// then is missed: the shown one stays. Event loop's thread only.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "core/continuous/gel_front.hpp"
 #include "daemon/frames/frame_record.hpp"
 #include "daemon/print/mask_ahead.hpp"
 #include "daemon/print/print_plan.hpp"
@@ -21,12 +24,14 @@ namespace contourd {
 
 class RiseFrames {
  public:
-  // The light may not shine while the mask on the screen is further than this from the plate's height.
+  // The light may not shine while the cut of the mask on the screen is further than this from the height at
+  // which resin gels.
   static constexpr Nanometers kFarthest{5'000};
 
-  // All arguments must outlive the object, and nothing else may use the plan's engine meanwhile. Throws
-  // std::system_error (a thread).
-  RiseFrames(Machine& machine, Clock& clock, const PrintPlan& plan);
+  // What lies beneath `solid` is printed. All other arguments must outlive the object, and nothing else may
+  // use the plan's engine meanwhile. If the plan's bounds do not say which resin is lit, it counts as gelled
+  // up to the plate. Throws std::system_error (a thread).
+  RiseFrames(Machine& machine, Clock& clock, const PrintPlan& plan, Nanometers solid);
 
   // Callbacks. Each may call stop().
   struct Calls {
@@ -36,14 +41,18 @@ class RiseFrames {
     // A mask has left the screen, or is the last one when stop() is called. Its layer is unknown.
     std::function<void(const FrameRecord&)> frame_over{};
     std::optional<TimePoint> lit_from{};  // since when there is light; nullopt: there is none
+    Nanometers highest{std::numeric_limits<std::int64_t>::max()};  // bound of the cuts
   };
-  // Shows the mask for the plate's height, which is at rest, then calls `shown`. Stops what is under way.
+  // Shows the mask for the plate at rest, then calls `shown`. Stops what is under way.
   void show_first(std::function<void()> shown, std::function<void(const std::string&)> unsafe);
   // Shows a mask for each refresh from now on, until stop(); to be called when the first mask is on the
   // screen.
   void run(Calls calls);
-  // Shows no further mask, and makes no further call.
+  // Shows no further mask, and makes no further call. Liquid loses the dose that it has got.
   void stop();
+
+  // Returns the height up to which resin has gelled; nullopt if the plate's position is unknown.
+  [[nodiscard]] std::optional<Nanometers> gelled() const;
 
   // Gives white pixels this grey value from the next mask on, which comes with the next refresh; and returns
   // true if the mask on the screen has it.
@@ -68,6 +77,9 @@ class RiseFrames {
   void begin_frame(TimePoint shown);
   void end_frame(TimePoint until);
   [[nodiscard]] TimePoint next_vblank() const;
+  [[nodiscard]] GelFront::Light light_until(TimePoint when) const;
+  void count_light();
+  [[nodiscard]] std::optional<Nanometers> section_at(TimePoint when) const;
 
   Machine& machine_;
   Clock& clock_;
@@ -75,7 +87,15 @@ class RiseFrames {
   MaskAhead masks_;
   Calls calls_;
   ShownMask shown_;
-  Nanometers on_screen_{};  // the cut of the mask that is on the screen
+  struct Gelling {
+    std::optional<GelFront> front;
+    std::optional<TimePoint> lit_until;  // the time up to which the front has its light, while there is light
+  } gelling_;
+  struct Screen {
+    Nanometers cut{};    // height of the cut of the mask on the screen
+    Nanometers plate{};  // height of the plate for which a mask was passed to the display last
+    TimePoint vblank{};  // a refresh, from which the others are counted
+  } screen_;
   struct LitPixels {
     double last = 0;         // of the last mask
     double sum = 0;          // of the masks since the last take_lit_pixels()
@@ -84,11 +104,10 @@ class RiseFrames {
   struct White {
     std::uint8_t wanted = 255;
     std::uint8_t passed = 255;     // of the mask that was passed to the display last
-    std::uint8_t on_screen = 255;  // of the mask that is on the screen
+    std::uint8_t on_screen = 255;  // height of the cut of the mask on the screen
   } white_;
   FrameFigures figures_;
   std::optional<FrameRecord> frame_;  // the mask that is on the screen
-  TimePoint vblank_{};                // a refresh, from which the others are counted
   std::uint64_t stops_ = 0;           // answers of the display from before the last stop are ignored
   std::unique_ptr<Timer> refresh_, hand_over_;
 };

@@ -19,7 +19,7 @@ Nanometers bottom_of(const PlannedRise& rise) {
 
 RisePlan capped(const RisePlan& plan, MillimetersPerSecond most) {
   expects(!plan.points.empty() && most > MillimetersPerSecond{}, "a rise has a plan and a speed");
-  RisePlan slower;
+  RisePlan slower{.points = {}, .overrun = plan.overrun};
   const double limit = most.count() * most.count();
   for (std::size_t i = 0; i < plan.points.size(); ++i) {
     RisePoint point = plan.points[i];
@@ -40,6 +40,21 @@ RisePlan capped(const RisePlan& plan, MillimetersPerSecond most) {
   return slower;
 }
 
+RisePlan way_of(const RisePlan& plan, Nanometers from) {
+  const RisePlan whole = with_overrun(plan);
+  expects(!whole.points.empty(), "a rise has a plan");
+  const Nanometers begin = std::min(from, whole.points.back().height - kLeastRise);
+  return begin > whole.points.front().height ? rest_of(whole, begin) : whole;
+}
+
+Nanometers end_beneath(std::span<const PlannedRise> rises, std::size_t at) {
+  expects(at < rises.size(), "there is such a rise");
+  if (at == 0) return Nanometers{};
+  const RisePlan& beneath = rises[at - 1].plan;
+  const Nanometers top = beneath.points.back().height;
+  return top == bottom_of(rises[at]) ? top + beneath.overrun : Nanometers{};
+}
+
 RiseProgress::RiseProgress(PlannedRises rises, Nanometers from) : rises_(std::move(rises)), here_(from) {
   while (any_left() && bottom_of(rises_.each[at_]) < from)
     ++at_;
@@ -48,6 +63,7 @@ RiseProgress::RiseProgress(PlannedRises rises, Nanometers from) : rises_(std::mo
 void RiseProgress::reach() {
   expects(any_left(), "a rise is left");
   here_ = bottom_of(rises_.each[at_]);
+  plate_ = Nanometers{};
 }
 
 void RiseProgress::begin() {
@@ -55,7 +71,8 @@ void RiseProgress::begin() {
   if (std::exchange(begun_, true)) return;
   lit_ = {};
   changed_at_.reset();
-  rest_ = cap_ ? capped(rises_.each[at_].plan, *cap_) : rises_.each[at_].plan;
+  rest_ = way_of(rises_.each[at_].plan, plate_);
+  if (cap_) rest_ = capped(rest_, *cap_);
 }
 
 const PlannedRise& RiseProgress::current() const {
@@ -77,6 +94,7 @@ void RiseProgress::stop_at(Nanometers height) {
     return;
   }
   here_ = rises_.each[at_].plan.points.back().height;
+  plate_ = height;
   begun_ = false;
   rest_until_.reset();
   ++at_;
@@ -119,8 +137,7 @@ void RiseProgress::change(const ChangedRises& changed, TimePoint now) {
   if (!begun_) return;
   changed_at_ = now;
   const Nanometers from = rest_.points.front().height;
-  const RisePlan& plan = rises_.each[at_].plan;
-  rest_ = from == plan.points.front().height ? plan : rest_of(plan, from);
+  rest_ = way_of(rises_.each[at_].plan, from);
   if (cap_) rest_ = capped(rest_, *cap_);
   changed_ = true;
 }

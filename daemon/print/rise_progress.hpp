@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "daemon/print/print_plan.hpp"
@@ -16,6 +17,13 @@ namespace contourd {
 // they allow every speed below one that they allow, and the gap that resin flows through gets no narrower
 // than it is at `most`. REQUIRES: a plan with points; `most` is positive.
 [[nodiscard]] RisePlan capped(const RisePlan& plan, MillimetersPerSecond most);
+
+// Returns the plate's way in a rise to the end of its overrun: from its bottom, or from where the rise before
+// ended, if that is higher. REQUIRES: a plan with points.
+[[nodiscard]] RisePlan way_of(const RisePlan& plan, Nanometers from);
+// Returns the height at which the rise before ends, with its overrun, if this one begins on top of it without
+// layers between them; 0 if not. REQUIRES: an index of the rises.
+[[nodiscard]] Nanometers end_beneath(std::span<const PlannedRise> rises, std::size_t at);
 
 // The next part of a print, after the present one.
 enum class NextPart : std::uint8_t {
@@ -42,7 +50,7 @@ class RiseProgress {
   [[nodiscard]] bool begun() const { return begun_; }
   // Returns the rise under way, or else the next one. REQUIRES: any_left().
   [[nodiscard]] const PlannedRise& current() const;
-  // Returns what is left of the rise. REQUIRES: begun(), as for the next one.
+  // Returns what is left of the plate's way, see way_of(). REQUIRES: begun(), as for the next one.
   [[nodiscard]] const RisePlan& rest() const;
   // Notes that the plate has come to rest at a height within the rise. Ends the rise if what is left is not
   // worth a motion.
@@ -88,6 +96,7 @@ class RiseProgress {
   std::optional<TimePoint> changed_at_;  // the last change within the rise under way
   Duration lit_{};                       // of the rise under way
   Nanometers here_{};                    // the height up to which the print has whole parts
+  Nanometers plate_{};                   // where the last rise ended, until layers follow it
   std::optional<TimePoint> rest_until_;  // once the rest has begun
 };
 

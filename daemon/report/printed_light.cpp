@@ -89,6 +89,7 @@ class LightFromPlate {
 
   // Adds a layer, unless it is not above the one before.
   bool add_layer(const LayerRecord& record, std::size_t number) {
+    lower_overrun(record.plate_height);
     if (record.plate_height <= beneath_) return false;
     const std::chrono::duration<double> least = record.exposure_least, most = record.exposure_most;
     const auto lit = record.dark_confirmed ? (least + most) / 2 : least;
@@ -118,6 +119,29 @@ class LightFromPlate {
     light_.layers.push_back(layer);
     light_.mask_heights.push_back(mask_height);
     light_.sources.push_back(source);
+  }
+
+  // Puts the light of a rise's last steps, whose overrun ended above the film of the layer that follows, just
+  // below that film, so that resin below them gets as much of it as before.
+  void lower_overrun(Nanometers film) {
+    const auto is_above = [&](std::size_t at) {
+      return light_.sources[at].is_step && light_.layers[at].top >= film;
+    };
+    std::size_t first = light_.layers.size();
+    while (first > 0 && is_above(first - 1))
+      --first;
+    const auto count = static_cast<std::int64_t>(light_.layers.size() - first);
+    if (count == 0) return;
+    beneath_ = first > 0 ? light_.layers[first - 1].top : Nanometers{};
+    if (film - beneath_ <= Nanometers{count}) return;
+    const double depth_mm = to_millimeters(shown_.cure.curve.penetration_depth).count();
+    for (std::size_t at = first; at < light_.layers.size(); ++at) {
+      LayerDose& step = light_.layers[at];
+      const Nanometers top = film - Nanometers{static_cast<std::int64_t>(light_.layers.size() - at)};
+      step.dose = step.dose * std::exp(-in_mm(step.top - top) / depth_mm);
+      step.top = top;
+      step.thickness = top - std::exchange(beneath_, top);
+    }
   }
 
   void add_step(const StepOfRise& step, bool peeled) {

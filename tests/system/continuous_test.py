@@ -104,7 +104,11 @@ class Continuous(SpoolTest):
         self.assertEqual(found["masks"], report["frames"]["recorded"])
         self.assertEqual(found["masks"], report["frames"]["shown"])
         self.assertAlmostEqual(found["lit_s"], sum(each["exposure_most_ms"] for each in report["layer_records"] if each["frames"]) / 1000, delta=0.01)
-        self.assertLess(found["farthest_um"], 5)
+        nearest, farthest = found["below_plate_um"]
+        self.assertAlmostEqual(nearest, 0, delta=2)  # the mask at rest is that of the first section above the layers
+        self.assertAlmostEqual(farthest, 73.2, delta=3)  # the gel gap at a margin of 4; a mask is up to 2 um behind
+        self.assertLess(found["risen_um"], 5)
+        self.assertLess(report["frames"]["farthest_um"], 5)
         lines = contourctl("frames", "--csv", path, expect=OK).stdout.splitlines()
         self.assertEqual(len(lines), found["masks"] + 1)
         self.assert_words(contourctl("frames", path, expect=OK).stdout, f"{found['masks']} in 1 rise", "complete")

@@ -54,10 +54,10 @@ void print_summary(const FrameFile& file, const FrameSummary& all) {
   fmt::print("light         {}\n", readable(all.lit));
   fmt::print("missed        {} of {} showed an older mask\n", all.missed,
              count_of(all.refreshes, "refresh", "refreshes"));
-  fmt::print("first shown   cut at most {:.2f} um from the plate, at {:.3f} mm\n",
-             um(all.farthest_first.apart), in_mm(all.farthest_first.at));
-  fmt::print("while shown   cut at most {:.2f} um from the plate, at {:.3f} mm\n", um(all.farthest.apart),
-             in_mm(all.farthest.at));
+  fmt::print("cuts          {:.2f} um below the plate, at {:.3f} mm, to {:.2f} um, at {:.3f} mm\n",
+             um(all.nearest.way), in_mm(all.nearest.at), um(all.farthest.way), in_mm(all.farthest.at));
+  fmt::print("while shown   the plate rose at most {:.2f} um, to {:.3f} mm\n", um(all.longest.way),
+             in_mm(all.longest.at));
   fmt::print("record        {}\n", record_text(file));
 }
 
@@ -69,9 +69,8 @@ void print_summary_json(const FrameFile& file, const FrameSummary& all) {
                                     {"lit_s", in_seconds(all.lit)},
                                     {"refreshes", all.refreshes},
                                     {"missed", all.missed},
-                                    {"farthest_first_um", um(all.farthest_first.apart)},
-                                    {"farthest_um", um(all.farthest.apart)},
-                                    {"farthest_at_mm", in_mm(all.farthest.at)},
+                                    {"below_plate_um", {um(all.nearest.way), um(all.farthest.way)}},
+                                    {"risen_um", um(all.longest.way)},
                                     {"lost", file.lost},
                                     {"complete", file.complete}};
   fmt::print("{}\n", json.dump(2));

@@ -162,12 +162,13 @@ TEST_CASE_METHOD(FrameFileFixture, "A block has records, and only the last one h
   CHECK(contract_broken_by([&] { writer.add(std::span(frames).first(5)); }) == kRule);
 }
 
-TEST_CASE("The summary of frames has their number, light and the largest distance from the plate") {
+TEST_CASE("The summary of frames has their number, light, and the distances of cuts from the plate") {
   CHECK(summary_of({}).masks == 0);
   std::vector<FrameRecord> frames = frames_up_to(10);
   frames[6].begins = true;
   frames[4].first = frames[4].cut - Nanometers{25};
-  frames[7].last = frames[7].cut + Nanometers{4'100};
+  frames[7].last = frames[7].first + Nanometers{4'100};
+  frames[8].cut = frames[8].first - Nanometers{73'000};
   const FrameSummary summary = summary_of(frames);
   CHECK(summary.masks == 10);
   CHECK(summary.rises == 2);
@@ -176,8 +177,10 @@ TEST_CASE("The summary of frames has their number, light and the largest distanc
   CHECK(summary.lit == 166'660us);
   CHECK(summary.lowest == Nanometers{300'010});
   CHECK(summary.highest == Nanometers{319'500});
-  CHECK(summary.farthest_first.apart == Nanometers{25});
-  CHECK(summary.farthest_first.at == frames[4].first);
-  CHECK(summary.farthest.apart == Nanometers{4'100});
-  CHECK(summary.farthest.at == frames[7].last);
+  CHECK(summary.nearest.way == Nanometers{-25});
+  CHECK(summary.nearest.at == frames[4].first);
+  CHECK(summary.farthest.way == Nanometers{73'000});
+  CHECK(summary.farthest.at == frames[8].first);
+  CHECK(summary.longest.way == Nanometers{4'100});
+  CHECK(summary.longest.at == frames[7].last);
 }

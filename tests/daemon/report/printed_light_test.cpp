@@ -1,14 +1,21 @@
 // Tests the light of rises, taken from the masks that they showed, and the part that it cures.
 #include "daemon/report/printed_light.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <initializer_list>
 #include <memory>
+#include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/continuous/rise_laws.hpp"
 #include "core/cure/cured_part.hpp"
 #include "core/layers/layers.hpp"
 #include "daemon/print/continuous_print.hpp"
+#include "daemon/print/rise_forecast.hpp"
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
@@ -155,23 +162,36 @@ models::Facets hourglass() {
 }
 constexpr double kHeightMm = 4;
 
-ContourEngine hourglass_engine() {
+ContourEngine engine_of(models::Facets facets) {
   std::vector<PlateModel> models(1);
-  models[0].model = std::make_shared<const HeightIndex>(hourglass());
+  models[0].model = std::make_shared<const HeightIndex>(std::move(facets));
   models[0].copies = {PixelMap::true_scale(testing::kSmallDisplay, {0, 0})};
   return {std::move(models), EngineSettings{.display = testing::kSmallDisplay}};
+}
+
+ContourEngine hourglass_engine() {
+  return engine_of(hourglass());
 }
 
 // Prints on a simulated printer and keeps the records.
 class RecordingPrint final : public PrintObserver {
  public:
-  explicit RecordingPrint(PrintPlan plan) {
+  // Calls `at_height` with the plate's height while it rises.
+  using AtHeight = std::function<void(ContinuousPrint&, Nanometers)>;
+  explicit RecordingPrint(
+      PrintPlan plan, SimulatedPrinterConfig config = testing::small_printer(),
+      const AtHeight& at_height = [](ContinuousPrint&, Nanometers) {})
+      : printer(clock, config) {
     process.start(std::move(plan));
     while (clock.run_next()) {
+      if (process.continuous_state() == ContinuousState::Rising)
+        at_height(process, printer.z_axis().height().value());
+      if (process.continuous_state() == ContinuousState::Paused && pauses++ == 0) process.resume();
     }
   }
   RecordedRise recorded;
   PrintOutcome outcome = PrintOutcome::Failed;
+  int pauses = 0;  // only the first one is ended
 
  private:
   void light_due() override {}
@@ -183,7 +203,7 @@ class RecordingPrint final : public PrintObserver {
   void print_ended(PrintOutcome how, const std::string&, PrintPlan) override { outcome = how; }
 
   VirtualClock clock;
-  SimulatedPrinter printer{clock, testing::small_printer()};
+  SimulatedPrinter printer;
   ContinuousPrint process{printer, clock, *this};
 };
 
@@ -199,7 +219,10 @@ PrintPlan hourglass_plan() {
   PlannedRise rise{.plan = {}, .first_layer = kFirst};
   rise.plan.points = {point(from, 0), point(from + 0.005, speed_mm_s()),
                       point(kHeightMm - 0.005, speed_mm_s()), point(kHeightMm, 0)};
+  const LitResin lit{kWindowCure.curve, MilliwattsPerCm2{kIrradiance}, kWindowCure.dead_zone};
+  rise.plan.overrun = Nanometers{std::llround(gel_gap(lit, kMargin).count() * 1000)};
   plan.rises.emplace();
+  plan.rises->bounds.lit = lit;
   plan.rises->each.push_back(std::move(rise));
   return plan;
 }
@@ -224,6 +247,12 @@ CureFigures cured_in_layers(Nanometers thickness, const CureSettings& cure) {
   return cure_part(engine, testing::kSmallDisplay, {.layers = layers, .cure = cure}, nullptr).figures;
 }
 
+// Returns how far undersides of thick parts end too low in the rise of the hourglass.
+double underside_um(const CureSettings& cure) {
+  const LitResin lit{cure.curve, MilliwattsPerCm2{kIrradiance}, cure.dead_zone};
+  return print_through(cure.curve, kMargin).count() + cure.dead_zone.count() - gel_gap(lit, kMargin).count();
+}
+
 }  // namespace
 
 TEST_CASE(
@@ -239,16 +268,13 @@ TEST_CASE(
     CHECK(rise.undersides.missing == 0);
     CHECK(rise.undersides.median_um < layers.undersides.median_um);
     CHECK(rise.undersides.p95_um < layers.undersides.p95_um);
-    CHECK(rise.walls.median_um < layers.walls.median_um);
+    if (memory == 1) CHECK(rise.walls.median_um < layers.walls.median_um);
     CHECK(rise.walls.p95_um < layers.walls.p95_um);
     CHECK(rise.too_much_mm3 < layers.too_much_mm3);
-    // No peel takes dose: the print-through is the law's, and the dead zone's, at any memory.
-    const double through_um = print_through(cure.curve, kMargin).count() + cure.dead_zone.count();
-    CHECK(rise.undersides.median_um == Approx(through_um).margin(3));  // steps of 4 um, one way
-    // Resin above the gel gap has gelled when the light ends; the plate is slower at its end.
-    const double gap_um =
-        gel_gap({cure.curve, MilliwattsPerCm2{kIrradiance}, cure.dead_zone}, kMargin).count();
-    CHECK(rise.tops.median_um == Approx(-gap_um).margin(8));
+    // No peel takes dose: the print-through is the law's, less the way by which the masks are behind, at any
+    // memory.
+    CHECK(rise.undersides.median_um == Approx(underside_um(cure)).margin(3));  // steps of 4 um, one way
+    CHECK(rise.tops.median_um == Approx(0).margin(4));
   }
 }
 
@@ -265,7 +291,224 @@ TEST_CASE("The part from a rise's masks is more exact than the one from its slic
   const RecordedRise slices{print.recorded.layers, {}};
   const CureFigures from_masks = cured_in_rise(print.recorded, kWindowCure);
   const CureFigures from_slices = cured_in_rise(slices, kWindowCure);
-  const double through_um = print_through(kWindowCure.curve, kMargin).count() + kWindowCure.dead_zone.count();
-  CHECK(std::abs(from_masks.undersides.median_um - through_um) <
-        std::abs(from_slices.undersides.median_um - through_um) / 2);
+  const double low_um = underside_um(kWindowCure);
+  CHECK(std::abs(from_masks.undersides.median_um - low_um) <
+        std::abs(from_slices.undersides.median_um - low_um) / 2);
+}
+
+namespace {
+
+constexpr double kTopMm = 2;
+
+// Models whose walls lie between pixels, which are all lit or not at all.
+models::Facets needle() {
+  return models::box({-0.2F, -0.2F, 0}, {0.3F, 0.3F, 2});
+}
+models::Facets block() {
+  return models::box({-2, -1.5F, 0}, {2, 1.5F, 2});
+}
+// Three steps, of which only the uppermost ends between two layers.
+models::Facets pyramid() {
+  return models::together({models::box({-2, -2, 0}, {2, 2, 0.777F}),
+                           models::box({-1.4F, -1.4F, 0}, {1.4F, 1.4F, 1.473F}),
+                           models::box({-0.7F, -0.7F, 0}, {0.7F, 0.7F, 2})});
+}
+
+// A resin in the light, its margin, and the distances of the sections up to these heights, in mm.
+struct RiseCase {
+  LitResin lit{};
+  double margin = 4;
+  std::vector<std::pair<double, double>> distances{{kTopMm, 2.0}};
+};
+
+RiseBounds bounds_of(const RiseCase& from) {
+  return {.lit = from.lit,
+          .margin = from.margin,
+          .refill = {.viscosity_pa_s = 0.2, .pressure_kpa = 50},
+          .fastest = MillimetersPerSecond{0.12},  // 2 um a refresh
+          .slowest = MillimetersPerSecond{0.0005},
+          .acceleration = MillimetersPerSecondSquared{25},
+          .window = std::chrono::hours{10}};
+}
+
+CureSettings cure_of(const RiseCase& from, double memory = 1) {
+  return {.curve = from.lit.curve, .peel_memory = memory, .dead_zone = from.lit.dead_zone};
+}
+
+// Plans the rises of a model up to a height, with layers of kBoxLayer.
+PrintPlan plan_of(models::Facets facets, const RiseCase& from, RiseBounds bounds) {
+  const double irradiance = from.lit.irradiance.count();
+  PrintPlan plan = testing::box_plan(static_cast<int>(std::lround(kTopMm / in_mm(testing::kBoxLayer))));
+  plan.engine = std::make_unique<ContourEngine>(engine_of(std::move(facets)));
+  const Micrometers depth{in_mm(testing::kBoxLayer) * 1000 + 50 + from.lit.dead_zone.count()};
+  const std::chrono::duration<double> exposure(from.lit.curve.dose_for(depth).count() / irradiance);
+  plan.exposure = [exposure](std::int32_t, Nanometers) {
+    return std::chrono::duration_cast<Duration>(exposure);
+  };
+  std::vector<RiseSlab> slabs;
+  const Nanometers thickness =
+      slab_thickness(Nanometers{2'000'000}, testing::kBoxLayer, gel_gap(from.lit, from.margin));
+  for (Nanometers top = thickness; in_mm(top) < kTopMm + 1e-9; top += thickness) {
+    const auto at = std::ranges::find_if(from.distances,
+                                         [&](const auto& each) { return in_mm(top) <= each.first + 1e-9; });
+    slabs.push_back({top, Millimeters{at->second}});
+  }
+  slabs.back().top = Nanometers{2'000'000};
+  const std::vector<Duration> times(plan.expected_layers.size());
+  PlannedRises& rises = plan.rises.emplace();
+  rises.bounds = bounds;
+  rises.slowest = bounds.slowest;
+  rises.slabs = std::make_shared<const std::vector<RiseSlab>>(slabs);
+  rises.each = rises_between(plan_rises(slabs, Nanometers{200'000}, bounds), plan.expected_layers, times,
+                             {.window = std::chrono::hours{10}, .recovery = std::chrono::seconds{1}});
+  return plan;
+}
+
+CureFigures cured_in(const models::Facets& facets, const RecordedRise& recorded, const RiseCase& from,
+                     double memory = 1) {
+  ContourEngine engine = engine_of(facets);
+  const CureSettings cure = cure_of(from, memory);
+  const PrintedLight light =
+      printed_light(recorded.layers, from.lit.irradiance.count(), {recorded.frames, cure}).value();
+  return cure_part(engine, testing::kSmallDisplay,
+                   {.layers = light.layers, .cure = cure, .mask_heights = light.mask_heights}, nullptr)
+      .figures;
+}
+
+LitResin lit(double depth_um, double critical_mj, double irradiance, double dead_zone_um) {
+  return {{Micrometers{depth_um}, MillijoulesPerCm2{critical_mj}},
+          MilliwattsPerCm2{irradiance},
+          Micrometers{dead_zone_um}};
+}
+
+// Masks come every 2 um, and the recorded light is joined to steps of 4 um.
+constexpr double kTopTolerance_um = 6;
+
+}  // namespace
+
+TEST_CASE("Level tops of a rise end at their height, in each resin and at each margin") {
+  for (const RiseCase& each :
+       std::initializer_list<RiseCase>{{lit(150, 8, 4, 30), 4},
+                                       {lit(150, 8, 16, 30), 2},
+                                       {lit(150, 8, 16, 5), 1.5, {{kTopMm, 0.2}}},
+                                       {lit(80, 12, 20, 60), 6},
+                                       {lit(250, 6, 5, 15), 3},
+                                       // The speed falls to a fourth below the second step, and rises again.
+                                       {lit(150, 8, 4, 30), 4, {{1.2, 4.0}, {1.6, 27.0}, {kTopMm, 4.0}}}}) {
+    for (const auto& facets : {needle(), block(), pyramid()}) {
+      CAPTURE(each.lit.curve.penetration_depth.count(), each.lit.dead_zone.count(), each.margin,
+              facets.size());
+      PrintPlan plan = plan_of(facets, each, bounds_of(each));
+      REQUIRE(plan.rises->each.size() == 1);
+      const RecordingPrint print(std::move(plan));
+      REQUIRE(print.outcome == PrintOutcome::Done);
+      CHECK(print.recorded.layers.size() == 40);
+      const CureFigures cured = cured_in(facets, print.recorded, each);
+      CHECK(cured.tops.missing == 0);
+      CHECK(cured.tops.median_um == Approx(0).margin(kTopTolerance_um));
+      CHECK(cured.tops.worst_um == Approx(0).margin(kTopTolerance_um));
+    }
+  }
+}
+
+TEST_CASE("Level tops of a rise end at their height when speed and light change while it prints") {
+  const RiseCase each{lit(150, 8, 4, 30), 4};
+  PrintPlan plan = plan_of(pyramid(), each, bounds_of(each));
+  plan.rises->settings = planned_settings(plan.rises->bounds);
+  std::vector<std::pair<double, RiseSettings>> changes(4, {0.0, plan.rises->settings});
+  // The speed falls below the first top, the light below the second one, and both come back below the third.
+  changes[0].first = 0.75;
+  changes[0].second.speed_mm_h = 15;
+  changes[1].first = 1.35;
+  changes[1].second.speed_mm_h = 60;
+  changes[2].first = 1.45;
+  changes[2].second.light_percent = 40;
+  changes[3].first = 1.93;
+  std::vector<std::string> refusals;
+  const RecordingPrint print(
+      std::move(plan), testing::small_printer(), [&](ContinuousPrint& process, Nanometers plate) {
+        if (changes.empty() || in_mm(plate) < changes.front().first) return;
+        const auto changed = change_rises(process.rises_ahead().value(), changes.front().second);
+        if (const auto* const refusal = std::get_if<std::string>(&changed))
+          refusals.push_back(*refusal);
+        else
+          process.change(std::get<ChangedRises>(changed));
+        changes.erase(changes.begin());
+      });
+  REQUIRE(print.outcome == PrintOutcome::Done);
+  CHECK(refusals.empty());
+  CHECK(changes.empty());
+  const CureFigures cured = cured_in(pyramid(), print.recorded, each);
+  CHECK(cured.tops.missing == 0);
+  // The plate stops in the light for each change, and masks then change by no more than 2 um a refresh.
+  CHECK(cured.tops.worst_um == Approx(0).margin(kTopTolerance_um + 2));
+}
+
+TEST_CASE("After a pause within a rise, tops above the gap end at their height") {
+  const RiseCase each{lit(150, 8, 4, 30), 4};
+  bool paused = false;
+  const RecordingPrint print(plan_of(pyramid(), each, bounds_of(each)), testing::small_printer(),
+                             [&](ContinuousPrint& process, Nanometers plate) {
+                               if (in_mm(plate) < 1.25 || std::exchange(paused, true)) return;
+                               process.pause();
+                             });
+  REQUIRE(print.outcome == PrintOutcome::Done);
+  REQUIRE(paused);
+  CHECK(std::ranges::count(print.recorded.frames, true, &FrameRecord::begins) == 2);
+  for (const double memory : {0.0, 1.0}) {
+    const CureFigures cured = cured_in(pyramid(), print.recorded, each, memory);
+    CHECK(cured.tops.missing == 0);
+    CHECK(cured.tops.worst_um == Approx(0).margin(kTopTolerance_um));
+    CHECK(cured.undersides.missing == 0);
+  }
+}
+
+TEST_CASE("A model that ends at the end of the travel lacks the gap at its top, and nothing is too much") {
+  const RiseCase each{lit(150, 8, 4, 30), 4};
+  for (const std::int64_t above_nm : {0, 40'000}) {
+    SimulatedPrinterConfig config = testing::small_printer();
+    config.axis.travel = Nanometers{2'000'000 + above_nm};
+    config.axis.start_height = Nanometers{1'000'000};
+    RiseBounds bounds = bounds_of(each);
+    bounds.travel = config.axis.travel;
+    const RecordingPrint print(plan_of(needle(), each, bounds), config);
+    REQUIRE(print.outcome == PrintOutcome::Done);
+    CHECK(print.recorded.layers.size() == 40);
+    const double lacking_um = gel_gap(each.lit, each.margin).count() - static_cast<double>(above_nm) / 1000;
+    CHECK(cured_in(needle(), print.recorded, each).tops.median_um ==
+          Approx(-lacking_um).margin(kTopTolerance_um));
+  }
+}
+
+TEST_CASE("A part holds together, and its tops end at their height, where layers or a rest follow a rise") {
+  const RiseCase each{lit(150, 8, 4, 30), 4};
+  // A step of 1.473 mm, just beneath the end of the first rise.
+  SECTION("layers") {
+    PrintPlan plan =
+        plan_of(pyramid(), {each.lit, each.margin, {{1.5, 4.0}, {kTopMm, 100.0}}}, bounds_of(each));
+    REQUIRE(plan.rises->each.back().plan.points.back().height == Nanometers{1'500'000});
+    const RecordingPrint print(std::move(plan));
+    REQUIRE(print.outcome == PrintOutcome::Done);
+    CHECK(print.recorded.layers.size() == 40);
+    const CureFigures cured = cured_in(pyramid(), print.recorded, each, 0);
+    CHECK(cured.tops.missing == 0);
+    // The top of the last layer lacks the dead zone, as in every layered print.
+    CHECK(std::max(std::abs(cured.tops.worst_um), 30.0) == Approx(30).margin(kTopTolerance_um));
+    CHECK(cured.undersides.places == 0);
+    CHECK(cured.undersides.missing == 0);
+  }
+  SECTION("rest") {
+    RiseBounds bounds = bounds_of(each);
+    bounds.window = std::chrono::seconds{92};
+    PrintPlan plan = plan_of(pyramid(), each, bounds);
+    REQUIRE(plan.rises->each.size() == 2);
+    REQUIRE(plan.rises->each.front().plan.points.back().height == Nanometers{1'500'000});
+    const RecordingPrint print(std::move(plan));
+    REQUIRE(print.outcome == PrintOutcome::Done);
+    CHECK(print.recorded.layers.size() == 40);
+    const CureFigures cured = cured_in(pyramid(), print.recorded, each, 0);
+    CHECK(cured.tops.missing == 0);
+    CHECK(cured.tops.worst_um == Approx(0).margin(kTopTolerance_um));
+    CHECK(cured.undersides.missing == 0);
+  }
 }

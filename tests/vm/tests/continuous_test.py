@@ -16,6 +16,7 @@ from bed.registry import check, vm_test
 
 _HEIGHT_MM, _LAYERED_MM = 1.6, 0.2
 _STEP_NM = 1_250  # 800 microsteps per mm
+_GAP_NM = 73_150  # 30 um of dead zone, and Dp ln(M / (M - 1)) of _RESIN
 _MASK_STEP_NM = 2_000  # a mask for every step of the default mask_step_um
 _CUT_NS = 5_000_000  # from a safety input's edge until the input thread has switched the light's line off
 _SAMPLE = 60  # pictures that are compared with the core's masks, of the hundreds of a rise
@@ -85,17 +86,20 @@ def _print(during="", config=None):
 
 
 def _heights(masks, edges, pictures):
-    """Checks each mask's recorded heights, and the height of its cut, against the axis' log at the middle of its first and of its
-    last refresh: to one microstep, and nearly always to none, since half a refresh is less than a microstep."""
+    """Checks each mask's recorded heights against the axis' log at the middle of its first and of its last refresh: to one
+    microstep, and nearly always to none, since half a refresh is less than a microstep. And checks the height of each cut: it is
+    the gel gap below the plate, but for the first masks, which are those of the first section above the layers."""
     broken, different = [], 0
     half = exposure_checks.REFRESH_NS // 2
     for mask, picture in zip(masks, pictures, strict=True):
         first, last = (edges.position_at(time_ns) * _STEP_NM for time_ns in (picture.start_ns + half, picture.end_ns - half))
-        off = max(abs(mask.cut - first), abs(mask.first - first), abs(mask.last - last))
+        off = max(abs(mask.first - first), abs(mask.last - last))
         different += off > 0
         if off > _STEP_NM:
             broken.append(f"{mask}: the plate was at {first} and {last} nm at the middles of its first and its last refresh")
-        if mask.last - mask.cut > _MASK_STEP_NM + _STEP_NM:
+        if abs(mask.cut - max(mask.first - _GAP_NM, 1e6 * _LAYERED_MM)) > _MASK_STEP_NM + _STEP_NM:
+            broken.append(f"{mask}: resin gels {_GAP_NM} nm below the plate")
+        if mask.last - mask.first > _MASK_STEP_NM + _STEP_NM:
             broken.append(f"{mask}: the plate had risen by more than a step of masks")
     if different > len(masks) // 20:
         broken.append(f"{different} of {len(masks)} masks are a microstep from the plate's height")
