@@ -157,9 +157,15 @@ void LayeredPrint::begin_layer(Nanometers bottom) {
 void LayeredPrint::next_layer() {
   ++layer_;
   if (new_settings_) take_settings(*std::exchange(new_settings_, std::nullopt));
-  begin_layer(layer_top());
   for (const ExcludedCopy& copy : std::exchange(new_exclusions_, {}))
-    leave_dark(*plan_, copy, layer_, bottom_);
+    leave_dark(*plan_, copy, layer_, above_mask());
+  begin_layer(layer_top());
+}
+
+// Returns the lowest height of this layer that is above the cut of its mask: masks are cut at measured
+// heights, so that one may lie above the planned top of its layer.
+Nanometers LayeredPrint::above_mask() const {
+  return std::clamp(record_.mask_height + Nanometers{1}, bottom_, bottom_ + thickness_);
 }
 
 void LayeredPrint::pause() {
@@ -685,7 +691,7 @@ void LayeredPrint::finish() {
   if (plan_->rises) {  // what follows goes on with what was changed since the last layer began
     if (new_settings_) take_settings(*new_settings_);
     for (const ExcludedCopy& copy : new_exclusions_)
-      leave_dark(*plan_, copy, layer_ + 1, layer_top());
+      leave_dark(*plan_, copy, layer_ + 1, above_mask());
   }
   PrintPlan plan = std::move(*plan_);
   plan_.reset();

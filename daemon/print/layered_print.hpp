@@ -107,6 +107,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   void next_layer();
   [[nodiscard]] std::optional<PrintPhase> phase() const;
   [[nodiscard]] PrintProgress progress(PrintPhase phase) const;
+  [[nodiscard]] Nanometers above_mask() const;
   void begin_layer(Nanometers bottom);
   void expose();
   void time_exposure();

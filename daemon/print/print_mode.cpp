@@ -31,10 +31,10 @@ std::string describe(const PausePoint& point) {
   return fmt::format("before layer {}", std::get<std::int32_t>(point) + 1);
 }
 
-void leave_dark(PrintPlan& plan, const ExcludedCopy& copy, std::int32_t layer, Nanometers bottom) {
+void leave_dark(PrintPlan& plan, const ExcludedCopy& copy, std::int32_t layer, Nanometers from) {
   const auto supports = copy.supports_left ? copy.supports_left() : nullptr;
-  plan.engine->darken(copy.model, copy.copy, bottom);
-  if (supports) plan.engine->replace_beside(supports, bottom);
+  plan.engine->darken(copy.model, copy.copy, from);
+  if (supports) plan.engine->replace_beside(supports, from);
   if (plan.undersides)
     plan.undersides->dimming().exclude(copy.model, copy.copy, supports, static_cast<std::size_t>(layer));
 }

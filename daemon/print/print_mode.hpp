@@ -85,8 +85,9 @@ struct ExcludedCopy {
   // Returns the supports of the other copies; empty if the print has no supports. Called in the dark.
   std::function<std::shared_ptr<const SectionSource>()> supports_left{};
 };
-// Leaves the copy dark in the plan's masks from a layer on, counted from 0, whose lower side has this height.
-void leave_dark(PrintPlan& plan, const ExcludedCopy& copy, std::int32_t layer, Nanometers bottom);
+// Leaves the copy dark in the plan's masks from a layer on, counted from 0, whose masks are cut at this
+// height or above it.
+void leave_dark(PrintPlan& plan, const ExcludedCopy& copy, std::int32_t layer, Nanometers from);
 
 // The state while nothing prints.
 inline constexpr PrintState kIdle{.name = "idle"};

@@ -548,6 +548,29 @@ TEST_CASE(
         "copies are left dark while layers are printed");
 }
 
+TEST_CASE("A copy that is excluded in the last layer before a rise is dark from the rise on") {
+  ContinuousPrintFixture fixture;
+  PrintPlan plan = cone_plan();
+  const double height = in_mm(testing::kBoxLayer) * kAllLayers;
+  const auto box =
+      std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {1, 1, static_cast<float>(height)}));
+  const DisplayGeometry& display = testing::kSmallDisplay;
+  plan.engine = std::make_unique<ContourEngine>(
+      std::vector{PlateModel{
+          {box}, {PixelMap::true_scale(display, {2, 0.5}), PixelMap::true_scale(display, {-1, 0.5})}}},
+      EngineSettings{.display = display});
+  fixture.process.start(std::move(plan));
+  REQUIRE(fixture.run_to(C::Layering));
+  while (fixture.process.layer() + 1 < kFirstLayers)
+    REQUIRE(fixture.step());
+  fixture.process.exclude({0, 1, {}});
+  fixture.run_out();
+  CHECK(fixture.ends == std::vector{PrintOutcome::Done});
+  REQUIRE(fixture.layers.size() == kAllLayers);
+  for (const LayerRecord& layer : fixture.layers)
+    CHECK(layer.area_mm2 == Approx(layer.layer < kFirstLayers ? 2 : 1));
+}
+
 TEST_CASE("A lid that opens within a rise turns the light off at once") {
   ContinuousPrintFixture fixture;
   fixture.process.start(cone_plan());
