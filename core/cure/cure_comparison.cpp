@@ -19,21 +19,59 @@ constexpr float kFacesUpOrDown = 0.5F;   // sine of 30 degrees
 constexpr float kFacesLine = 0.7071F;    // cosine of 45 degrees
 constexpr double kOnPlateMm = 0.001;     // rounding of a file's coordinates
 constexpr std::int32_t kWallReach = 20;  // pixels in which the part's wall is looked for
-constexpr float kNotMeasured = 1e-3F;    // steepness of supports' surfaces
+// Steepness of surfaces that are not measured: those of supports, and the ends of models that go on above.
+constexpr float kNotMeasured = 1e-3F;
 
-std::vector<RayCrossing> all_crossings(std::span<const PlateModel> models,
-                                       std::span<const PlateModel> supports, const Rays& rays,
+// Returns the crossings of a model on vertical lines, as far up as it was printed.
+std::vector<RayCrossing> end_at(const PrintedUpTo& up_to, std::vector<RayCrossing> crossings,
+                                StopCheck& check) {
+  const std::vector<RayStretch> stretches = stretches_within(std::move(crossings), check);
+  std::vector<RayCrossing> printed;
+  for (const RayStretch& stretch : stretches) {
+    if (static_cast<double>(stretch.from.at) > up_to.mask_mm) continue;
+    printed.push_back(stretch.from);
+    const bool ends = static_cast<double>(stretch.to.at) > up_to.top_mm;
+    printed.push_back(ends ? RayCrossing{stretch.ray, static_cast<float>(up_to.top_mm), kNotMeasured}
+                           : stretch.to);
+  }
+  return printed;
+}
+
+std::vector<RayCrossing> crossings_of(const ComparedModel& compared, const Rays& rays, StopCheck& check) {
+  std::vector<RayCrossing> crossings = cross_surface(std::span(&compared.model, 1), rays, check);
+  if (std::isinf(compared.up_to.top_mm)) return crossings;
+  if (rays.axis == RayAxis::Z) return end_at(compared.up_to, std::move(crossings), check);
+  const auto lines =
+      static_cast<std::size_t>(rays.axis == RayAxis::X ? rays.window.rows : rays.window.columns);
+  std::erase_if(crossings, [&](const RayCrossing& crossing) {
+    return rays.heights_mm[crossing.ray / lines] > compared.up_to.top_mm;
+  });
+  return crossings;
+}
+
+std::vector<RayCrossing> all_crossings(std::span<const ComparedModel> models,
+                                       std::span<const ComparedModel> supports, const Rays& rays,
                                        StopCheck& check) {
-  std::vector<RayCrossing> crossings = cross_surface(models, rays, check);
-  for (RayCrossing crossing : cross_surface(supports, rays, check)) {
-    crossing.steepness = std::copysign(kNotMeasured, crossing.steepness);
-    crossings.push_back(crossing);
+  std::vector<RayCrossing> crossings;
+  for (const ComparedModel& model : models) {
+    std::vector<RayCrossing> more = crossings_of(model, rays, check);
+    if (crossings.empty()) {
+      crossings = std::move(more);  // most prints have one model
+    } else {
+      crossings.insert(crossings.end(), more.begin(), more.end());
+    }
+  }
+  for (const ComparedModel& support : supports) {
+    for (RayCrossing crossing : crossings_of(support, rays, check)) {
+      crossing.steepness = std::copysign(kNotMeasured, crossing.steepness);
+      crossings.push_back(crossing);
+    }
   }
   return crossings;
 }
 
-std::vector<RayStretch> vertical_stretches(std::span<const PlateModel> models,
-                                           std::span<const PlateModel> supports, const PixelWindow& window,
+std::vector<RayStretch> vertical_stretches(std::span<const ComparedModel> models,
+                                           std::span<const ComparedModel> supports, const PixelWindow& window,
                                            StopCheck& check) {
   return stretches_within(all_crossings(models, supports, {RayAxis::Z, window, {}}, check), check);
 }
@@ -49,7 +87,7 @@ std::vector<std::size_t> sample(std::size_t layers, std::size_t most) {
 
 }  // namespace
 
-CureComparison::CureComparison(std::span<const PlateModel> models, std::span<const PlateModel> supports,
+CureComparison::CureComparison(std::span<const ComparedModel> models, std::span<const ComparedModel> supports,
                                const DisplayGeometry& display, const PixelWindow& window,
                                std::span<const LayerDose> layers, std::function<bool()> is_stopped)
     : check_(std::move(is_stopped)),
@@ -58,7 +96,7 @@ CureComparison::CureComparison(std::span<const PlateModel> models, std::span<con
       pixel_mm_(to_millimeters(display.pixel_pitch).count()),
       layers_(layers.begin(), layers.end()),
       model_(vertical_stretches(models, supports, window, check_)),
-      supports_(vertical_stretches(supports, std::span<const PlateModel>(), window, check_)),
+      supports_(vertical_stretches(supports, std::span<const ComparedModel>(), window, check_)),
       wall_layers_(sample(layers.size(), kWallLayers)),
       layers_left_(layers.size()),
       solid_until_(window.pixels()) {

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -75,13 +76,26 @@ struct CureFigures {
   CureSection section{};
 };
 
+// The height up to which a model was printed, in millimetres above the plate.
+struct PrintedUpTo {
+  double top_mm = std::numeric_limits<double>::infinity();   // end of its last layer, and of the model
+  double mask_mm = std::numeric_limits<double>::infinity();  // cut of its last mask; solids that begin
+                                                             // above it do not count
+};
+
+// A model, and how much of it was printed. The end of one that goes on above is no surface of the model.
+struct ComparedModel {
+  PlateModel model;
+  PrintedUpTo up_to{};
+};
+
 class CureComparison {
  public:
   // Prepares the comparison with models on a display's window of pixels, for layers from the plate up. Walls
   // are measured on at most kWallLayers layers. `support` are supports, which belong to the model but are not
   // measured. Throws ComputationStopped, as figures() does, if `is_stopped`, which may be empty, returns
   // true. REQUIRES: no null pointers; rising layers.
-  CureComparison(std::span<const PlateModel> models, std::span<const PlateModel> supports,
+  CureComparison(std::span<const ComparedModel> models, std::span<const ComparedModel> supports,
                  const DisplayGeometry& display, const PixelWindow& window, std::span<const LayerDose> layers,
                  std::function<bool()> is_stopped = {});
 

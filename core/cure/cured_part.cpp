@@ -12,7 +12,6 @@
 #include "core/contract/expects.hpp"
 #include "core/cure/layer_bonds.hpp"
 #include "core/geometry/mask_budget.hpp"
-#include "core/support/support_mesh.hpp"
 
 namespace contourd {
 namespace {
@@ -64,17 +63,6 @@ class GrowingWindow {
   std::int32_t width_, height_, left_, top_, right_, bottom_;
 };
 
-std::vector<PlateModel> as_models(const Supports* supports, const DisplayGeometry& display) {
-  if (supports == nullptr || !supports->structure) return {};
-  HeightIndex mesh(support_mesh(supports->structure->primitives()));
-  const Nanometers lowest = to_nanometers(Millimeters{mesh.bounds().min_z}).value_or(Nanometers{});
-  PlateModel model{{std::make_shared<const HeightIndex>(std::move(mesh)), Elevation(lowest)},
-                   {PixelMap::true_scale(display, {0, 0})}};
-  std::vector<PlateModel> models;
-  models.push_back(std::move(model));
-  return models;
-}
-
 void read_coverage(const Mask& coverage, const PixelWindow& window, std::span<std::uint8_t> covered) {
   auto to = covered.begin();
   for (std::int32_t y = window.row; y < window.row + window.rows; ++y)
@@ -123,13 +111,14 @@ PrintMasks::PrintMasks(ContourEngine& engine, const DisplayGeometry& display, co
                        std::optional<std::chrono::nanoseconds> budget)
     : engine_(engine),
       given_(light.given),
-      layers_(light.layers),
-      heights_(light.mask_heights),
+      layers_(light.cuts()),
       dimmed_(light.undersides != nullptr ? light.layers.size() : 0),
       threshold_({.threshold = engine.threshold()}, std::nullopt),
       changed_(display.width, display.height),
       budget_(budget) {
-  expects(heights_.empty() || heights_.size() == layers_.size(), "each layer has a height, or none");
+  expects(light.mask_heights.empty() || light.mask_heights.size() == light.layers.size(),
+          "each layer has a height, or none");
+  leave_dark(light.dark, layers_, engine, light.undersides);
   for (std::size_t layer = 0; layer < dimmed_.size() && !is_stopped(light); ++layer) {
     const std::span<const DimmedPixel> pixels = light.undersides->dimmed(layer);
     dimmed_[layer].assign(pixels.begin(), pixels.end());
@@ -138,11 +127,9 @@ PrintMasks::PrintMasks(ContourEngine& engine, const DisplayGeometry& display, co
 }
 
 const Mask* PrintMasks::of(std::size_t number) {
-  const LayerDose& layer = layers_[number];
   MaskBudget budget;
   if (budget_) budget = MaskBudget(MaskBudget::Clock::now() + *budget_);
-  const Nanometers middle = layer.top - layer.thickness + layer.thickness / 2;
-  if (engine_.mask_within(heights_.empty() ? middle : heights_[number], budget) == nullptr) return nullptr;
+  if (engine_.mask_within(layers_.height_of(number), budget) == nullptr) return nullptr;
   const Mask& wanted = wanted_of(number);
   return given_ != nullptr ? &given_->of(number, wanted) : &wanted;
 }
@@ -192,11 +179,14 @@ std::int64_t PrintCure::cure_layers(Layer&& layer) {
 
 std::optional<CuredPart> PrintCure::compare(const Supports* supports) {
   if (is_stopped(light_)) return std::nullopt;
-  const std::vector<PlateModel> support_models = as_models(supports, display_);
+  const CutLayers cuts = light_.cuts();
+  const std::vector<ComparedModel> models = compared_models(engine_.models(), light_.dark, cuts);
+  std::vector<ComparedModel> support_models;
+  if (supports != nullptr && supports->structure)
+    support_models = compared_supports(*supports->structure, display_, light_.dark, cuts);
   CuredPart part;
   try {
-    CureComparison comparison(engine_.models(), support_models, display_, window_, light_.layers,
-                              light_.is_stopped);
+    CureComparison comparison(models, support_models, display_, window_, light_.layers, light_.is_stopped);
     LayerBonds bonds(light_.cure, light_.layers, static_cast<std::size_t>(window_.columns));
     const bool has_dimmed_pixels = masks_.darken() || !light_.pixel.gaussians.empty();
     std::vector<std::uint8_t> covered;
@@ -214,6 +204,7 @@ std::optional<CuredPart> PrintCure::compare(const Supports* supports) {
     return std::nullopt;
   }
   part.unfound_undersides = masks_.unfound();
+  part.cut_copies = cut_copies(engine_.models(), light_.dark, cuts);
   return part;
 }
 

@@ -12,6 +12,7 @@
 #include "core/cure/cure_comparison.hpp"
 #include "core/cure/cured_layers.hpp"
 #include "core/cure/cured_surface.hpp"
+#include "core/cure/dark_copies.hpp"
 #include "core/cure/pixel_light.hpp"
 #include "core/cure/underside_dimming.hpp"
 #include "core/engine/contour_engine.hpp"
@@ -31,6 +32,9 @@ struct PrintLight {
   std::span<const Nanometers> mask_heights{};
   std::function<bool()> is_stopped{};  // asked at each layer; empty: never
   GivenLight* given = nullptr;         // null: exposures are not split
+  std::span<const DarkCopy> dark{};    // in the order in which they were left dark
+
+  [[nodiscard]] CutLayers cuts() const { return {layers, mask_heights}; }
 };
 
 struct CuredPart {
@@ -44,12 +48,14 @@ struct CuredPart {
   std::int64_t abandoned_layers = 0;
   // Layers in which undersides keep their light because they were not found within their budget.
   std::int64_t unfound_undersides = 0;
+  std::vector<CutCopy> cut_copies{};  // copies that were left dark
 };
 
 // The masks of a print, as the share of the light that they are to give. Not thread-safe.
 class PrintMasks {
  public:
-  // Finds the dimmed undersides. Engine and light must outlive this object.
+  // Finds the dimmed undersides. Engine and light must outlive this object. In both, leave_dark()
+  // leaves dark what the light leaves dark.
   PrintMasks(ContourEngine& engine, const DisplayGeometry& display, const PrintLight& light,
              std::optional<std::chrono::nanoseconds> budget);
 
@@ -66,8 +72,7 @@ class PrintMasks {
 
   ContourEngine& engine_;
   GivenLight* given_;
-  std::span<const LayerDose> layers_;
-  std::span<const Nanometers> heights_;
+  CutLayers layers_;
   std::vector<std::vector<DimmedPixel>> dimmed_;  // by layer; none without dimming
   std::int64_t unfound_ = 0;
   ExposureCorrection threshold_;
@@ -85,7 +90,8 @@ class PrintCure {
   PrintCure(ContourEngine& engine, const DisplayGeometry& display, const PrintLight& light,
             std::optional<std::chrono::nanoseconds> mask_budget);
 
-  // Compares the part with the models and with `supports`, those beside the models, or null. Memory: see
+  // Compares the part with the models and with `supports`, those beside the models, or null. Copies that were
+  // left dark, and supports that were so with them, end with their last layer. Memory: see
   // CuredLayers and CureComparison, for the pixels from the first lit row and column to the last. nullopt if
   // it was stopped.
   [[nodiscard]] std::optional<CuredPart> compare(const Supports* supports);

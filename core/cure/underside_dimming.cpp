@@ -200,27 +200,53 @@ std::uint64_t UndersideDimming::most_memory(const DisplayGeometry& display, cons
 std::span<const DimmedPixel> UndersideDimming::dimmed(std::size_t layer) {
   expects(layer < layers_.size(), "the layer is one of the print's");
   if (layer == 0) return {};  // it stands on the plate; the masks ahead of other layers stay known
+  const std::size_t dark = exclusions_at(layer);
+  if (dark != dark_.known) leave_dark(dark);
   if (layer < layer_ || layer > layer_ + most_ahead_) restart_before(layer);
   while (layer_ < layer)
     advance();
-  return dimmed_;
+  return dimmed_.pixels;
 }
 
 void UndersideDimming::exclude(std::size_t model, std::size_t copy,
                                std::shared_ptr<const SectionSource> supports, std::size_t layer) {
-  expects(layer < layers_.size(), "the layer is one of the print's");
-  const Nanometers from = layers_[layer].top - layers_[layer].thickness;
-  models_.engine().darken(model, copy, from);
-  if (supports_ && supports) supports_->engine().replace_beside(std::move(supports), from);
-  restart_before(layer);
+  expects(layer < layers_.size() && (dark_.exclusions.empty() || layer >= dark_.exclusions.back().layer),
+          "the layer is one of the print's, and not beneath those of other exclusions");
+  expects(model < models_.models().size() && copy < models_.models()[model].copies.size(),
+          "there is such a copy");
+  dark_.exclusions.push_back({layer, model, copy, std::move(supports)});
+}
+
+void UndersideDimming::include_all() {
+  dark_.exclusions.clear();
+  if (dark_.known > 0) leave_dark(0);
+}
+
+// Returns the number of exclusions that a print knows in this layer.
+std::size_t UndersideDimming::exclusions_at(std::size_t layer) const {
+  const auto end = std::ranges::upper_bound(dark_.exclusions, layer, {}, &Exclusion::layer);
+  return static_cast<std::size_t>(end - dark_.exclusions.begin());
+}
+
+// Leaves dark what the first exclusions do, and forgets the pictures.
+void UndersideDimming::leave_dark(std::size_t exclusions) {
+  models_.engine().light_all();
+  if (supports_) supports_->engine().light_all();
+  for (const Exclusion& each : std::span(dark_.exclusions).first(exclusions)) {
+    const Nanometers from = layers_[each.layer].top - layers_[each.layer].thickness;
+    models_.engine().darken(each.model, each.copy, from);
+    if (supports_ && each.supports) supports_->engine().replace_beside(each.supports, from);
+  }
+  dark_.known = exclusions;
+  restart_before(0);
 }
 
 // Goes to a layer from which on all solids are found that are dimmed in `layer`.
 void UndersideDimming::restart_before(std::size_t layer) {
   layer_ = layer > most_ahead_ ? layer - most_ahead_ : 0;
   undersides_.clear();
-  are_found_ = true;
-  dimmed_.clear();
+  dimmed_.are_found = true;
+  dimmed_.pixels.clear();
   ahead_.clear();
   entries_.restart();
   if (supports_) supports_at_.here = supports_->of(layers_[layer_]);
@@ -239,7 +265,7 @@ void UndersideDimming::advance() {
   MaskBudget budget = models_.budget();
   find_entries(budget);
   light_.begin(std::span(layers_).subspan(layer_, end - layer_));
-  are_found_ = has_pictures() && find_undersides(budget);
+  dimmed_.are_found = has_pictures() && find_undersides(budget);
   list_dimmed();
 }
 
@@ -356,15 +382,15 @@ bool UndersideDimming::is_wide(std::size_t pixel, const Picture& picture) const 
 
 void UndersideDimming::list_dimmed() {
   std::erase_if(undersides_, [&](const Underside& each) { return each.full_from <= layer_; });
-  dimmed_.clear();
+  dimmed_.pixels.clear();
   if (supports_ && supports_at_.here.empty()) return;  // supports, wherever they are, keep their light
   const auto columns = static_cast<std::uint32_t>(window_.columns);
   for (const Underside& each : undersides_) {
     if (supports_ && supports_at_.here[each.pixel] != 0) continue;
     const std::uint32_t row = static_cast<std::uint32_t>(window_.row) + each.pixel / columns;
     const std::uint32_t column = static_cast<std::uint32_t>(window_.column) + each.pixel % columns;
-    dimmed_.push_back({row * static_cast<std::uint32_t>(display_.width.count()) + column,
-                       each.full_from == layer_ + 1 ? each.next_share : std::uint8_t{0}});
+    dimmed_.pixels.push_back({row * static_cast<std::uint32_t>(display_.width.count()) + column,
+                              each.full_from == layer_ + 1 ? each.next_share : std::uint8_t{0}});
   }
 }
 

@@ -142,26 +142,43 @@ class UndersideDimming {
   // REQUIRES: a layer of the print.
   [[nodiscard]] std::span<const DimmedPixel> dimmed(std::size_t layer);
   // Leaves a copy dark from a layer on (ContourEngine::darken()), and replaces the supports there, unless
-  // `supports` is null. The next call of dimmed() looks ahead again. REQUIRES: a layer of the print, and such
-  // a copy.
+  // `supports` is null. Layers beneath keep the light that they had before: nothing was known then of the
+  // copy's end. The next call of dimmed() looks ahead again. REQUIRES: a layer of the print, not beneath
+  // those given before, and such a copy.
   void exclude(std::size_t model, std::size_t copy, std::shared_ptr<const SectionSource> supports,
                std::size_t layer);
+  // Undoes exclude().
+  void include_all();
   // False if undersides in this layer, the last one for which dimmed() was called, keep their light because a
   // budget was overrun: that to find them, or that of a mask of this layer or the one beneath.
-  [[nodiscard]] bool are_found(std::size_t layer) const { return layer != layer_ || are_found_; }
+  [[nodiscard]] bool are_found(std::size_t layer) const { return layer != layer_ || dimmed_.are_found; }
 
  private:
+  struct Dimmed {
+    std::vector<DimmedPixel> pixels{};
+    bool are_found = true;
+  };
   // A solid's beginning in a pixel.
   struct Underside {
     std::uint32_t pixel;  // of window_
     std::size_t full_from;
     std::uint8_t next_share;  // light of the layer beneath full_from, in 255ths
   };
+  struct Exclusion {
+    std::size_t layer, model, copy;
+    std::shared_ptr<const SectionSource> supports;
+  };
+  struct Dark {
+    std::vector<Exclusion> exclusions{};  // from the plate up
+    std::size_t known = 0;                // number of the first ones, which the pictures leave dark
+  };
   using Picture = LayerPictures::Picture;
   struct SupportPictures {
     Picture beneath, here;  // of the layer beneath layer_, and of layer_
   };
 
+  [[nodiscard]] std::size_t exclusions_at(std::size_t layer) const;
+  void leave_dark(std::size_t exclusions);
   void restart_before(std::size_t layer);
   void find_entries(MaskBudget& budget);
   void advance();
@@ -186,6 +203,7 @@ class UndersideDimming {
   std::vector<LayerDose> layers_;
   std::size_t most_ahead_;
 
+  Dark dark_;
   std::size_t layer_ = 0;      // that of dimmed_
   std::deque<Picture> ahead_;  // of the models, from the layer beneath layer_ up
   SupportPictures supports_at_;
@@ -193,8 +211,7 @@ class UndersideDimming {
   std::vector<std::uint8_t> column_;  // coverage of the last solid, by layer
   SolidLight light_;
   std::vector<Underside> undersides_;
-  bool are_found_ = true;
-  std::vector<DimmedPixel> dimmed_;
+  Dimmed dimmed_;
 };
 
 // Makes the masks of a print with dimmed undersides. Not thread-safe.

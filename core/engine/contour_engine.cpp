@@ -63,6 +63,12 @@ void ContourEngine::replace_beside(std::shared_ptr<const SectionSource> beside, 
   if (beside_.source) beside_.later.emplace_back(from, std::move(beside));
 }
 
+void ContourEngine::light_all() {
+  for (Cut& cut : cuts_)
+    cut.dark_from.clear();
+  beside_.later.clear();
+}
+
 const SectionSource& ContourEngine::Beside::at(Nanometers height) const {
   const SectionSource* found = source.get();
   for (const auto& [from, each] : later)

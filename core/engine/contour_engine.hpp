@@ -65,6 +65,8 @@ class ContourEngine {
   // an engine that was made without any. REQUIRES: no null pointer, and a height not below those given
   // before.
   void replace_beside(std::shared_ptr<const SectionSource> beside, Nanometers from);
+  // Lights all copies and all sections beside the models again, as the engine was made.
+  void light_all();
   // Returns the only model. REQUIRES: one model.
   [[nodiscard]] const HeightIndex& model() const {
     expects(models_.size() == 1, "there is one model");

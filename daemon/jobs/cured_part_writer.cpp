@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "daemon/report/job_picture.hpp"
+#include "daemon/report/plate_copies.hpp"
 #include "daemon/report/print_frames.hpp"
 #include "daemon/report/print_report_html.hpp"
 #include "daemon/report/print_report_json.hpp"
@@ -84,6 +85,14 @@ std::uint64_t crossings_of(std::span<const PlateModel> models, double pixel_mm) 
     crossings += of_copy * static_cast<double>(model.copies.size());
   }
   return static_cast<std::uint64_t>(std::min(crossings, 1e15));
+}
+
+// Returns the memory of the supports that each excluded copy leaves standing.
+std::uint64_t memory_of_supports(const PrintReport& report) {
+  constexpr std::uint64_t kBytesPerPrimitive = 120;
+  const std::optional<Supports>& supports = report.summary.supports;
+  if (!supports || !supports->structure) return 0;
+  return kBytesPerPrimitive * supports->structure->primitives().size() * report.exclusions.size();
 }
 
 std::uint64_t most_memory(const ContourEngine& engine, const DisplayGeometry& display,
@@ -182,8 +191,6 @@ PrintedPart CuredPartWriter::cure(PrintToCure& print, const std::filesystem::pat
       printed_light(report.layers, report.summary.irradiance_mw_cm2,
                     {frames.records, *report.summary.resin.cure, most_steps(report.layers)});
   if (!light) return {{}, "its layers do not lie one upon another from the first one on"};
-  if (!report.exclusions.empty())
-    return {{}, "copies were excluded while it printed, and have no end to compare"};
   ContourEngine& engine = *print.engine;
   const DisplayGeometry display =
       display_of(engine.models(), engine.coverage().width(), engine.coverage().height());
@@ -195,9 +202,12 @@ PrintedPart CuredPartWriter::cure(PrintToCure& print, const std::filesystem::pat
                         crossings / 1'000'000, kMostCrossings / 1'000'000)};
   const CureLimits limits(memory_limit);
   std::string why_not =
-      limits.exceeded(most_memory(engine, display, report.summary, light->layers.size(), crossings));
+      limits.exceeded(most_memory(engine, display, report.summary, light->layers.size(), crossings) +
+                      memory_of_supports(report));
   if (!why_not.empty()) return {{}, why_not};
   try {
+    const std::vector<DarkCopy> dark = dark_copies(report.exclusions, copies_of(report.summary, report.job),
+                                                   report.summary.supports, *light);
     PrintCure cure(engine, display,
                    {.layers = light->layers,
                     .cure = *report.summary.resin.cure,
@@ -210,7 +220,8 @@ PrintedPart CuredPartWriter::cure(PrintToCure& print, const std::filesystem::pat
                           if (why_not.empty()) why_not = limits.exceeded(0);
                           return !why_not.empty();
                         },
-                    .given = print.given.get()},
+                    .given = print.given.get(),
+                    .dark = dark},
                    kLongestCuredMask);
     std::optional<CuredPart> part =
         cure.compare(report.summary.supports ? &*report.summary.supports : nullptr);

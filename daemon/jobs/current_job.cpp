@@ -373,7 +373,8 @@ void CurrentJob::take_changes(const JobProgress::Changes& changes) {
     if (number >= copies.size() || !excluded.insert(number).second) continue;
     const PlateCopy& copy = copies[number];
     job_->record->add(Exclusion{number, copy.name, layer});
-    leave_dark(plan, {copy.model, copy.copy, supports_left(summary, excluded)}, 0, Nanometers{});
+    leave_dark(plan, {copy.model, copy.copy, supports_left(summary.supports, copies, excluded)}, 0,
+               Nanometers{});
   }
 }
 
@@ -475,7 +476,7 @@ void CurrentJob::exclude(std::size_t number) {
   const PlateCopy& copy = copies[number];
   const Exclusion exclusion{number, copy.name, print_->layer() + 1};
   job_->record->add(exclusion);
-  print_->exclude({copy.model, copy.copy, supports_left(summary, excluded)});
+  print_->exclude({copy.model, copy.copy, supports_left(summary.supports, copies, excluded)});
   record_changes();
   context_.log.info("exclude", fmt::format("{}: {}", printable(name()), describe(exclusion)),
                     job_fields(name()));

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/report/first_items.hpp"
+
 namespace contourd {
 namespace {
 
@@ -21,6 +23,23 @@ Json distances_json(const SurfaceDistances& distances) {
   json["worst_um"] = distances.worst_um;
   json["worst_mm"] = place_json(distances.worst);
   return json;
+}
+
+std::string cut_copies_text(const std::vector<CutCopy>& copies) {
+  constexpr std::size_t kMost = 10;
+  std::string text;
+  for (const CutCopy& each : first_items(copies, kMost))
+    text +=
+        fmt::format("{}copy {} up to {:.3f} mm", text.empty() ? "" : ", ", each.number + 1, each.up_to_mm);
+  if (copies.size() > kMost) text += fmt::format(" and {} more", copies.size() - kMost);
+  return text + ": compared as far as they were printed";
+}
+
+Json cut_copies_json(const std::vector<CutCopy>& copies) {
+  Json list = Json::array();
+  for (const CutCopy& each : copies)
+    list.push_back({{"number", each.number + 1}, {"up_to_mm", each.up_to_mm}});
+  return list;
 }
 
 }  // namespace
@@ -73,6 +92,7 @@ std::vector<CureLine> cured_part_lines(const CuredPart& part) {
   if (found.closed_mm2 > 0)
     lines.push_back({"closed gaps", fmt::format("{:.2f} mm², the tallest {:.3f} mm {}", found.closed_mm2,
                                                 found.tallest_closed_mm, place_text(found.closed))});
+  if (!part.cut_copies.empty()) lines.push_back({"excluded", cut_copies_text(part.cut_copies)});
   if (part.weakest_bond > 0)
     lines.push_back({"weakest bond", fmt::format("{:.2f} of the dose at which resin gels, layer {}",
                                                  part.weakest_bond, part.weakest_bond_layer + 1)});
@@ -135,6 +155,7 @@ Json cured_part_json(const CuredPart& part) {
             {"closed_gaps_mm2", found.closed_mm2},
             {"tallest_closed_gap_mm", found.tallest_closed_mm}};
   if (found.closed_mm2 > 0) json["tallest_closed_gap_at_mm"] = place_json(found.closed);
+  json["compared_up_to"] = cut_copies_json(part.cut_copies);
   json["weakest_bond"] = part.weakest_bond;
   json["weakest_bond_layer"] = part.weakest_bond > 0 ? Json(part.weakest_bond_layer + 1) : Json();
   return json;

@@ -10,9 +10,13 @@ import unittest
 from cured_reference import (
     BRIDGE, GRID, HEIGHT, HOLES, LAYER, PITCH, WIDTH, Print, crossings, distances, facets_of, made, percentile, placed, scanned, working_curve,
 )  # fmt: skip
-from harness import BAD_DATA, DEADLINE_S, NO_INPUT, OK, Daemon, FolderTest, binary_stl, box, contourctl, read_png, source_json, wait_until
+from harness import (
+    BAD_DATA, DEADLINE_S, NIMBLE_RESIN, NO_INPUT, OK, Daemon, FolderTest, binary_stl, box, contourctl, merge, read_png, realtime, source_json,
+    wait_until,
+)  # fmt: skip
 
 IRRADIANCE = 5  # mW/cm²
+NIMBLE_MOVES = {key: value for key, value in NIMBLE_RESIN.items() if "exposure" not in key} | {"bottom_layers": 0, "viscosity_mpa_s": None}
 
 
 class CuredPart(FolderTest):
@@ -168,6 +172,145 @@ class CuredPart(FolderTest):
         self.assertAlmostEqual(found["undersides"]["median_um"], 239, delta=2.5)
         report["settings"]["temperature"]["light"] = 1  # the same light in resin as at the curve's measurement
         self.assertAlmostEqual(cured(report)["undersides"]["median_um"] - found["undersides"]["median_um"], 150 * math.log(factor), delta=0.1)
+
+    def cure(self, report, facets, ticket, expect=OK):
+        """Cures the part of a report, given as a dictionary or as a path, with the printer's configuration; returns the figures, or
+        the message."""
+        path = report if isinstance(report, str) else self.write("job.report.json", json.dumps(report).encode())
+        result = contourctl("cure", "--json", self.write("model.stl", binary_stl(facets)), "--printer", self.daemon.config_path,
+                            "--ticket", self.write("ticket.json", json.dumps(ticket).encode()),
+                            "--report", path, expect=expect)  # fmt: skip
+        return json.loads(result.stdout) if expect == OK else result.stderr.decode()
+
+    def printed_without(self, job, facets, ticket, excluded):
+        """Prints a job; `excluded` has the numbers of copies by the layers from which on they are excluded."""
+        self.daemon.drop(f"{job}.stl", binary_stl(facets), ticket)
+        self.daemon.wait_state("homing")
+        for layer, numbers in excluded.items():
+            # The plate is far up, or paused, so that the pause is planned in time.
+            self.assertNotIn("error", self.daemon.rpc("pause", at_layer=layer))
+            if layer != min(excluded):
+                self.daemon.rpc("resume")
+            self.assertEqual(self.daemon.wait_state("paused")["job"]["layer"] + 1, layer)
+            for number in numbers:
+                self.assertNotIn("error", self.daemon.rpc("exclude", copy=str(number)))
+        self.daemon.rpc("resume")
+        self.daemon.wait_done(job)
+        return self.reported(job), self.daemon.report(job)
+
+    def resin_of_copies(self, name, **changes):
+        profile = source_json("resins/standard.json")
+        del profile["exposure_ms"], profile["bottom_exposure_ms"]
+        merge(profile, {**NIMBLE_MOVES, "fade_layers": 0, "growth_um": 0, "elephant_foot_um": 0, "working_curve": working_curve(0.9)} | changes)
+        self.write(os.path.join("resins", f"{name}.json"), json.dumps(profile).encode())
+
+    def start_realtime(self, **changes):
+        display = {"width_px": 2 * WIDTH, "height_px": 2 * HEIGHT, "pixel_pitch_um": PITCH * 1000}
+        self.daemon = Daemon(self, realtime(display=display, simulation={"start_height_mm": 5}, **changes)).start()
+
+    def test_a_print_with_excluded_copies_has_the_same_part_in_its_report_and_by_cure(self):
+        self.start_realtime(projector={"irradiance_mw_cm2": 1000})
+        # A table on one leg, which begins at layer 21 and needs a support beside the leg.
+        table = box((-1.5, -1, 0), (-0.5, 1, 1)) + box((-1.5, -1, 1), (1.5, 1, 2))
+        parts = {}
+        for undersides, supports in (("plain", "off"), ("dose", "off"), ("dose", "on")):
+            with self.subTest(undersides=undersides, supports=supports):
+                job = f"{undersides}-{supports}"
+                self.resin_of_copies(job, undersides=undersides)
+                ticket = {"resin": job, "copies": 4, "supports": supports}
+                # Layers of the leg (on supports 5 mm high: before its first one), of the roof in which its underside is dark,
+                # and of the solid roof.
+                lift = 100 if supports == "on" else 0
+                excluded = {8: [2], lift + 22: [1], lift + 30: [4]}
+                part, report = self.printed_without(job, table, ticket, excluded)
+                self.assertEqual(report["settings"]["undersides"], undersides)
+                if supports == "on":
+                    self.assertGreater(report["supports"]["contacts"], 3)
+                found = self.cure(report, table, ticket)
+                self.assertEqual({key: found[key] for key in part}, part)
+                self.assertEqual(found["warnings"], [])  # all masks have the area of the print's
+                self.assertEqual([each["number"] for each in part["compared_up_to"]], [2, 1, 4])
+                for each, layer in zip(part["compared_up_to"], excluded):
+                    self.assertAlmostEqual(each["up_to_mm"], report["layer_records"][layer - 2]["plate_height_mm"])
+                page = self.daemon.read("done", f"{job}.report.html")
+                self.assertIn(f"copy 2 up to {part['compared_up_to'][0]['up_to_mm']:.3f} mm", page)
+                parts[job] = part
+        # Three copies lack the area beneath their tables or most of it, and count as far as they were printed.
+        leg, roof = 1 * 2, 3 * 2
+        self.assertAlmostEqual(parts["plain-off"]["model_mm3"], leg * (3 + 7 * LAYER) + roof * (1 + LAYER + 9 * LAYER), delta=0.01)
+        # By dose, the only layer of a roof that was to be thicker is dark.
+        one = round(2 * 2 / PITCH**2)
+        for job, places in (("plain-off", 3 * one), ("dose-off", 2 * one)):
+            undersides, tops = parts[job]["undersides"], parts[job]["tops"]
+            self.assertEqual((undersides["places"], undersides["missing"]), (places, 3 * one - places))
+            self.assertEqual((tops["places"], tops["missing"]), (round(roof / PITCH**2), 0))
+        self.assertAlmostEqual(parts["plain-off"]["missing_mm3"], 0, delta=0.01)
+        self.assertLess(abs(parts["dose-off"]["undersides"]["median_um"]), 15)
+
+    def test_a_continuous_print_with_a_copy_that_was_excluded_before_the_rise_has_the_same_part_by_cure(self):
+        self.start_realtime(z_axis={"travel_mm": 30}, projector={"irradiance_mw_cm2": 25})
+        curve = {"penetration_depth_um": 150, "critical_energy_mj_cm2": 8, "dead_zone_um": 30, "overcure_um": 50, "bottom_overcure_um": 150}
+        self.resin_of_copies("rising", bottom_layers=2, mode="continuous", working_curve=curve, viscosity_mpa_s=1,
+                             continuous={"margin": 4, "window_s": 3600, "recovery_s": 1800, "layered_mm": 0.2})  # fmt: skip
+        block, ticket = box((0, 0, 0), (2, 2, 2)), {"resin": "rising", "copies": 2}
+        # The fourth layer is the last one before the rise, which leaves the copy dark.
+        for job, layer in (("beneath", 3), ("before", 4)):
+            with self.subTest(layer=layer):
+                self.daemon.drop(f"{job}.stl", binary_stl(block), ticket)
+                self.daemon.wait_state("homing")
+                self.daemon.rpc("pause", at_layer=layer)
+                self.daemon.wait_state("paused")
+                self.daemon.rpc("resume")
+                self.daemon.wait_state("exposing")
+                self.assertNotIn("error", self.daemon.rpc("exclude", copy="1"))
+                self.daemon.wait_state("rising")
+                self.assertIn("error", self.daemon.rpc("exclude", copy="2"))
+                self.daemon.wait_done(job)
+                part, report = self.reported(job), self.daemon.report(job)
+                self.assertEqual(report["excluded"][0]["from_layer"], layer + 1)
+                # The masks of the rise are beside the report.
+                found = self.cure(self.daemon.file("done", f"{job}.report.json"), block, ticket)
+                self.assertEqual({key: found[key] for key in part}, part)
+                self.assertEqual([warning for warning in found["warnings"] if "masks" in warning], [])
+                self.assertGreater(part["rise"]["masks"], 100)
+                (cut,) = part["compared_up_to"]
+                self.assertEqual(cut["number"], 1)
+                self.assertAlmostEqual(cut["up_to_mm"], layer * LAYER, delta=0.005)
+                self.assertAlmostEqual(part["model_mm3"], 4 * (2 + cut["up_to_mm"]), delta=0.001)
+                # The dead zone is missing on tops and on the plate, but not the copy above its cut.
+                self.assertLess(part["missing_mm3"], 0.1 * 4 * (2 - cut["up_to_mm"]))
+                self.assertEqual(part["tops"]["places"] + part["tops"]["missing"], round(4 / PITCH**2))
+
+    def test_a_list_of_excluded_copies_that_cannot_be_is_refused_in_one_sentence(self):
+        self.start_realtime(projector={"irradiance_mw_cm2": 1000})
+        block = box((0, 0, 0), (1, 1, 0.5))
+        ticket = {"resin": "thin", "copies": 2}
+        self.resin_of_copies("thin")
+        _, report = self.printed_without("block", block, ticket, {4: [1]})
+        first = report["excluded"][0]
+        self.assertEqual(first["from_layer"], 4)
+        for bad, why in (
+            ([first, first], "excluded has copy 1 twice"),
+            ([first | {"number": 3}], "the print excluded copy 3, and there are only 2 of the model: give the model"),
+            ([first, first | {"number": 2}], "the print excluded all copies of the model"),
+            ([first | {"number": 0}], "number is 0, expected 1 to"), ([first | {"number": 1.5}], "number is 1.5, expected a whole number"),
+            ([first | {"number": 1e300}], "number is 1e+300, expected 1 to"), ([first | {"number": "1"}], "is not the report of a print"),
+            ([first | {"from_layer": -3}], "from_layer is -3, expected 1 to"), ([first | {"from_layer": None}], "is not the report of a print"),
+            ([first | {"from_layer": math.nan}], "is not the report of a print"), ([first | {"from_layer": 4.5}], "from_layer is 4.5, expected a whole number"),
+            ([first | {"from_layer": 11}], "the print excluded copy 1 from layer 11 on, and the model has only 10 layers"),
+            ([{"copy": "block.stl"}], "excluded has an entry without number and from_layer"), ([7], "excluded has an entry without"),
+            ({"number": 1}, "excluded is not a list of copies"), (None, "excluded is not a list of copies"), ("x", "excluded is not a list of copies"),
+        ):  # fmt: skip
+            with self.subTest(bad=bad):
+                message = self.cure(report | {"excluded": bad}, block, ticket, expect=BAD_DATA)
+                self.assertIn(why, message)
+                self.assertEqual(message.count("\n"), 1)
+        # Another layer has other masks, and a model alone has no copies.
+        self.assertIn("are not those of the print", self.cure(report | {"excluded": [first | {"from_layer": 5}]}, block, ticket)["warnings"][0])
+        self.assertIn("the print excluded the only copy of the model", self.cure(report, block, {"resin": "thin"}, expect=BAD_DATA))
+        # A report from before copies could be excluded has no list.
+        del report["excluded"]
+        self.assertEqual(self.cure(report, block, ticket)["compared_up_to"], [])
 
     def test_a_report_of_another_model_or_of_no_print_is_noticed(self):
         self.printed(BRIDGE, 1, "plain")

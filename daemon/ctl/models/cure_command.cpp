@@ -125,6 +125,25 @@ void print_json(const PrintSubject& subject, const std::optional<RecordedPrint>&
   fmt::print("{}\n", json.dump(2, ' ', true, Json::error_handler_t::replace));
 }
 
+// Throws ModelError if the print cannot have excluded these copies of the model.
+void check_exclusions(const PrintSubject& subject, const RecordedPrint& recorded) {
+  constexpr const char* kGive = "give the model, the ticket and the configuration of the print";
+  const std::size_t copies = subject.copies.size();
+  for (const Exclusion& each : recorded.exclusions) {
+    if (each.number >= copies)
+      throw ModelError(fmt::format("the print excluded copy {}, and there {} only {} of the model: {}",
+                                   each.number + 1, copies == 1 ? "is" : "are", copies, kGive));
+    if (static_cast<std::size_t>(each.layer) >= subject.layers.size())
+      throw ModelError(fmt::format(
+          "the print excluded copy {} from layer {} on, and the model has only {}: {}", each.number + 1,
+          each.layer + 1, count_of(subject.layers.size(), "layer", "layers"), kGive));
+  }
+  if (!recorded.exclusions.empty() && recorded.exclusions.size() == copies)
+    throw ModelError(fmt::format("the print excluded {}, but a print keeps one copy at least: {}",
+                                 copies == 1 ? "the only copy of the model" : "all copies of the model",
+                                 kGive));
+}
+
 CureResult compute(const PrintSubject& subject, const std::optional<RecordedPrint>& recorded,
                    const std::optional<std::filesystem::path>& stl) {
   const std::unique_ptr<UndersideDimming> undersides = subject.dimming();
@@ -135,6 +154,7 @@ CureResult compute(const PrintSubject& subject, const std::optional<RecordedPrin
                    .undersides = undersides.get(),
                    .given = given.get()};
   std::optional<PrintedLight> printed;
+  std::vector<DarkCopy> dark;
   if (recorded) {
     light.cure.curve.critical_dose = light.cure.curve.critical_dose * recorded->temperature_factor;
     if (recorded->layers.size() > subject.layers.size())
@@ -145,6 +165,9 @@ CureResult compute(const PrintSubject& subject, const std::optional<RecordedPrin
     printed = light_of(*recorded, light.cure);
     light.layers = printed->layers;
     light.mask_heights = printed->mask_heights;
+    check_exclusions(subject, *recorded);
+    dark = dark_copies(recorded->exclusions, subject.copies, subject.supports, *printed);
+    light.dark = dark;
   }
   PrintCure print(*subject.engine, subject.settings.display, light, subject.analysis.mask_budget);
   CureResult result{

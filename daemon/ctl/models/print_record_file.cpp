@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -24,6 +26,7 @@ using Json = nlohmann::ordered_json;
 
 // The report of some sixty thousand layers.
 constexpr std::size_t kLargestReport = std::size_t{32} << 20U;
+constexpr std::uint32_t kMostLayers = 10'000'000;
 
 std::string read_text(const std::filesystem::path& path) {
   const FileDescriptor file = open_regular_file(path, Links::Follow);
@@ -60,6 +63,32 @@ Duration exposure(const Json& object, const char* key) {
       std::chrono::duration<double, std::milli>(number(object, key, 0, kLongest)));
 }
 
+std::uint32_t whole_number(const Json& object, const char* key, std::uint32_t least, std::uint32_t most) {
+  const double value = number(object, key, least, most);
+  if (value != std::floor(value))
+    throw ModelError(fmt::format("{} is {}, expected a whole number", key, value));
+  return static_cast<std::uint32_t>(value);
+}
+
+std::vector<Exclusion> exclusions_of(const Json& report) {
+  constexpr std::uint32_t kMostCopies = 1'000'000;
+  const Json list = report.value("excluded", Json::array());
+  if (!list.is_array()) throw ModelError("excluded is not a list of copies");
+  std::vector<Exclusion> exclusions;
+  std::set<std::size_t> numbers;
+  for (const Json& each : list) {
+    if (!each.is_object() || !each.contains("number") || !each.contains("from_layer"))
+      throw ModelError("excluded has an entry without number and from_layer");
+    Exclusion& exclusion = exclusions.emplace_back();
+    exclusion.number = whole_number(each, "number", 1, kMostCopies) - 1;
+    exclusion.layer = static_cast<std::int32_t>(whole_number(each, "from_layer", 1, kMostLayers) - 1);
+    if (!numbers.insert(exclusion.number).second)
+      throw ModelError(fmt::format("excluded has copy {} twice", exclusion.number + 1));
+  }
+  std::ranges::stable_sort(exclusions, {}, &Exclusion::layer);
+  return exclusions;
+}
+
 RecordedPrint recorded_print(const Json& report) {
   RecordedPrint print;
   print.job = report.at("job").get<std::string>();
@@ -69,11 +98,10 @@ RecordedPrint recorded_print(const Json& report) {
   print.undersides =
       settings.at("undersides").get<std::string>() == "dose" ? Undersides::Dose : Undersides::Plain;
   print.unfound_undersides = report.at("unfound_undersides").get<std::int64_t>();
-  if (!report.value("excluded", Json::array()).empty())
-    throw ModelError("copies were excluded while it printed, and have no end to compare");
+  print.exclusions = exclusions_of(report);
   for (const Json& layer : report.at("layer_records")) {
     LayerRecord& record = print.layers.emplace_back();
-    record.layer = static_cast<std::int32_t>(number(layer, "layer", 1, 10'000'000)) - 1;
+    record.layer = static_cast<std::int32_t>(number(layer, "layer", 1, kMostLayers)) - 1;
     record.plate_height = height(layer, "plate_height_mm");
     record.mask_height = height(layer, "mask_height_mm");
     record.exposure_least = exposure(layer, "exposure_least_ms");

@@ -8,6 +8,7 @@
 
 #include "daemon/config/resin_profile.hpp"
 #include "daemon/report/print_frames.hpp"
+#include "daemon/report/print_report.hpp"
 #include "daemon/report/printed_light.hpp"
 
 namespace contourd::ctl {
@@ -20,6 +21,7 @@ struct RecordedPrint {
   double temperature_factor = 1;  // of the critical dose at the resin's temperature over that of the profile
   PrintFrames frames;
   std::int64_t unfound_undersides = 0;
+  std::vector<Exclusion> exclusions;  // each of another copy, by rising layers
 };
 
 // Reads NAME.report.json, and the masks of a rise from NAME.frames.bin beside it. Throws ModelError if the

@@ -144,6 +144,7 @@ PrintSubject subject_of_printer(const PrintArgs& args) {
   PrintSubject subject;
   subject.pixel_light = printer.pixel_light;
   subject.settings = engine_settings(printer, job.summary.resin);
+  subject.copies = copies_of(job.summary, "");
   subject.layers = job.plan.expected_layers;
   subject.doses = layer_doses(job.summary.resin, subject.layers, printer.irradiance_mw_cm2);
   subject.split = split_of(job, printer);

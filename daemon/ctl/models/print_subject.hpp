@@ -20,6 +20,7 @@
 #include "daemon/ctl/terminal/command.hpp"
 #include "daemon/print/layer_durations.hpp"
 #include "daemon/print/rise_forecast.hpp"
+#include "daemon/report/plate_copies.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd::ctl {
@@ -66,6 +67,7 @@ struct PrintSubject {
   std::vector<LayerDose> doses;       // of the layers; none without a resin
   std::optional<SplitPrint> split;    // nullopt: each exposure shows one mask
   std::optional<Supports> supports;
+  std::vector<PlateCopy> copies{1};  // places of the model
   AnalysisOptions analysis;
   std::optional<std::vector<Duration>> layer_durations;  // nullopt without a printer's configuration
   std::optional<PrintForecast> forecast;                 // nullopt without a printer's configuration

@@ -2,11 +2,14 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "core/cure/cure_comparison.hpp"
 #include "core/cure/cured_layers.hpp"
 #include "core/cure/cured_part.hpp"
+#include "core/cure/dark_copies.hpp"
 #include "core/cure/layer_bonds.hpp"
 #include "core/cure/pixel_light.hpp"
 #include "core/cure/surface_rays.hpp"
@@ -15,6 +18,7 @@
 #include "core/cure/working_curve.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
+#include "tests/models/models.hpp"
 
 namespace {
 
@@ -103,6 +107,33 @@ TEST_CASE("A comparison requires rising layers, all of which are added from the 
   CHECK(contract_broken_by([&] { comparison.add_layer(1, cured, {}); }) == next);
   comparison.add_layer(1, cured, dose);
   CHECK(contract_broken_by([&] { (void)comparison.figures(); }) == "all layers were added");
+}
+
+TEST_CASE("Copies are left dark from layers of a print on, later ones from no lower layer") {
+  const DisplayGeometry display{Pixels{40}, Pixels{40}, Micrometers{50}};
+  const auto box = std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {1, 1, 0.1F}));
+  const PixelMap place = PixelMap::true_scale(display, {0.5, 0.5});
+  const std::vector<PlateModel> two{{{box}, {place, place}}};
+  ContourEngine engine(two, {.display = display});
+  const std::array layers{layer(0), layer(1)};
+  const auto leave = [&](const std::vector<DarkCopy>& dark) {
+    return contract_broken_by([&] { leave_dark(dark, {layers}, engine, nullptr); });
+  };
+  const std::string order = "layers from which on copies are dark are layers of the print, and do not fall";
+  CHECK(leave({{0, 0, 0}, {0, 1, 2}}).empty());
+  CHECK(leave({{0, 0, 1}, {0, 1, 0}}) == order);
+  CHECK(leave({{0, 0, 3}}) == order);
+  CHECK(leave({{0, 2, 1}}) == "there is such a copy");
+  CHECK(contract_broken_by([&] { (void)CutLayers{layers}.height_of(2); }) ==
+        "there is such a layer, and each has a height or none");
+  UndersideDimming undersides(two, nullptr, {.display = display},
+                              {.layers = {layers.begin(), layers.end()},
+                               .resin = {.curve = kResinCurve},
+                               .mask_budget = std::chrono::hours(1)});
+  CHECK(contract_broken_by([&] { undersides.exclude(1, 0, nullptr, 1); }) == "there is such a copy");
+  undersides.exclude(0, 0, nullptr, 1);
+  CHECK(contract_broken_by([&] { undersides.exclude(0, 1, nullptr, 0); }) ==
+        "the layer is one of the print's, and not beneath those of other exclusions");
 }
 
 TEST_CASE("Bonds between layers require layers of the print, with light for each pixel") {

@@ -1,9 +1,13 @@
 // Tests the cured part of models whose print-through is known, by its distances from the model.
 #include "core/cure/cured_part.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -64,6 +68,86 @@ models::Facets bridge(float slab_mm, float gap_mm = 3) {
 }
 
 constexpr double kRounding = 0.1;  // um: floats of some millimetres
+
+// Two copies of a roof on a pillar, beside each other, of which one is left dark from a layer on.
+class TwoRoofs {
+ public:
+  static constexpr float kRoof = 2;  // height of the roof's underside, in mm
+
+  // `supports` hold the roofs.
+  explicit TwoRoofs(bool supports) {
+    const models::Facets facets = models::together(
+        {models::box({-1, -1, 0}, {0, 1, kRoof}), models::box({-1, -1, kRoof}, {2, 1, kRoof + 1})});
+    model_ = std::make_shared<const HeightIndex>(facets);
+    if (!supports) return;
+    std::vector<SupportPrimitive> primitives;
+    for (const double x : kPlaces)
+      primitives.emplace_back(pin(x));
+    supports_.structure = std::make_shared<const SupportStructure>(std::move(primitives));
+  }
+
+  // Returns the part in which the first copy, or none, is left dark from a layer on.
+  [[nodiscard]] CuredPart part(std::optional<std::size_t> dark_from) const {
+    std::vector<DarkCopy> dark;
+    if (dark_from) dark.push_back({0, 0, *dark_from, supports_.structure ? pins({kPlaces[1]}) : nullptr});
+    return cured({kPlaces[0], kPlaces[1]}, supports_.structure, dark, kLayers);
+  }
+  // Returns the part of one copy alone, in its place, after some layers of a model that ends with them.
+  [[nodiscard]] CuredPart alone(std::size_t copy, std::size_t layers) const {
+    const auto top = static_cast<float>(0.05 * static_cast<double>(layers));
+    models::Facets facets = models::box({-1, -1, 0}, {0, 1, std::min(top, kRoof)});
+    if (top > kRoof)
+      facets = models::together(facets, models::box({-1, -1, kRoof}, {2, 1, std::min(top, kRoof + 1)}));
+    return cured({kPlaces[copy]},
+                 supports_.structure ? pins({kPlaces[copy]}, static_cast<double>(top)) : nullptr, {}, layers,
+                 std::make_shared<const HeightIndex>(facets));
+  }
+
+  static constexpr std::size_t kLayers = 60;
+
+ private:
+  static constexpr std::array kPlaces{-3.0, 2.0};  // of the copies, in mm
+  static constexpr DisplayGeometry kDisplay{Pixels{300}, Pixels{200}, Micrometers{50}};
+
+  static Frustum pin(double x, double up_to = kRoof) {
+    return {{x + 1.5, 0, 0}, {x + 1.5, 0, std::min<double>(up_to, kRoof)}, 0.3, 0.3};
+  }
+  static std::shared_ptr<const SupportStructure> pins(const std::vector<double>& places,
+                                                      double up_to = kRoof) {
+    std::vector<SupportPrimitive> primitives;
+    for (const double x : places)
+      primitives.emplace_back(pin(x, up_to));
+    return std::make_shared<const SupportStructure>(std::move(primitives));
+  }
+
+  [[nodiscard]] CuredPart cured(const std::vector<double>& places,
+                                std::shared_ptr<const SupportStructure> pins, std::span<const DarkCopy> dark,
+                                std::size_t count, std::shared_ptr<const HeightIndex> model = nullptr) const {
+    std::vector<PlateModel> models{{{model ? std::move(model) : model_}, {}}};
+    for (const double x : places)
+      models.front().copies.push_back(PixelMap::true_scale(kDisplay, {-x, 0}));
+    ContourEngine engine(std::move(models), {.display = kDisplay}, pins);
+    std::vector<LayerDose> layers;
+    for (std::size_t layer = 0; layer < count; ++layer)
+      layers.push_back(
+          {kLayer * static_cast<std::int64_t>(layer + 1), kLayer, kCurve.dose_for(Micrometers{100})});
+    Supports supports;
+    supports.structure = std::move(pins);
+    return cure_part(engine, kDisplay, {.layers = layers, .cure = {.curve = kCurve}, .dark = dark},
+                     supports.structure ? &supports : nullptr);
+  }
+
+  std::shared_ptr<const HeightIndex> model_;
+  Supports supports_;
+};
+
+// Checks that a surface of a part is that of two other parts together.
+void check_sum(const SurfaceDistances& both, const SurfaceDistances& one, const SurfaceDistances& other) {
+  CHECK(both.places == one.places + other.places);
+  CHECK(both.missing == one.missing + other.missing);
+  const SurfaceDistances& worse = std::abs(one.worst_um) > std::abs(other.worst_um) ? one : other;
+  CHECK(both.worst_um == Approx(worse.worst_um).margin(kRounding));
+}
 
 }  // namespace
 
@@ -259,6 +343,84 @@ TEST_CASE("The underside of a ball is too low by the print-through of the layers
   CHECK(of.tops.median_um < 25);  // half a layer: stairs
 }
 
+TEST_CASE("A copy that was left dark is compared as far up as it was printed, the others in full") {
+  for (const bool supports : {false, true}) {
+    const TwoRoofs roofs(supports);
+    // Layers of the pillar, and of the roof: the fewer layers lie above an underside, the less it
+    // prints through.
+    for (const std::size_t dark_from : {20U, 40U, 41U, 43U, 50U}) {
+      CAPTURE(supports, dark_from);
+      const CuredPart part = roofs.part(dark_from);
+      const CureFigures &both = part.figures, cut = roofs.alone(0, dark_from).figures,
+                        kept = roofs.alone(1, TwoRoofs::kLayers).figures;
+      CHECK(both.model_mm3 == Approx(cut.model_mm3 + kept.model_mm3).epsilon(1e-6));
+      CHECK(both.too_much_mm3 == Approx(cut.too_much_mm3 + kept.too_much_mm3).margin(1e-4));
+      CHECK(both.too_little_mm3 == Approx(cut.too_little_mm3 + kept.too_little_mm3).margin(1e-4));
+      check_sum(both.undersides, cut.undersides, kept.undersides);
+      check_sum(both.walls, cut.walls, kept.walls);
+      CHECK(both.tops.places == kept.tops.places);  // the cut end is no surface of the model
+      CHECK(both.tops.missing == kept.tops.missing);
+      CHECK(both.closed_mm2 == 0);
+      REQUIRE(part.cut_copies.size() == 1);
+      CHECK(part.cut_copies.front().number == 0);
+      CHECK(part.cut_copies.front().up_to_mm == Approx(0.05 * static_cast<double>(dark_from)));
+    }
+  }
+}
+
+TEST_CASE("Walls of a copy that was left dark are measured up to its last layer") {
+  const TwoRoofs roofs(false);
+  const std::uint64_t whole = roofs.part({}).figures.walls.places, none = roofs.part(0).figures.walls.places;
+  CHECK(whole == 2 * none);
+  std::uint64_t before = none;
+  for (const std::size_t dark_from : {10U, 30U, 41U, 60U}) {
+    CAPTURE(dark_from);
+    const std::uint64_t places = roofs.part(dark_from).figures.walls.places;
+    CHECK(places > before);
+    before = places;
+  }
+  CHECK(before == whole);
+}
+
+TEST_CASE("A copy that was dark from its first layer on does not count") {
+  for (const bool supports : {false, true}) {
+    const TwoRoofs roofs(supports);
+    const CuredPart part = roofs.part(0);
+    const CureFigures &found = part.figures, kept = roofs.alone(1, TwoRoofs::kLayers).figures;
+    CHECK(found.model_mm3 == Approx(kept.model_mm3));
+    CHECK(found.too_much_mm3 == Approx(kept.too_much_mm3));
+    CHECK(found.too_little_mm3 == Approx(kept.too_little_mm3).margin(1e-4));
+    CHECK(found.undersides.places == kept.undersides.places);
+    CHECK(found.undersides.missing == 0);
+    CHECK(found.walls.places == kept.walls.places);
+    CHECK(part.cut_copies.front().up_to_mm == 0);
+  }
+}
+
+TEST_CASE("Solids of a copy that begin above its last mask do not count") {
+  // The roof begins in the upper half of layer 41, whose mask does not show it.
+  const auto facets =
+      models::together({models::box({-1, -1, 0}, {0, 1, 2.03F}), models::box({-1, -1, 2.03F}, {2, 1, 3})});
+  const auto model = std::make_shared<const HeightIndex>(facets);
+  const DisplayGeometry display{Pixels{300}, Pixels{200}, Micrometers{50}};
+  const std::vector<PlateModel> models{
+      {{model}, {PixelMap::true_scale(display, {3, 0}), PixelMap::true_scale(display, {-2, 0})}}};
+  ContourEngine engine(models, {.display = display});
+  std::vector<LayerDose> layers;
+  for (int layer = 0; layer < 60; ++layer)
+    layers.push_back({kLayer * (layer + 1), kLayer, kCurve.dose_for(Micrometers{100})});
+  const auto part = [&](std::span<const DarkCopy> dark) {
+    return cure_part(engine, display, {.layers = layers, .cure = {.curve = kCurve}, .dark = dark}, nullptr)
+        .figures;
+  };
+  const std::array<DarkCopy, 1> dark{DarkCopy{0, 0, 41}};
+  const CureFigures found = part(dark), whole = part({});
+  CHECK(found.undersides.missing == 0);
+  CHECK(found.undersides.places == whole.undersides.places / 2);
+  CHECK(found.too_little_mm3 == Approx(0).margin(1e-4));
+  CHECK(whole.undersides.places == 2 * 40 * 40);  // no copy is dark any more
+}
+
 TEST_CASE("A computation that is stopped at any layer has no part") {
   auto model = std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {1, 1, 0.5F}));
   const DisplayGeometry display{Pixels{40}, Pixels{40}, Micrometers{50}};
@@ -284,7 +446,7 @@ TEST_CASE("A computation that is stopped at any layer has no part") {
 TEST_CASE("A comparison with a model ends soon after it was stopped, wherever it is") {
   const auto model = std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {20, 20, 0.1F}));
   const DisplayGeometry display{Pixels{400}, Pixels{400}, Micrometers{50}};
-  const std::vector<PlateModel> models{{{model}, {PixelMap::true_scale(display, {10, 10})}}};
+  const std::vector<ComparedModel> models{{{{model}, {PixelMap::true_scale(display, {10, 10})}}}};
   const std::vector<LayerDose> layers{{kLayer, kLayer, {}}, {kLayer * 2, kLayer, {}}};
   int asked = 0;
   const auto compare = [&](int stopped_at) {

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -270,6 +272,65 @@ TEST_CASE("After one of two copies is excluded, the other's light is that of a p
       CHECK(each.pixel % 300 >= 150);
   }
   CHECK(dimmed);
+}
+
+TEST_CASE("Once copies are excluded, all layers have the light again with which they were printed") {
+  // Roofs from layer 40 on, each on a pillar and a support, which ends with its copy.
+  const auto model = std::make_shared<const HeightIndex>(
+      models::together(models::box({-1, -1, 0}, {0, 1, 2}), models::box({-1, -1, 2}, {2, 1, 3})));
+  const EngineSettings settings{.display = kScreen};
+  const std::vector<PlateModel> three{
+      {{model},
+       {PixelMap::true_scale(kScreen, {4.5, 0}), PixelMap::true_scale(kScreen, {0, 0}),
+        PixelMap::true_scale(kScreen, {-4.5, 0})}}};
+  const auto pins = [](const std::vector<double>& places) {
+    std::vector<SupportPrimitive> primitives;
+    for (const double x : places)
+      primitives.emplace_back(Frustum{{x + 1, 0, 0}, {x + 1, 0, 2}, 0.3, 0.3});
+    return std::make_shared<const SupportStructure>(std::move(primitives));
+  };
+  UndersideCure cure{.layers = {}, .resin = {.curve = kResin}, .mask_budget = kBudget};
+  for (int layer = 0; layer < 60; ++layer)
+    cure.layers.push_back({kHeight * (layer + 1), kHeight, kResin.dose_for(Micrometers{100})});
+  struct Excluded {
+    std::size_t layer, copy;
+    std::shared_ptr<const SectionSource> left;
+  };
+  const std::vector<Excluded> excluded{{42, 0, pins({0, 4.5})}, {43, 2, pins({0})}};
+  const auto light_of = [](UndersideDimming& undersides, std::size_t layer) {
+    const std::span<const DimmedPixel> dimmed = undersides.dimmed(layer);
+    std::vector<std::pair<std::uint32_t, int>> light;
+    for (const DimmedPixel& each : dimmed)
+      light.emplace_back(each.pixel, each.share);
+    std::ranges::sort(light);
+    return light;
+  };
+  UndersideDimming print(three, pins({-4.5, 0, 4.5}), settings, cure),
+      plain(three, pins({-4.5, 0, 4.5}), settings, cure);
+  std::vector<std::vector<std::pair<std::uint32_t, int>>> printed;
+  for (std::size_t layer = 0; layer < cure.layers.size(); ++layer) {
+    for (const Excluded& each : excluded)
+      if (each.layer == layer) print.exclude(0, each.copy, each.left, layer);
+    printed.push_back(light_of(print, layer));
+    const auto whole = light_of(plain, layer);
+    CHECK((printed.back() == whole) == (layer < excluded.front().layer || whole.empty()));
+  }
+  CHECK_FALSE(printed[41].empty());
+  const auto check = [&](UndersideDimming& undersides) {
+    for (const std::size_t layer : {41U, 43U, 42U, 40U, 59U, 44U})
+      CHECK(light_of(undersides, layer) == printed[layer]);
+    for (std::size_t layer = 0; layer < printed.size(); ++layer) {
+      CAPTURE(layer);
+      CHECK(light_of(undersides, layer) == printed[layer]);
+    }
+  };
+  check(print);
+  plain.include_all();
+  for (const Excluded& each : excluded)
+    plain.exclude(0, each.copy, each.left, each.layer);
+  check(plain);
+  plain.include_all();
+  CHECK(light_of(plain, 43) != printed[43]);
 }
 
 TEST_CASE("An underside is dimmed as far as its mask is moved outwards") {

@@ -11,6 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "daemon/report/print_report_html.hpp"
 #include "daemon/report/print_report_json.hpp"
@@ -29,7 +31,12 @@ constexpr Nanometers kCuredLayer{50'000};
 // A spool with the report of a printed box of 3 x 2 x 0.5 mm in done/.
 class CuredPartFixture {
  public:
+  // Copies stand in one place.
   [[nodiscard]] std::shared_ptr<PrintToCure> printed(int first_layer = 0, std::size_t copies = 1) const {
+    return printed(first_layer, std::vector(copies, Point{}), {});
+  }
+  [[nodiscard]] std::shared_ptr<PrintToCure> printed(int first_layer, const std::vector<Point>& centers,
+                                                     std::vector<Exclusion> exclusions) const {
     auto print = std::make_shared<PrintToCure>();
     PrintReport& report = print->report;
     report.job = "part";
@@ -38,6 +45,8 @@ class CuredPartFixture {
     report.summary.irradiance_mw_cm2 = 5;
     report.summary.models.resize(1);
     report.summary.models.front().centers = {{0, 0}};
+    report.exclusions = std::move(exclusions);
+    if (!report.exclusions.empty()) report.summary.models.front().centers = centers;
     report.summary.resin.cure = CureSettings{{Micrometers{150}, MillijoulesPerCm2{8}}};
     for (int layer = first_layer; layer < 10; ++layer) {
       LayerRecord record;
@@ -49,10 +58,11 @@ class CuredPartFixture {
       report.layers.push_back(record);
     }
     const StandingModel box{std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {3, 2, 0.5F})), {}};
-    print->engine = std::make_unique<ContourEngine>(
-        std::vector{PlateModel{
-            box, std::vector<PixelMap>(copies, PixelMap::true_scale(testing::kSmallDisplay, {1.5, 1}))}},
-        EngineSettings{.display = testing::kSmallDisplay});
+    PlateModel model{box, {}};
+    for (const Point& center : centers)
+      model.copies.push_back(PixelMap::true_scale(testing::kSmallDisplay, {1.5 - center.x, 1 - center.y}));
+    print->engine = std::make_unique<ContourEngine>(std::vector{std::move(model)},
+                                                    EngineSettings{.display = testing::kSmallDisplay});
     report.cured = part_to_come(report);
     spool.write_beside(Spool::Folder::Done, "part", "report.json", report_as_json(report));
     spool.write_beside(Spool::Folder::Done, "part", "report.html", report_as_html(report));
@@ -92,6 +102,21 @@ TEST_CASE_METHOD(CuredPartFixture, "The part that a print cured is written into 
         Approx(5 * 3.116 / 8 * std::exp(-50.0 / 150)).epsilon(1e-3));
   CHECK(text("part.report.html").find("The part that was cured") != std::string::npos);
   CHECK(text("part.report.html").find("Not computed") == std::string::npos);
+}
+
+TEST_CASE_METHOD(CuredPartFixture, "An excluded copy is compared as far up as it was printed") {
+  auto print = printed(0, {{-1.6, 0}, {1.6, 0}}, {{1, "part (copy 2)", 6}});
+  print->engine->darken(0, 1, kCuredLayer * 6);
+  compute(std::move(print));
+  CHECK(cured().at("model_mm3").get<double>() == Approx(3 + 6 * 0.3));
+  CHECK(cured().at("missing_mm3").get<double>() == Approx(0).margin(1e-4));
+  CHECK(cured().at("too_much_mm3").get<double>() == Approx(0).margin(1e-4));
+  CHECK(cured().at("tops").at("missing") == 0);
+  REQUIRE(cured().at("compared_up_to").size() == 1);
+  CHECK(cured().at("compared_up_to").at(0).at("number") == 2);
+  CHECK(cured().at("compared_up_to").at(0).at("up_to_mm").get<double>() == Approx(0.3));
+  CHECK(text("part.report.html").find("copy 2 up to 0.300 mm: compared as far as they were printed") !=
+        std::string::npos);
 }
 
 TEST_CASE_METHOD(CuredPartFixture, "A report says why the cured part was not computed") {

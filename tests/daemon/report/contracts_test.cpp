@@ -1,7 +1,11 @@
 // Tests of the contract checks in daemon/report.
 
+#include <string>
+#include <vector>
+
 #include "daemon/report/html_page.hpp"
 #include "daemon/report/light_histogram.hpp"
+#include "daemon/report/plate_copies.hpp"
 #include "daemon/report/state_times.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
@@ -25,4 +29,15 @@ TEST_CASE("StateTimes::enter requires times that do not fall") {
 
 TEST_CASE("Drawing a light histogram requires bins") {
   CHECK(contract_broken_by([] { (void)svg_of(LightHistogram{}); }) == "a histogram has bins");
+}
+
+TEST_CASE("Dark copies require exclusions of copies, by rising layers") {
+  const std::vector<PlateCopy> copies(2);
+  const auto broken = [&](const std::vector<Exclusion>& exclusions) {
+    return contract_broken_by([&] { (void)dark_copies(exclusions, copies, {}, {}); });
+  };
+  const std::string known = "exclusions are those of copies, by rising layers";
+  CHECK(broken({{0, "", 3}, {1, "", 3}}).empty());
+  CHECK(broken({{0, "", 3}, {1, "", 2}}) == known);
+  CHECK(broken({{2, "", 3}}) == known);
 }
