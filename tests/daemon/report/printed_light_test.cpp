@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <initializer_list>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -506,6 +507,11 @@ TEST_CASE("A part holds together, and its tops end at their height, where layers
     const RecordingPrint print(std::move(plan));
     REQUIRE(print.outcome == PrintOutcome::Done);
     CHECK(print.recorded.layers.size() == 40);
+    // The part would stand on the window at the height at which the first rise has gelled.
+    const std::vector<FrameRecord>& frames = print.recorded.frames;
+    const auto second = std::ranges::find_if(frames.begin() + 1, frames.end(), &FrameRecord::begins);
+    REQUIRE(second != frames.end());
+    CHECK(second->first >= std::prev(second)->last - Nanometers{2'000});
     const CureFigures cured = cured_in(pyramid(), print.recorded, each, 0);
     CHECK(cured.tops.missing == 0);
     CHECK(cured.tops.worst_um == Approx(0).margin(kTopTolerance_um));
