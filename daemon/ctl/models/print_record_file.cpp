@@ -58,9 +58,9 @@ Nanometers height(const Json& object, const char* key) {
 }
 
 Duration exposure(const Json& object, const char* key) {
-  constexpr double kLongest = 86'400'000;  // ms, a day
-  return std::chrono::duration_cast<Duration>(
-      std::chrono::duration<double, std::milli>(number(object, key, 0, kLongest)));
+  constexpr double kLongest = 86'400'000;     // ms, a day
+  constexpr double kNanoseconds = 1'000'000;  // in a millisecond
+  return Duration{std::llround(number(object, key, 0, kLongest) * kNanoseconds)};
 }
 
 std::uint32_t whole_number(const Json& object, const char* key, std::uint32_t least, std::uint32_t most) {
