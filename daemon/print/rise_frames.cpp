@@ -24,11 +24,11 @@ RiseFrames::RiseFrames(Machine& machine, Clock& clock, const PrintPlan& plan, Na
     : machine_(machine), clock_(clock), plan_(plan), masks_(*plan.engine, clock, plan.mask_budget) {
   const LitResin& resin = plan.rises->bounds.lit;
   if (resin.irradiance <= MilliwattsPerCm2{}) return;
-  // The masks may change as fast as the plate may rise.
+  // A mask that stays for 2.5 refreshes is not too old, see most_a_refresh().
   constexpr double kRefreshes = 2.5;
   gelling_.front.emplace(
       resin, solid,
-      MillimetersPerSecond{in_mm(kFarthest) / kRefreshes / in_seconds(machine.display().frame())});
+      MillimetersPerSecond{in_mm(kFarthestCut) / kRefreshes / in_seconds(machine.display().frame())});
 }
 
 void RiseFrames::stop() {
@@ -105,6 +105,9 @@ void RiseFrames::await_first(std::function<void()> shown) {
     });
     return;
   }
+  const std::optional<Nanometers> plate = machine_.z_axis().height();
+  if (!plate) return calls_.unsafe(kUnknownHeight);
+  screen_.plate = *plate;
   present([this, shown = std::move(shown)](TimePoint at) {
     screen_.vblank = at;
     begin_frame(at);
@@ -148,11 +151,11 @@ void RiseFrames::hand_over(TimePoint vblank, bool is_new) {
   const std::optional<Nanometers> plate = machine_.z_axis().height_at(vblank + frame / 2);
   const std::optional<Nanometers> section = section_at(vblank + frame / 2);
   if (!plate || !section) return calls_.unsafe(kUnknownHeight);
-  if (apart(*section, screen_.cut) > kFarthest) {
-    return calls_.unsafe(
-        fmt::format("the mask on the screen is too old: {} masks were missed, and resin would gel more than "
-                    "{:.0f} um from it",
-                    figures_.missed, in_mm(kFarthest) * 1e3));
+  if (apart(*plate, screen_.due) > kFarthest || apart(*section, screen_.cut) > kFarthestCut) {
+    return calls_.unsafe(fmt::format(
+        "the mask on the screen is too old: {} masks were missed, and the plate would rise by more "
+        "than {:.0f} um, or resin would gel more than {:.0f} um from the mask's height",
+        figures_.missed, in_mm(kFarthest) * 1e3, in_mm(kFarthestCut) * 1e3));
   }
   if (!is_new) return;
   if (!masks_.ready()) {
@@ -219,6 +222,7 @@ void RiseFrames::present(std::function<void(TimePoint)> presented) {
         if (stops != stops_) return;
         if (!at) return calls_.unsafe("the display was lost");
         screen_.cut = shown_.cut_at;
+        screen_.due = screen_.plate;
         white_.on_screen = white_.passed;
         presented(*at);
       });

@@ -24,9 +24,11 @@ namespace contourd {
 
 class RiseFrames {
  public:
-  // The light may not shine while the cut of the mask on the screen is further than this from the height at
-  // which resin gels.
+  // The light may not shine while the plate is further than this from where the mask on the screen was due.
   static constexpr Nanometers kFarthest{5'000};
+  // Nor while the mask's cut is further than this from the height at which resin gels: after a pause or a
+  // rest that height follows the plate from further below, faster than the plate rises.
+  static constexpr Nanometers kFarthestCut = 3 * kFarthest;
 
   // What lies beneath `solid` is printed. All other arguments must outlive the object, and nothing else may
   // use the plan's engine meanwhile. If the plan's bounds do not say which resin is lit, it counts as gelled
@@ -93,6 +95,7 @@ class RiseFrames {
   } gelling_;
   struct Screen {
     Nanometers cut{};    // height of the cut of the mask on the screen
+    Nanometers due{};    // height of the plate for which that mask was made
     Nanometers plate{};  // height of the plate for which a mask was passed to the display last
     TimePoint vblank{};  // a refresh, from which the others are counted
   } screen_;

@@ -11,6 +11,7 @@
 
 #include "core/continuous/gel_front.hpp"
 #include "daemon/frames/frame_summary.hpp"
+#include "daemon/print/rise_frames.hpp"
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
 #include "tests/broken_contract.hpp"
@@ -25,6 +26,7 @@ using C = ContinuousState;
 
 constexpr std::int32_t kFirstLayers = 2;
 constexpr std::int32_t kAllLayers = 20;
+constexpr MillimetersPerSecond kMasks{0.36};  // 6 um a refresh
 
 // Sections that do not come before they are let through, as if the computer were too slow for them.
 class GatedSections final : public SectionSource {
@@ -217,7 +219,9 @@ class ContinuousPrintFixture final : public Machine, public PrintObserver {
     if (lit_unknown) all += "the light was on, but reported as off; ";
     if (lit_black) all += "the light was on without a mask; ";
     if (gone_while_lit || lit_at_end) all += "the light was on, but reported as gone; ";
-    if (farthest_lit > 5'000) all += fmt::format("the mask was {} nm from its height; ", farthest_lit);
+    const Nanometers farthest = front ? RiseFrames::kFarthestCut : RiseFrames::kFarthest;
+    if (farthest_lit > farthest.count())
+      all += fmt::format("the mask was {} nm from its height; ", farthest_lit);
     return all;
   }
 
@@ -1135,7 +1139,7 @@ TEST_CASE("Speed, light and margin of a rise change while the plate rises, in th
   ContinuousPrintFixture fixture;
   fixture.compares = false;
   PrintPlan plan = changeable_plan();
-  fixture.front.emplace(plan.rises->bounds.lit, Nanometers{100'000}, MillimetersPerSecond{0.12});
+  fixture.front.emplace(plan.rises->bounds.lit, Nanometers{100'000}, kMasks);
   fixture.process.start(std::move(plan));
   REQUIRE(fixture.run_to_height(0.2));
   CHECK(speed_after(fixture, 0s) == Approx(20).margin(0.5));
@@ -1197,7 +1201,7 @@ TEST_CASE("The time left follows a change of the speed, which also holds for ris
   ContinuousPrintFixture fixture;
   fixture.compares = false;
   PrintPlan plan = changeable_plan();
-  fixture.front.emplace(plan.rises->bounds.lit, Nanometers{100'000}, MillimetersPerSecond{0.12});
+  fixture.front.emplace(plan.rises->bounds.lit, Nanometers{100'000}, kMasks);
   fixture.process.start(std::move(plan));
   SECTION("In the first layers") {
     REQUIRE(fixture.run_to(C::Layering));
