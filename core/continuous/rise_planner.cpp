@@ -302,6 +302,9 @@ ChangedRise change_rise(std::span<const RiseSlab> slabs, const RiseChange& chang
     bottom = {slab.top, slab.distance};
   }
   ChangedRise changed{rise_of(stages, bounds), MillimetersPerSecond{std::numeric_limits<double>::infinity()}};
+  // Above the top, the resin at the top still needs the light of the gap with which the plate has come there.
+  if (change.from > change.before.points.back().height)
+    changed.plan.overrun = std::max(changed.plan.overrun, change.before.overrun);
   for (const Stage& stage : stages) {
     if (stage.top <= change.from || stage.speed >= changed.slowest) continue;
     changed.slowest = stage.speed;

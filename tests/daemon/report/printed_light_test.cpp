@@ -480,6 +480,29 @@ TEST_CASE("Masks catch up with the resin after a pause in a rise that is as fast
   CHECK(cured.tops.worst_um == Approx(0).margin(kTopTolerance_um));
 }
 
+TEST_CASE("The top ends at its height when the margin grows while the plate goes on above it") {
+  const RiseCase each{lit(150, 8, 15, 30), 2};
+  PrintPlan plan = plan_of(needle(), each, bounds_of(each));
+  plan.rises->settings = planned_settings(plan.rises->bounds);
+  bool asked = false, changed = false;
+  const RecordingPrint print(std::move(plan), testing::small_printer(),
+                             [&](ContinuousPrint& process, Nanometers plate) {
+                               // The gap of the new margin is 50 um.
+                               if (in_mm(plate) < kTopMm + 0.06 || std::exchange(asked, true)) return;
+                               RiseSettings settings = process.settings().rise;
+                               settings.margin = 8;
+                               const auto rises = change_rises(process.rises_ahead().value(), settings);
+                               changed = std::holds_alternative<ChangedRises>(rises);
+                               if (changed) process.change(std::get<ChangedRises>(rises));
+                             });
+  REQUIRE(print.outcome == PrintOutcome::Done);
+  REQUIRE(changed);
+  const CureFigures cured = cured_in(needle(), print.recorded, each);
+  CHECK(cured.tops.missing == 0);
+  // The plate stops in the light for the change, and masks then are a refresh behind, 6 um.
+  CHECK(cured.tops.worst_um == Approx(0).margin(kTopTolerance_um + 6));
+}
+
 TEST_CASE("A model that ends at the end of the travel lacks the gap at its top, and nothing is too much") {
   const RiseCase each{lit(150, 8, 4, 30), 4};
   for (const std::int64_t above_nm : {0, 40'000}) {
