@@ -72,8 +72,9 @@ def read_frames(data):
 
 
 def _small_star(height_mm):
-    """Returns a twisted star of 7 mm, whose points lie near to open resin."""
-    return [tuple((x / 5, y / 5, z) for x, y, z in facet) for facet in models.twisted_star(height_mm)]
+    """Returns a twisted star of 5 mm, whose points lie near to open resin, and of whose masks the emulated processor makes each in half
+    a refresh."""
+    return [tuple((x / 7, y / 7, z) for x, y, z in facet) for facet in models.twisted_star(height_mm)]
 
 
 def _print(during="", config=None):
@@ -126,19 +127,20 @@ def _light_of(edges, pictures):
 
 
 def _light_covers(edges, pictures):
-    """Checks that one span of light begins in the first picture of the rise and ends in the last one."""
+    """Checks that one span of light begins in the first picture of the rise, and ends in the last one or in the dark ones after it, as
+    soon as the plate stands."""
     on, off = _light_of(edges, pictures)
     first, last = pictures[0], pictures[-1]
-    if first.start_ns <= on <= first.end_ns and last.start_ns <= off <= last.end_ns:
+    if first.start_ns <= on <= first.end_ns and last.start_ns <= off <= last.end_ns + 4 * exposure_checks.REFRESH_NS:
         return []
     return [f"the light from {on} to {off} ns is not that of the pictures from {first.start_ns} to {last.end_ns} ns"]
 
 
 def _outcome(results):
-    """Returns the masks of the record, their pictures on the screen, and the logs of axis and screen."""
+    """Returns the masks of the record that have lit pixels, their pictures on the screen, and the logs of axis and screen."""
     edges, frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
     (name,) = [name for name in results.names() if name.endswith("/part.frames.bin")]
-    masks = read_frames(results.bytes(name))
+    masks = [mask for mask in read_frames(results.bytes(name)) if mask.cut < 1e6 * _HEIGHT_MM]
     begin = masks[0].shown_ns - exposure_checks.REFRESH_NS // 2
     pictures = [picture for picture in frames.lit_pictures() if begin <= picture.start_ns]
     return masks, pictures[: len(masks)], edges, frames
