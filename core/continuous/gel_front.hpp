@@ -25,8 +25,8 @@ class GelFront {
     double share = 1;  // part of the lamp's light
   };
 
-  // What lies beneath `solid` has gelled. The front does not rise by more than `fastest`, so that masks can
-  // follow it: where the plate stops in the light, it comes nearer to the plate. REQUIRES: as for
+  // Resin beneath the height `solid` has gelled. The front does not rise by more than `fastest`, so that
+  // masks can follow it: where the plate stops in the light, it comes nearer to the plate. REQUIRES: as for
   // cure_speed(); a positive speed.
   GelFront(const LitResin& resin, Nanometers solid, MillimetersPerSecond fastest);
 

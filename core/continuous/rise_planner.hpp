@@ -38,11 +38,11 @@ struct RiseBounds {
 // a rise, by the widest gap that its last speeds leave, or to the end of its travel.
 //
 // Each slab is passed at the speed of the strictest law in it and in the slab beneath, whose sections are
-// still lit. With light that is always on, the gap that
-// resin flows through depends on the speeds since resin entered it, which is less than a slab ago: faster
-// than before, resin has to flow through the narrow gap of the slower speed. So a rise starts as the dead
-// zone alone allows, and speeds up from slab to slab. REQUIRES: slabs of sweep_slabs() at least as thick as
-// gel_gap() at the margin, and the last of 1 um; bounds of positive values, margin > 1.
+// still lit. With light that is always on, the gap that resin flows through depends on the speeds since resin
+// entered it, which is less than a slab ago: faster than before, resin has to flow through the narrow gap of
+// the slower speed. So a rise starts as the dead zone alone allows, and speeds up from slab to slab.
+// REQUIRES: slabs of sweep_slabs() at least as thick as gel_gap() at the margin, and the last of 1 um; bounds
+// of positive values, margin > 1.
 [[nodiscard]] std::vector<RisePlan> plan_rises(std::span<const RiseSlab> slabs, Nanometers from,
                                                const RiseBounds& bounds);
 

@@ -30,9 +30,9 @@ class RiseFrames {
   // rest that height follows the plate from further below, faster than the plate rises.
   static constexpr Nanometers kFarthestCut = 3 * kFarthest;
 
-  // What lies beneath `solid` is printed. All other arguments must outlive the object, and nothing else may
-  // use the plan's engine meanwhile. If the plan's bounds do not say which resin is lit, it counts as gelled
-  // up to the plate. Throws std::system_error (a thread).
+  // The part beneath the height `solid` is printed. All other arguments must outlive the object, and nothing
+  // else may use the plan's engine meanwhile. If the plan's bounds do not say which resin is lit, it counts
+  // as gelled up to the plate. Throws std::system_error (a thread).
   RiseFrames(Machine& machine, Clock& clock, const PrintPlan& plan, Nanometers solid);
 
   // Callbacks. Each may call stop().
@@ -107,7 +107,7 @@ class RiseFrames {
   struct White {
     std::uint8_t wanted = 255;
     std::uint8_t passed = 255;     // of the mask that was passed to the display last
-    std::uint8_t on_screen = 255;  // height of the cut of the mask on the screen
+    std::uint8_t on_screen = 255;  // of the mask on the screen
   } white_;
   FrameFigures figures_;
   std::optional<FrameRecord> frame_;  // the mask that is on the screen

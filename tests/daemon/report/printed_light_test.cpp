@@ -445,16 +445,20 @@ TEST_CASE("Level tops of a rise end at their height when speed and light change 
   CHECK(cured.tops.worst_um == Approx(0).margin(kTopTolerance_um + 2));
 }
 
+// Pauses a print once, in the middle of its rise.
+RecordingPrint::AtHeight pause_in_the_middle() {
+  return [paused = false](ContinuousPrint& process, Nanometers plate) mutable {
+    if (in_mm(plate) < 1.25 || std::exchange(paused, true)) return;
+    process.pause();
+  };
+}
+
 TEST_CASE("After a pause within a rise, tops above the gap end at their height") {
   const RiseCase each{lit(150, 8, 4, 30), 4};
-  bool paused = false;
   const RecordingPrint print(plan_of(pyramid(), each, bounds_of(each)), testing::small_printer(),
-                             [&](ContinuousPrint& process, Nanometers plate) {
-                               if (in_mm(plate) < 1.25 || std::exchange(paused, true)) return;
-                               process.pause();
-                             });
+                             pause_in_the_middle());
   REQUIRE(print.outcome == PrintOutcome::Done);
-  REQUIRE(paused);
+  REQUIRE(print.pauses == 1);
   CHECK(std::ranges::count(print.recorded.frames, true, &FrameRecord::begins) == 2);
   for (const double memory : {0.0, 1.0}) {
     const CureFigures cured = cured_in(pyramid(), print.recorded, each, memory);
@@ -467,12 +471,8 @@ TEST_CASE("After a pause within a rise, tops above the gap end at their height")
 TEST_CASE("Masks catch up with the resin after a pause in a rise that is as fast as masks allow") {
   const RiseCase each{lit(150, 8, 31, 30), 4};
   REQUIRE(cure_speed(each.lit, each.margin).count() == Approx(0.12).margin(0.002));
-  bool paused = false;
   const RecordingPrint print(plan_of(pyramid(), each, bounds_of(each)), testing::small_printer(),
-                             [&](ContinuousPrint& process, Nanometers plate) {
-                               if (in_mm(plate) < 1.25 || std::exchange(paused, true)) return;
-                               process.pause();
-                             });
+                             pause_in_the_middle());
   REQUIRE(print.outcome == PrintOutcome::Done);
   REQUIRE(print.pauses == 1);
   const CureFigures cured = cured_in(pyramid(), print.recorded, each, 0);
