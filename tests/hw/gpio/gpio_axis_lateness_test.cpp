@@ -122,6 +122,26 @@ TEST_CASE("With an encoder, steps lost in a delay are a fault or are corrected, 
   }
 }
 
+TEST_CASE(
+    "After delays about as long as the motor needs to come to rest, its position is either true or unknown") {
+  struct Case {
+    double mm_s;
+    Duration at, limit;  // the limit is 16 intervals at the speed at that time, at most 5 ms
+  };
+  for (const Case& c : {Case{4.7, 300ms, 4'260us}, Case{4.7, 773ms, 4'880us}, Case{4.7, 810ms, 5'000us},
+                        Case{10, 300ms, 2'000us}, Case{10, 400ms, 2'550us}}) {
+    for (Duration held = c.limit * 9 / 10; held < c.limit * 23 / 20; held += 50us) {
+      Plant plant(late_config());
+      plant.pull_in = kPullIn;
+      plant.build_homed();
+      const auto hold_up = plant.clock.call_after(c.at, [&] { plant.hold_up_steps(held); });
+      INFO("at " << c.mm_s << " mm/s, after " << c.at / 1ms << " ms, held up for " << held / 1us << " us");
+      (void)plant.move_to(3.57, c.mm_s);
+      CHECK(believed_is_true(plant));
+    }
+  }
+}
+
 TEST_CASE("However the step thread is delayed, the plate's position is either true or unknown") {
   CHECK(rc::check([] {
     Plant plant(late_config(std::nullopt, draw(0, 1) != 0));
