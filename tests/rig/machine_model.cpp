@@ -66,7 +66,7 @@ MachineModel::MachineModel(const Scenario& scenario)
   // GpioAxis assumes the pull-in speed of homing's end. The motor's speed is not known to the step: while
   // braking, four steps earlier it was faster by two fifths.
   plant.pull_in = 1.4 * plant.config.homing_speed.count() / 2 * kStepsPerMm;
-  plant.swing_s += 0.4 / plant.pull_in;
+  plant.stands_after_s += 0.4 / plant.pull_in;
   plant.overrun = 1 + kFieldPeriod;
   model_->changed = screen.changed = [this] { changed(); };
   if (scenario.backlash) plant.slack = 4;

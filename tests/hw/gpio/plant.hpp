@@ -240,7 +240,8 @@ class Plant : public DescriptorWatcher {
   // The rotor is at rest when its field has rested for a full step's time, 16 pulses, or for a quarter of the
   // rotor's oscillation, 5 ms. Both are 5 % longer here: rotor_rate_ lags behind the field by up to 4 pulses,
   // 3 % at pull_in and 50 mm/s^2, and the plant must not be at rest before the engine's own limits.
-  static constexpr double kStandsAfterPulses = 16 * 1.05, kStandsAfter_s = 0.005 * 1.05;
+  static constexpr double kStandsAfterPulses = 16 * 1.05;
+  double stands_after_s = 0.005 * 1.05;
   std::function<bool()> loses_count;       // called for each step of the plate; the encoder then misses it
   std::int64_t index_every = 400;          // steps between two marks of the encoder's index
   Duration latency{20'000};                // latency of the step thread
@@ -362,7 +363,7 @@ class Plant : public DescriptorWatcher {
     if (pulses.empty() || !std::isfinite(pull_in)) return 1;
     const double interval_s = std::chrono::duration<double>(clock.now() - pulses.back()).count();
     const double rate = 1 / interval_s, late_s = interval_s - (rotor_rate_ > 0 ? 1 / rotor_rate_ : 0);
-    const bool stood = late_s > std::min(kStandsAfterPulses / rotor_rate_, kStandsAfter_s);
+    const bool stood = late_s > std::min(kStandsAfterPulses / rotor_rate_, stands_after_s);
     const bool overran = stood && rotor_rate_ > pull_in;
     const bool turns = !overran && rate <= std::max(pull_in, stood ? 0 : 2 * rotor_rate_);
     rotor_rate_ = !turns ? 0 : stood ? rate : rotor_rate_ + (rate - rotor_rate_) / 4;
