@@ -335,7 +335,7 @@ class Output(PreviewTest):
 
     def test_an_interrupted_preview_leaves_no_file(self):
         # Interrupts a little later each time, from the start of the program to its end.
-        model = self.write("a.stl", binary_stl(wedge(8, 4, 2) * 5000))
+        model = self.write("a.stl", binary_stl(wedge(8, 4, 2) * 500))
         before, begin = sorted(os.listdir()), time.monotonic()
         self.png(model)
         whole, steps = time.monotonic() - begin, 25
