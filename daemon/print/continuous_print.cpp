@@ -97,7 +97,7 @@ std::optional<RisesAhead> ContinuousPrint::rises_ahead() const {
     return std::nullopt;
   const bool moves = is_in({ContinuousState::Rising, ContinuousState::Slowing});
   RisesAhead ahead = rises_.ahead(moves ? machine_.z_axis().height() : std::nullopt);
-  if (lit_from_) ahead.each.front().lit += clock_.now() - *lit_from_;
+  if (light_) ahead.each.front().lit += clock_.now() - light_->noted;
   return ahead;
 }
 
@@ -503,7 +503,8 @@ void ContinuousPrint::lift() {
     const bool looks = ends() || pause_wanted_;
     const Nanometers whole = looks ? kLookUp : plan_->motion.whole_lift();
     const Nanometers target = std::max(std::min(from + whole, highest), current_height());
-    if (target == current_height()) return handle(next_due());
+    if (target == current_height() || (!looks && plan_->motion.second_lift == Nanometers{}))
+      return handle(next_due());
     move_to(target, looks ? plan_->travel_speed : plan_->motion.second_lift_speed,
             [this] { handle(next_due()); });
   });
@@ -551,7 +552,10 @@ Nanometers ContinuousPrint::rise_top() const {
 }
 
 void ContinuousPrint::show_masks() {
-  if (!plan_->dry) lit_from_ = clock_.now();
+  if (!plan_->dry) {
+    const LightSpan span = machine_.projector().last_light().value_or(LightSpan{clock_.now(), {}, {}, {}});
+    light_ = Light{span, std::min(span.on_earliest, clock_.now())};
+  }
   // The masks of the last rise become dark at its top. Those of others do not show what is on top of them.
   const Nanometers top = rise_top();
   const bool goes_on = plan_->layers.thickness_at(top).has_value();
@@ -564,7 +568,7 @@ void ContinuousPrint::show_masks() {
              frame.layer = record_.layer;
              observer_.frame_over(frame);
            },
-       .lit_from = lit_from_,
+       .lit_from = light_ ? std::optional(clock_.now()) : std::nullopt,
        .highest = goes_on ? top - Nanometers{1} : Nanometers{std::numeric_limits<std::int64_t>::max()}});
 }
 
@@ -632,16 +636,31 @@ void ContinuousPrint::begin_slice(Nanometers bottom) {
   record_.mask_height = bottom + *thickness / 2;
 }
 
-// Adds the light since it went on, or since the last call, to the slice.
+// Adds the light since it went on, or since the last call, to the slice, as far as the projector's answers
+// show it. A projector that was lost in the meantime, and another that was found, know nothing of this light.
 void ContinuousPrint::note_light() {
-  if (!lit_from_) return;
-  const Duration lit = clock_.now() - *lit_from_;
-  lit_from_ = clock_.now();
-  rises_.add_light(lit);
-  record_.exposure_asked += lit;
-  record_.exposure_least += lit;
-  record_.exposure_most += lit;
+  if (!light_) return;
+  LightSpan& span = light_->span;
+  const std::optional<LightSpan> known = machine_.projector().last_light();
+  if (known && known->on_earliest == span.on_earliest) span = *known;
+  const TimePoint now = clock_.now(), from = std::exchange(light_->noted, now);
+  const auto since_then = [now, from](TimePoint on, std::optional<TimePoint> off) {
+    return std::max(std::min(off.value_or(now), now) - std::max(on, from), Duration{0});
+  };
+  const Duration most = since_then(span.on_earliest, span.off_latest);
+  rises_.add_light(most);
+  if (light_->wanted) record_.exposure_asked += now - from;
+  record_.exposure_most += most;
+  if (span.on_latest) record_.exposure_least += since_then(*span.on_latest, span.off_earliest);
   record_.exposure_parts = 1;
+}
+
+// Adds the rest of a light that is confirmed off, or of whose end nothing more will be known.
+void ContinuousPrint::end_light() {
+  if (std::exchange(light_asked_, false)) observer_.light_gone();
+  note_light();
+  if (light_) record_.dark_confirmed = record_.dark_confirmed && light_->span.off_latest;
+  light_.reset();
 }
 
 void ContinuousPrint::report_slice(bool complete) {
@@ -656,13 +675,17 @@ void ContinuousPrint::report_slice(bool complete) {
 void ContinuousPrint::turn_light_off() {
   machine_.projector().light_off();
   if (frames_) frames_->stop();
+  // A light-on command that was sent without this process having been informed.
+  const std::optional<LightSpan> sent =
+      light_asked_ && !light_ ? machine_.projector().last_light() : std::nullopt;
+  if (sent) light_ = Light{*sent, sent->on_earliest};
   note_light();
-  lit_from_.reset();
+  if (light_) light_->wanted = false;
   machine_.projector().when_dark([this] { is_dark(); });
 }
 
 void ContinuousPrint::is_dark() {
-  if (std::exchange(light_asked_, false)) observer_.light_gone();
+  end_light();
   handle(ContinuousEvent::LightIsOff);
 }
 
@@ -670,7 +693,7 @@ void ContinuousPrint::finish() {
   const PrintOutcome outcome = !reason_.empty() ? PrintOutcome::Failed
                                : canceled_      ? PrintOutcome::Canceled
                                                 : layers_outcome_;
-  if (std::exchange(light_asked_, false)) observer_.light_gone();
+  end_light();
   if (frames_ && record_.exposure_parts > 0) report_slice(record_.complete);
   frames_.reset();
   PrintPlan plan = std::move(*plan_);

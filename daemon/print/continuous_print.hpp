@@ -110,6 +110,7 @@ class ContinuousPrint final : public PrintMode,
   void set_white();
   void begin_slice(Nanometers bottom);
   void note_light();
+  void end_light();
   void report_slice(bool complete);
   void turn_light_off();
   void is_dark();
@@ -132,8 +133,14 @@ class ContinuousPrint final : public PrintMode,
   RiseProgress rises_;
   std::vector<Duration> left_after_;  // by expected layer: the time for it, all later layers and parking
   std::unique_ptr<RiseFrames> frames_;
-  std::optional<TimePoint> lit_from_;  // from when on the slice has had light, while there is light
-  LayerRecord record_;                 // the slice under way, or what comes next
+  // The light of the rise, from its command until it is confirmed off, or the print ends without that.
+  struct Light {
+    LightSpan span;
+    TimePoint noted;     // the slices have their light up to this time
+    bool wanted = true;  // light off has not been sent
+  };
+  std::optional<Light> light_;
+  LayerRecord record_;  // the slice under way, or what comes next
 };
 
 }  // namespace contourd

@@ -340,7 +340,7 @@ TEST_CASE("Each mask of a rise is on record with its heights, refreshes and ligh
   CHECK(std::abs((summary.highest - Nanometers{1'000'000}).count()) < 10'000);
   Duration lit{};
   for (const LayerRecord& layer : fixture.layers)
-    if (layer.rises) lit += layer.exposure_most;
+    if (layer.rises) lit += layer.exposure_asked;
   CHECK(std::chrono::abs(lit - summary.lit) < 1ms);
 
   const Duration refresh = fixture.screen.frame();
