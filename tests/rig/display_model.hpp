@@ -29,6 +29,8 @@ class DisplayModel final : public testing::PlainDisplay {
   // Returns the number of pixels of the picture that are not dark.
   [[nodiscard]] std::int64_t lit_pixels() const { return picture_ ? lit_pixels_ : 0; }
   [[nodiscard]] bool there() const { return there_; }
+  // Returns how often the picture was replaced.
+  [[nodiscard]] std::uint64_t flips() const { return flips_; }
   // True if something was shown since the screen was plugged in. Before that it is black, and whoever lights
   // through it may not know yet.
   [[nodiscard]] bool in_use() const { return there_ && in_use_; }
@@ -79,6 +81,7 @@ class DisplayModel final : public testing::PlainDisplay {
   void flip(Picture picture) {
     if (!there_) return;
     in_use_ = true;
+    ++flips_;
     picture_ = picture;
     changed();
   }
@@ -97,7 +100,7 @@ class DisplayModel final : public testing::PlainDisplay {
   Picture picture_;
   std::int64_t lit_pixels_ = 0;
   Presented done_;
-  std::uint64_t requests_ = 0;
+  std::uint64_t requests_ = 0, flips_ = 0;
   bool there_ = true, in_use_ = true, loses_event_ = false, loses_flip_ = false;
   std::unique_ptr<Timer> flip_, event_, lost_;
 };

@@ -18,6 +18,8 @@ class Loop final : public Clock {
   explicit Loop(VirtualClock& world) : world_(world) {}
 
   [[nodiscard]] TimePoint now() const override { return world_.now(); }
+  // Masks are computed in no time, so that a print is the same each time.
+  [[nodiscard]] bool skips_waiting() const override { return true; }
   [[nodiscard]] std::unique_ptr<Timer> call_at(TimePoint when, std::function<void()> call) override {
     auto pending = std::make_shared<Pending>(Pending{std::move(call), true, {}});
     pending->timer = world_.call_at(when, [this, weak = std::weak_ptr(pending)] {
@@ -45,8 +47,11 @@ class Loop final : public Clock {
     while (!over)
       turn();
     inside_ = false;
+    was_inside_until_ = world_.now();
     release_ = world_.call_at(std::max(busy_until_, world_.now()), [this] { drain(); });
   }
+  // Returns the last time at which the loop was or will be held up.
+  [[nodiscard]] TimePoint held_up_until() const { return std::max(busy_until_, was_inside_until_); }
   [[nodiscard]] bool held_up() const { return inside_ || world_.now() < busy_until_; }
 
   // Order of calls that are due at the same time.
@@ -100,7 +105,7 @@ class Loop final : public Clock {
   }
 
   VirtualClock& world_;
-  TimePoint busy_until_{};
+  TimePoint busy_until_{}, was_inside_until_{};
   bool inside_ = false, draining_ = false;
   std::deque<std::shared_ptr<Pending>> waiting_;
   std::unique_ptr<Timer> release_;

@@ -1,5 +1,6 @@
 #include "tests/rig/machine_model.hpp"
 
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -17,11 +18,11 @@ constexpr Pixels kWidth{16}, kHeight{12};
 // Four full steps, for a motor driven in full steps.
 constexpr std::int64_t kFieldPeriod = 4;
 
-// A coarse screw, so that a step is long (12.5 um) and a print takes few of them.
+// A coarse screw for prints without a rise, so that a step is long (12.5 um) and a print takes few of them.
 GpioAxisConfig axis_of(const Scenario& scenario) {
   GpioAxisConfig config;
   config.travel = Nanometers{5'000'000};
-  config.microsteps_per_mm = MachineModel::kStepsPerMm;
+  config.microsteps_per_mm = scenario.steps_per_mm();
   config.top_speed = MillimetersPerSecond{10};
   config.acceleration = MillimetersPerSecondSquared{50};
   if (scenario.backlash) config.backlash = Nanometers{50'000};
@@ -31,7 +32,7 @@ GpioAxisConfig axis_of(const Scenario& scenario) {
   config.lid = GpioInputConfig{{"gpiochip0", "6", false}};
   if (scenario.encoder == EncoderKind::None) return config;
   config.encoder = EncoderConfig{};
-  config.encoder->counts_per_mm = MachineModel::kStepsPerMm;
+  config.encoder->counts_per_mm = scenario.steps_per_mm();
   config.encoder->policy = scenario.encoder == EncoderKind::Corrects ? EncoderConfig::Policy::Correct
                                                                      : EncoderConfig::Policy::Fault;
   return config;
@@ -62,14 +63,14 @@ MachineModel::MachineModel(const Scenario& scenario)
                                               scenario.line, scenario.seed)) {
   plant.loop = &loop;
   plant.loop_is_held_up = [this] { return loop.held_up(); };
-  plant.motor = 160;
+  plant.motor = std::llround(2 * scenario.steps_per_mm());
   // GpioAxis assumes the pull-in speed of homing's end. The motor's speed is not known to the step: while
   // braking, four steps earlier it was faster by two fifths.
-  plant.pull_in = 1.4 * plant.config.homing_speed.count() / 2 * kStepsPerMm;
+  plant.pull_in = 1.4 * plant.config.homing_speed.count() / 2 * scenario.steps_per_mm();
   plant.stands_after_s += 0.4 / plant.pull_in;
   plant.overrun = 1 + kFieldPeriod;
   model_->changed = screen.changed = [this] { changed(); };
-  if (scenario.backlash) plant.slack = 4;
+  if (scenario.backlash) plant.slack = std::llround(in_mm(plant.config.backlash) * scenario.steps_per_mm());
   plant.on_event = [this] { tell(plant.events.back()); };
   plant.build();
   if (has_line(kind_)) open_line();
@@ -242,7 +243,7 @@ bool MachineModel::lit() const {
 }
 
 Nanometers MachineModel::plate() const {
-  return kStep * (plant.plate() - plant.limit.at);
+  return Nanometers{std::llround(1e6 / plant.config.microsteps_per_mm)} * (plant.plate() - plant.limit.at);
 }
 
 void MachineModel::turn() {

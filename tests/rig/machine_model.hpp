@@ -75,9 +75,6 @@ class MachineModel final : public Machine {
   // Runs the next event of the world.
   void turn();
 
-  static constexpr double kStepsPerMm = 80;
-  static constexpr Nanometers kStep{12'500};
-
   testing::Plant plant;
   Loop loop;
   DisplayModel screen;
@@ -133,6 +130,10 @@ class MachineModel final : public Machine {
       return now().height_at(time);
     }
     [[nodiscard]] Nanometers travel() const override { return now().travel(); }
+    void rise(const RisePlan& plan, std::function<void(MoveResult)> done) override {
+      machine_.move_asked();
+      now().rise(plan, std::move(done));
+    }
     [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override {
       return now().move_duration(distance, speed);
     }

@@ -17,10 +17,11 @@ using namespace contourd::rig;
 
 void tell(const Figures& figures, double took_s) {
   fmt::print(
-      "{} prints in {:.0f} s: {} done, {} cancelled, {} failed; {} layers in {} parts, {} interruptions; {} "
+      "{} prints in {:.0f} s: {} done, {} cancelled, {} failed; {} layers in {} parts, {} slices of rises, "
+      "{} interruptions; {} "
       "faults on the line, {} other happenings\n",
       figures.prints, took_s, figures.done, figures.canceled, figures.failed, figures.layers, figures.parts,
-      figures.interruptions, figures.line_faults, figures.happenings);
+      figures.slices, figures.interruptions, figures.line_faults, figures.happenings);
   fmt::print(
       "a record's bounds are at most {:.1f} ms apart; light is at most {:.1f} ms longer than requested, "
       "within its record; the end of the light is unconfirmed for {} layers\n",

@@ -23,6 +23,8 @@ PROCESS = "daemon/print/layered_print.cpp"
 STATES = "daemon/print/layered_states.cpp"
 LINE = "hw/projector_with_light_line.cpp"
 ENGINE = "hw/gpio/step_engine.cpp"
+RISE = "daemon/print/continuous_print.cpp"
+RISE_STATES = "daemon/print/continuous_states.cpp"
 
 # Name, file, then pairs of a text that occurs exactly once and its replacement.
 MUTATIONS = [
@@ -93,6 +95,26 @@ MUTATIONS = [
     ("a stall leaves the position known", ENGINE, "  if (speed > move_.pull_in) {", "  if (speed > 1e9) {"),
     ("the encoder is corrected without limit", "hw/gpio/axis_encoder.cpp", "plausibility_.refusal(off)",
      "plausibility_.refusal(0)"),
+    ("the light of a rise counts from its command to the command for its end", RISE,
+     "  const Duration most = since_then(span.on_earliest, span.off_latest);", "  const Duration most = now - from;",
+     "  if (span.on_latest) record_.exposure_least += since_then(*span.on_latest, span.off_earliest);",
+     "  record_.exposure_least += most;"),
+    ("the light of a rise that goes off late is not recorded", RISE,
+     "  if (std::exchange(light_asked_, false)) observer_.light_gone();\n  note_light();\n",
+     "  if (std::exchange(light_asked_, false)) observer_.light_gone();\n"),
+    ("an unconfirmed end of a rise's light counts as confirmed", RISE,
+     "record_.dark_confirmed && light_->span.off_latest;", "record_.dark_confirmed;"),
+    ("a lift of one stage after a rise has a second one", RISE,
+     "    if (target == current_height() || (!looks && plan_->motion.second_lift == Nanometers{}))\n",
+     "    if (target == current_height())\n"),
+    ("a mask of a rise may be of any age", "daemon/print/rise_frames.cpp",
+     "  if (apart(*plate, screen_.due) > kFarthest || apart(*section, screen_.cut) > kFarthestCut) {", "  if (false) {"),
+    ("an interruption or a cancel of a rise leaves the light on", RISE_STATES,
+     "{kMoving, {E::Interrupted, E::Canceled}, S::Braking, F::LightOff, F::BlackNow, F::StopAxis}",
+     "{kMoving, {E::Interrupted, E::Canceled}, S::Braking, F::BlackNow, F::StopAxis}"),
+    ("a plate that stops in a rise is lifted in the light", RISE_STATES,
+     "{S::Rising, {E::MoveEnded, E::RiseBroken}, S::Darkening, F::LightOff, F::BlackNow, F::AwaitDark}",
+     "{S::Rising, {E::MoveEnded, E::RiseBroken}, S::Lifting, F::LightOff, F::BlackNow, F::Lift}"),
     ("every edge restarts a safety input's debounce", "hw/gpio/contact.cpp",
      "  if (state_ == SafetyState::Safe) return first_;", "  if (state_ == SafetyState::Safe) return last_ + debounce_;",
      "  if (state_ == SafetyState::Safe) return step_to(",

@@ -18,6 +18,7 @@ TEST_CASE("Whatever goes wrong in a print, its records of light and plate are tr
   CHECK(figures.done > 100);
   CHECK(figures.failed > 30);
   CHECK(figures.line_faults > 100);
+  CHECK(figures.slices > 300);
 }
 
 TEST_CASE(

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include "hw/gpio/gpio_axis_config.hpp"
@@ -43,6 +44,7 @@ constexpr std::array kKinds{
     KindTraits{Kind::LineRefuses, "light line refuses", 3, 10ms, 8s},
     KindTraits{Kind::EncoderLoses, "encoder loses counts", 2, 1s, 30s},
     KindTraits{Kind::EncoderLosesUpwards, "encoder loses counts upwards", 1, 1s, 30s},
+    KindTraits{Kind::RiseChanges, "speed of the rise changed", 2, 0s, 0s},
 };
 
 const KindTraits& traits_of(Kind kind) {
@@ -62,8 +64,8 @@ Kind draw_kind(Dice& dice) {
 }
 
 constexpr std::int64_t kStates = 36;
-// Share of the scenarios that have a theme.
-constexpr double kThemed = 0.5;
+// Shares of the scenarios that have a theme, and a rise.
+constexpr double kThemed = 0.5, kRises = 0.3;
 
 Happening draw_happening(Dice& dice) {
   Happening happening{draw_kind(dice), static_cast<int>(dice.whole(1, kStates)), {}, {}, 1};
@@ -104,6 +106,21 @@ LineFaults draw_faults(Dice& dice) {
   return faults;
 }
 
+// The number of states that a print enters before its rise, without those of its layers, if nothing happens.
+constexpr int kBeforeRise = 4;
+
+// Makes the print rise above its layers. Half of what happens comes while the plate rises.
+void draw_rise(Dice& dice, Scenario& scenario) {
+  scenario.rises = true;
+  scenario.splits = false;
+  scenario.rise_mm_s = 0.01 * std::pow(11, dice.fraction());  // as many slow rises as fast ones
+  for (Happening& happening : scenario.happenings) {
+    if (!dice.chance(0.5)) continue;
+    happening.state = kBeforeRise + kStatesOfALayer * scenario.layers + static_cast<int>(dice.whole(0, 7));
+    happening.after = dice.between(Duration{0}, Duration{8s});
+  }
+}
+
 }  // namespace
 
 Scenario draw_scenario(std::uint64_t seed) {
@@ -129,6 +146,7 @@ Scenario draw_scenario(std::uint64_t seed) {
   for (std::int64_t i = 0; i < count; ++i)
     scenario.happenings.push_back(draw_happening(dice));
   scenario.splits = Dice(seed, 5).chance(0.5);
+  if (Dice rise(seed, 6); rise.chance(kRises)) draw_rise(rise, scenario);
   if (Dice themes(seed, 4); themes.chance(kThemed)) draw_theme(themes, scenario);
   return scenario;
 }
@@ -145,12 +163,12 @@ bool Scenario::has(std::initializer_list<Kind> any) const {
 
 // If the policy is to correct, corrections for an encoder that loses many counts at once are accepted up to a
 // sum, since no program can know better. The same holds if the motor runs on by as much as the encoder loses.
-Nanometers Scenario::plate_tolerance(Nanometers step) const {
-  if (encoder == EncoderKind::None) return step;
+Nanometers Scenario::plate_tolerance() const {
+  if (encoder == EncoderKind::None) return step();
   const EncoderConfig limits;
   const bool misled = has({Kind::EncoderLoses, Kind::EncoderLosesUpwards}) &&
                       (encoder == EncoderKind::Corrects || has({Kind::StepsHeldUp}));
-  return step + limits.tolerance + (misled ? limits.most_correction_sum : Nanometers{0});
+  return step() + limits.tolerance + (misled ? limits.most_correction_sum : Nanometers{0});
 }
 
 // A light line takes 5 ms. Commands take the time of the message under way, the gap (which a reply within it
@@ -185,7 +203,10 @@ std::string describe(const Scenario& scenario) {
       "doubled "
       "{:.0f} %{}\n",
       scenario.seed, static_cast<int>(scenario.light), static_cast<int>(scenario.encoder), scenario.prints,
-      scenario.layers, scenario.exposure / 1ms, scenario.splits ? ", split" : "",
+      scenario.layers, scenario.exposure / 1ms,
+      scenario.rises    ? fmt::format(", then a rise at {:.3f} mm/s", scenario.rise_mm_s)
+      : scenario.splits ? ", split"
+                        : "",
       p.answers_light ? "answers light, " : "", p.echoes ? "echoes, " : "",
       p.comes_up_lit ? "comes up lit, " : "", p.left_on ? "left on, " : "",
       p.warming_is_on ? "warming is on, " : "", p.latency / 1us, p.slower / 1us, p.darkening / 1us,

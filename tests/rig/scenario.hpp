@@ -42,6 +42,7 @@ struct Happening {
     LineRefuses,   // the light line cannot be changed
     EncoderLoses,  // some counts are lost
     EncoderLosesUpwards,
+    RiseChanges,  // the user changes the speed of the rise
   };
   Kind kind;
   int state = 0;      // the number of states that the print has entered before
@@ -61,6 +62,8 @@ struct Scenario {
   bool backlash = false;
   bool interrupts_beyond_tolerance = false;  // exposure_doubt of the resin
   bool splits = false;                       // exposures in two pictures
+  bool rises = false;                        // the plate rises above the layers, with a finer screw
+  double rise_mm_s = 0;                      // highest speed of the rise
   int prints = 1;
   int layers = 2;
   Duration exposure{};
@@ -70,8 +73,10 @@ struct Scenario {
   // True if there are no line faults and no happenings, so that the light must be as requested.
   [[nodiscard]] bool undisturbed() const;
   [[nodiscard]] bool has(std::initializer_list<Happening::Kind> any) const;
+  [[nodiscard]] double steps_per_mm() const { return rises ? 800 : 80; }
+  [[nodiscard]] Nanometers step() const { return Nanometers{rises ? 1'250 : 12'500}; }
   // Returns how far the plate may be from its reported place, including one motor step.
-  [[nodiscard]] Nanometers plate_tolerance(Nanometers step) const;
+  [[nodiscard]] Nanometers plate_tolerance() const;
   // Returns how long after a safety input's first edge the light goes off; nullopt if that depends on other
   // failures.
   [[nodiscard]] std::optional<Duration> darkening_after_edge() const;

@@ -10,9 +10,8 @@ using namespace std::chrono_literals;
 using Kind = Happening::Kind;
 
 // The number of states that a print has entered, including its first, when it exposes, lifts, or begins after
-// a layer (the next layer's lowering, or parking). A layer has ten states. The numbers assume that nothing
-// happened before.
-constexpr int kExposing = 8, kLifting = 12, kAfterALayer = 14, kStatesOfALayer = 10;
+// a layer (the next layer's lowering, or parking). The numbers assume that nothing happened before.
+constexpr int kExposing = 8, kLifting = 12, kAfterALayer = 14;
 
 int in_a_layer(Dice& dice, const Scenario& scenario, int state) {
   return state + kStatesOfALayer * static_cast<int>(dice.whole(0, scenario.layers - 1));

@@ -9,6 +9,9 @@ namespace contourd::rig {
 
 using models::Dice;
 
+// The number of states that a print enters for a layer, if nothing happens.
+inline constexpr int kStatesOfALayer = 10;
+
 // Changes the scenario to a random theme; settings that the theme does not need stay as they were drawn.
 void draw_theme(Dice& dice, Scenario& scenario);
 

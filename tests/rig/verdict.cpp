@@ -3,17 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace contourd::rig {
 namespace {
 
 double um(Nanometers length) {
   return static_cast<double>(length.count()) / 1000;
-}
-
-// True in the states in which the process means the light to be on, or has just turned it on.
-bool may_be_lit(LayeredState state) {
-  return state == LayeredState::Igniting || state == LayeredState::Exposing;
 }
 
 // A plate that yields by up to this under a light that does not go off counts as not moved: an encoder's
@@ -29,6 +25,7 @@ void Figures::add(const Figures& other) {
   failed += other.failed;
   layers += other.layers;
   parts += other.parts;
+  slices += other.slices;
   interruptions += other.interruptions;
   line_faults += other.line_faults;
   happenings += other.happenings;
@@ -68,12 +65,13 @@ void Verdict::look(const Scene& scene) {
     if (!stray_ && layer_) layers_[*layer_].light += scene.now - lit_since_;
     lit_ = false;
   }
+  if (std::exchange(flips_, scene.flips) != scene.flips) mask_at_ = scene.plate;
   if (scene.lit && !lit_) light_begins(scene);
   if (lit_) check_light(scene);
   check_light_off(scene);
-  if (scene.lit && !scene.light_off_unconfirmed && !may_be_lit(scene.state))
+  if (scene.lit && !scene.light_off_unconfirmed && !scene.may_be_lit)
     break_rule("h: light is off unless light off is unconfirmed",
-               fmt::format("the light is on in the state \"{}\"", name_of(scene.state)), scene.now);
+               fmt::format("the light is on in the state \"{}\"", scene.state), scene.now);
 }
 
 void Verdict::light_begins(const Scene& scene) {
@@ -86,6 +84,8 @@ void Verdict::light_begins(const Scene& scene) {
 }
 
 void Verdict::check_light(const Scene& scene) {
+  // A plate that is to rise may do so as long as the light is wanted.
+  if (scene.rises && wanted_) highest_ = lit_at_ = scene.plate;
   highest_ = std::max(highest_, scene.plate);
   if (scene.picture && (stray_ || scene.picture != layer_))
     break_rule("a: light through its own mask",
@@ -101,6 +101,13 @@ void Verdict::check_light(const Scene& scene) {
   if (stray_ || !wanted_) return;
   if (!scene.picture && scene.screen_is_in_use)
     break_rule("a: light through its own mask", "the screen is black in an exposure", scene.now);
+  if (scene.rises) {
+    const Nanometers way = scene.plate - mask_at_;
+    if (scene.loop_runs && way > oldest_mask)
+      break_rule("a: light through the mask of the plate's height",
+                 fmt::format("the plate has risen by {:.2f} um under one mask", um(way)), scene.now);
+    return;
+  }
   if (std::abs((scene.plate - height_).count()) > step_.count())
     break_rule("a: light at the layer's height",
                fmt::format("the plate is at {:.2f} um, the layer at {:.2f} um", um(scene.plate), um(height_)),
@@ -164,6 +171,18 @@ void Verdict::recorded(int layer, const LayerRecord& record, TimePoint now) {
   figures.most_over = std::max(figures.most_over, truly - record.exposure_asked);
 }
 
+void Verdict::slice_recorded(int rise, const LayerRecord& record) {
+  std::optional<LayerRecord>& whole = layers_[rise].record;
+  if (!whole) {
+    whole = record;
+  } else {
+    whole->exposure_least += record.exposure_least;
+    whole->exposure_most += record.exposure_most;
+    whole->dark_confirmed = whole->dark_confirmed && record.dark_confirmed;
+  }
+  figures.slices += 1;
+}
+
 void Verdict::close(TimePoint now) {
   for (const auto& [number, layer] : layers_) {
     const Duration truly = light_of(number, now);
@@ -171,6 +190,11 @@ void Verdict::close(TimePoint now) {
       break_rule("c: all light is recorded",
                  fmt::format("layer {}: {:.3f} ms of light, no record", number, in_ms(truly)), now);
     if (!layer.record || !layer.record->dark_confirmed) continue;
+    if (layer.record->rises && truly < layer.record->exposure_least)
+      break_rule("b: bounds contain the light",
+                 fmt::format("the rise {}: {:.3f} ms of light, at least {:.3f} ms in its records", number,
+                             in_ms(truly), in_ms(layer.record->exposure_least)),
+                 now);
     if (truly > layer.record->exposure_most)
       break_rule("c: no light after a record",
                  fmt::format("layer {}: {:.3f} ms of light, {:.3f} ms in its record", number, in_ms(truly),

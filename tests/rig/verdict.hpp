@@ -6,16 +6,17 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "daemon/print/layered_print.hpp"
+#include "daemon/print/print_mode.hpp"
 
 namespace contourd::rig {
 
 // Totals over the prints of one world or of many.
 struct Figures {
   std::uint64_t prints = 0, done = 0, canceled = 0, failed = 0;
-  std::uint64_t layers = 0, parts = 0, interruptions = 0, line_faults = 0, happenings = 0;
+  std::uint64_t layers = 0, parts = 0, slices = 0, interruptions = 0, line_faults = 0, happenings = 0;
   std::uint64_t unconfirmed = 0;  // records without confirmed darkness
   Duration widest{};              // widest bounds of a record
   Duration most_over{};           // true light beyond the requested time, all of it recorded
@@ -42,7 +43,11 @@ class Verdict {
     std::int64_t lit_pixels = 0;  // of this picture
     bool screen_is_in_use = true;
     Nanometers plate{};  // true height above the film
-    LayeredState state = LayeredState::Idle;
+    std::string_view state;
+    bool may_be_lit = false;             // the process means the light to be on, or has just turned it on
+    bool rises = false;                  // the plate is to rise in the light
+    bool loop_runs = true;               // has not been held up recently
+    std::uint64_t flips = 0;             // of the screen's picture
     bool light_off_unconfirmed = false;  // the machine reports that the light may be on
     bool light_off_due = false;          // the projector may be lit, and commands reach it
     TimePoint off_sent{};                // the last light off or power off
@@ -55,6 +60,8 @@ class Verdict {
   void light_asked(int layer, Nanometers height, Duration part);
   void light_unasked() { wanted_ = false; }
   void recorded(int layer, const LayerRecord& record, TimePoint now);
+  // Adds the record of a slice to that of its rise, which has this number.
+  void slice_recorded(int rise, const LayerRecord& record);
   // Checks the records after everything has ended.
   void close(TimePoint now);
   void break_rule(const std::string& rule, const std::string& what, TimePoint now);
@@ -68,6 +75,8 @@ class Verdict {
   std::optional<Duration> frame;
   // Latest that a picture may be; nullopt: unlimited.
   std::optional<Duration> latest_picture;
+  // The longest way of the plate in the light of a rise under one mask.
+  Nanometers oldest_mask{};
   static constexpr std::int64_t kPixels = 100;
   static constexpr std::uint8_t kShare = 64;
   Figures figures;
@@ -94,6 +103,8 @@ class Verdict {
   TimePoint lit_since_{}, looked_at_{};
   std::int64_t lit_pixels_ = 0;  // on the screen since looked_at_
   std::optional<TimePoint> light_off_due_since_;
+  std::uint64_t flips_ = 0;
+  Nanometers mask_at_{};  // plate's height when the mask on the screen appeared
   Nanometers lit_at_{},
       highest_{};  // plate heights under this light: at its beginning, and the highest since
   std::vector<Violation> violations_;

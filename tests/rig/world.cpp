@@ -15,6 +15,7 @@ using namespace std::chrono_literals;
 using Kind = Happening::Kind;
 
 constexpr Nanometers kLayer{50'000};
+constexpr Nanometers kRiseHeight{600'000};
 constexpr double kLostCounts = 0.05, kLostCountsUpwards = 0.15;
 // How long an ending print waits for darkness.
 constexpr Duration kEnding = 5s;
@@ -23,6 +24,12 @@ constexpr Duration kLongestPrint = 2h;
 // Longest time until the light is off once everything works again: light off is retried after every timeout.
 constexpr Duration kLongestDarkening = 10min;
 
+std::unique_ptr<PrintMode> print_mode(const Scenario& scenario, MachineModel& machine,
+                                      PrintObserver& observer) {
+  if (scenario.rises) return std::make_unique<ContinuousPrint>(machine, machine.loop, observer);
+  return std::make_unique<LayeredPrint>(machine, machine.loop, observer);
+}
+
 }  // namespace
 
 World::World(const Scenario& scenario)
@@ -30,12 +37,13 @@ World::World(const Scenario& scenario)
       user_(scenario.seed, 2),
       encoder_(scenario.seed, 3),
       machine_(scenario),
-      verdict_(scenario.plate_tolerance(MachineModel::kStep)),
-      process_(machine_, machine_.loop, *this) {
+      verdict_(scenario.plate_tolerance()),
+      process_(print_mode(scenario, machine_, *this)),
+      continuous_(dynamic_cast<const ContinuousPrint*>(process_.get())) {
   machine_.on_event([this](const MachineEvent& event) {
     tell(event.what);
-    if (event.kind == MachineEvent::Kind::Interlock) process_.interrupt(event.what);
-    if (event.kind == MachineEvent::Kind::Fault) process_.fail(event.what);
+    if (event.kind == MachineEvent::Kind::Interlock) process_->interrupt(event.what);
+    if (event.kind == MachineEvent::Kind::Fault) process_->fail(event.what);
   });
   machine_.plant.loses_count = [this] {
     const TimePoint now = machine_.plant.clock.now();
@@ -46,7 +54,7 @@ World::World(const Scenario& scenario)
   machine_.changed = [this] { look(); };
   machine_.screen.number = [this] { return number(); };
   machine_.light_asked = [this](Duration part) {
-    verdict_.light_asked(number(), process_.layer_top(), part);
+    verdict_.light_asked(number(), process_->layer_top(), part);
   };
   machine_.light_unasked = [this] { verdict_.light_unasked(); };
   machine_.move_asked = [this] { stopped_at_.reset(); };
@@ -59,6 +67,9 @@ World::World(const Scenario& scenario)
   if (scenario.light != LightKind::Serial && !scenario.has({Kind::LineRefuses, Kind::InputsHeldUp}))
     verdict_.shortfall = 1ms;
   if (scenario.splits) verdict_.frame = DisplayModel::kFrame;
+  verdict_.oldest_mask =
+      RiseFrames::kFarthest + scenario.step() +
+      Nanometers{std::llround(scenario.rise_mm_s * 1e6 * in_seconds(DisplayModel::kFrame))};
   if (!scenario.has({Kind::LoopHeldUp, Kind::LoopHeldUpInWrite, Kind::FlipEventLost, Kind::FlipLost,
                      Kind::DisplayLost}))
     verdict_.latest_picture = DisplayModel::kFrame / 2 + 1ms;
@@ -73,7 +84,8 @@ PrintPlan World::plan() const {
   PrintPlan plan;
   plan.job = "box";
   const DisplayGeometry display{Pixels{16}, Pixels{12}, Micrometers{100.0}};
-  const double height = to_millimeters(kLayer).count() * scenario_.layers;
+  const int layers = scenario_.layers + (scenario_.rises ? static_cast<int>(kRiseHeight / kLayer) : 0);
+  const double height = to_millimeters(kLayer).count() * layers;
   HeightIndex box(models::box({0, 0, 0}, {1, 1, static_cast<float>(height)}));
   EngineSettings settings{.display = display};
   if (scenario_.splits) {
@@ -87,7 +99,7 @@ PrintPlan World::plan() const {
   }
   plan.engine = std::make_unique<ContourEngine>(std::move(box), settings,
                                                 std::vector{PixelMap::true_scale(display, {0.5, 0.5})});
-  plan.layers = PrintLayers(LayerStack{kLayer, scenario_.layers});
+  plan.layers = PrintLayers(LayerStack{kLayer, layers});
   plan.expected_layers = plan.layers.all();
   plan.exposure = [this](std::int32_t layer, Nanometers) { return scenario_.exposure + 100ms * layer; };
   plan.pixel_area_mm2 = 0.01;
@@ -97,16 +109,63 @@ PrintPlan World::plan() const {
   plan.motion.retract_speed = plan.travel_speed = plan.homing_speed = MillimetersPerSecond{5};
   plan.motion.settle = scenario_.settle;
   plan.motion.rest = scenario_.rest;
+  if (scenario_.rises) plan.rises = rises();
   return plan;
+}
+
+// Returns a rise above the layers, which the user can change.
+PlannedRises World::rises() const {
+  PlannedRises rises;
+  const Nanometers bottom = kLayer * scenario_.layers, top = bottom + kRiseHeight;
+  rises.slowest = MillimetersPerSecond{5.0 / 3600};
+  rises.bounds = {.lit = {{Micrometers{150}, MillijoulesPerCm2{8}}, MilliwattsPerCm2{30}, Micrometers{30}},
+                  .margin = 4,
+                  .refill = {.viscosity_pa_s = 0.2, .pressure_kpa = 50},
+                  .fastest = MillimetersPerSecond{scenario_.rise_mm_s},
+                  .slowest = rises.slowest,
+                  .acceleration = MillimetersPerSecondSquared{5},
+                  .window = 20min};
+  rises.settings = planned_settings(rises.bounds);
+  rises.slabs = std::make_shared<const std::vector<RiseSlab>>(
+      std::vector{RiseSlab{bottom, Millimeters{1}}, RiseSlab{top, Millimeters{1}}});
+  PlannedRise rise{.plan = {}, .first_layer = scenario_.layers};
+  const auto point = [](Nanometers height, double mm_s) {
+    return RisePoint{height, MillimetersPerSecond{mm_s}, RiseLimit::Cure};
+  };
+  rise.plan.points = {point(bottom, 0), point(bottom + kRiseHeight / 10, scenario_.rise_mm_s),
+                      point(top - kRiseHeight / 10, scenario_.rise_mm_s), point(top, 0)};
+  rises.each = {std::move(rise)};
+  return rises;
+}
+
+bool World::is_in(std::initializer_list<std::string_view> states) const {
+  return std::ranges::find(states, process_->state().name) != states.end();
+}
+
+bool World::rising() const {
+  using enum ContinuousState;
+  return continuous_ != nullptr &&
+         EnumSet<ContinuousState>{Showing, Igniting, Rising, Slowing, Braking, Darkening}.contains(
+             continuous_->continuous_state());
+}
+
+// Changes the speed as the control socket does.
+void World::change_rises() {
+  if (!process_->under_way() || !process_->why_fixed("speed").empty()) return;
+  const std::optional<RisesAhead> ahead = process_->rises_ahead();
+  if (!ahead) return;
+  RiseSettings settings = ahead->settings;
+  settings.speed_mm_h = user_.between(5.0, 400.0);
+  const auto changed = contourd::change_rises(*ahead, settings);
+  if (const auto* const rises = std::get_if<ChangedRises>(&changed)) process_->change(*rises);
 }
 
 void World::run() {
   const bool ended = print_all();
   if (!ended)
-    verdict_.break_rule(
-        "g: a print ends or waits for the user",
-        fmt::format("state \"{}\" for longer than any print takes", name_of(process_.layered_state())),
-        machine_.loop.now());
+    verdict_.break_rule("g: a print ends or waits for the user",
+                        fmt::format("state \"{}\" for longer than any print takes", process_->state().name),
+                        machine_.loop.now());
   tell("everything works from now on");
   machine_.heal();
   const auto dark = [this] {
@@ -135,9 +194,8 @@ bool World::print_all() {
     if (!run_until(ready, kLongestPrint)) return true;  // the print waits and reports why
     states_ = 0;
     tell("starts");
-    process_.start(plan());
-    if (!run_until([this] { return process_.layered_state() == LayeredState::Idle; }, kLongestPrint))
-      return false;
+    process_->start(plan());
+    if (!run_until([this] { return !process_->under_way(); }, kLongestPrint)) return false;
     // The user takes the part off.
     static_cast<void>(run_until([] { return false; }, user_.between(0s, 8s)));
   }
@@ -169,11 +227,16 @@ void World::look() {
   scene.lit_pixels = machine_.screen.lit_pixels();
   scene.screen_is_in_use = machine_.screen.in_use();
   scene.plate = machine_.plate();
-  scene.state = process_.layered_state();
+  scene.state = process_->state().name;
+  scene.may_be_lit = is_in({"igniting", "exposing", "rising", "slowing"});
+  scene.rises = rising();
   scene.light_off_unconfirmed = scene.lit && machine_.light_off_unconfirmed();
   scene.light_off_due = machine_.light_off_due();
   scene.off_sent = machine_.off_sent();
   scene.longest_pause = machine_.longest_light_off_pause();
+  scene.flips = machine_.screen.flips();
+  // A loop that was held up notices that the mask is too old within two refreshes.
+  scene.loop_runs = scene.now > machine_.loop.held_up_until() + 2 * DisplayModel::kFrame;
   verdict_.look(scene);
   look_at_motion();
 }
@@ -183,8 +246,8 @@ void World::look_at_motion() {
   if (stopped_at_) {
     // Braking distance of the print's fastest move, from 5 mm/s at 50 mm/s^2, and a step.
     constexpr double kBraking_mm = 5.0 * 5.0 / 2 / 50;
-    const double ran_mm = std::fabs(static_cast<double>(motor - *stopped_at_)) / MachineModel::kStepsPerMm;
-    const double most_mm = kBraking_mm + 1 / MachineModel::kStepsPerMm;
+    const double ran_mm = std::fabs(static_cast<double>(motor - *stopped_at_)) / scenario_.steps_per_mm();
+    const double most_mm = kBraking_mm + 1 / scenario_.steps_per_mm();
     if (ran_mm > most_mm)
       verdict_.break_rule(
           "e: a stop is within the braking distance",
@@ -194,8 +257,7 @@ void World::look_at_motion() {
   const ZAxis& axis = machine_.z_axis();
   if (axis.moving()) return;
   const auto height = axis.height();
-  if (height &&
-      std::abs((*height - machine_.plate()).count()) > scenario_.plate_tolerance(MachineModel::kStep).count())
+  if (height && std::abs((*height - machine_.plate()).count()) > scenario_.plate_tolerance().count())
     verdict_.break_rule("f: the position believed is true",
                         fmt::format("{:.4f} mm believed, {:.4f} mm true", to_millimeters(*height).count(),
                                     to_millimeters(machine_.plate()).count()),
@@ -203,12 +265,10 @@ void World::look_at_motion() {
 }
 
 void World::state_changed(const PrintState& entered) {
-  const LayeredState state = process_.layered_state();
   tell(fmt::format("-> {}", entered.name));
   ++states_;
-  const LayeredState before = std::exchange(state_, state);
-  if (before != LayeredState::Ending && state == LayeredState::Ending) ending_since_ = machine_.loop.now();
-  if (state == LayeredState::Paused || state == LayeredState::Held)
+  if (!std::exchange(ending_, entered.ending) && ending_) ending_since_ = machine_.loop.now();
+  if (is_in({"paused", "held"}))
     user_timer_ = machine_.loop.call_after(user_.between(Duration{500ms}, Duration{5s}), [this] { tend(); });
   if (print_ > 0) return;
   for (const Happening& happening : scenario_.happenings) {
@@ -220,14 +280,13 @@ void World::state_changed(const PrintState& entered) {
 
 // Acts as a user in front of a waiting print.
 void World::tend() {
-  if (process_.layered_state() != LayeredState::Paused && process_.layered_state() != LayeredState::Held)
-    return;
+  if (!is_in({"paused", "held"})) return;
   if (!machine_.why_not_ready().empty()) {
     user_timer_ = machine_.loop.call_after(1s, [this] { tend(); });
   } else if (user_.chance(0.85)) {
-    process_.resume();
+    process_->resume();
   } else {
-    process_.cancel();
+    process_->cancel();
   }
 }
 
@@ -237,17 +296,16 @@ void World::happen(const Happening& happening) {
   switch (happening.kind) {
     case Kind::Pause:
       return machine_.loop.post([this] {
-        if (process_.layered_state() != LayeredState::Idle) process_.pause();
+        if (process_->under_way()) process_->pause();
       });
     case Kind::Resume:
       return machine_.loop.post([this] {
-        if (process_.layered_state() != LayeredState::Idle && machine_.why_not_ready().empty())
-          process_.resume();
+        if (process_->under_way() && machine_.why_not_ready().empty()) process_->resume();
       });
     case Kind::Cancel:
-      return machine_.loop.post([this] { process_.cancel(); });
+      return machine_.loop.post([this] { process_->cancel(); });
     case Kind::Fail:
-      return machine_.loop.post([this] { process_.fail("contourd is stopped"); });
+      return machine_.loop.post([this] { process_->fail("contourd is stopped"); });
     case Kind::OpenLid:
     case Kind::ChatteringLid:
       return press(AxisInput::Lid, happening);
@@ -272,6 +330,8 @@ void World::happen(const Happening& happening) {
       return machine_.lose_display(happening.length);
     case Kind::LineRefuses:
       return machine_.refuse_line(happening.length);
+    case Kind::RiseChanges:
+      return machine_.loop.post([this] { change_rises(); });
     case Kind::EncoderLoses:
       encoder_loses_until_ = machine_.plant.clock.now() + happening.length;
       return;
@@ -314,6 +374,7 @@ void World::tell(const std::string& what) {
 
 void World::layer_done(const LayerRecord& layer) {
   tell(fmt::format("layer {} recorded, {} parts", layer.layer, layer.exposure_parts));
+  if (layer.rises) return verdict_.slice_recorded(print_ * 1000 + kRise, layer);
   verdict_.recorded(print_ * 1000 + layer.layer, layer, machine_.loop.now());
 }
 

@@ -2,10 +2,13 @@
 // Not thread-safe.
 #pragma once
 
+#include <initializer_list>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "daemon/print/continuous_print.hpp"
 #include "daemon/print/layered_print.hpp"
 #include "tests/rig/machine_model.hpp"
 #include "tests/rig/scenario.hpp"
@@ -34,6 +37,10 @@ class World final : private PrintObserver {
   void print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan plan) override;
 
   [[nodiscard]] PrintPlan plan() const;
+  [[nodiscard]] PlannedRises rises() const;
+  [[nodiscard]] bool is_in(std::initializer_list<std::string_view> states) const;
+  [[nodiscard]] bool rising() const;
+  void change_rises();
   [[nodiscard]] bool print_all();
   [[nodiscard]] bool run_until(const std::function<bool()>& done, Duration longest);
   void step();
@@ -44,20 +51,24 @@ class World final : private PrintObserver {
   void expect_dark_soon();
   void tend();
   void tell(const std::string& what);
-  [[nodiscard]] int number() const { return print_ * 1000 + process_.layer(); }
+  // Returns the number of a layer, or of all of a print's rise.
+  [[nodiscard]] int number() const { return print_ * 1000 + (rising() ? kRise : process_->layer()); }
+
+  static constexpr int kRise = 900;
 
   const Scenario scenario_;
   Dice user_, encoder_;
   MachineModel machine_;
   Verdict verdict_;
-  LayeredPrint process_;
+  std::unique_ptr<PrintMode> process_;
+  const ContinuousPrint* continuous_ = nullptr;  // process_, if it rises; otherwise null
   int print_ = 0, states_ = 0;
   std::vector<std::unique_ptr<Timer>> timers_;
   std::unique_ptr<Timer> user_timer_;
   std::optional<std::int64_t> stopped_at_;  // motor position when the stop was requested
   TimePoint encoder_loses_until_{}, encoder_loses_upwards_until_{};
-  LayeredState state_ = LayeredState::Idle;
-  TimePoint ending_since_{};  // start of the last LayeredState::Ending
+  bool ending_ = false;
+  TimePoint ending_since_{};  // start of the last state that waits only for darkness
   bool keeps_story_ = false;
   std::vector<std::string> story_;
 };
