@@ -97,7 +97,7 @@ std::optional<RisesAhead> ContinuousPrint::rises_ahead() const {
     return std::nullopt;
   const bool moves = is_in({ContinuousState::Rising, ContinuousState::Slowing});
   RisesAhead ahead = rises_.ahead(moves ? machine_.z_axis().height() : std::nullopt);
-  if (light_) ahead.each.front().lit += clock_.now() - light_->noted;
+  if (light_) ahead.each.front().lit += std::max(clock_.now() - light_->noted, Duration{});
   return ahead;
 }
 
@@ -554,7 +554,7 @@ Nanometers ContinuousPrint::rise_top() const {
 void ContinuousPrint::show_masks() {
   if (!plan_->dry) {
     const LightSpan span = machine_.projector().last_light().value_or(LightSpan{clock_.now(), {}, {}, {}});
-    light_ = Light{span, std::min(span.on_earliest, clock_.now())};
+    light_ = Light{span, span.on_earliest};
   }
   // The masks of the last rise become dark at its top. Those of others do not show what is on top of them.
   const Nanometers top = rise_top();
@@ -568,7 +568,7 @@ void ContinuousPrint::show_masks() {
              frame.layer = record_.layer;
              observer_.frame_over(frame);
            },
-       .lit_from = light_ ? std::optional(clock_.now()) : std::nullopt,
+       .lit_from = light_ ? std::optional(light_->noted) : std::nullopt,
        .highest = goes_on ? top - Nanometers{1} : Nanometers{std::numeric_limits<std::int64_t>::max()}});
 }
 
@@ -643,7 +643,9 @@ void ContinuousPrint::note_light() {
   LightSpan& span = light_->span;
   const std::optional<LightSpan> known = machine_.projector().last_light();
   if (known && known->on_earliest == span.on_earliest) span = *known;
-  const TimePoint now = clock_.now(), from = std::exchange(light_->noted, now);
+  const TimePoint now = clock_.now();
+  if (now <= light_->noted) return;
+  const TimePoint from = std::exchange(light_->noted, now);
   const auto since_then = [now, from](TimePoint on, std::optional<TimePoint> off) {
     return std::max(std::min(off.value_or(now), now) - std::max(on, from), Duration{0});
   };

@@ -56,7 +56,7 @@ void RiseFrames::count_light() {
   if (!plate) return;
   const TimePoint now = clock_.now();
   gelling_.front->add(*plate, light_until(now));
-  gelling_.lit_until = now;
+  gelling_.lit_until = std::max(now, *gelling_.lit_until);
 }
 
 std::optional<Nanometers> RiseFrames::gelled() const {
@@ -117,7 +117,7 @@ void RiseFrames::await_first(std::function<void()> shown) {
 
 void RiseFrames::run(Calls calls) {
   calls_ = std::move(calls);
-  gelling_.lit_until = clock_.now();
+  gelling_.lit_until = calls_.lit_from.value_or(clock_.now());
   if (frame_) {  // the mask at rest, which is on the screen
     frame_->begins = true;
     ++figures_.shown;

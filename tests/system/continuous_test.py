@@ -103,7 +103,7 @@ class Continuous(SpoolTest):
         self.assertTrue(found["complete"])
         self.assertEqual(found["masks"], report["frames"]["recorded"])
         self.assertEqual(found["masks"], report["frames"]["shown"])
-        self.assertAlmostEqual(found["lit_s"], sum(each["exposure_most_ms"] for each in report["layer_records"] if each["frames"]) / 1000, delta=0.01)
+        self.assertAlmostEqual(found["lit_s"], sum(each["exposure_asked_ms"] for each in report["layer_records"] if each["frames"]) / 1000, delta=0.01)
         nearest, farthest = found["below_plate_um"]
         self.assertAlmostEqual(nearest, 0, delta=2)  # the mask at rest is that of the first section above the layers
         self.assertAlmostEqual(farthest, 73.2, delta=3)  # the gel gap at a margin of 4; a mask is up to 2 um behind
