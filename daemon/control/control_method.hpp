@@ -72,6 +72,7 @@ struct ControlMethod {
   // InvalidParameters.
   std::function<Json(const Json& parameters, const ControlCaller& caller)> call{};
   bool changes = false;               // changes the printer; logged with its caller
+  bool reports_when_bare = false;     // without parameters it changes nothing, and is not logged
   bool needs_service_rights = false;  // moves or lights the printer by hand
 
   // Used instead of `call` if set. Calls `later` once with the result or a refusal, before it returns or

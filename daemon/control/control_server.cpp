@@ -414,7 +414,8 @@ Json ControlServer::call(const Json& message, Client& client) {
                                  "contourd-service, then log in again",
                                  name));
     }
-    if (called_ && method->second.changes) called_(name, client.peer);
+    const bool only_reports = method->second.reports_when_bare && parameters.empty();
+    if (called_ && method->second.changes && !only_reports) called_(name, client.peer);
     if (method->second.call_later) return call_later(method->second, parameters, message, client);
     return Json{{"result", method->second.call(parameters, {client.number, client.peer.user})}};
   } catch (const InvalidParameters& invalid) {

@@ -21,6 +21,7 @@ ControlMethods PreflightControl::methods() {
             .parameters = {ControlParameter::number("filled_ml", 0, 100'000, "ml",
                                                     "what the vat holds now that it was filled")},
             .changes = true,
+            .reports_when_bare = true,
             .call_later = [this](const Json& given, const ControlCaller&,
                                  ControlMethod::Later later) { return vat(given, std::move(later)); }}},
           {"preflight",
