@@ -81,6 +81,27 @@ std::vector<std::string> network_addresses() {
   return addresses;
 }
 
+std::string page_of(const std::vector<FileDescriptor>& sockets) {
+  for (const FileDescriptor& socket : sockets) {
+    sockaddr_storage address{};
+    socklen_t size = sizeof address;
+    std::array<char, INET6_ADDRSTRLEN> host{};
+    std::array<char, 8> port{};
+    auto* const name = reinterpret_cast<sockaddr*>(&address);
+    if (::getsockname(socket.get(), name, &size) != 0 ||
+        ::getnameinfo(name, size, host.data(), host.size(), port.data(), port.size(),
+                      NI_NUMERICHOST | NI_NUMERICSERV) != 0)
+      continue;
+    std::string text = host.data();
+    if (text.starts_with("127.") || text == "::1") continue;
+    const std::vector<std::string> names = own_names();
+    if ((text == "0.0.0.0" || text == "::") && !names.empty()) text = names.back() + ".local";
+    const bool is_ipv6 = text.find(':') != std::string::npos;
+    return fmt::format("http://{}{}{}:{}/", is_ipv6 ? "[" : "", text, is_ipv6 ? "]" : "", port.data());
+  }
+  return "";
+}
+
 std::vector<std::string> own_names() {
   std::array<char, 256> text{};
   if (::gethostname(text.data(), text.size() - 1) != 0 || text.front() == '\0') return {};

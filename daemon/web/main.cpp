@@ -1,12 +1,16 @@
 // contourd-web: the printer's web page, a client of contourd.
 #include <fmt/format.h>
 #include <signal.h>
+#include <systemd/sd-id128.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -18,6 +22,9 @@
 #include "daemon/system/standard_output.hpp"
 #include "daemon/system/supervisor.hpp"
 #include "daemon/web/listen_sockets.hpp"
+#include "daemon/web/mqtt/home_assistant_link.hpp"
+#include "daemon/web/mqtt/mqtt_settings.hpp"
+#include "daemon/web/mqtt/mqtt_setup.hpp"
 #include "daemon/web/web_config.hpp"
 #include "daemon/web/web_secrets.hpp"
 #include "daemon/web/web_service.hpp"
@@ -34,13 +41,31 @@ struct Arguments {
   bool set_password = false, set_addresses = false;
   std::vector<std::string> addresses;
   std::string socket_unit = kDefaultSocketUnit;
+  bool set_mqtt = false;
+  MqttRequest mqtt;
 };
+
+// Returns a name of this computer that stays the same, for Home Assistant. Throws std::system_error.
+std::string device_id() {
+  constexpr int kBytes = 8;
+  const sd_id128_t application =
+      SD_ID128_MAKE(5e, 0c, 8f, 1b, 6a, 3d, 4e, 57, 9a, 21, c4, 70, d2, 9b, 36, e8);
+  sd_id128_t id{};
+  const int failed = ::sd_id128_get_machine_app_specific(application, &id);
+  if (failed < 0) throw std::system_error(-failed, std::generic_category(), "/etc/machine-id");
+  std::string text = "contourd_";
+  for (int i = 0; i < kBytes; ++i)
+    text += fmt::format("{:02x}", id.bytes[i]);
+  return text;
+}
 
 int run(const Arguments& args) {
   const WebConfig config = load_web_config(args.config);
   WebSecrets secrets;
+  std::optional<MqttSettings> mqtt;
   try {
     secrets = read_secrets(args.secrets);
+    mqtt = read_mqtt(args.mqtt.file);
   } catch (const std::exception& error) {
     fmt::print(stderr, "contourd-web: {}\n", error.what());
     return kBadConfig;
@@ -55,6 +80,13 @@ int run(const Arguments& args) {
   if (sockets.empty() && args.listen.empty()) sockets.push_back(listen_on(kDefaultAddress));
   for (const std::string& address : args.listen)
     sockets.push_back(listen_on(address));
+  std::unique_ptr<HomeAssistantLink> home;
+  if (mqtt)
+    home = std::make_unique<HomeAssistantLink>(loop, log, *mqtt, config.control_socket,
+                                               HomeAssistantDevice{.id = device_id(),
+                                                                   .version = CONTOURD_VERSION,
+                                                                   .page = page_of(sockets),
+                                                                   .prefix = mqtt->prefix});
   const WebService service(loop, log, config, std::move(secrets), own_names(), std::move(sockets));
   supervisor.ready();
   loop.run();
@@ -75,7 +107,20 @@ int start(int argc, char** argv) {
   app.add_option("--address", args.addresses, "ADDRESS:PORT for --set-addresses; several possible")
       ->needs(addresses);
   app.add_option("--socket-unit", args.socket_unit, "Folder for the addresses")->capture_default_str();
-  password->excludes(addresses);
+  CLI::Option* const mqtt =
+      app.add_flag("--set-mqtt", args.set_mqtt, "Set or show the MQTT broker, and exit");
+  app.add_option("--mqtt-file", args.mqtt.file, "Settings of the MQTT broker")->capture_default_str();
+  app.add_option("--broker", args.mqtt.broker, "HOST or HOST:PORT for --set-mqtt")->needs(mqtt);
+  app.add_option("--user", args.mqtt.user, "User at the broker, whose password is asked for")->needs(mqtt);
+  app.add_option("--ca", args.mqtt.ca_file, "Connect by TLS; FILE has the broker's authority")->needs(mqtt);
+  app.add_option("--prefix", args.mqtt.prefix, "Prefix of Home Assistant's topics")
+      ->capture_default_str()
+      ->needs(mqtt);
+  app.add_flag("--off", args.mqtt.off, "Use no broker")->needs(mqtt);
+  app.add_option("--service-unit", args.mqtt.service_unit, "Folder for the service's right to a network")
+      ->capture_default_str();
+  password->excludes(addresses)->excludes(mqtt);
+  addresses->excludes(mqtt);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -83,6 +128,7 @@ int start(int argc, char** argv) {
   }
   if (args.set_password) return set_password(args.secrets, args.socket_unit);
   if (args.set_addresses) return set_addresses(args.addresses, args.socket_unit);
+  if (args.set_mqtt) return set_mqtt(args.mqtt, args.secrets);
   return run(args);
 }
 

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "daemon/web/printer/mask_picture.hpp"
+
 namespace contourd::web {
 namespace {
 
@@ -18,6 +20,8 @@ unsigned status_of(int code) {
       return 403;
     case ControlLink::kUnreachable:
       return 503;
+    case MaskPicture::kNoPicture:
+      return 502;
     default:
       return 500;
   }

@@ -1,8 +1,8 @@
 // contourd's answers as replies of the HTTP server. Thread-safe (no state).
 #pragma once
 
-#include "daemon/web/control_link.hpp"
 #include "daemon/web/http_request.hpp"
+#include "daemon/web/printer/control_link.hpp"
 
 namespace contourd::web {
 

@@ -10,8 +10,6 @@ namespace {
 using Json = ControlLink::Json;
 
 constexpr std::string_view kFeedName = "the status for open pages";
-// Notifications come at once; what has none, such as a new file in the queue, is found by asking.
-constexpr Duration kAskAgain = std::chrono::seconds(2);
 // A line without meaning keeps connections open, and finds those whose client is gone.
 constexpr Duration kBeat = std::chrono::seconds(15);
 
@@ -46,43 +44,20 @@ class StatusFeed::Page final : public HttpStream {
 };
 
 StatusFeed::StatusFeed(EventLoop& loop, const std::filesystem::path& socket)
-    : loop_(loop), link_(loop, socket) {
-  link_.on_notification([this](const Json& notification) {
-    if (notification.contains("params")) publish(event_of(notification["params"]));
-  });
-}
+    : loop_(loop), watch_(loop, socket, [this](const Json& status) { tell(status); }) {}
 
 void StatusFeed::serve(const std::shared_ptr<HttpRequest>& request) {
   const bool first = pages_.empty();
   request->answer(std::make_shared<Page>(*this, request));
   if (!first) return;
-  ask();
+  watch_.start();
   beat();
 }
 
-void StatusFeed::ask() {
-  if (pages_.empty()) {
-    event_.clear();  // the event is outdated when the next page opens
-    ask_timer_.reset();
-    return link_.close("no page is open");
-  }
-  if (!link_.is_connected()) watching_ = false;
-  if (!std::exchange(asked_, true))
-    link_.call({"status"}, [this](const Json& answer) {
-      asked_ = false;
-      if (answer.contains("result")) {
-        publish(event_of(answer["result"]));
-        watch();
-      } else if (!pages_.empty()) {
-        publish(event_of({{"unreachable", answer["error"]["message"]}}));
-      }
-    });
-  ask_timer_ = loop_.at(std::chrono::steady_clock::now() + kAskAgain, kFeedName, [this] { ask(); });
-}
-
-void StatusFeed::watch() {
-  if (std::exchange(watching_, true)) return;
-  link_.call({"watch"}, [this](const Json& answer) { watching_ = answer.contains("result"); });
+void StatusFeed::tell(const Json& status) {
+  if (!pages_.empty()) return publish(event_of(status));
+  event_.clear();  // the event is outdated when the next page opens
+  watch_.stop();
 }
 
 void StatusFeed::publish(std::string event) {

@@ -10,8 +10,8 @@
 #include <string>
 
 #include "daemon/system/event_loop.hpp"
-#include "daemon/web/control_link.hpp"
 #include "daemon/web/http_request.hpp"
+#include "daemon/web/printer/status_watch.hpp"
 
 namespace contourd::web {
 
@@ -32,19 +32,17 @@ class StatusFeed {
  private:
   class Page;
 
-  void ask();
-  void watch();
+  void tell(const StatusWatch::Json& status);
   void publish(std::string event);
   void beat();
   void wake_pages();
 
   EventLoop& loop_;
-  ControlLink link_;
+  StatusWatch watch_;
   std::set<Page*> pages_;  // owned by their requests
   std::string event_;      // the latest
   std::uint64_t version_ = 0, beats_ = 0;
-  bool watching_ = false, asked_ = false;
-  EventLoop::SourcePtr ask_timer_, beat_timer_;
+  EventLoop::SourcePtr beat_timer_;
 };
 
 }  // namespace contourd::web

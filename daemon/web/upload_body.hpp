@@ -9,9 +9,9 @@
 #include <string>
 #include <string_view>
 
-#include "daemon/web/control_link.hpp"
 #include "daemon/web/http_request.hpp"
 #include "daemon/web/model_upload.hpp"
+#include "daemon/web/printer/control_link.hpp"
 
 struct MHD_PostProcessor;
 

@@ -3,8 +3,6 @@
 #include <crypt.h>
 #include <fmt/format.h>
 #include <sys/random.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -15,17 +13,16 @@
 #include <system_error>
 #include <vector>
 
-#include "daemon/system/durable_file.hpp"
 #include "daemon/system/readable.hpp"
 #include "daemon/system/regular_file.hpp"
+#include "daemon/system/secret_file.hpp"
 
 namespace contourd::web {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostBytes = 4096;
-constexpr std::string_view kHashStart = "password ", kKeyStart = "key ";
+constexpr std::string_view kHash = "password", kKey = "key";
 constexpr std::string_view kYescrypt = "$y$";
 constexpr std::size_t kKeyDigits = 32;
 
@@ -49,30 +46,6 @@ std::string crypted(const std::string& password, const std::string& setting) {
   std::string result = hash == nullptr ? "" : hash;
   ::explicit_bzero(data.get(), sizeof(crypt_data));
   return result;
-}
-
-std::string text_of(const FileDescriptor& file) {
-  std::array<char, kMostBytes> buffer;
-  std::string text;
-  while (text.size() < kMostBytes) {
-    const ssize_t bytes = ::read(file.get(), buffer.data(), buffer.size() - text.size());
-    if (bytes < 0 && errno == EINTR) continue;
-    if (bytes <= 0) break;
-    text.append(buffer.data(), static_cast<std::size_t>(bytes));
-  }
-  return text;
-}
-
-// Returns the rest of the line that begins with `start`; empty if there is none.
-std::string line_after(const std::string& text, std::string_view start) {
-  std::size_t at = 0;
-  while (at < text.size()) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    const std::string_view line = std::string_view(text).substr(at, end - at);
-    if (line.starts_with(start)) return std::string(line.substr(start.size()));
-    at = end + 1;
-  }
-  return "";
 }
 
 bool is_key(std::string_view key) {
@@ -125,22 +98,15 @@ bool equal_in_constant_time(std::string_view a, std::string_view b) {
 
 WebSecrets read_secrets(const fs::path& file) {
   const std::string name = printable(file.string());
-  FileDescriptor opened;
+  std::string text;
   try {
-    opened = open_regular_file(file, Links::Follow);
+    text = read_secret_file(file);
   } catch (const UnreadableFile& error) {
     throw std::runtime_error(
         fmt::format("{}: {}; the web page is off until a password is set: sudo contourctl web password", name,
                     error.what()));
   }
-  struct stat status {};
-  if (::fstat(opened.get(), &status) != 0 || (status.st_mode & S_IRWXO) != 0)
-    throw std::runtime_error(
-        fmt::format("{}: other users can read the secrets: sudo chmod 600 {}, or set a new password: sudo "
-                    "contourctl web password",
-                    name, name));
-  const std::string text = text_of(opened);
-  WebSecrets secrets{.password_hash = line_after(text, kHashStart), .key = line_after(text, kKeyStart)};
+  const WebSecrets secrets{.password_hash = secret_value(text, kHash), .key = secret_value(text, kKey)};
   if (!secrets.password_hash.starts_with(kYescrypt) || !is_key(secrets.key))
     throw std::runtime_error(
         fmt::format("{}: it is not a file of contourctl web password: run that command again", name));
@@ -148,15 +114,7 @@ WebSecrets read_secrets(const fs::path& file) {
 }
 
 void write_secrets(const fs::path& file, const WebSecrets& secrets) {
-  const mode_t before = ::umask(S_IRWXG | S_IRWXO);
-  try {
-    write_durably(file,
-                  fmt::format("{}{}\n{}{}\n", kHashStart, secrets.password_hash, kKeyStart, secrets.key));
-  } catch (...) {
-    ::umask(before);
-    throw;
-  }
-  ::umask(before);
+  write_secret_file(file, fmt::format("{} {}\n{} {}\n", kHash, secrets.password_hash, kKey, secrets.key));
 }
 
 }  // namespace contourd::web

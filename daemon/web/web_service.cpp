@@ -160,7 +160,7 @@ void WebService::serve_user(const RequestPtr& request) {
     if (path == "/api/status") return ask(printer_, request, {"status"});
     if (path == "/api/queue") return ask(printer_, request, {"queue"});
     if (path == "/api/history") return serve_history(request);
-    if (path == "/api/mask") return mask_.serve(request);
+    if (path == "/api/mask") return serve_mask(request);
     if (path != "/api/events") return request->answer(no_such_page());
     if (feed_.has_room()) return feed_.serve(request);
     return request->answer({.status = 503, .body = "too many pages are open\n"});
@@ -200,6 +200,15 @@ void WebService::pass_on(const RequestPtr& request, const std::string& method,
 
 void WebService::ask(ControlLink& link, const RequestPtr& request, Request question) {
   link.call(std::move(question), [request](const Json& answer) { request->answer(reply_of(answer)); });
+}
+
+void WebService::serve_mask(const RequestPtr& request) {
+  mask_.fetch([request](const std::string& png, const Json& error) {
+    if (!png.empty()) return request->answer({.type = "image/png", .body = png});
+    HttpReply reply = reply_of({{"error", error}});
+    if (reply.status == kConflict) reply.status = 404;
+    request->answer(std::move(reply));
+  });
 }
 
 void WebService::serve_history(const RequestPtr& request) {

@@ -12,9 +12,9 @@
 #include "daemon/system/event_loop.hpp"
 #include "daemon/system/log.hpp"
 #include "daemon/system/worker.hpp"
-#include "daemon/web/control_link.hpp"
 #include "daemon/web/http_server.hpp"
-#include "daemon/web/mask_picture.hpp"
+#include "daemon/web/printer/control_link.hpp"
+#include "daemon/web/printer/mask_picture.hpp"
 #include "daemon/web/status_feed.hpp"
 #include "daemon/web/upload_body.hpp"
 #include "daemon/web/web_config.hpp"
@@ -48,6 +48,7 @@ class WebService {
   void serve_slicer(const RequestPtr& request);
   void pass_on(const RequestPtr& request, const std::string& method, const std::string& parameters);
   void ask(ControlLink& link, const RequestPtr& request, Request question);
+  void serve_mask(const RequestPtr& request);
   void serve_history(const RequestPtr& request);
   void upload(const RequestPtr& request);
   // Refuses an upload before its body is received. True if it has.

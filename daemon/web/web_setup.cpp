@@ -2,23 +2,21 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <termios.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <optional>
 #include <stdexcept>
 #include <system_error>
 
-#include "daemon/system/durable_file.hpp"
 #include "daemon/system/readable.hpp"
 #include "daemon/system/standard_output.hpp"
 #include "daemon/web/listen_sockets.hpp"
+#include "daemon/web/setup/prompt.hpp"
+#include "daemon/web/setup/setting_file.hpp"
 #include "daemon/web/web_secrets.hpp"
 
 namespace contourd::web {
@@ -31,52 +29,11 @@ constexpr const char* kPort = "8080";
 constexpr const char* kDropIn = "addresses.conf";
 constexpr std::string_view kListen = "ListenStream=";
 
-bool on_terminal() {
-  return ::isatty(STDIN_FILENO) != 0;
-}
-
-// Keeps the terminal from showing what is typed.
-class NoEcho {
- public:
-  NoEcho() : works_(::tcgetattr(STDIN_FILENO, &before_) == 0) {
-    termios quiet = before_;
-    quiet.c_lflag &= ~static_cast<tcflag_t>(ECHO);
-    if (works_) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &quiet);
-  }
-  ~NoEcho() {
-    if (works_) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &before_);
-  }
-  NoEcho(const NoEcho&) = delete;
-  NoEcho& operator=(const NoEcho&) = delete;
-
- private:
-  termios before_{};
-  bool works_;
-};
-
-std::string line_after(const char* prompt) {
-  fmt::print(stderr, "{}", prompt);
-  std::string line;
-  std::getline(std::cin, line);
-  return line;
-}
-
 // Returns the new password; nullopt if it was refused, with the reason on stderr.
 std::optional<std::string> new_password() {
-  std::string password;
-  if (on_terminal()) {
-    const NoEcho quiet;
-    password = line_after("New password for the printer's page: ");
-    const std::string again = line_after("\nThe same again: ");
-    fmt::print(stderr, "\n");
-    if (password != again) {
-      fmt::print(stderr, "contourctl: the two passwords differ; nothing was changed\n");
-      return std::nullopt;
-    }
-  } else {
-    password = line_after("");
-  }
-  const std::string why = why_bad_password(password);
+  std::optional<std::string> password = secret_after("New password for the printer's page: ");
+  if (!password) return std::nullopt;
+  const std::string why = why_bad_password(*password);
   if (why.empty()) return password;
   fmt::print(stderr, "contourctl: {}; nothing was changed\n", why);
   return std::nullopt;
@@ -99,17 +56,7 @@ void write_addresses(const std::vector<std::string>& addresses, const fs::path& 
   for (const std::string& address : addresses)
     text += fmt::format("{}{}\n", kListen, address);
   text += "FreeBind=yes\n";
-  std::error_code error;
-  fs::create_directories(folder, error);
-  try {
-    NewFile file(folder);
-    file.write(text);
-    file.let_all_read();
-    file.replace(kDropIn);
-  } catch (const std::system_error& failed) {
-    throw OutputError(fmt::format("cannot write {}: {}; run the command as root",
-                                  printable((folder / kDropIn).string()), failed.code().message()));
-  }
+  write_setting(folder / kDropIn, text);
 }
 
 void say_how_to_start() {

@@ -66,7 +66,15 @@ class Browser:
         return self.request("POST", f"/api/upload?name={name}", model, headers)
 
 
+def processor_s(process):
+    """Returns the time for which the threads of a process have run, by the scheduler's clock."""
+    threads = glob.glob(f"/proc/{process}/task/*/schedstat")
+    return sum(int(pathlib.Path(thread).read_text(encoding="ascii").split()[0]) for thread in threads) / 1e9
+
+
 class WebTest(FolderTest):
+    options = ()  # further options of contourd-web
+
     def set_password(self, password=PASSWORD, expect=0):
         return run(CONTOURD_WEB, "--set-password", "--password-file", self.path("web-password"), input=(password + "\n").encode(), expect=expect)
 
@@ -83,7 +91,7 @@ class WebTest(FolderTest):
     def start_web(self, **environment):
         with open(self.path("web.log"), "ab") as log:
             self.web = self.killed_at_the_end(subprocess.Popen(
-                [CONTOURD_WEB, "--config", self.path("web.json"), "--password-file", self.path("web-password"), "--listen", f"127.0.0.1:{self.port}"],
+                [CONTOURD_WEB, "--config", self.path("web.json"), "--password-file", self.path("web-password"), "--listen", f"127.0.0.1:{self.port}", *self.options],
                 stdout=log, stderr=log, env={**os.environ, **environment}))  # fmt: skip
         wait_until(self.answers, "the page")
 
@@ -207,19 +215,14 @@ class UnitTest(WebTest):
 
     def test_idle_without_pages_it_uses_no_processor_and_little_memory(self):
         self.serve()
-        begin, before = time.monotonic(), self.processor_s()
+        begin, before = time.monotonic(), processor_s(self.web.pid)
         wait_until(lambda: time.monotonic() > begin + 3, "three seconds")
-        self.assertLess(self.processor_s() - before, 0.001 * (time.monotonic() - begin))
+        self.assertLess(processor_s(self.web.pid) - before, 0.001 * (time.monotonic() - begin))
         with open(f"/proc/{self.web.pid}/status", encoding="utf-8") as status:
             memory = int(re.search(r"RssAnon:\s+(\d+)", status.read())[1])
         print(f"{memory / 1024:.1f} MiB of its own when idle")
         if not SANITIZED:
             self.assertLess(memory, 12 * 1024)
-
-    def processor_s(self):
-        """Returns the time for which the service's threads have run, by the scheduler's clock."""
-        threads = glob.glob(f"/proc/{self.web.pid}/task/*/schedstat")
-        return sum(int(pathlib.Path(thread).read_text(encoding="ascii").split()[0]) for thread in threads) / 1e9
 
 
 class AddressesTest(FolderTest):

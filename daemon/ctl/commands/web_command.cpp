@@ -32,6 +32,35 @@ std::string web_program() {
   }
 }
 
+struct MqttArguments {
+  std::string broker, user, prefix;
+  fs::path ca_file;
+  bool off = false;
+};
+
+void add_mqtt(Command& web) {
+  Command& mqtt = web.add("mqtt", "Show or set the MQTT broker by which Home Assistant sees the printer");
+  auto& given = mqtt.arguments<MqttArguments>();
+  const Option& broker =
+      mqtt.option("BROKER", given.broker, "HOST or HOST:PORT, such as homeassistant.local");
+  mqtt.option("--user", given.user, "User at the broker; the password is asked for").needs(broker);
+  mqtt.option("--ca", given.ca_file, "Connect by TLS; FILE has the broker's authority").needs(broker);
+  mqtt.option("--prefix", given.prefix, "Prefix of Home Assistant's topics").needs(broker);
+  mqtt.option("--off", given.off, "Use no broker").excludes(broker);
+  mqtt.run = [&given]() -> int {
+    std::vector<std::string> options{"--set-mqtt"};
+    const auto add = [&options](const char* option, const std::string& value) {
+      if (!value.empty()) options.insert(options.end(), {option, value});
+    };
+    add("--broker", given.broker);
+    add("--user", given.user);
+    add("--ca", given.ca_file.string());
+    add("--prefix", given.prefix);
+    if (given.off) options.emplace_back("--off");
+    become_web_program(options);
+  };
+}
+
 }  // namespace
 
 void add_web(Command& program) {
@@ -47,6 +76,7 @@ void add_web(Command& program) {
       options.insert(options.end(), {"--address", each});
     become_web_program(options);
   };
+  add_mqtt(web);
 }
 
 }  // namespace contourd::ctl

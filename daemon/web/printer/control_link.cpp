@@ -1,4 +1,4 @@
-#include "daemon/web/control_link.hpp"
+#include "daemon/web/printer/control_link.hpp"
 
 #include <sys/epoll.h>
 

@@ -1,21 +1,20 @@
-#include "daemon/web/mask_picture.hpp"
+#include "daemon/web/printer/mask_picture.hpp"
 
 #include <cstdint>
 #include <optional>
 #include <utility>
 
 #include "daemon/system/base64.hpp"
-#include "daemon/web/printer_answer.hpp"
 
 namespace contourd::web {
 
 using Json = ControlLink::Json;
 
-void MaskPicture::serve(const std::shared_ptr<HttpRequest>& request) {
+void MaskPicture::fetch(Fetched fetched) {
   const auto now = std::chrono::steady_clock::now();
   if (waiting_.empty() && fetched_ != decltype(fetched_){} && now - fetched_ < kFresh)
-    return request->answer(latest_);
-  waiting_.push_back(request);
+    return fetched(latest_, latest_error_);
+  waiting_.push_back(std::move(fetched));
   if (waiting_.size() > 1) return;
   bytes_.clear();
   ask(Json::object());
@@ -26,26 +25,23 @@ void MaskPicture::ask(Json parameters) {
 }
 
 void MaskPicture::take(const Json& answer) {
-  if (!answer.contains("result")) {
-    HttpReply reply = reply_of(answer);
-    if (reply.status == kConflict) reply.status = 404;
-    return answer_all(reply);
-  }
+  if (!answer.contains("result")) return finish({}, answer.value("error", Json::object()));
   const Json& piece = answer["result"];
   const std::optional<std::vector<std::uint8_t>> data = from_base64(piece.value("data", ""));
   const std::size_t whole = piece.value("bytes", std::size_t{0});
   if (!data || data->empty() || whole > kMostBytes)
-    return answer_all({.status = 502, .body = "contourd has sent no picture\n"});
+    return finish({}, {{"code", kNoPicture}, {"message", "contourd has sent no picture"}});
   bytes_.append(data->begin(), data->end());
-  if (bytes_.size() >= whole) return answer_all({.type = "image/png", .body = std::exchange(bytes_, {})});
+  if (bytes_.size() >= whole) return finish(std::exchange(bytes_, {}), {});
   ask({{"picture", piece["picture"]}, {"from", bytes_.size()}});
 }
 
-void MaskPicture::answer_all(const HttpReply& reply) {
-  latest_ = reply;
+void MaskPicture::finish(std::string png, Json error) {
+  latest_ = std::move(png);
+  latest_error_ = std::move(error);
   fetched_ = std::chrono::steady_clock::now();
-  for (const std::shared_ptr<HttpRequest>& request : std::exchange(waiting_, {}))
-    request->answer(reply);
+  for (const Fetched& fetched : std::exchange(waiting_, {}))
+    fetched(latest_, latest_error_);
 }
 
 }  // namespace contourd::web
