@@ -81,7 +81,8 @@ std::vector<std::string> network_addresses() {
   return addresses;
 }
 
-std::string page_of(const std::vector<FileDescriptor>& sockets) {
+std::vector<std::string> addresses_of(const std::vector<FileDescriptor>& sockets) {
+  std::vector<std::string> addresses;
   for (const FileDescriptor& socket : sockets) {
     sockaddr_storage address{};
     socklen_t size = sizeof address;
@@ -92,14 +93,11 @@ std::string page_of(const std::vector<FileDescriptor>& sockets) {
         ::getnameinfo(name, size, host.data(), host.size(), port.data(), port.size(),
                       NI_NUMERICHOST | NI_NUMERICSERV) != 0)
       continue;
-    std::string text = host.data();
-    if (text.starts_with("127.") || text == "::1") continue;
-    const std::vector<std::string> names = own_names();
-    if ((text == "0.0.0.0" || text == "::") && !names.empty()) text = names.back() + ".local";
-    const bool is_ipv6 = text.find(':') != std::string::npos;
-    return fmt::format("http://{}{}{}:{}/", is_ipv6 ? "[" : "", text, is_ipv6 ? "]" : "", port.data());
+    const bool is_ipv6 = address.ss_family == AF_INET6;
+    addresses.push_back(
+        fmt::format("{}{}{}:{}", is_ipv6 ? "[" : "", host.data(), is_ipv6 ? "]" : "", port.data()));
   }
-  return "";
+  return addresses;
 }
 
 std::vector<std::string> own_names() {

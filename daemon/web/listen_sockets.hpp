@@ -22,9 +22,8 @@ void check_address(const std::string& address);
 // Returns the addresses at which other computers of the local network can reach this one.
 [[nodiscard]] std::vector<std::string> network_addresses();
 
-// Returns the URL at which other computers reach the page, by the first of these listening sockets that is
-// not on the loopback: "http://192.168.1.20:8080/". Empty if none of them can.
-[[nodiscard]] std::string page_of(const std::vector<FileDescriptor>& sockets);
+// Returns the ADDRESS:PORT of each of these sockets.
+[[nodiscard]] std::vector<std::string> addresses_of(const std::vector<FileDescriptor>& sockets);
 
 // Returns the names of this computer in lower case: the host name, and its first part.
 [[nodiscard]] std::vector<std::string> own_names();

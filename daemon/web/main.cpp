@@ -21,6 +21,7 @@
 #include "daemon/system/readable.hpp"
 #include "daemon/system/standard_output.hpp"
 #include "daemon/system/supervisor.hpp"
+#include "daemon/web/announcement.hpp"
 #include "daemon/web/listen_sockets.hpp"
 #include "daemon/web/mqtt/home_assistant_link.hpp"
 #include "daemon/web/mqtt/mqtt_settings.hpp"
@@ -36,11 +37,11 @@ namespace {
 constexpr int kFailed = 70, kBadConfig = 78;
 
 struct Arguments {
-  std::string config = kDefaultWebConfig, secrets = kDefaultSecrets;
+  std::string config = kDefaultWebConfig;
+  WebFiles files;
   std::vector<std::string> listen;
-  bool set_password = false, set_addresses = false;
+  bool set_password = false, set_addresses = false, turn_off = false;
   std::vector<std::string> addresses;
-  std::string socket_unit = kDefaultSocketUnit;
   bool set_mqtt = false;
   MqttRequest mqtt;
 };
@@ -64,7 +65,7 @@ int run(const Arguments& args) {
   WebSecrets secrets;
   std::optional<MqttSettings> mqtt;
   try {
-    secrets = read_secrets(args.secrets);
+    secrets = read_secrets(args.files.secrets);
     mqtt = read_mqtt(args.mqtt.file);
   } catch (const std::exception& error) {
     fmt::print(stderr, "contourd-web: {}\n", error.what());
@@ -80,12 +81,13 @@ int run(const Arguments& args) {
   if (sockets.empty() && args.listen.empty()) sockets.push_back(listen_on(kDefaultAddress));
   for (const std::string& address : args.listen)
     sockets.push_back(listen_on(address));
+  const std::vector<std::string> pages = pages_at(addresses_of(sockets));
   std::unique_ptr<HomeAssistantLink> home;
   if (mqtt)
     home = std::make_unique<HomeAssistantLink>(loop, log, *mqtt, config.control_socket,
                                                HomeAssistantDevice{.id = device_id(),
                                                                    .version = CONTOURD_VERSION,
-                                                                   .page = page_of(sockets),
+                                                                   .page = pages.empty() ? "" : pages.front(),
                                                                    .prefix = mqtt->prefix});
   const WebService service(loop, log, config, std::move(secrets), own_names(), std::move(sockets));
   supervisor.ready();
@@ -98,7 +100,7 @@ int start(int argc, char** argv) {
   app.set_version_flag("--version", CONTOURD_VERSION);
   Arguments args;
   app.add_option("--config", args.config, "Settings of the page")->capture_default_str();
-  app.add_option("--password-file", args.secrets, "Password and key")->capture_default_str();
+  app.add_option("--password-file", args.files.secrets, "Password and key")->capture_default_str();
   app.add_option("--listen", args.listen, "Listen on ADDRESS:PORT, too; several possible");
   CLI::Option* const password =
       app.add_flag("--set-password", args.set_password, "Set the password, and exit");
@@ -106,7 +108,10 @@ int start(int argc, char** argv) {
                                               "Set the addresses on which the service listens, and exit");
   app.add_option("--address", args.addresses, "ADDRESS:PORT for --set-addresses; several possible")
       ->needs(addresses);
-  app.add_option("--socket-unit", args.socket_unit, "Folder for the addresses")->capture_default_str();
+  app.add_option("--socket-unit", args.files.socket_unit, "Folder for the addresses")->capture_default_str();
+  CLI::Option* const off = app.add_flag("--turn-off", args.turn_off, "Remove the password, and exit");
+  app.add_option("--avahi-service", args.files.announcement, "File from which avahi announces the page")
+      ->capture_default_str();
   CLI::Option* const mqtt =
       app.add_flag("--set-mqtt", args.set_mqtt, "Set or show the MQTT broker, and exit");
   app.add_option("--mqtt-file", args.mqtt.file, "Settings of the MQTT broker")->capture_default_str();
@@ -119,16 +124,18 @@ int start(int argc, char** argv) {
   app.add_flag("--off", args.mqtt.off, "Use no broker")->needs(mqtt);
   app.add_option("--service-unit", args.mqtt.service_unit, "Folder for the service's right to a network")
       ->capture_default_str();
-  password->excludes(addresses)->excludes(mqtt);
-  addresses->excludes(mqtt);
+  password->excludes(addresses)->excludes(mqtt)->excludes(off);
+  addresses->excludes(mqtt)->excludes(off);
+  mqtt->excludes(off);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return end_of_command_line(app, error);
   }
-  if (args.set_password) return set_password(args.secrets, args.socket_unit);
-  if (args.set_addresses) return set_addresses(args.addresses, args.socket_unit);
-  if (args.set_mqtt) return set_mqtt(args.mqtt, args.secrets);
+  if (args.set_password) return set_password(args.files);
+  if (args.set_addresses) return set_addresses(args.addresses, args.files);
+  if (args.turn_off) return turn_off(args.files);
+  if (args.set_mqtt) return set_mqtt(args.mqtt, args.files.secrets);
   return run(args);
 }
 

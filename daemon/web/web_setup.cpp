@@ -15,6 +15,7 @@
 #include "daemon/system/readable.hpp"
 #include "daemon/system/standard_output.hpp"
 #include "daemon/web/listen_sockets.hpp"
+#include "daemon/web/qr_code.hpp"
 #include "daemon/web/setup/prompt.hpp"
 #include "daemon/web/setup/setting_file.hpp"
 #include "daemon/web/web_secrets.hpp"
@@ -67,6 +68,13 @@ void say_how_to_start() {
       "    systemctl restart contourd-web.socket\n");
 }
 
+// Prints the first address at which phones reach the page as a QR code, if the terminal can show one.
+void show_page(const std::vector<std::string>& addresses) {
+  const std::vector<std::string> pages = pages_at(addresses);
+  if (pages.empty() || !can_show_qr_code()) return;
+  fmt::print("{}\n{}\n", pages.front(), qr_code_of(pages.front()));
+}
+
 // Offers the addresses of the local network.
 void ask_for_addresses(const std::string& socket_unit) {
   std::vector<std::string> addresses = present_addresses(socket_unit);
@@ -84,33 +92,50 @@ void ask_for_addresses(const std::string& socket_unit) {
 
 }  // namespace
 
-int set_password(const std::string& secrets_file, const std::string& socket_unit) {
+int set_password(const WebFiles& files) {
   const std::optional<std::string> password = new_password();
   if (!password) return kBadData;
   constexpr std::size_t kKeyBytes = 16;
   const WebSecrets secrets{.password_hash = hash_of(*password), .key = random_hex(kKeyBytes)};
   try {
-    write_secrets(secrets_file, secrets);
+    write_secrets(files.secrets, secrets);
   } catch (const std::system_error& error) {
     throw OutputError(
-        fmt::format("{}: {}; run the command as root", printable(secrets_file), error.code().message()));
+        fmt::format("{}: {}; run the command as root", printable(files.secrets), error.code().message()));
   }
   fmt::print("The password is set. Key for slicers (PrusaSlicer: printer type SL1, API key): {}\n",
              secrets.key);
-  if (on_terminal()) ask_for_addresses(socket_unit);
+  if (on_terminal()) ask_for_addresses(files.socket_unit);
+  const std::vector<std::string> addresses = present_addresses(files.socket_unit);
+  announce(addresses, files.announcement);
+  show_page(addresses);
   say_how_to_start();
   return EXIT_SUCCESS;
 }
 
-int set_addresses(const std::vector<std::string>& addresses, const std::string& socket_unit) {
+int set_addresses(const std::vector<std::string>& addresses, const WebFiles& files) {
   if (addresses.empty()) {
-    fmt::print("{}\n", fmt::join(present_addresses(socket_unit), "\n"));
+    const std::vector<std::string> present = present_addresses(files.socket_unit);
+    fmt::print("{}\n", fmt::join(present, "\n"));
+    show_page(present);
     return EXIT_SUCCESS;
   }
   for (const std::string& address : addresses)
     check_address(address);
-  write_addresses(addresses, socket_unit);
+  write_addresses(addresses, files.socket_unit);
+  // Until a password is set, no page is there.
+  std::error_code error;
+  if (fs::exists(files.secrets, error)) announce(addresses, files.announcement);
   say_how_to_start();
+  return EXIT_SUCCESS;
+}
+
+int turn_off(const WebFiles& files) {
+  remove_setting(files.announcement);
+  remove_setting(files.secrets);
+  fmt::print(
+      "Stop the page:\n"
+      "    systemctl stop contourd-web.socket contourd-web.service\n");
   return EXIT_SUCCESS;
 }
 

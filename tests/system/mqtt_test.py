@@ -474,7 +474,7 @@ class SettingsTest(FolderTest):
             self.assertEqual(self.set().stdout, stored + b"\n")
 
     def test_a_file_that_others_can_read_or_that_is_broken_stops_the_service_with_a_sentence(self):
-        run(CONTOURD_WEB, "--set-password", "--password-file", self.path("web-password"), input=b"correct horse\n", expect=0)
+        run(CONTOURD_WEB, "--set-password", "--password-file", self.path("web-password"), "--avahi-service", self.path("none"), input=b"correct horse\n", expect=0)
         self.set("--broker", "host")
         good = contents(self.path("web-mqtt"))
         for mode, text, words in ((0o644, good, b"other users can read"), (0o600, b"", b"sudo contourctl web mqtt"), (0o600, good.replace(b"1883", b"x"), b"sudo contourctl web mqtt")):

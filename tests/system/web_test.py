@@ -1,5 +1,6 @@
 """contourd-web with a real contourd: the page, uploads, slicers, and what strangers try."""
 
+import contextlib
 import glob
 import hashlib
 import http.client
@@ -14,6 +15,7 @@ import subprocess
 import threading
 import time
 import unittest
+import xml.etree.ElementTree
 
 from harness import (
     BAD_CONFIG, BAD_DATA, CONTOURCTL, CONTOURD_WEB, DEADLINE_S, FAILED, NIMBLE_RESIN, SANITIZED, SLAB, SMALL, Daemon, FolderTest, binary_stl, box, contents, realtime, run, wait_until,
@@ -26,6 +28,20 @@ def free_port():
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return probe.getsockname()[1]
+
+
+def in_terminal(command, **environment):
+    """Returns what the command prints on a terminal."""
+    mine, its = os.openpty()
+    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=its, stderr=its, env={**os.environ, **environment})
+    os.close(its)
+    shown = b""
+    with contextlib.suppress(OSError):  # the command has closed the terminal
+        while data := os.read(mine, 4096):
+            shown += data
+    os.close(mine)
+    process.wait(DEADLINE_S)
+    return shown.decode().replace("\r", "")
 
 
 class Browser:
@@ -75,8 +91,12 @@ def processor_s(process):
 class WebTest(FolderTest):
     options = ()  # further options of contourd-web
 
+    def files(self):
+        """Returns the options for the files by which the page is set up."""
+        return ["--password-file", self.path("web-password"), "--socket-unit", self.path("unit"), "--avahi-service", self.path("avahi", "contourd.service")]
+
     def set_password(self, password=PASSWORD, expect=0):
-        return run(CONTOURD_WEB, "--set-password", "--password-file", self.path("web-password"), input=(password + "\n").encode(), expect=expect)
+        return run(CONTOURD_WEB, "--set-password", *self.files(), input=(password + "\n").encode(), expect=expect)
 
     def serve(self, daemon=None, started=True, **config):
         """Starts a daemon, unless one is given, and its page. Returns a client that has not logged in."""
@@ -225,10 +245,68 @@ class UnitTest(WebTest):
             self.assertLess(memory, 12 * 1024)
 
 
-class AddressesTest(FolderTest):
+class AddressesTest(WebTest):
     def set(self, *addresses, expect=0):
         options = [word for each in addresses for word in ("--address", each)]
-        return run(CONTOURD_WEB, "--set-addresses", *options, "--socket-unit", self.path("unit"), expect=expect)
+        return run(CONTOURD_WEB, "--set-addresses", *options, *self.files(), expect=expect)
+
+    def announced(self):
+        """Returns the types and ports of the services that avahi announces; none without a file."""
+        path = self.path("avahi", "contourd.service")
+        if not os.path.exists(path):
+            return []
+        self.assertEqual(os.stat(path).st_mode & 0o777, 0o644)
+        group = xml.etree.ElementTree.parse(path).getroot()
+        self.assertEqual((group.tag, group.find("name").text, group.find("name").get("replace-wildcards")), ("service-group", "contourd on %h", "yes"))
+        return [(service.find("type").text, int(service.find("port").text)) for service in group.findall("service")]
+
+    def test_the_page_is_announced_while_it_has_a_password_and_an_address_for_others(self):
+        self.set("127.0.0.1:8080", "192.0.2.1:81")
+        self.assertEqual(self.announced(), [], "there is no password yet")
+        self.set_password()
+        self.assertEqual(self.announced(), [("_http._tcp", 81)])
+        self.set("[fd00::1]:81", "0.0.0.0:81", "192.0.2.1:8080")
+        self.assertEqual(self.announced(), [("_http._tcp", 8080), ("_http._tcp", 81)])
+        self.set("127.0.0.1:8080", "[::1]:81", "127.1.2.3:82")
+        self.assertEqual(self.announced(), [])
+        self.set("0.0.0.0:80")
+        self.assertEqual(self.announced(), [("_http._tcp", 80)])
+        said = run(CONTOURD_WEB, "--turn-off", *self.files(), expect=0).stdout
+        self.assertIn(b"systemctl stop contourd-web.socket contourd-web.service", said)
+        self.assertEqual(self.announced(), [])
+        self.assertFalse(os.path.exists(self.path("web-password")))
+        run(CONTOURD_WEB, "--turn-off", *self.files(), expect=0)
+
+    def modules(self, shown):
+        """Returns the dark modules of a QR code on a terminal, as rows of truth values."""
+        glyphs = {" ": (False, False), "\u2580": (True, False), "\u2584": (False, True), "\u2588": (True, True)}
+        lines = re.findall(r"\x1b\[30;107m(.*?)\x1b\[0m", shown)
+        return [[glyphs[letter][half] for letter in line] for line in lines for half in (0, 1)]
+
+    def test_a_terminal_shows_the_first_address_for_others_as_a_qr_code(self):
+        self.set("127.0.0.1:8080", "192.0.2.1:8080", "[fd00::1]:80")
+        show = [CONTOURD_WEB, "--set-addresses", *self.files()]
+        shown = in_terminal(show, TERM="xterm", LC_ALL="C.UTF-8")
+        self.assert_words(shown, "http://192.0.2.1:8080/")
+        rows = self.modules(shown)
+        width = len(rows[0])
+        self.assertEqual({len(row) for row in rows}, {width})
+        self.assertLess(width, 50)
+        self.assertFalse(any(any(row) for row in rows[:4]) or any(any(row[:4] + row[-4:]) for row in rows), "a code needs a margin of four modules")
+        finder = [[max(abs(row - 3), abs(column - 3)) != 2 for column in range(7)] for row in range(7)]
+        for top, left in ((4, 4), (4, width - 11), (width - 11, 4)):
+            self.assertEqual([row[left : left + 7] for row in rows[top : top + 7]], finder)
+        self.set("[fd00::1]:80")
+        self.assertNotEqual(self.modules(in_terminal(show, TERM="xterm", LC_ALL="C.UTF-8")), rows)
+
+    def test_there_is_no_qr_code_where_it_cannot_be_shown_or_opened(self):
+        self.set("192.0.2.1:8080")
+        show = [CONTOURD_WEB, "--set-addresses", *self.files()]
+        for environment in ({"TERM": "dumb", "LC_ALL": "C.UTF-8"}, {"TERM": "xterm", "LC_ALL": "C"}):
+            self.assertEqual(in_terminal(show, **environment), "192.0.2.1:8080\n")
+        self.assertEqual(self.set().stdout, b"192.0.2.1:8080\n")
+        self.set("127.0.0.1:8080")
+        self.assertEqual(in_terminal(show, TERM="xterm", LC_ALL="C.UTF-8"), "127.0.0.1:8080\n")
 
     def test_the_addresses_replace_those_of_the_unit(self):
         self.assertEqual(self.set().stdout, b"127.0.0.1:8080\n")

@@ -77,6 +77,8 @@ void add_web(Command& program) {
     become_web_program(options);
   };
   add_mqtt(web);
+  Command& off = web.add("off", "Remove the page's password, without which there is no page");
+  off.run = []() -> int { become_web_program({"--turn-off"}); };
 }
 
 }  // namespace contourd::ctl
