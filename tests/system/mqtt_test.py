@@ -302,7 +302,26 @@ class TlsTest(MqttTest):
             openssl("req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2", "-subj", f"/CN={name}", "-keyout", f"{name}.key", "-out", f"{name}.pem")
         openssl("req", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-subj", "/CN=broker", "-keyout", "broker.key", "-out", "broker.csr")
         self.write("extensions", "subjectAltName=IP:127.0.0.1\n")
+        self.write("other-name", "subjectAltName=IP:127.0.0.2\n")
+        openssl("x509", "-req", "-in", "broker.csr", "-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial", "-days", "2", "-extfile", "other-name", "-out", "elsewhere.pem")
         openssl("x509", "-req", "-in", "broker.csr", "-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial", "-days", "2", "-extfile", "extensions", "-out", "broker.pem")
+
+    def test_a_certificate_for_another_broker_is_refused(self):
+        self.make_certificates()
+        port = web_test.free_port()
+        mqtt.Mosquitto(self, port, "allow_anonymous true", f"certfile {self.path('elsewhere.pem')}", f"keyfile {self.path('broker.key')}")
+        self.connect(port, None, "--ca", self.path("ca.pem"))
+        self.wait_logged("TLS fails")
+        self.assertNotIn("connected to", self.web_log())
+
+    def test_a_silent_broker_keeps_no_processor_busy(self):
+        self.make_certificates()
+        broker = mqtt.OddBroker(self, lambda connection: connection.recv(1 << 16) and connection.recv(1 << 16))
+        self.connect(broker.port, None, "--ca", self.path("ca.pem"))
+        wait_until(lambda: broker.connections, "a connection")
+        began, before = time.monotonic(), web_test.processor_s(self.web.pid)
+        wait_until(lambda: time.monotonic() > began + 3, "three seconds")
+        self.assertLess(web_test.processor_s(self.web.pid) - before, 0.05 * (time.monotonic() - began))
 
     def test_a_broker_is_reached_by_tls_if_its_authority_is_the_given_one(self):
         self.make_certificates()

@@ -72,7 +72,11 @@ void HomeAssistantLink::publish() {
 }
 
 bool HomeAssistantLink::publish_discovery() {
-  return renew(published_.discovery, topics_.discovery, text_of(discovery_of(device_, printer_)));
+  if (published_.printer == printer_) return true;
+  if (!broker_.has_room()) return false;
+  broker_.publish(topics_.discovery, text_of(discovery_of(device_, printer_)), Retained::Yes);
+  published_.printer = printer_;
+  return true;
 }
 
 bool HomeAssistantLink::publish_state() {

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "daemon/system/event_loop.hpp"
@@ -38,7 +39,8 @@ class HomeAssistantLink {
   using Time = std::chrono::steady_clock::time_point;
   // The latest messages that the broker has got over this connection.
   struct Published {
-    std::string discovery, availability, state;
+    std::optional<std::string> printer;  // the printer's name in the discovery
+    std::string availability, state;
     Json layer;  // the picture's
   };
   // When the next ones may be sent or asked for.

@@ -67,6 +67,46 @@ def _serves_the_page_from_its_sandbox(machine, key):
     machine.run("systemd-analyze security --no-pager --threshold=15 contourd-web.service >/run/security || { cat /run/security; false; }")
 
 
+# A broker that accepts a client and notes its messages.
+_BROKER = r"""use IO::Socket::INET;
+my $listener = IO::Socket::INET->new(LocalAddr => "127.0.0.1", LocalPort => 1883, Listen => 5, ReuseAddr => 1) or die;
+while (my $client = $listener->accept) {
+  $client->sysread(my $data, 4096);
+  $client->syswrite("\x20\x02\0\0");
+  open(my $notes, ">>", "/run/messages");
+  syswrite($notes, $data) while $client->sysread($data, 65536);
+}
+"""
+
+
+def _reports_to_a_broker(machine):
+    """Sets a broker, which the service can then reach by its name from its sandbox; checks that the settings are root's."""
+    machine.run("systemd-run --quiet --unit=broker perl /root/broker.pl")
+    said = machine.run("contourctl web mqtt localhost 2>&1")
+    commands = re.findall(r"(?m)^ +(systemctl .*)$", said)
+    assert len(commands) == 3, said
+    for command in commands:
+        machine.run(command)
+    machine.run("stat -c '%U:%G %a' /etc/contourd/web-mqtt | grep -qx 'root:root 600'")
+    machine.wait_for("grep -aq homeassistant/device/contourd_ /run/messages && grep -aq '\"state\":\"idle\"' /run/messages")
+    machine.run("journalctl -u contourd-web --no-pager | grep -q 'connected to the MQTT broker localhost:1883'")
+    process = machine.run("systemctl show -P MainPID contourd-web")
+    assert machine.run(f"stat -c %U /proc/{process}") == "contourd-web"
+    machine.run(f"test $(readlink /proc/{process}/ns/net) = $(readlink /proc/1/ns/net)")
+    machine.run("systemd-analyze security --no-pager --threshold=20 contourd-web.service >/run/security || { cat /run/security; false; }")
+
+
+def _reports_from_the_start_until_it_is_off(machine):
+    """Checks that the service starts with the machine if it has a broker, and has no network again when it has none."""
+    machine.wait_for("systemctl is-active contourd-web.service")
+    machine.wait_for("journalctl -b -u contourd-web --no-pager | grep -q 'cannot connect to the MQTT broker localhost:1883: Connection refused'")
+    for command in re.findall(r"(?m)^ +(systemctl .*)$", machine.run("contourctl web mqtt --off 2>&1")):
+        machine.run(command)
+    machine.run("test ! -e /etc/contourd/web-mqtt && ! systemctl is-enabled contourd-web.service")
+    process = machine.run("systemctl show -P MainPID contourd-web")
+    machine.run(f"test $(readlink /proc/{process}/ns/net) != $(readlink /proc/1/ns/net)")
+
+
 def _prints_an_upload(machine, key, model):
     status, reply = _http(machine, "POST", "/api/files/local", **_form("sent.stl", model), X_Api_Key=key)
     assert status == 201, (status, reply)
@@ -110,10 +150,11 @@ def _is_removed_and_purged(machine):
 @vm_test("full")
 def web():
     """contourd-web is installed by apt and off; with a password it serves the page from a sandbox without network and
-    devices, prints an upload, is started again when it is killed, ends with a sentence for a wrong setting, is on after a
+    devices, prints an upload, reports to an MQTT broker, is started again when it is killed, ends with a sentence for a wrong setting, is on after a
     restart of the machine, and leaves nothing behind."""
     guest = guests.package_guest(0)
     model = models.binary_stl(models.twisted_star(0.05 * _LAYERS))
+    guest.add_text("/install/root/broker.pl", _BROKER)
     guest.add_text("/install/root/slow.json", guests.resin_profile({**guests.QUICK_RESIN, "exposure_ms": 4000, "bottom_exposure_ms": 4000}))
     with guests.written(guest) as initramfs, disk_over(root_image()) as disk:
         with booted(initramfs, disk) as machine:
@@ -121,11 +162,13 @@ def web():
             key = _is_switched_on_as_the_command_says(machine)
             _serves_the_page_from_its_sandbox(machine, key)
             _prints_an_upload(machine, key, model)
+            _reports_to_a_broker(machine)
             _can_be_killed_in_a_print(machine, key, model)
             _reports_a_wrong_configuration(machine, key)
             machine.power_off()
         with booted(initramfs, disk) as machine:
             machine.wait_for("systemctl is-active contourd")
             _is_on_after_a_restart(machine, key)
+            _reports_from_the_start_until_it_is_off(machine)
             _is_removed_and_purged(machine)
             machine.power_off()
