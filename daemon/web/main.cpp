@@ -49,10 +49,10 @@ struct Arguments {
 // Returns a name of this computer that stays the same, for Home Assistant. Throws std::system_error.
 std::string device_id() {
   constexpr int kBytes = 8;
-  const sd_id128_t application =
-      SD_ID128_MAKE(5e, 0c, 8f, 1b, 6a, 3d, 4e, 57, 9a, 21, c4, 70, d2, 9b, 36, e8);
+  constexpr sd_id128_t kApplication{.bytes = {0x5e, 0x0c, 0x8f, 0x1b, 0x6a, 0x3d, 0x4e, 0x57, 0x9a, 0x21,
+                                              0xc4, 0x70, 0xd2, 0x9b, 0x36, 0xe8}};
   sd_id128_t id{};
-  const int failed = ::sd_id128_get_machine_app_specific(application, &id);
+  const int failed = ::sd_id128_get_machine_app_specific(kApplication, &id);
   if (failed < 0) throw std::system_error(-failed, std::generic_category(), "/etc/machine-id");
   std::string text = "contourd_";
   for (int i = 0; i < kBytes; ++i)
