@@ -2,6 +2,6 @@
 # Builds contourd into build/ and runs all its tests. Arguments go to ctest, such as -R REGEX.
 set -euo pipefail
 cd "$(dirname "$0")"
-.ci/install-packages mosquitto
+.ci/install-packages
 .ci/build build
 exec .ci/run-tests build "$@"
