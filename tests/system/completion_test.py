@@ -85,13 +85,14 @@ class Completion(FolderTest):
         daemon.wait_status("queued", 1)
         os.mkdir(self.path("here"))
         os.mkdir(self.path("here", "models"))
-        for name in ("my part.stl", "B.STL", "notes.txt"):
+        models = ["B.STL", "b.3mf", "b.obj.gz", "b.zip", "my part.stl"]
+        for name in (*models, "notes.txt", "b.gz"):
             self.write(os.path.join("here", name), b"")
         before = os.getcwd()
         self.addCleanup(os.chdir, before)
         os.chdir(self.path("here"))
         offered = self.bash("preview", "", CONTOURD_SOCKET=daemon.socket_path)
-        self.assertEqual(sorted(offered), ["B.STL", "done: it", "models", "my part.stl", "waits"])
+        self.assertEqual(sorted(offered), sorted([*models, "done: it", "models", "waits"]))
         self.assertEqual(self.bash("preview", "wai", CONTOURD_SOCKET=daemon.socket_path), ["waits"])
         self.assertEqual(self.bash("preview", "--la"), ["--layer"])
         self.assertEqual(self.bash("preview", "waits", "--pri"), ["--printer"])

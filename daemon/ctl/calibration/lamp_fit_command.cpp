@@ -213,9 +213,9 @@ void add_fit_lamp(Command& fit) {
                                        "Readings of the fields, row by row; ? for one that was not measured")
                                .in_group(group);
   Option& table = command.option("--table", args.table, "File with lines of x,y,reading; x and y in mm");
-  table.in_group(group).suggests({}, ".csv");
+  table.in_group(group).suggests({}, {".csv"});
   Option& photo = command.option("--photo", args.photo.file, "Photo of the white picture, a PNG file");
-  photo.in_group(group).suggests({}, ".png");
+  photo.in_group(group).suggests({}, {".png"});
   const Option& corners = command
                               .option("--corners", args.photo.corners,
                                       "x,y of the picture's corners in the photo, by their dots, pixels: "

@@ -70,7 +70,9 @@ void offer_values(const Option& option, std::string_view begin) {
       offer_word(each, begin);
   }
   // No other word begins with a slash.
-  if (option.is_path() || !option.file_suffix.empty()) fmt::print("/{}\n", option.file_suffix);
+  if (option.is_path()) fmt::print("/\n");
+  for (const std::string& suffix : option.file_suffixes)
+    fmt::print("/{}\n", suffix);
 }
 
 // Prints the words that can be the last one, one per line, each with a tab and its help if there is one. A

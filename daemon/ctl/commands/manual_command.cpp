@@ -333,7 +333,7 @@ void add_show(Command& program) {
               "white, black, grid, checker, focus, border, dimensions; a PNG file of the display's "
               "size; or a model file")
       .required()
-      .suggests(pattern_names, ".png");
+      .suggests(pattern_names, {".png"});
   command.option("--seconds", show.seconds, "Duration, s");
   const Option& at_z = command.option("--at-z", show.at_z_mm,
                                       "Show the mask of a model file at this height above the plate, mm");

@@ -2,7 +2,7 @@
 # files with that suffix.
 
 _contourctl() {
-  local line suffix word=${COMP_WORDS[COMP_CWORD]}
+  local line suffix folders='' word=${COMP_WORDS[COMP_CWORD]}
   COMPREPLY=()
   # Without words, bash completes file names. compgen -W is not used: it would expand commands in a job's name.
   while IFS= read -r line; do
@@ -11,10 +11,11 @@ _contourctl() {
       /*)
         suffix=${line#/}
         mapfile -t -O "${#COMPREPLY[@]}" COMPREPLY < <(
-          compgen -d -- "$word"
+          [[ $folders ]] || compgen -d -- "$word"
           compgen -f -X "!*$suffix" -- "$word"
           compgen -f -X "!*${suffix^^}" -- "$word"
         )
+        folders=offered
         ;;
       *) COMPREPLY+=("${line%%$'\t'*}") ;;
     esac

@@ -315,7 +315,7 @@ void add_preview(Command& program) {
   auto& options = command.arguments<PreviewOptions>();
   command.option("JOB", options.subject, "Name of a job, or model file")
       .required()
-      .suggests(all_jobs, ".stl");
+      .suggests(all_jobs, {model_extensions().begin(), model_extensions().end()});
   command.option("--layer", options.layer, "Draw the mask of this layer, counted from 1")
       .from_to(1, kMaxLayers);
   command.option("--printer", options.printer, kLikePrinterHelp);

@@ -35,9 +35,9 @@ struct Option {
   std::vector<std::string> choices{};           // the only valid values; empty: any value
   std::optional<std::pair<int, int>> limits{};  // smallest and largest value
   std::vector<const Option*> needed{}, excluded{};
-  std::string group{};        // exactly one option of a group is given
-  Suggestions suggest{};      // empty: none
-  std::string file_suffix{};  // completion offers only files with this suffix
+  std::string group{};                       // exactly one option of a group is given
+  Suggestions suggest{};                     // empty: none
+  std::vector<std::string> file_suffixes{};  // completion offers only files with one of these suffixes
 
   Option& required() { return set(is_required, true); }
   Option& allow_empty() { return set(may_be_empty, true); }
@@ -52,9 +52,9 @@ struct Option {
     excluded.push_back(&other);
     return *this;
   }
-  // Makes completion offer these values, and files with the suffix, if one is given.
-  Option& suggests(Suggestions values, std::string suffix = "") {
-    return set(suggest, std::move(values)).set(file_suffix, std::move(suffix));
+  // Makes completion offer these values, and files with the suffixes, if any are given.
+  Option& suggests(Suggestions values, std::vector<std::string> suffixes = {}) {
+    return set(suggest, std::move(values)).set(file_suffixes, std::move(suffixes));
   }
 
   [[nodiscard]] bool is_flag() const { return holds<bool>(); }
