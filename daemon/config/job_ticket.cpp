@@ -158,7 +158,8 @@ DrainHole read_drain_hole(const JsonSection& hole) {
 ModelTicket read_model(const JsonSection& root) {
   ModelTicket model;
   if (root.has("file")) model.file = root.text("file");
-  if (root.has("model")) model.entry = root.text("model");
+  if (root.has("model"))
+    model.entries = root.is_list("model") ? root.texts("model") : std::vector{root.text("model")};
   if (root.has("unit")) model.unit = length_unit(root.text("unit"));
   if (root.has("rotation_deg")) {
     const JsonSection rotation = root.section("rotation_deg");

@@ -70,9 +70,9 @@ struct SupportTicket {
 
 // One model's orientation, size and position.
 struct ModelTicket {
-  std::string file;                  // in the plate's folder; empty: the model beside the ticket
-  std::string entry{};               // the model in a ZIP archive; empty: the only one
-  std::optional<LengthUnit> unit{};  // of the file's coordinates; without it, mm
+  std::string file;                    // in the plate's folder; empty: the model beside the ticket
+  std::vector<std::string> entries{};  // models and folders of a ZIP archive; empty: all of it
+  std::optional<LengthUnit> unit{};    // of the file's coordinates; without it, mm
   RotationDegrees rotation;
   std::optional<Direction> up;                     // never together with a rotation
   std::optional<OrientationTicket> orientation{};  // contourd's choice; never together with up or a rotation

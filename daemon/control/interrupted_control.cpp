@@ -137,7 +137,7 @@ void InterruptedControl::looked_at(const ClaimedJob::Resumed& resumed, const Loo
     parts_.use.begin({.files = files,
                       .settings = look.settings,
                       .turn_came = std::chrono::steady_clock::now(),
-                      .accepted = {std::string(kUnheldPlaces), std::string(kWideGaps)},
+                      .accepted = {kFoundByPreparation.begin(), kFoundByPreparation.end()},
                       .resumed = resumed});
     later(parts_.status.status());
   } catch (const ControlRefusal& refusal) {

@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/formats/model_format.hpp"
@@ -32,12 +34,29 @@ class ByteStream {
   virtual std::size_t read_some(std::span<std::byte> into) = 0;
 };
 
+// A stream whose first bytes have been read, to recognise a format by them; it gives them again.
+class StartedStream : public ByteStream {
+ public:
+  // Reads the first kSniffBytes of the stream, or as many as it claims to hold. Throws what the stream
+  // throws, and DamagedStream if it holds fewer bytes. `name` precedes messages.
+  StartedStream(std::unique_ptr<ByteStream> stream, const std::string& name);
+
+  [[nodiscard]] std::uint64_t bytes() const override { return stream_->bytes(); }
+  std::size_t read_some(std::span<std::byte> into) override;
+  [[nodiscard]] FileStart start() const { return {stream_->bytes(), first_bytes_}; }
+
+ private:
+  std::unique_ptr<ByteStream> stream_;
+  std::vector<std::byte> first_bytes_;
+  std::size_t given_ = 0;  // bytes of first_bytes_
+};
+
 // A model of one of the core's formats in a stream.
 class StreamedModel {
  public:
-  // Reads the first bytes of the stream, by which the format is recognised. `name` precedes messages: "the
-  // model in the archive". Throws what the stream throws.
-  StreamedModel(ByteStream& stream, std::string name);
+  // `name` precedes messages: "the model in the archive". The stream, of which nothing else is read, must
+  // outlive the model.
+  StreamedModel(StartedStream& stream, std::string name) : stream_(stream), name_(std::move(name)) {}
 
   // Throws ModelError if the first bytes show what is wrong.
   [[nodiscard]] ModelOutline outline() const;
@@ -45,13 +64,10 @@ class StreamedModel {
   [[nodiscard]] Model read();
 
  private:
-  [[nodiscard]] FileStart start() const { return {stream_.bytes(), first_bytes_}; }
   void read_exactly(std::span<std::byte> into);
 
-  ByteStream& stream_;
+  StartedStream& stream_;
   std::string name_;
-  std::vector<std::byte> first_bytes_;
-  std::size_t given_ = 0;  // bytes of first_bytes_
 };
 
 }  // namespace contourd

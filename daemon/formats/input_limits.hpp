@@ -13,6 +13,8 @@ inline constexpr std::uint64_t kMostInflatedBytes = std::uint64_t{1} << 31U;
 inline constexpr std::uint64_t kMostRatio = 200;
 // Up to this size, the ratio does not matter.
 inline constexpr std::uint64_t kAnyRatioBytes = std::uint64_t{1} << 24U;
+// Largest 3MF file in an archive, which is unpacked into memory.
+inline constexpr std::uint64_t kMostNestedBytes = std::uint64_t{1} << 28U;
 
 struct InflatedSize {
   std::uint64_t compressed, inflated;  // bytes

@@ -1,17 +1,22 @@
 #include "daemon/formats/model_input.hpp"
 
 #include <fmt/format.h>
+#include <sys/mman.h>
 
+#include <array>
+#include <cerrno>
+#include <string_view>
+#include <system_error>
 #include <utility>
-#include <vector>
 
 #include "core/formats/model_reader.hpp"
 #include "daemon/formats/byte_stream.hpp"
 #include "daemon/formats/gzip_stream.hpp"
+#include "daemon/formats/input_limits.hpp"
 #include "daemon/formats/threemf_package.hpp"
 #include "daemon/formats/zip_archive.hpp"
-#include "daemon/formats/zip_models.hpp"
 #include "daemon/json/config_error.hpp"
+#include "daemon/system/memory_room.hpp"
 
 namespace contourd {
 namespace {
@@ -38,88 +43,143 @@ class PlainInput : public ModelInput {
   ModelOutline outline_;
 };
 
-// A model of one of the core's formats that gzip compressed.
-class GzipInput : public ModelInput {
+// A model of one of the core's formats in a stream, with what the stream reads from.
+class StreamInput : public ModelInput {
  public:
-  explicit GzipInput(ModelSource source)
-      : source_(std::move(source)),
-        stream_(source_.file.get(), source_.bytes, source_.path),
-        model_(stream_, "the model in the gzip archive"),
+  StreamInput(std::shared_ptr<const void> origin, std::unique_ptr<StartedStream> stream, std::string name)
+      : origin_(std::move(origin)),
+        stream_(std::move(stream)),
+        model_(*stream_, std::move(name)),
         outline_(model_.outline()) {}
 
   [[nodiscard]] const ModelOutline& outline() const override { return outline_; }
   [[nodiscard]] Model read(std::uint64_t /*most_facets*/) override { return model_.read(); }
 
  private:
-  ModelSource source_;
-  GzipStream stream_;
-  StreamedModel model_;
-  ModelOutline outline_;
-};
-
-// A model of one of the core's formats in a ZIP archive.
-class ZipInput : public ModelInput {
- public:
-  ZipInput(ModelSource source, std::unique_ptr<const ZipArchive> archive)
-      : source_(std::move(source)),
-        archive_(std::move(archive)),
-        entry_(model_in(*archive_, source_.entry)),
-        stream_(archive_->open(entry_)),
-        model_(*stream_, in_quotes(entry_.name) + " in the archive"),
-        outline_(model_.outline()) {}
-
-  [[nodiscard]] const ModelOutline& outline() const override { return outline_; }
-  [[nodiscard]] Model read(std::uint64_t /*most_facets*/) override { return model_.read(); }
-
- private:
-  ModelSource source_;
-  std::unique_ptr<const ZipArchive> archive_;
-  const ZipEntry& entry_;
-  std::unique_ptr<ByteStream> stream_;
+  std::shared_ptr<const void> origin_;
+  std::unique_ptr<StartedStream> stream_;
   StreamedModel model_;
   ModelOutline outline_;
 };
 
 class ThreeMfInput : public ModelInput {
  public:
-  ThreeMfInput(ModelSource source, std::unique_ptr<const ZipArchive> archive)
-      : source_(std::move(source)), archive_(std::move(archive)), package_(*archive_) {}
+  // `held`: bytes of memory that the archive itself takes.
+  explicit ThreeMfInput(std::shared_ptr<const ZipArchive> archive, std::uint64_t held = 0)
+      : archive_(std::move(archive)), package_(*archive_), outline_(package_.outline()) {
+    outline_.buffered_bytes += held;
+  }
 
-  [[nodiscard]] const ModelOutline& outline() const override { return package_.outline(); }
+  [[nodiscard]] const ModelOutline& outline() const override { return outline_; }
   [[nodiscard]] Model read(std::uint64_t most_facets) override { return package_.read(most_facets); }
 
  private:
-  ModelSource source_;
-  std::unique_ptr<const ZipArchive> archive_;
+  std::shared_ptr<const ZipArchive> archive_;
   ThreeMfPackage package_;
+  ModelOutline outline_;
 };
+
+// Writes the rest of the stream into a file in memory, and returns it at its beginning.
+OpenFile unpacked(ByteStream& stream, const std::string& name) {
+  if (stream.bytes() > kMostNestedBytes || stream.bytes() > memory_room(std::nullopt).bytes)
+    throw ModelError(
+        fmt::format("{} has {} bytes, and the limit for a 3MF file in an archive is {}, or the free memory: "
+                    "unpack the archive, and print the 3MF file",
+                    name, stream.bytes(), kMostNestedBytes));
+  OpenFile file(::fdopen(::memfd_create("contourd-3mf", MFD_CLOEXEC), "w+b"));
+  if (!file) throw std::system_error(errno, std::generic_category(), "cannot unpack " + name);
+  std::array<std::byte, 65'536> buffer{};
+  for (std::size_t bytes = 0; (bytes = stream.read_some(buffer)) > 0;)
+    if (std::fwrite(buffer.data(), 1, bytes, file.get()) != bytes)
+      throw std::system_error(errno, std::generic_category(), "cannot unpack " + name);
+  if (std::fflush(file.get()) != 0 || std::fseek(file.get(), 0, SEEK_SET) != 0)
+    throw std::system_error(errno, std::generic_category(), "cannot unpack " + name);
+  return file;
+}
+
+// Opens a 3MF file in an archive. Other archives in an archive are refused.
+std::unique_ptr<ModelInput> open_nested(StartedStream& stream, const std::string& name) {
+  const std::uint64_t bytes = stream.bytes();
+  const OpenFile file = unpacked(stream, name);
+  try {
+    auto archive = std::make_shared<const ZipArchive>(file.get(), bytes, name);
+    if (!is_threemf(*archive)) throw ModelError("it is an archive in an archive: unpack it");
+    return std::make_unique<ThreeMfInput>(std::move(archive), bytes);
+  } catch (const ModelError& error) {
+    throw ModelError(fmt::format("{}: {}", name, error.what()));
+  }
+}
+
+std::unique_ptr<ModelInput> open_entry(const std::shared_ptr<const ZipArchive>& archive,
+                                       const ZipEntry& entry) {
+  const std::string name = in_quotes(entry.name) + " in the archive";
+  auto stream = std::make_unique<StartedStream>(archive->open(entry), name);
+  const FileStart start = stream->start();
+  if (!is_recognised(start) && is_zip(start.bytes)) return open_nested(*stream, name);
+  return std::make_unique<StreamInput>(archive, std::move(stream), name);
+}
+
+OpenedModels open_archive(const std::shared_ptr<const ZipArchive>& archive, const ArchiveChoice& asked) {
+  ZipChoice choice = choose_models(*archive, asked);
+  OpenedModels opened{{}, std::move(choice.notes)};
+  for (const auto& [entry, is_supported] : choice.models)
+    opened.models.push_back({entry->name, is_supported, open_entry(archive, *entry)});
+  return opened;
+}
+
+std::unique_ptr<ModelInput> open_gzip(ModelSource source) {
+  const std::string name = "the model in the gzip archive";
+  auto origin = std::make_shared<const ModelSource>(std::move(source));
+  auto stream = std::make_unique<StartedStream>(
+      std::make_unique<GzipStream>(origin->file.get(), origin->bytes, origin->path), name);
+  return std::make_unique<StreamInput>(std::move(origin), std::move(stream), name);
+}
+
+OpenedModels only(std::unique_ptr<ModelInput> input) {
+  OpenedModels opened;
+  opened.models.push_back({"", false, std::move(input)});
+  return opened;
+}
 
 }  // namespace
 
-std::unique_ptr<ModelInput> open_model(ModelSource source) {
+OpenedModels open_models(ModelSource source) {
   std::vector<std::byte> start = read_start(source.file.get(), source.bytes, source.path);
   // The core goes first: the header of a binary STL file may hold any bytes.
   const bool plain = is_recognised({source.bytes, start});
+  const std::vector<std::string>& names = source.choice.names;
   if (!plain && is_zip(start)) {
-    auto archive = std::make_unique<const ZipArchive>(source.file.get(), source.bytes, source.path);
-    if (source.entry.empty() && is_threemf(*archive))
-      return std::make_unique<ThreeMfInput>(std::move(source), std::move(archive));
-    return std::make_unique<ZipInput>(std::move(source), std::move(archive));
+    auto archive = std::make_shared<const ZipArchive>(source.file.get(), source.bytes, source.path);
+    if (names.empty() && is_threemf(*archive))
+      return only(std::make_unique<ThreeMfInput>(std::move(archive)));
+    return open_archive(archive, source.choice);
   }
-  if (!source.entry.empty()) {
+  if (!names.empty())
     throw ModelError(
         fmt::format("the ticket names the model {} in an archive, and the file is no ZIP archive: "
                     "remove \"model\" from the ticket",
-                    in_quotes(source.entry)));
-  }
-  if (!plain && is_gzip(start)) return std::make_unique<GzipInput>(std::move(source));
-  return std::make_unique<PlainInput>(std::move(source), std::move(start));
+                    in_quotes(names.front())));
+  if (!plain && is_gzip(start)) return only(open_gzip(std::move(source)));
+  return only(std::make_unique<PlainInput>(std::move(source), std::move(start)));
 }
 
-std::unique_ptr<ModelInput> open_model(const std::filesystem::path& path, const std::string& entry) {
+OpenedModels open_models(const std::filesystem::path& path, const ArchiveChoice& choice) {
   OpenFile file = open_regular(path);
   const std::uint64_t bytes = std::filesystem::file_size(path);
-  return open_model(ModelSource{std::move(file), bytes, path, entry});
+  return open_models(ModelSource{std::move(file), bytes, path, choice});
+}
+
+std::unique_ptr<ModelInput> open_model(const std::filesystem::path& path,
+                                       const std::vector<std::string>& names) {
+  OpenedModels opened = open_models(path, {names});
+  if (opened.models.size() == 1) return std::move(opened.models.front().input);
+  std::vector<std::string_view> paths;
+  for (const OpenedModel& model : opened.models)
+    paths.emplace_back(model.entry);
+  throw ModelError(
+      fmt::format("the archive holds {} models: name one of them as \"model\" in the ticket, or "
+                  "unpack the archive: {}",
+                  opened.models.size(), names_text(paths)));
 }
 
 }  // namespace contourd

@@ -8,10 +8,12 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/formats/file_bytes.hpp"
 #include "core/formats/model_format.hpp"
 #include "core/model/model.hpp"
+#include "daemon/formats/zip_models.hpp"
 
 namespace contourd {
 
@@ -20,7 +22,7 @@ struct ModelSource {
   OpenFile file;               // at its beginning
   std::uint64_t bytes = 0;     // size when it was opened: nothing after it is read
   std::filesystem::path path;  // the name in messages
-  std::string entry{};         // name of a model in a ZIP archive; empty if the archive holds only one
+  ArchiveChoice choice{};      // models of a ZIP archive
 };
 
 // Used by one thread.
@@ -38,12 +40,29 @@ class ModelInput {
   [[nodiscard]] virtual Model read(std::uint64_t most_facets) = 0;
 };
 
-// Opens a model by its content, whatever its name is. Reads little of the file: its beginning, and the list
-// of an archive. Throws ModelError if that shows what is wrong, std::system_error if the file cannot be read.
-[[nodiscard]] std::unique_ptr<ModelInput> open_model(ModelSource source);
+// A model that a file holds.
+struct OpenedModel {
+  std::string entry;          // its path in a ZIP archive; empty: the file itself
+  bool is_supported = false;  // see ChosenModel
+  std::unique_ptr<ModelInput> input;
+};
 
-// Opens a regular file, or the model `entry` in it. Throws what the function above throws.
+struct OpenedModels {
+  std::vector<OpenedModel> models;  // at least one
+  std::vector<std::string> notes;   // the choices made in an archive, a sentence each
+};
+
+// Opens the models of a file by its content, whatever its name is. Reads little of the file: its beginning,
+// the list of an archive and the beginnings of the models in it; but all of a 3MF file in an archive, which
+// is kept in memory. Throws ModelError if that shows what is wrong, std::system_error if the file cannot be
+// read.
+[[nodiscard]] OpenedModels open_models(ModelSource source);
+// Does the same for a regular file.
+[[nodiscard]] OpenedModels open_models(const std::filesystem::path& path, const ArchiveChoice& choice = {});
+
+// Opens a file that holds one model, or the models that `names` choose of an archive, if that is one. Throws
+// what open_models() throws, and ModelError if there are several.
 [[nodiscard]] std::unique_ptr<ModelInput> open_model(const std::filesystem::path& path,
-                                                     const std::string& entry = "");
+                                                     const std::vector<std::string>& names = {});
 
 }  // namespace contourd

@@ -133,7 +133,8 @@ bool is_zip(std::span<const std::byte> start) {
   return text.starts_with("PK\x03\x04") || text.starts_with(kEndMark);
 }
 
-ZipArchive::ZipArchive(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path) {
+ZipArchive::ZipArchive(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path)
+    : bytes_(bytes) {
   FileDescriptor own(::fcntl(::fileno(file), F_DUPFD_CLOEXEC, 0));
   if (!own.valid()) throw std::system_error(errno, std::generic_category(), "cannot read " + path.string());
   check_ends(own.get(), bytes, path);

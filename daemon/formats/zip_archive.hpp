@@ -38,8 +38,10 @@ class ZipArchive {
   [[nodiscard]] const std::vector<ZipEntry>& entries() const { return entries_; }
   // Returns the entry of this name, or nullptr. ZIP names are case-sensitive.
   [[nodiscard]] const ZipEntry* find(std::string_view name) const;
-  // Opens an entry. The archive must outlive the stream. Throws ModelError if the entry is encrypted or
-  // damaged, or becomes larger than refuse_inflation() allows.
+  // Size of the archive's file.
+  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
+  // Opens an entry; several may be open at the same time. The archive must outlive the stream. Throws
+  // ModelError if the entry is encrypted or damaged, or becomes larger than refuse_inflation() allows.
   [[nodiscard]] std::unique_ptr<ByteStream> open(const ZipEntry& entry) const;
 
  private:
@@ -49,6 +51,7 @@ class ZipArchive {
 
   void list_entries();
 
+  std::uint64_t bytes_;
   std::unique_ptr<zip_t, Discard> archive_;
   std::vector<ZipEntry> entries_;
 };

@@ -142,7 +142,7 @@ std::string JobScheduler::trouble_of_profile(const WaitingJob& job, const JobLoo
 void JobScheduler::begin(TakenJob taken, const JobFiles& files) {
   const WaitingJob& job = taken.job;
   std::vector<std::string> accepted;
-  for (const std::string_view finding : {kUnheldPlaces, kWideGaps})
+  for (const std::string_view finding : kFoundByPreparation)
     if (queue_.questions().has_accepted(job.analyzed, std::string(finding))) accepted.emplace_back(finding);
   queue_.begun(job);
   use_.begin({.files = files,

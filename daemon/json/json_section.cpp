@@ -46,6 +46,10 @@ bool JsonSection::is_section(std::string_view key) const {
   return at(key).is_object();
 }
 
+bool JsonSection::is_list(std::string_view key) const {
+  return at(key).is_array();
+}
+
 std::vector<JsonSection> JsonSection::sections(std::string_view key) const {
   const nlohmann::json& list = at(key);
   if (!list.is_array()) reject(key, "expected a list");

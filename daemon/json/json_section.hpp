@@ -26,6 +26,7 @@ class JsonSection {
 
   [[nodiscard]] bool has(std::string_view key) const;
   [[nodiscard]] bool is_section(std::string_view key) const;
+  [[nodiscard]] bool is_list(std::string_view key) const;
   [[nodiscard]] JsonSection section(std::string_view key) const;
   // Returns the objects of a list.
   [[nodiscard]] std::vector<JsonSection> sections(std::string_view key) const;

@@ -1,42 +1,80 @@
 #include "daemon/prepare/job_content.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "core/repair/mesh_soundness.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd {
 namespace {
 
-// True if both models are made from the same file, turned and scaled alike.
+// True if models of the same file with these tickets are turned and scaled alike.
 bool made_alike(const ModelTicket& a, const ModelTicket& b) {
-  return a.file == b.file && a.entry == b.entry && a.rotation == b.rotation && a.up == b.up &&
-         a.orientation == b.orientation && a.scale == b.scale && a.fit == b.fit && a.unit == b.unit;
+  return a.rotation == b.rotation && a.up == b.up && a.orientation == b.orientation && a.scale == b.scale &&
+         a.fit == b.fit && a.unit == b.unit;
 }
 
 }  // namespace
 
-JobContent::JobContent(const std::filesystem::path& folder_or_model, bool plate, Links links,
-                       const JobTicket& ticket) {
+JobContent::JobContent(const JobFiles& files, const JobTicket& ticket, bool unsupported)
+    : files_of_job_(files), is_plate_(files.plate) {
   for (const ModelTicket& model : ticket.models)
-    add(model, folder_or_model, plate, links);
+    add(model, unsupported);
+  is_plate_ = is_plate_ || models_.size() > 1;
+  if (!is_archive_plate()) return;
+  for (NamedModel& model : models_)
+    model.name = printable(model.path);
 }
 
-void JobContent::add(const ModelTicket& ticket, const std::filesystem::path& folder_or_model, bool plate,
-                     Links links) {
-  const auto same_file = std::find_if(models_.begin(), models_.end(), [&](const NamedModel& other) {
-    return other.ticket.file == ticket.file && other.ticket.entry == ticket.entry;
+void JobContent::add(const ModelTicket& ticket, bool unsupported) {
+  auto opened = std::ranges::find_if(opened_, [&](const OpenedFile& other) {
+    return other.name == ticket.file && other.entries == ticket.entries;
   });
-  const auto alike = std::find_if(same_file, models_.end(),
-                                  [&](const NamedModel& other) { return made_alike(other.ticket, ticket); });
-  const std::size_t file = same_file == models_.end() ? files_.size() : same_file->file;
-  if (file == files_.size())
-    files_.emplace_back(
-        ModelPlace{plate ? folder_or_model / ticket.file : folder_or_model, ticket.entry, links},
-        printable(ticket.file));
+  if (opened == opened_.end()) opened = opened_.insert(opened, open(ticket, unsupported));
+  if (opened->count > 1 && (ticket.position || !ticket.drain.empty()))
+    throw JobRefused(fmt::format(
+        "{}the archive holds {} models, and {} in the ticket is for one: name one of them as \"model\"",
+        ticket.file.empty() ? "" : printable(ticket.file) + ": ", opened->count,
+        ticket.position ? "position_mm" : "drain"));
+  for (std::size_t file = opened->first; file < opened->first + opened->count; ++file)
+    add_model(ticket, file);
+}
+
+JobContent::OpenedFile JobContent::open(const ModelTicket& ticket, bool unsupported) {
+  const bool plate = files_of_job_.plate;
+  ModelFiles opened = open_model_files({plate ? files_of_job_.model / ticket.file : files_of_job_.model,
+                                        {ticket.entries, unsupported},
+                                        files_of_job_.links},
+                                       printable(ticket.file));
+  for (std::string& note : opened.notes)
+    notes_.push_back(plate ? printable(ticket.file) + ": " + note : std::move(note));
+  const OpenedFile made{ticket.file, ticket.entries, files_.size(), opened.files.size()};
+  for (ModelFile& file : opened.files)
+    files_.push_back(std::move(file));
+  return made;
+}
+
+void JobContent::add_model(const ModelTicket& ticket, std::size_t file) {
+  const auto alike = std::ranges::find_if(models_, [&](const NamedModel& other) {
+    return other.file == file && made_alike(other.ticket, ticket);
+  });
+  const std::string& entry = files_[file].entry();
+  const std::string path = ticket.file + (ticket.file.empty() || entry.empty() ? "" : "/") + entry;
   const auto made_as = static_cast<std::size_t>(alike - models_.begin());
-  models_.push_back({ticket, plate ? printable(ticket.file) : "the model", file, made_as});
+  models_.push_back({ticket, files_of_job_.plate ? printable(path) : "the model", path, file, made_as});
+}
+
+void JobContent::leave_out(std::size_t model) {
+  expects(is_archive_plate() && models_.size() > 1 && model < models_.size(),
+          "a model of an archive can be left out, but not the last one");
+  models_.erase(models_.begin() + static_cast<std::ptrdiff_t>(model));
+  // Each model of an archive is made from a file of its own.
+  for (std::size_t i = 0; i < models_.size(); ++i)
+    models_[i].made_as = i;
 }
 
 bool JobContent::is_first_of_file(std::size_t model) const {

@@ -1,6 +1,7 @@
 // The models that a job's ticket names and their files: all files are opened, checked against the available
 // memory, then read. A plate may name a file many times: the file is read once, and models that are turned
-// and scaled alike are built once. Thread-safe (no shared state).
+// and scaled alike are built once. An archive of several models is a plate of them. Thread-safe (no shared
+// state).
 #pragma once
 
 #include <cstddef>
@@ -15,6 +16,7 @@
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/prepare/job_memory.hpp"
 #include "daemon/prepare/model_file.hpp"
+#include "daemon/spool/job_files.hpp"
 #include "daemon/system/memory_room.hpp"
 
 namespace contourd {
@@ -23,6 +25,7 @@ namespace contourd {
 struct NamedModel {
   ModelTicket ticket;
   std::string name;  // as messages name it
+  std::string path;  // for reports: in the plate's folder, then in an archive; empty: the job's only file
   std::size_t file;  // index of its file
   // Index of the first model that is made from the same file, turned and scaled alike; its own if there is
   // none before.
@@ -31,10 +34,19 @@ struct NamedModel {
 
 class JobContent {
  public:
-  // Opens the files. `folder_or_model` is the plate's folder or the single model's file. Throws JobRefused.
-  JobContent(const std::filesystem::path& folder_or_model, bool plate, Links links, const JobTicket& ticket);
+  // Opens the files. `unsupported`: of an archive's models with supports and without, those without are
+  // meant. Throws JobRefused.
+  JobContent(const JobFiles& files, const JobTicket& ticket, bool unsupported);
 
   [[nodiscard]] const std::vector<NamedModel>& models() const { return models_; }
+  // True for a plate, and for an archive of several models.
+  [[nodiscard]] bool is_plate() const { return is_plate_; }
+  // True for an archive of several models, some of which may be left out.
+  [[nodiscard]] bool is_archive_plate() const { return is_plate_ && !files_of_job_.plate; }
+  // Returns the choices made in archives, a sentence each.
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+  // Removes a model, whose facets are taken already. REQUIRES: is_archive_plate(); it is not the only one.
+  void leave_out(std::size_t model);
   // True if no earlier model is made from the same file.
   [[nodiscard]] bool is_first_of_file(std::size_t model) const;
 
@@ -58,6 +70,8 @@ class JobContent {
   [[nodiscard]] const std::vector<std::string>& warnings(std::size_t file) const {
     return read_[file].warnings;
   }
+  // True if the model was chosen because it carries supports: see ChosenModel.
+  [[nodiscard]] bool is_supported(std::size_t file) const { return files_[file].is_supported(); }
   // Returns the unit that a file names. Valid after read().
   [[nodiscard]] std::optional<LengthUnit> unit(std::size_t file) const { return read_[file].unit; }
   // True if the shape suggests that the file's y axis points up. Valid after read().
@@ -67,8 +81,21 @@ class JobContent {
   [[nodiscard]] std::vector<Facet> take_facets(std::size_t model);
 
  private:
-  void add(const ModelTicket& ticket, const std::filesystem::path& folder_or_model, bool plate, Links links);
+  // The models of a ticket's file, in files_.
+  struct OpenedFile {
+    std::string name;                  // as the ticket has it
+    std::vector<std::string> entries;  // as the ticket has them
+    std::size_t first, count;
+  };
 
+  void add(const ModelTicket& ticket, bool unsupported);
+  [[nodiscard]] OpenedFile open(const ModelTicket& ticket, bool unsupported);
+  void add_model(const ModelTicket& ticket, std::size_t file);
+
+  JobFiles files_of_job_;
+  bool is_plate_;
+  std::vector<std::string> notes_;
+  std::vector<OpenedFile> opened_;
   std::vector<NamedModel> models_;
   std::vector<ModelFile> files_;
   std::vector<FileToRead> to_read_;  // outlines, by file

@@ -38,6 +38,11 @@ OrientationLimits orientation_limits(const MakingContext& making) {
 void find_up(JobContent& content, std::span<const Facet> facets, ModelTicket& ticket,
              const MakingContext& making, ModelSummary& figures) {
   if (!ticket.orientation || facets.empty()) return;
+  if (figures.carries_supports) {
+    // The supports hold the model as it is drawn.
+    ticket.orientation.reset();
+    return;
+  }
   // Orienting takes no more memory than repairing, and a sweep for supports.
   content.require_room_to_repair(facets);
   figures.orientation = find_orientation(facets, ticket, orientation_limits(making), making.stop);
@@ -68,12 +73,15 @@ void doubt_unit(const ModelSummary& figures, const NamedModel& model, const Maki
 // Takes the model's facets from `content`, turns and scales them, and sets `made` to their height index.
 ModelSummary make_model(JobContent& content, std::size_t number, const MakingContext& making,
                         JobSummary& summary, std::shared_ptr<const HeightIndex>& made) {
-  const auto& [given, name, file, made_as] = content.models()[number];
+  const auto& [given, name, path, file, made_as] = content.models()[number];
   ModelTicket ticket = given;
   ModelSummary figures;
-  figures.file = ticket.file;
+  figures.file = path;
   figures.format = content.format(file);
   figures.rotation_deg = ticket.rotation;
+  figures.carries_supports = content.is_supported(file) && making.settings.supports != SupportPolicy::On;
+  if (figures.carries_supports && ticket.orientation)
+    summary.warnings.push_back(name + " is not turned: the supports in its file hold it as it is drawn");
   std::vector<Facet> facets = content.take_facets(number);
   convert(facets, content.models()[number], summary);
   if (content.y_is_up(file) && !ticket.up && !ticket.orientation) {
@@ -105,7 +113,7 @@ std::vector<ModelToPlace> make_models(JobContent& content, const JobSettings& se
   const MakingContext making{settings, volume, stop};
   std::vector<ModelToPlace> models;
   for (std::size_t i = 0; i < content.models().size() && !stop.stop_requested(); ++i) {
-    const auto& [ticket, name, file, made_as] = content.models()[i];
+    const auto& [ticket, name, path, file, made_as] = content.models()[i];
     // A single model without a position stands in the middle.
     const std::optional<PlateOffset> position =
         summary.plate ? ticket.position : ticket.position.value_or(PlateOffset{});

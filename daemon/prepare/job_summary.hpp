@@ -26,7 +26,7 @@ namespace contourd {
 
 // One of a job's models.
 struct ModelSummary {
-  std::string file;         // in the plate's folder; empty for a job of one model
+  std::string file;         // in the plate's folder and in an archive; empty for a job of one file
   std::string_view format;  // name of the file format
   MeshReport mesh;          // as placed and repaired
   MeshRepairs repairs;
@@ -36,6 +36,7 @@ struct ModelSummary {
   RotationDegrees rotation_deg;
   std::optional<Direction> up;
   std::size_t drain_holes = 0;
+  bool carries_supports = false;                // as its name in an archive says
   std::optional<ModelOrientation> orientation;  // the search that found `up`; nullopt if there was none
   std::vector<Point> centers;                   // one for each copy, from the plate's centre, in millimetres
 };
@@ -79,6 +80,7 @@ struct JobSummary {
   std::string temperature_warning{};         // from follow_temperature(); a warning, too
   std::vector<std::string> rise_warnings{};  // from plan_rises_of(); warnings, too
   std::string unit_hint;  // from unit_hint(), of the first model that has one; a warning, too
+  std::string left_out;   // a sentence about an archive's models without room on the plate; a warning, too
   std::string wide_gaps;  // a sentence about the first model with gaps far wider than a pixel; a warning, too
 };
 

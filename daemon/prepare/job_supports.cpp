@@ -13,11 +13,6 @@
 namespace contourd {
 namespace {
 
-// Returns the gap between models: room for one foot, and its clearance on both sides.
-Millimeters gap_for(const SupportSettings& settings) {
-  return std::max(kCopyGap, settings.foot_diameter + 2 * settings.clearance);
-}
-
 bool needs_any(const Supports& supports) {
   return !supports.contacts.empty() || !supports.unheld.empty();
 }
@@ -41,6 +36,10 @@ std::optional<Supports> supports_of(const PlateToHold& plate, const Arrangement&
 }
 
 }  // namespace
+
+Millimeters gap_for_supports(const SupportSettings& settings) {
+  return std::max(kCopyGap, settings.foot_diameter + 2 * settings.clearance);
+}
 
 OwnSupports find_own_supports(const std::shared_ptr<const HeightIndex>& model,
                               const SupportSettings& settings, SupportPolicy policy,
@@ -101,10 +100,10 @@ std::vector<PlateModel> stand_on_plate(const std::vector<ModelToPlace>& models,
 std::optional<HeldPlate> hold_plate(const PlateToHold& plate, const std::stop_token& stop) {
   const bool lifted = std::ranges::any_of(
       plate.models, [](const ModelToPlace& model) { return model.elevation.above_plate() > Nanometers{}; });
-  HeldPlate held{arranged(plate, lifted ? gap_for(plate.settings) : kCopyGap), {}};
+  HeldPlate held{arranged(plate, lifted ? gap_for_supports(plate.settings) : kCopyGap), {}};
   std::optional<Supports> supports = supports_of(plate, held.arrangement, stop);
   if (supports && needs_any(*supports) && !lifted) {
-    Arrangement wide = arranged(plate, gap_for(plate.settings));
+    Arrangement wide = arranged(plate, gap_for_supports(plate.settings));
     if (wide != held.arrangement) {
       held.arrangement = std::move(wide);
       supports = supports_of(plate, held.arrangement, stop);

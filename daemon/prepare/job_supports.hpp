@@ -37,6 +37,9 @@ namespace contourd {
 void lift_models(std::vector<ModelToPlace>& models, const SupportSettings& settings, Nanometers layer,
                  const BuildVolume& volume);
 
+// Returns the gap between models that stand on supports: room for one foot, and its clearance on both sides.
+[[nodiscard]] Millimeters gap_for_supports(const SupportSettings& settings);
+
 // An arrangement of models and their supports.
 struct HeldPlate {
   Arrangement arrangement;

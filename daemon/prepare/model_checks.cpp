@@ -266,7 +266,7 @@ std::string prefix_of(const NamedModel& model, const JobSummary& summary) {
 
 void inspect_models(const JobContent& content, std::span<const PlateModel> models, JobSummary& summary) {
   for (std::size_t i = 0; i < content.models().size(); ++i) {
-    const auto& [ticket, name, file, made_as] = content.models()[i];
+    const auto& [ticket, name, path, file, made_as] = content.models()[i];
     if (made_as != i) {
       summary.models[i].mesh = summary.models[made_as].mesh;
       summary.models[i].repairs = summary.models[made_as].repairs;

@@ -1,44 +1,54 @@
-// A model file named by a job: opened and outlined first, read later. The opened file stays the one that is
-// read, even if another file replaces it meanwhile. Thread-safe (no shared state).
+// A model named by a job, a file or a part of an archive: opened and outlined first, read later. The opened
+// file stays the one that is read, even if another file replaces it meanwhile. Thread-safe (no shared state).
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "daemon/formats/model_input.hpp"
 #include "daemon/system/regular_file.hpp"
 
 namespace contourd {
 
-// The place of a model: a file, or a model in a ZIP archive.
+// The place of models: a file, or models in a ZIP archive.
 struct ModelPlace {
   std::filesystem::path path;
-  std::string entry{};  // name in the archive; empty: the file itself, or the archive's only model
+  ArchiveChoice choice{};
   Links links = Links::Follow;
 };
 
 class ModelFile {
  public:
-  // Opens the file and reads its outline from its beginning. `name` precedes error messages; empty if the job
-  // has only one model. Throws JobRefused.
-  ModelFile(ModelPlace place, const std::string& name);
+  // `file` is the model's file in messages. `name` precedes messages; empty if the job has only one model.
+  ModelFile(std::filesystem::path file, OpenedModel opened, const std::string& name);
 
-  [[nodiscard]] const ModelOutline& outline() const { return input_->outline(); }
+  // Returns the model's path in a ZIP archive; empty if the file itself is the model.
+  [[nodiscard]] const std::string& entry() const { return opened_.entry; }
+  // True if the model was chosen because it carries supports: see ChosenModel.
+  [[nodiscard]] bool is_supported() const { return opened_.is_supported; }
+
+  [[nodiscard]] const ModelOutline& outline() const { return opened_.input->outline(); }
   // Reads the model, up to the length that the file had when it was opened. Call it once. Blocks. Throws
   // JobRefused, also if the file says how to make more than `most_facets` of what it holds.
   [[nodiscard]] Model read(std::uint64_t most_facets);
 
  private:
-  [[nodiscard]] std::unique_ptr<ModelInput> open() const;
-  // Calls `work` and turns its exceptions into JobRefused.
-  template <typename Work>
-  auto or_refuse(Work work) const;
-
-  ModelPlace place_;
+  std::filesystem::path file_;
+  OpenedModel opened_;
   std::string prefix_;
-  std::unique_ptr<ModelInput> input_;
 };
+
+// The models of a file, with their outlines.
+struct ModelFiles {
+  std::vector<ModelFile> files;    // at least one
+  std::vector<std::string> notes;  // see OpenedModels
+};
+
+// Opens a file and reads the outlines of its models from their beginnings. `name` precedes error messages,
+// and the paths of models in an archive follow it; empty if the file is the whole job. Throws JobRefused.
+[[nodiscard]] ModelFiles open_model_files(const ModelPlace& place, const std::string& name);
 
 }  // namespace contourd

@@ -67,7 +67,7 @@ class RoomFinder {
     });
     for (const std::size_t i : free) {
       for (int copy = 0; copy < models_[i].copies; ++copy)
-        places_.push_back({i, find_room(models_[i], copy)});
+        places_.push_back({i, find_room(i, copy)});
     }
     const bool alone = free.size() == models_.size();
     const auto [right, back] = alone ? slack_beside_all() : std::tuple<std::int64_t, std::int64_t>(0, 0);
@@ -105,15 +105,18 @@ class RoomFinder {
                      pixels_for(bounds.size_x()) + 1, pixels_for(bounds.size_y()) + 1});
   }
 
-  PlateRectangle find_room(const ModelToPlace& model, int copy) {
+  PlateRectangle find_room(std::size_t number, int copy) {
+    const ModelToPlace& model = models_[number];
     const Bounds& bounds = model.model->bounds();
     const auto place = packing_.find_room(pixels_for(bounds.size_x()), pixels_for(bounds.size_y()));
     if (place) return *place;
-    throw JobRefused(fmt::format(
-        "there is no room on the plate ({:.2f} x {:.2f} mm) for {}{} ({:.2f} x {:.2f} mm) beside the others",
-        volume_.width_mm(), volume_.depth_mm(), model.name,
-        model.copies > 1 ? fmt::format(", copy {} of {}", copy + 1, model.copies) : "", bounds.size_x(),
-        bounds.size_y()));
+    throw NoRoomOnPlate(
+        fmt::format("there is no room on the plate ({:.2f} x {:.2f} mm) for {}{} ({:.2f} x {:.2f} mm) beside "
+                    "the others",
+                    volume_.width_mm(), volume_.depth_mm(), model.name,
+                    model.copies > 1 ? fmt::format(", copy {} of {}", copy + 1, model.copies) : "",
+                    bounds.size_x(), bounds.size_y()),
+        number);
   }
 
   // Returns the number of pixels that stay free to the right of all models, and at the back of the plate.

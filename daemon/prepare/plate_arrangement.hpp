@@ -18,6 +18,17 @@ namespace contourd {
 // The supports that a model carries in its file: it gets no others if they are kept.
 enum class OwnSupports { None, Kept, Overruled };
 
+// Thrown if a model has no room on the plate beside the others.
+class NoRoomOnPlate : public JobRefused {
+ public:
+  NoRoomOnPlate(const std::string& reason, std::size_t model) : JobRefused(reason), model_(model) {}
+  // Index of the model.
+  [[nodiscard]] std::size_t model() const { return model_; }
+
+ private:
+  std::size_t model_;
+};
+
 // A model that is already turned and scaled.
 struct ModelToPlace {
   std::string name;  // as messages name it: "the model", or its file
@@ -51,7 +62,8 @@ using Arrangement = std::vector<std::vector<Point>>;
 // Arranges the models. Copies of a model with a position stand in rows and columns around it, `gap` apart.
 // Every other copy is put where there is room, at least `gap` from all others, with its edges on the pixel
 // grid; if no model has a position, all of them together are centred on the plate. Throws JobRefused if there
-// is not enough room. Positions that reach over the plate's edge are found by check_arrangement().
+// is not enough room, NoRoomOnPlate for a model without a position. Positions that reach over the plate's
+// edge are found by check_arrangement().
 [[nodiscard]] Arrangement arrange(const std::vector<ModelToPlace>& models, const BuildVolume& volume,
                                   Millimeters gap = kCopyGap);
 

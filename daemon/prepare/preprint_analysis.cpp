@@ -19,6 +19,7 @@ std::vector<std::string> always_asked(const JobSummary& job) {
   std::vector<std::string> findings;
   if (job.supports && !job.supports->unheld.empty()) findings.emplace_back(kUnheldPlaces);
   if (!job.wide_gaps.empty()) findings.emplace_back(kWideGaps);
+  if (!job.left_out.empty()) findings.emplace_back(kLeftOutModels);
   return findings;
 }
 
@@ -105,7 +106,8 @@ std::optional<PreprintAnalysis> analyze_before_print(const PreparedJob& job, con
 std::vector<std::string> asked_findings(const PreprintAnalysis& analysis, const PrinterConfig& printer) {
   std::vector<std::string> asked = analysis.findings;
   std::erase_if(asked, [&](const std::string& name) {
-    if (name == kNotAnalyzed || name == kUnheldPlaces || name == kWideGaps) return false;
+    if (name == kNotAnalyzed || std::ranges::find(kFoundByPreparation, name) != kFoundByPreparation.end())
+      return false;
     return std::ranges::find(printer.ask_before, name) == printer.ask_before.end();
   });
   return asked;

@@ -2,6 +2,7 @@
 // (ask_before in the printer's file). Values; thread-safe (no shared state).
 #pragma once
 
+#include <array>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -30,6 +31,12 @@ inline constexpr std::string_view kUnheldPlaces = "unheld_places";
 // Finding of a job whose models lack much of their surface. Needs confirmation even if ask_before does not
 // name it.
 inline constexpr std::string_view kWideGaps = "wide_gaps";
+// Finding of a job of an archive's models that do not fit on one plate: some are left out. Needs confirmation
+// even if ask_before does not name it.
+inline constexpr std::string_view kLeftOutModels = "left_out_models";
+// The findings above that the preparation of a job makes.
+inline constexpr std::array<std::string_view, 3> kFoundByPreparation{kUnheldPlaces, kWideGaps,
+                                                                     kLeftOutModels};
 
 // An analysis, and the job's content and settings at that time.
 struct AnalyzedJob {

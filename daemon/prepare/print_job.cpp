@@ -83,7 +83,7 @@ class Preparation {
         settings_(settings),
         printer_(printer),
         volume_(build_volume(printer, settings.resin)),
-        content_(files.model, files.plate, files.links, settings.ticket) {}
+        content_(files, settings.ticket, settings.supports == SupportPolicy::On) {}
 
   // Returns the prepared job, or nullopt if a stop was requested.
   std::optional<PreparedJob> run(const std::stop_token& stop) {
@@ -92,8 +92,11 @@ class Preparation {
     } catch (const JobTooLarge&) {
       throw;
     } catch (const JobRefused& refused) {
-      if (summary_.unit_hint.empty()) throw;
-      throw JobRefused(fmt::format("{}; {}", refused.what(), summary_.unit_hint));
+      std::string sentence = refused.what();
+      if (!summary_.unit_hint.empty()) sentence += "; " + summary_.unit_hint;
+      if (content_.is_archive_plate())
+        sentence += "; \"model\" in the ticket chooses models of the archive (contourctl submit --model)";
+      throw JobRefused(sentence);
     }
   }
 
@@ -105,6 +108,7 @@ class Preparation {
     summary_.reading = SteadyClock::now() - start_;
     models_ = make_models(content_, settings_, volume_, summary_, stop);
     if (stop.stop_requested()) return std::nullopt;
+    leave_out_without_room();
     drill();
     lift(stop);
     job_.plan.layers = choose_layers(settings_.ticket, printer_, models_, summary_);
@@ -133,7 +137,9 @@ class Preparation {
     job_.display = volume_.display;
     job_.plan.job = files_.name;
     job_.plan.dry = summary_.dry = settings_.ticket.dry;
-    summary_.plate = files_.plate;
+    summary_.plate = content_.is_plate();
+    for (const std::string& note : content_.notes())
+      warn(note);
     summary_.resin = settings_.resin;
     summary_.resin.supports.closed_gap = closed_gap(settings_.ticket, settings_.resin);
     summary_.overridden = settings_.overridden;
@@ -200,6 +206,8 @@ class Preparation {
     if (settings_.supports != SupportPolicy::Off) {
       for (ModelToPlace& model : models_)
         model.own_supports = find_own_supports(model.model, resin.supports, settings_.supports, stop);
+      for (std::size_t i = 0; i < models_.size(); ++i)
+        if (summary_.models[i].carries_supports) models_[i].own_supports = OwnSupports::Kept;
       lift_models(models_, resin.supports, layer_beneath(settings_.ticket, resin), volume_);
     }
     for (std::size_t i = 0; i < models_.size(); ++i)
@@ -212,7 +220,7 @@ class Preparation {
 
   // Adds a warning if the model stands on supports or on an edge, although it has a nearly level base.
   void find_tilt(std::size_t number) {
-    const auto& [ticket, name, file, made_as] = content_.models()[number];
+    const auto& [ticket, name, path, file, made_as] = content_.models()[number];
     const ModelToPlace& model = models_[number];
     const Nanometers layer = layer_beneath(settings_.ticket, summary_.resin);
     if (ticket.orientation || made_as != number || model.own_supports == OwnSupports::Kept ||
@@ -222,6 +230,50 @@ class Preparation {
     warn(
         tilted_base_sentence(model.name, *model.model, summary_.resin.supports, layer,
                              "\"up\": \"auto\" in its ticket turns it, and \"contourctl orient\" shows how"));
+  }
+
+  // Leaves out the models of an archive that have no room on the plate beside the others and their supports.
+  void leave_out_without_room() {
+    const Millimeters gap =
+        settings_.supports == SupportPolicy::Off ? kCopyGap : gap_for_supports(settings_.resin.supports);
+    std::vector<std::string> left_out;
+    while (content_.is_archive_plate()) {
+      try {
+        (void)arrange(models_, volume_, gap);
+        break;
+      } catch (const NoRoomOnPlate& refusal) {
+        if (models_.size() == 1) throw;
+        left_out.push_back(content_.models()[refusal.model()].path);
+        leave_out(refusal.model());
+      }
+    }
+    if (left_out.empty()) return note_plate();
+    summary_.left_out = fmt::format(
+        "{} of the {} models of the archive have no room on the plate ({:.2f} x {:.2f} mm) beside the others "
+        "and "
+        "are left out: {}; \"model\" in a ticket chooses models or a folder for a plate of their own "
+        "(contourctl submit --model)",
+        left_out.size(), left_out.size() + models_.size(), volume_.width_mm(), volume_.depth_mm(),
+        names_text({left_out.begin(), left_out.end()}));
+    warn(summary_.left_out);
+  }
+
+  void note_plate() {
+    if (!content_.is_archive_plate() || !settings_.ticket.models.front().entries.empty()) return;
+    std::vector<std::string_view> paths;
+    for (const NamedModel& model : content_.models())
+      paths.emplace_back(model.path);
+    warn(fmt::format(
+        "the {} models of the archive are printed together, as one plate: {}; \"model\" in the ticket "
+        "chooses some of them (contourctl submit --model)",
+        paths.size(), names_text(paths)));
+  }
+
+  void leave_out(std::size_t number) {
+    const auto at = static_cast<std::ptrdiff_t>(number);
+    content_.leave_out(number);
+    models_.erase(models_.begin() + at);
+    summary_.models.erase(summary_.models.begin() + at);
   }
 
   // Arranges the models and generates their supports; nullopt if a stop was requested.

@@ -86,6 +86,10 @@ void write_packed_inputs(const fs::path& folder) {
   write(folder / "box.stl.gz", testing::gzipped(stl));
   write(folder / "box.zip", testing::zipped({{"a/box.stl", stl}, {"__MACOSX/x", ""}}));
   write(folder / "several.zip", testing::zipped({{"a.stl", stl}, {"b.stl", models::to_ascii_stl(box)}}));
+  write(folder / "versions.zip",
+        testing::zipped(
+            {{"Supported/a.stl", stl}, {"Unsupported/a.stl", stl}, {"a.obj", "x"}, {"a.lys", "x"}}));
+  write(folder / "nested.zip", testing::zipped({{"a.3mf", testing::threemf_of(box)}, {"b\\c.stl", stl}}));
   write(folder / "locked.zip", testing::zipped({{"a.stl", stl, false, "secret"}, {"l.stl", "a.stl", true}}));
   write(folder / "box.3mf", testing::threemf_of(box));
 }

@@ -27,18 +27,28 @@ OpenFile file_of(const std::uint8_t* data, std::size_t size) {
   return file;
 }
 
+void read_all(ModelInput& input) {
+  const bool is_package = input.outline().format == "3mf";
+  const Model model = input.read(kAllowedFacets);
+  demand(!is_package || model.facets.size() <= kAllowedFacets, "more facets than were allowed");
+  for (const Facet& facet : model.facets)
+    demand(is_finite(facet), "a coordinate is not finite");
+  for (const std::string& warning : model.warnings)
+    fuzz::demand_sentence(warning);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
-    const auto input = open_model(ModelSource{file_of(data, size), size, "input"});
-    const bool is_package = input->outline().format == "3mf";
-    const Model model = input->read(kAllowedFacets);
-    demand(!is_package || model.facets.size() <= kAllowedFacets, "more facets than were allowed");
-    for (const Facet& facet : model.facets)
-      demand(is_finite(facet), "a coordinate is not finite");
-    for (const std::string& warning : model.warnings)
-      fuzz::demand_sentence(warning);
+    // Both versions of a model, with supports and without, are chosen by one input or another.
+    const bool unsupported = size % 2 == 1;
+    OpenedModels opened = open_models(ModelSource{file_of(data, size), size, "input", {{}, unsupported}});
+    demand(!opened.models.empty() && opened.models.size() <= kMostArchiveModels, "too many models or none");
+    for (const std::string& note : opened.notes)
+      fuzz::demand_sentence(note);
+    for (const OpenedModel& each : opened.models)
+      read_all(*each.input);
   } catch (const ModelError& error) {
     fuzz::demand_sentence(error.what());
   }

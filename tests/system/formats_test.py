@@ -90,10 +90,35 @@ class Formats(SpoolTest):
     def test_the_ticket_names_the_model_of_an_archive(self):
         daemon = self.daemon().start()
         archive = zipped({"Supported/part.stl": binary_stl(WEDGE), "Unsupported/part.stl": SLAB})
-        daemon.drop("both.zip", archive)
-        self.assert_words(daemon.wait_refused("both"), "holds 2 models", '"Supported/part.stl"', '"model"')
-        daemon.drop("chosen.zip", archive, {"model": "Unsupported/part.stl"})
-        self.assertEqual(daemon.wait_done("chosen")["layers"], 20)
+        report = daemon.printed("both.zip", archive)
+        self.assertEqual(report["model"]["file"], "Supported/part.stl")
+        self.assert_words(json.dumps(report["model"]["warnings"]), "with supports and without", "Unsupported/part.stl")
+        self.assertEqual(daemon.printed("chosen.zip", archive, {"model": "Unsupported/part.stl"})["layers"], 20)
+        self.assertEqual(daemon.printed("folder.zip", archive, {"model": ["Unsupported"]})["layers"], 20)
+
+    def test_several_models_of_an_archive_are_a_plate(self):
+        daemon = self.daemon(masks=True).start()
+        cube, bar = binary_stl(box((0, 0, 0), (10, 10, 1))), binary_stl(box((0, 0, 0), (4, 8, 2)))
+        report = daemon.printed("pack.zip", zipped({"a/cube.stl": cube, "b/bar.3mf": threemf(mesh(box((0, 0, 0), (4, 8, 2))))}))
+        self.assertEqual([model["file"] for model in report["models"]], ["a/cube.stl", "b/bar.3mf"])
+        daemon.drop_plate("plate", json.dumps({"models": [{"file": "cube.stl"}, {"file": "bar.stl"}]}), {"cube.stl": cube, "bar.stl": bar})
+        folders = [each["masks_folder"] for each in (report, daemon.wait_done("plate"))]
+        shown = [[contents(os.path.join(folder, name)) for name in sorted(os.listdir(folder)) if name.endswith(".png")] for folder in folders]
+        self.assertEqual(len(shown[0]), 40)
+        self.assertEqual(*shown)
+
+    def test_an_archive_that_does_not_fit_on_one_plate_waits_and_is_printed_in_part_when_accepted(self):
+        daemon = self.daemon().start()
+        wide = binary_stl(box((0, 0, 0), (90, 30, 1)))
+        path = self.write("wide.zip", zipped({"a.stl": wide, "b.stl": wide}))
+        daemon.ctl("submit", path, "--yes", expect=OK)
+        daemon.wait_job("wide", "unaccepted")
+        self.assertEqual(daemon.job("wide")["asks"], ["left_out_models"])
+        self.assert_words(json.dumps(daemon.job("wide")["warnings"]), "1 of the 2 models of the archive", "no room on the plate", "b.stl")
+        daemon.ctl("accept", "wide", expect=OK)
+        self.assertEqual([model["file"] for model in daemon.wait_done("wide")["models"]], ["a.stl"])
+        daemon.ctl("submit", path, "--yes", "--model", "b.stl", expect=OK)
+        self.assertEqual(daemon.wait_done("wide-2")["model"]["file"], "b.stl")
 
     def test_bombs_are_refused_in_a_sentence_while_contourd_answers(self):
         daemon = self.daemon().start()

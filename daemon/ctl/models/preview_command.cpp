@@ -142,8 +142,9 @@ bool is_there(const fs::path& path) {
 
 PreviewSubject file_subject(const PreviewOptions& options) {
   const fs::path path = options.subject;
-  look_at_model(path, model_named_in(
-                          options.ticket));  // gives the same messages for unreadable files as other commands
+  look_at_models(
+      path,
+      models_named_in(options.ticket));  // gives the same messages for unreadable files as other commands
   return {{model_stem(path.filename().string()), path, options.ticket}, printable(path.filename().string())};
 }
 
@@ -242,7 +243,7 @@ std::vector<Facet> facets_of(const PreviewSubject& subject) {
   const JobFiles& files = subject.files;
   if (!subject.spooled) return read_model(files.model).model.facets;
   try {
-    JobContent content(files.model, files.plate, files.links, JobTicket{});
+    JobContent content(files, JobTicket{}, false);
     content.read(DisplayGeometry{}, memory_room(std::nullopt));
     return content.take_facets(0);
   } catch (const JobRefused& refusal) {

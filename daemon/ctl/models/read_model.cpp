@@ -20,9 +20,9 @@ std::uint64_t most_facets_of(const FileToRead& file) {
 
 }  // namespace
 
-ModelOfFile read_model(const std::filesystem::path& path, const std::string& entry) {
+ModelOfFile read_model(const std::filesystem::path& path, const std::vector<std::string>& names) {
   try {
-    const std::unique_ptr<ModelInput> input = open_model(path, entry);
+    const std::unique_ptr<ModelInput> input = open_model(path, names);
     Model model = input->read(most_facets_of({input->outline()}));
     return {std::move(model), input->outline().format};
   } catch (const ModelError& error) {
@@ -32,29 +32,29 @@ ModelOfFile read_model(const std::filesystem::path& path, const std::string& ent
   }
 }
 
-void look_at_model(const std::filesystem::path& path, const std::string& entry) {
+void look_at_models(const std::filesystem::path& path, const std::vector<std::string>& names) {
   try {
-    (void)open_model(path, entry);
+    (void)open_models(path, {names});
   } catch (const ModelError& error) {
     throw ModelError(path.string() + ": " + error.what());
   }
 }
 
-std::string model_named_by(std::string_view ticket) {
-  if (ticket.empty()) return "";
+std::vector<std::string> models_named_by(std::string_view ticket) {
+  if (ticket.empty()) return {};
   try {
-    return parse_job_ticket(ticket, "the ticket").models.front().entry;
+    return parse_job_ticket(ticket, "the ticket").models.front().entries;
   } catch (const ConfigError&) {
-    return "";  // whoever prepares the job refuses the ticket
+    return {};  // whoever prepares the job refuses the ticket
   }
 }
 
-std::string model_named_in(const std::optional<std::filesystem::path>& ticket) {
-  if (!ticket) return "";
+std::vector<std::string> models_named_in(const std::optional<std::filesystem::path>& ticket) {
+  if (!ticket) return {};
   try {
-    return load_job_ticket(*ticket).models.front().entry;
+    return load_job_ticket(*ticket).models.front().entries;
   } catch (const ConfigError&) {
-    return "";
+    return {};
   }
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/model/model.hpp"
 #include "daemon/prepare/print_job.hpp"
@@ -16,17 +17,19 @@ struct ModelOfFile {
   std::string_view format;  // the name of its format
 };
 
-// Reads a model of any format, with the file's name at the start of error messages. `entry` is the name of a
-// model in a ZIP archive; empty: the only one. Refuses a model that needs more memory than there is. Throws
+// Reads a model of any format, with the file's name at the start of error messages. `names` chooses a
+// model of a ZIP archive; empty: the only one. Refuses a model that needs more memory than there is. Throws
 // ModelError, and std::system_error if the file cannot be read.
-[[nodiscard]] ModelOfFile read_model(const std::filesystem::path& path, const std::string& entry = "");
+[[nodiscard]] ModelOfFile read_model(const std::filesystem::path& path,
+                                     const std::vector<std::string>& names = {});
 // Throws the exceptions of read_model() for defects that the beginning of the file shows.
-void look_at_model(const std::filesystem::path& path, const std::string& entry);
-// Returns the name of the model in a ZIP archive that the text of a ticket names; empty if there is none, or
-// if the ticket is wrong.
-[[nodiscard]] std::string model_named_by(std::string_view ticket);
+// A ZIP archive may hold several models.
+void look_at_models(const std::filesystem::path& path, const std::vector<std::string>& names);
+// Returns the names of models in a ZIP archive that the text of a ticket has; empty if there are none, or if
+// the ticket is wrong.
+[[nodiscard]] std::vector<std::string> models_named_by(std::string_view ticket);
 // Does the same for a ticket's file, if there is one.
-[[nodiscard]] std::string model_named_in(const std::optional<std::filesystem::path>& ticket);
+[[nodiscard]] std::vector<std::string> models_named_in(const std::optional<std::filesystem::path>& ticket);
 
 // Settings that override the job's ticket.
 struct AskedOfJob {

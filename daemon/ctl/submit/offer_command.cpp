@@ -16,6 +16,7 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "core/contract/expects.hpp"
 #include "daemon/ctl/models/read_model.hpp"
@@ -79,13 +80,13 @@ std::string plain_name(const std::string& path) {
 }
 
 void look_at(const FileDescriptor& model, std::uint64_t bytes, const std::string& path,
-             const std::string& entry) {
+             const std::vector<std::string>& names) {
   if (bytes > kLargestModel)
     throw NotTaken(fmt::format("its size of {} bytes is above {}", bytes, kLargestModel));
   const int reading = ::dup(model.get());
   OpenFile file(reading < 0 ? nullptr : ::fdopen(reading, "rb"));
   if (!file) throw std::system_error(errno, std::generic_category());
-  (void)open_model(ModelSource{std::move(file), bytes, path, entry});
+  (void)open_models(ModelSource{std::move(file), bytes, path, {names}});
   if (::lseek(model.get(), 0, SEEK_SET) != 0) throw std::system_error(errno, std::generic_category());
 }
 
@@ -179,7 +180,7 @@ class Offer {
     }
     const auto bytes = static_cast<std::uint64_t>(status_of(model).st_size);
     const std::string text = ticket.valid() ? text_of(ticket, JsonDocument::kLargestBytes) : "";
-    look_at(model, bytes, path, model_named_by(text));
+    look_at(model, bytes, path, models_named_by(text));
     require_room(bytes);
     const std::string job = submission_.put(plain_name(path), model, text, bytes);
     ++jobs_;

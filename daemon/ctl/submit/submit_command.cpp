@@ -39,6 +39,7 @@ struct SubmitOptions {
   std::optional<double> exposure_ms, bottom_exposure_ms, lift_mm, settle_ms, rest_ms;
   std::optional<int> copies;
   std::optional<std::string> up;
+  std::vector<std::string> entries;  // models of a ZIP archive
   bool fit = false, dry = false;
   // Ticket instead of the keys above.
   std::optional<std::filesystem::path> ticket;
@@ -82,6 +83,7 @@ std::string ticket_of(const SubmitOptions& options) {
   if (options.fit) ticket["fit"] = true;
   if (options.dry) ticket["dry"] = true;
   if (options.copies) ticket["copies"] = *options.copies;
+  if (!options.entries.empty()) ticket["model"] = options.entries;
   if (ticket.empty()) return "";
   std::string text = ticket.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   try {
@@ -110,11 +112,11 @@ void check_overrides(const SubmitOptions& options, const std::string& text, cons
 }
 
 // Checks the model's name and the beginning of its file. Throws ModelError.
-void check_model(const fs::path& path, const std::string& entry) {
+void check_model(const fs::path& path, const std::vector<std::string>& names) {
   if (!is_model_name(path.filename().string()))
     throw ModelError(fmt::format("{}: not a model's name: it must end in {} and not begin with a dot",
                                  path.string(), model_extensions_text()));
-  look_at_model(path, entry);
+  look_at_models(path, names);
 }
 
 // Puts the model into the spool. Returns the job's name.
@@ -151,9 +153,9 @@ bool is_agreed(const std::vector<ModelOutlook>& outlooks, const SubmitOptions& o
 
 int submit(const ClientOptions& client, const SubmitOptions& options) {
   const std::string ticket = ticket_of(options);
-  const std::string entry = model_named_by(ticket);
+  const std::vector<std::string> names = models_named_by(ticket);
   for (const fs::path& model : options.models)
-    check_model(model, entry);
+    check_model(model, names);
   const fs::path spool = find_spool(client, options.spool);
   const SpoolPrinter printer = printer_of(spool, options.printer);
   check_overrides(options, ticket, printer);
@@ -210,6 +212,7 @@ void add_submit(Command& program) {
   add("--undersides", options.undersides, kUndersidesHelp).one_of({"plain", "dose"});
   add("--mode", options.mode, "Print layered, or continuous: the plate never stops")
       .one_of({"layered", "continuous"});
+  add("--model", options.entries, "Model or folder to print of a ZIP archive; may be repeated");
   add("--copies", options.copies, "Number of copies of each model");
   add("--dry", options.dry, "Dry run: all moves and masks, but no light");
   add("--up", options.up, kUpHelp).suggests(up_presets);

@@ -1,6 +1,7 @@
 #include "daemon/prepare/model_file.hpp"
 
 #include <filesystem>
+#include <utility>
 
 #include "daemon/prepare/plate_arrangement.hpp"
 #include "tests/catch.hpp"
@@ -18,7 +19,7 @@ constexpr std::uint64_t kAnyNumber = 1'000'000;
 
 std::string refusal_of(const fs::path& path, const std::string& name = "") {
   return testing::message_of<JobRefused>([&] {
-    (void)ModelFile({path, "", Links::Refuse}, name).read(kAnyNumber);
+    (void)open_model_files({path, {}, Links::Refuse}, name).files.front().read(kAnyNumber);
   });
 }
 
@@ -28,7 +29,7 @@ TEST_CASE("A model is read from the file that was opened, even if another file h
   const testing::TemporaryFolder folder;
   const fs::path path = folder.path() / "part.stl";
   models::write_binary_stl(path, kTwelveFacets);
-  ModelFile replaced({path, "", Links::Refuse}, "");
+  ModelFile replaced = std::move(open_model_files({path, {}, Links::Refuse}, "").files.front());
   CHECK(replaced.outline().most_facets == 12);
   fs::rename(folder.write("other.stl", "no model"), path);
   CHECK(replaced.read(kAnyNumber).facets.size() == 12);
@@ -38,7 +39,7 @@ TEST_CASE("A model file that has grown since it was opened is read only to its f
   const testing::TemporaryFolder folder;
   const fs::path path = folder.path() / "part.stl";
   models::write_binary_stl(path, kTwelveFacets);
-  ModelFile grown({path, "", Links::Refuse}, "");
+  ModelFile grown = std::move(open_model_files({path, {}, Links::Refuse}, "").files.front());
   fs::resize_file(path, fs::file_size(path) + 50'000'000);
   const Model model = grown.read(kAnyNumber);
   CHECK(model.facets.size() == 12);
