@@ -68,6 +68,8 @@ void doubt_unit(const ModelSummary& figures, const NamedModel& model, const Maki
   if (hint.empty()) return;
   summary.warnings.push_back(prefix_of(model, summary) + hint);
   if (summary.unit_hint.empty()) summary.unit_hint = summary.warnings.back();
+  // A ticket's unit is the answer.
+  if (!model.ticket.unit && summary.unit_question.empty()) summary.unit_question = summary.warnings.back();
 }
 
 // Takes the model's facets from `content`, turns and scales them, and sets `made` to their height index.

@@ -80,6 +80,8 @@ struct JobSummary {
   std::string temperature_warning{};         // from follow_temperature(); a warning, too
   std::vector<std::string> rise_warnings{};  // from plan_rises_of(); warnings, too
   std::string unit_hint;  // from unit_hint(), of the first model that has one; a warning, too
+  std::string
+      unit_question;      // the first unit_hint() about a model whose ticket names no unit; a warning, too
   std::string left_out;   // a sentence about an archive's models without room on the plate; a warning, too
   std::string wide_gaps;  // a sentence about the first model with gaps far wider than a pixel; a warning, too
 };

@@ -23,7 +23,7 @@ constexpr std::array kUsualUnits{LengthUnit::Millimeter, LengthUnit::Meter, Leng
                                  LengthUnit::Centimeter, LengthUnit::Micrometer};
 
 // A part that is smaller in all directions is hardly meant.
-constexpr double kSmallestPartMm = 1;
+constexpr double kSmallestPartMm = 2;
 
 // Parts that are drawn in micrometres are larger than this: a smaller one would be drawn up to 5 m large.
 constexpr double kSmallestInUmMm = 5;

@@ -29,7 +29,7 @@ struct ModelUnit {
 
 // Returns a hint, a clause with the size that the model would have in its likely unit; empty if its own unit
 // is plausible. The likely unit is the one that the file names, unless a ticket asks for a unit; for a model
-// that is smaller than 1 mm or larger than `room` in any orientation, it is a unit in which the model fits.
+// that is smaller than 2 mm or larger than `room` in any orientation, it is a unit in which the model fits.
 [[nodiscard]] std::string unit_hint(const SizeMm& size, const ModelUnit& unit, const SizeMm& room);
 
 // Returns a warning, a sentence, if 32-bit floats near these coordinates, which are multiplied by

@@ -19,6 +19,7 @@ std::vector<std::string> always_asked(const JobSummary& job) {
   std::vector<std::string> findings;
   if (job.supports && !job.supports->unheld.empty()) findings.emplace_back(kUnheldPlaces);
   if (!job.wide_gaps.empty()) findings.emplace_back(kWideGaps);
+  if (!job.unit_question.empty()) findings.emplace_back(kUnitInDoubt);
   if (!job.left_out.empty()) findings.emplace_back(kLeftOutModels);
   return findings;
 }

@@ -33,9 +33,14 @@ inline constexpr std::string_view kUnheldPlaces = "unheld_places";
 inline constexpr std::string_view kWideGaps = "wide_gaps";
 // Finding of a job of an archive's models that do not fit on one plate: some are left out. Needs confirmation
 // even if ask_before does not name it.
-inline constexpr std::string_view kLeftOutModels = "left_out_models";
+inline constexpr std::string_view kLeftOutModels =
+    "left_out_models";  // Finding of a job with a model whose size is plausible only in another unit than mm,
+                        // or whose file names
+// another, and whose ticket names none. Needs confirmation even if ask_before does not name it.
+inline constexpr std::string_view kUnitInDoubt = "unit_in_doubt";
+
 // The findings above that the preparation of a job makes.
-inline constexpr std::array<std::string_view, 3> kFoundByPreparation{kUnheldPlaces, kWideGaps,
+inline constexpr std::array<std::string_view, 4> kFoundByPreparation{kUnheldPlaces, kWideGaps, kUnitInDoubt,
                                                                      kLeftOutModels};
 
 // An analysis, and the job's content and settings at that time.

@@ -162,7 +162,8 @@ class Inspect(unittest.TestCase):
     def test_oddities_that_do_not_change_the_shape_give_a_warning(self):
         for name in ("synth-bin-count-2.stl", "synth-bin-count-66.stl", "synth-bin-count-ffffffff.stl",
                      "synth-bin-trailing-1k.stl", "synth-bin-trailing-lf.stl", "numpystl-bin-HalfDonut.stl"):  # fmt: skip
-            warnings = json.loads(self.results[name].stdout)["warnings"]
+            # Some of the models are so small that their unit is doubted.
+            warnings = [each for each in json.loads(self.results[name].stdout)["warnings"] if "is drawn in" not in each]
             self.assertEqual(len(warnings), 1, name)
 
 
@@ -229,10 +230,10 @@ class Spool(FolderTest):
     RESIN = {"layer_height_um": 500, "layer_height_max_um": 500}
 
     def ticket_for(self, figures):
-        """Returns a ticket that accepts gaps, and that scales a model to fit unless it fits and is high enough for some layers."""
+        """Returns a ticket that accepts gaps and small models, and that scales a model to fit unless it fits and is high enough for some layers."""
         size = figures["size_mm"] if figures else (1, 1, 1)
         fits = size[0] <= 96 and size[1] <= 54 and 1 <= size[2] <= 154
-        return {"cracks": "repair"} if fits else {"cracks": "repair", "fit": True}
+        return {"cracks": "repair", "unit": "mm", **({} if fits else {"fit": True})}
 
     def test_all_files_are_printed_or_refused_and_the_printer_goes_on(self):
         rows = table()

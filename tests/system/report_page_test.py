@@ -147,7 +147,7 @@ class OnTheDisk(PageTest):
 
     def test_a_plate_of_many_copies_shows_all_copies_in_every_picture(self):
         daemon = self.daemon()
-        daemon.printed("many.stl", binary_stl(box((0, 0, 0), (1, 1, 0.5))), {"copies": 100})
+        daemon.printed("many.stl", binary_stl(box((0, 0, 0), (1, 1, 0.5))), {"copies": 100, "unit": "mm"})
         page = self.page_of(daemon, "done", "many")
         daemon.stop()
         lit = self.picture(page, "layer-1")

@@ -237,7 +237,7 @@ TEST_CASE_METHOD(PlateFixture, "A file that a plate names many times gives each 
 
 TEST_CASE("A model of plausible size in a file that names no other unit has no hint") {
   CHECK(unit_hint({10, 10, 0.2}, {}, kRoom).empty());
-  CHECK(unit_hint({1, 0.01, 0.01}, {}, kRoom).empty());
+  CHECK(unit_hint({2, 0.01, 0.01}, {}, kRoom).empty());
   CHECK(unit_hint({150, 96, 54}, {}, kRoom).empty());
   CHECK(unit_hint({10, 10, 10}, {{}, LengthUnit::Millimeter}, kRoom).empty());
   // The file's unit is millimetres, however small the model is.
@@ -257,6 +257,8 @@ TEST_CASE("A file that names another unit gives a hint with the size in that uni
 
 TEST_CASE(
     "A model smaller than a millimetre or larger than the printer has a hint of a unit in which it fits") {
+  CHECK(has(unit_hint({1.6, 1.2, 0.8}, {}, kRoom),
+            "in inches, the model would measure 40.64 x 30.48 x 20.32 mm"));
   CHECK(has(unit_hint({0.04, 0.03, 0.06}, {}, kRoom), "in metres, the model would measure 40 x 30 x 60 mm"));
   CHECK(has(unit_hint({0.39, 0.31, 0.15}, {}, kRoom),
             "in inches, the model would measure 9.906 x 7.874 x 3.81 mm"));

@@ -7,6 +7,7 @@
 #include "core/layers/layers.hpp"
 #include "core/support/support_counts.hpp"
 #include "daemon/prepare/job_memory.hpp"
+#include "daemon/prepare/preprint_analysis.hpp"
 #include "daemon/print/layer_durations.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/prepare/print_job_fixture.hpp"
@@ -146,6 +147,19 @@ TEST_CASE("Any error during preparation refuses the job with a sentence") {
 TEST_CASE_METHOD(PrintJobFixture, "A ticket's position moves the part to the right and up") {
   const PreparedJob job = prepare(kCube, R"({"position_mm": {"x": 10, "y": 5}})");
   CHECK(lit_box(job.plan.engine->mask_at(Nanometers{1'000'000})) == Lit{960, 1359, 240, 639});
+}
+
+TEST_CASE_METHOD(PrintJobFixture,
+                 "A model that is likely in another unit waits, unless its ticket has a unit") {
+  const models::Facets tiny = models::box({0, 0, 0}, {1.6F, 1.2F, 0.8F});
+  const auto analysis = analysis_of_preparation(prepare(tiny).summary);
+  REQUIRE(analysis);
+  CHECK(asked_findings(*analysis, printer) == std::vector<std::string>{"unit_in_doubt"});
+  CHECK(lacking(analysis->warnings.at(0), {"in inches, the model would measure 40.64 x 30.48 x 20.32 mm"})
+            .empty());
+  for (const char* const answer : {R"({"unit": "mm"})", R"({"unit": "inch"})", R"({"scale": 1})"})
+    CHECK_FALSE(analysis_of_preparation(prepare(tiny, answer).summary));
+  CHECK_FALSE(analysis_of_preparation(prepare(kCube).summary));
 }
 
 TEST_CASE_METHOD(PrintJobFixture, "Copies lie side by side around the plate's centre, 2 mm apart") {
