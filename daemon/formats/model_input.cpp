@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sys/mman.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include <utility>
 
 #include "core/formats/model_reader.hpp"
+#include "daemon/formats/amf_model.hpp"
 #include "daemon/formats/byte_stream.hpp"
 #include "daemon/formats/gzip_stream.hpp"
 #include "daemon/formats/input_limits.hpp"
@@ -61,6 +63,53 @@ class StreamInput : public ModelInput {
   StreamedModel model_;
   ModelOutline outline_;
 };
+
+// An AMF model in a stream, with what the stream reads from.
+class AmfInput : public ModelInput {
+ public:
+  AmfInput(std::shared_ptr<const void> origin, std::unique_ptr<StartedStream> stream, std::string name)
+      : origin_(std::move(origin)),
+        stream_(std::move(stream)),
+        name_(std::move(name)),
+        outline_(amf_outline(stream_->bytes())) {}
+
+  [[nodiscard]] const ModelOutline& outline() const override { return outline_; }
+  [[nodiscard]] Model read(std::uint64_t most_facets) override {
+    return read_amf(*stream_, name_, most_facets);
+  }
+
+ private:
+  std::shared_ptr<const void> origin_;
+  std::unique_ptr<StartedStream> stream_;
+  std::string name_;
+  ModelOutline outline_;
+};
+
+// The bytes of a file.
+class FileStream : public ByteStream {
+ public:
+  explicit FileStream(const ModelSource& source) : source_(source), left_(source.bytes) {}
+
+  [[nodiscard]] std::uint64_t bytes() const override { return source_.bytes; }
+  std::size_t read_some(std::span<std::byte> into) override {
+    const std::size_t bytes = std::min<std::uint64_t>(into.size(), left_);
+    read_exactly(source_.file.get(), into.first(bytes), source_.path);
+    left_ -= bytes;
+    return bytes;
+  }
+
+ private:
+  const ModelSource& source_;
+  std::uint64_t left_;
+};
+
+std::unique_ptr<ModelInput> open_stream(std::shared_ptr<const void> origin,
+                                        std::unique_ptr<StartedStream> stream, const std::string& name) {
+  const FileStart start = stream->start();
+  if (!is_recognised(start) && is_amf(start))
+    return std::make_unique<AmfInput>(std::move(origin), std::move(stream), name);
+  return std::make_unique<StreamInput>(std::move(origin), std::move(stream), name);
+}
 
 class ThreeMfInput : public ModelInput {
  public:
@@ -116,7 +165,7 @@ std::unique_ptr<ModelInput> open_entry(const std::shared_ptr<const ZipArchive>& 
   auto stream = std::make_unique<StartedStream>(archive->open(entry), name);
   const FileStart start = stream->start();
   if (!is_recognised(start) && is_zip(start.bytes)) return open_nested(*stream, name);
-  return std::make_unique<StreamInput>(archive, std::move(stream), name);
+  return open_stream(archive, std::move(stream), name);
 }
 
 OpenedModels open_archive(const std::shared_ptr<const ZipArchive>& archive, const ArchiveChoice& asked) {
@@ -132,7 +181,16 @@ std::unique_ptr<ModelInput> open_gzip(ModelSource source) {
   auto origin = std::make_shared<const ModelSource>(std::move(source));
   auto stream = std::make_unique<StartedStream>(
       std::make_unique<GzipStream>(origin->file.get(), origin->bytes, origin->path), name);
-  return std::make_unique<StreamInput>(std::move(origin), std::move(stream), name);
+  return open_stream(std::move(origin), std::move(stream), name);
+}
+
+std::unique_ptr<ModelInput> open_amf(ModelSource source) {
+  const std::string name = "the AMF file";
+  const std::uint64_t bytes = source.bytes;
+  refuse_inflation({bytes, bytes}, name);
+  auto origin = std::make_shared<const ModelSource>(std::move(source));
+  auto stream = std::make_unique<StartedStream>(std::make_unique<FileStream>(*origin), name);
+  return std::make_unique<AmfInput>(std::move(origin), std::move(stream), name);
 }
 
 OpenedModels only(std::unique_ptr<ModelInput> input) {
@@ -159,6 +217,7 @@ OpenedModels open_models(ModelSource source) {
         fmt::format("the ticket names the model {} in an archive, and the file is no ZIP archive: "
                     "remove \"model\" from the ticket",
                     in_quotes(names.front())));
+  if (!plain && is_amf({source.bytes, start})) return only(open_amf(std::move(source)));
   if (!plain && is_gzip(start)) return only(open_gzip(std::move(source)));
   return only(std::make_unique<PlainInput>(std::move(source), std::move(start)));
 }

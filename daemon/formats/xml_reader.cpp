@@ -71,6 +71,7 @@ class Reading {
     XML_SetElementHandler(parser_.get(), opened, closed);
     XML_SetStartNamespaceDeclHandler(parser_.get(), declared);
     XML_SetStartDoctypeDeclHandler(parser_.get(), doctype);
+    if (handler.wants_text()) XML_SetCharacterDataHandler(parser_.get(), characters);
   }
 
   void read(ByteStream& stream) {
@@ -114,6 +115,10 @@ class Reading {
       --reading.levels_;
       reading.handler_.close(name);
     });
+  }
+  static void characters(void* self, const char* text, int bytes) {
+    auto& reading = *static_cast<Reading*>(self);
+    reading.guarded([&] { reading.handler_.text({text, static_cast<std::size_t>(bytes)}); });
   }
   static void declared(void* self, const char* prefix, const char* uri) {
     auto& reading = *static_cast<Reading*>(self);

@@ -41,6 +41,9 @@ class XmlHandler {
   virtual void name_space(std::string_view /*prefix*/, std::string_view /*uri*/) {}
   virtual void open(std::string_view name, const XmlAttributes& attributes) = 0;
   virtual void close(std::string_view /*name*/) {}
+  // Called with the text between elements, in any number of pieces, if wants_text().
+  virtual void text(std::string_view /*text*/) {}
+  [[nodiscard]] virtual bool wants_text() const { return false; }
 };
 
 // Reads a whole document; blocks. `name` begins messages. Throws ModelError for anything but well-formed XML

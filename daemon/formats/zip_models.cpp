@@ -29,7 +29,7 @@ constexpr std::array<std::string_view, 5> kArchives{".zip", ".gz", ".rar", ".7z"
 // Projects of Lychee Slicer and of CHITUBOX.
 constexpr std::array<std::string_view, 2> kProjects{".lys", ".chitubox"};
 // Formats in the order of preference, for a model that is there in several.
-constexpr std::array<std::string_view, 3> kPreferredFormats{".stl", ".3mf", ".obj"};
+constexpr std::array<std::string_view, 4> kPreferredFormats{".stl", ".3mf", ".obj", ".amf"};
 
 // True if a file or a folder in the path is hidden, or belongs to macOS.
 bool is_hidden(std::string_view path) {

@@ -12,8 +12,8 @@ namespace {
 constexpr std::array<std::string_view, 14> kUnfinished{
     ".part",   ".partial", ".tmp",        ".temp",  ".crdownload", ".download", ".filepart",
     ".upload", ".swp",     ".opdownload", ".aria2", ".!ut",        ".bak",      ".new"};
-constexpr std::array<std::string_view, 12> kModels{".amf",   ".ply", ".step", ".stp", ".iges", ".igs",
-                                                   ".blend", ".glb", ".gltf", ".fbx", ".f3d",  ".scad"};
+constexpr std::array<std::string_view, 11> kModels{".ply", ".step", ".stp", ".iges", ".igs", ".blend",
+                                                   ".glb", ".gltf", ".fbx", ".f3d",  ".scad"};
 constexpr std::array<std::string_view, 20> kSliced{
     ".gcode", ".gco",  ".g",    ".sl1",  ".sl1s", ".ctb", ".cbddlp", ".photon", ".photons", ".pws",
     ".pw0",   ".pwmx", ".pwmo", ".pwmb", ".phz",  ".lgs", ".zcodex", ".cws",    ".goo",     ".prz"};

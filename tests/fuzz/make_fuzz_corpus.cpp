@@ -89,6 +89,12 @@ void write_packed_inputs(const fs::path& folder) {
   write(folder / "versions.zip",
         testing::zipped(
             {{"Supported/a.stl", stl}, {"Unsupported/a.stl", stl}, {"a.obj", "x"}, {"a.lys", "x"}}));
+  write(folder / "box.amf",
+        "<amf unit=\"inch\"><object id=\"1\"><mesh><vertices><vertex><coordinates><x>0</x><y>0</y><z>0</z>"
+        "</coordinates></vertex><vertex><coordinates><x>1</x><y>0</y><z>0</z></coordinates></vertex><vertex>"
+        "<coordinates><x>0</x><y>1</y><z>1</z></coordinates></vertex></vertices><volume><triangle><v1>0</v1>"
+        "<v2>1</v2><v3>2</v3></triangle></volume></mesh></object><constellation id=\"2\"><instance "
+        "objectid=\"1\"><deltax>1</deltax><rz>90</rz></instance></constellation></amf>");
   write(folder / "nested.zip", testing::zipped({{"a.3mf", testing::threemf_of(box)}, {"b\\c.stl", stl}}));
   write(folder / "locked.zip", testing::zipped({{"a.stl", stl, false, "secret"}, {"l.stl", "a.stl", true}}));
   write(folder / "box.3mf", testing::threemf_of(box));

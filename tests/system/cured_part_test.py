@@ -287,7 +287,7 @@ class CuredPart(FolderTest):
     def test_a_list_of_excluded_copies_that_cannot_be_is_refused_in_one_sentence(self):
         self.start_realtime(projector={"irradiance_mw_cm2": 1000})
         block = box((0, 0, 0), (1, 1, 0.5))
-        ticket = {"resin": "thin", "copies": 2, "unit": "mm"}
+        ticket = {"resin": "thin", "copies": 2, "scale": 1}
         self.resin_of_copies("thin")
         _, report = self.printed_without("block", block, ticket, {4: [1]})
         first = report["excluded"][0]

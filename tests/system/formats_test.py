@@ -38,6 +38,12 @@ def mesh(facets, number=1):
     return f'<object id="{number}"><mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh></object>'
 
 
+def amf(facets):
+    vertices = "".join(f"<vertex><coordinates><x>{x}</x><y>{y}</y><z>{z}</z></coordinates></vertex>" for facet in facets for x, y, z in facet)
+    triangles = "".join(f"<triangle><v1>{3 * i}</v1><v2>{3 * i + 1}</v2><v3>{3 * i + 2}</v3></triangle>" for i in range(len(facets)))
+    return f'<amf unit="millimeter"><object id="1"><mesh><vertices>{vertices}</vertices><volume>{triangles}</volume></mesh></object></amf>'.encode()
+
+
 def doubled(facets, times):
     """Returns objects of which each contains the one before twice."""
     objects = mesh(facets)
@@ -60,7 +66,8 @@ class Formats(SpoolTest):
         obj = "".join(f"v {x} {y} {z}\n" for facet in WEDGE for x, y, z in facet) + "f -12 -11 -10\n"
         obj += "".join(f"f {i} {i + 1} {i + 2}\n" for i in (4, 7, 10))
         for name, data in (("part.obj", obj.encode()), ("packed.zip", zipped({"part.obj": obj})), ("part.stl.gz", gzip.compress(stl)), ("part.zip", zipped({"folder/part.stl": stl})),
-                           ("stored.zip", zipped({"part.stl": stl}, zipfile.ZIP_STORED)), ("part.3mf", threemf(mesh(WEDGE)))):  # fmt: skip
+                           ("stored.zip", zipped({"part.stl": stl}, zipfile.ZIP_STORED)), ("part.3mf", threemf(mesh(WEDGE))),
+                           ("part.amf", amf(WEDGE)), ("zipped.amf", zipped({"part.amf": amf(WEDGE)}))):  # fmt: skip
             self.assertEqual(self.masks(name, data), expected, name)
 
     def test_each_file_is_printed_with_the_ticket_beside_it_and_ends_in_done(self):
