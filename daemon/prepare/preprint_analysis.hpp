@@ -33,9 +33,8 @@ inline constexpr std::string_view kUnheldPlaces = "unheld_places";
 inline constexpr std::string_view kWideGaps = "wide_gaps";
 // Finding of a job of an archive's models that do not fit on one plate: some are left out. Needs confirmation
 // even if ask_before does not name it.
-inline constexpr std::string_view kLeftOutModels =
-    "left_out_models";  // Finding of a job with a model whose size is plausible only in another unit than mm,
-                        // or whose file names
+inline constexpr std::string_view kLeftOutModels = "left_out_models";
+// Finding of a job with a model whose size is plausible only in another unit than mm, or whose file names
 // another, and whose ticket names none. Needs confirmation even if ask_before does not name it.
 inline constexpr std::string_view kUnitInDoubt = "unit_in_doubt";
 
