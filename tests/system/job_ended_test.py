@@ -101,7 +101,7 @@ class JobEndedTest(FolderTest):
     def test_the_notice_of_a_done_job_names_its_report(self):
         manager = self.listen()
         daemon = self.daemon().start()
-        daemon.printed("gear.stl", binary_stl(cube(1)))
+        daemon.printed("gear.stl", binary_stl(cube(2)))
         (notice,) = manager.notices(1)
         self.assertEqual((notice["JOB"], notice["OUTCOME"], notice["REASON"]), ("gear", "done", ""))
         self.assertEqual(notice["PRINTER"], daemon.config["name"])
@@ -115,9 +115,9 @@ class JobEndedTest(FolderTest):
     def test_a_job_that_is_refused_or_removed_in_the_queue_gives_a_notice(self):
         manager = self.listen()
         daemon = self.daemon(config=REALTIME, resin=ENDLESS).start()
-        daemon.begin("first.stl", binary_stl(cube(1)))
+        daemon.begin("first.stl", binary_stl(cube(2)))
         reason = daemon.refused("bad.stl", b"no model").strip()
-        daemon.drop("tired.stl", binary_stl(cube(1)))
+        daemon.drop("tired.stl", binary_stl(cube(2)))
         wait_until(lambda: daemon.rpc("queue")["result"]["queue"] == ["tired.stl"], "the job in the queue")
         self.assertEqual(daemon.ctl("queue", "remove", "tired").returncode, 0)
         daemon.wait_ended("tired")
@@ -134,7 +134,7 @@ class JobEndedTest(FolderTest):
         daemon = self.daemon().start()
         name = HOSTILE.replace("/", "\n")
         daemon.drop(name + ".stl", b"no model")
-        daemon.drop(b"bytes \xff.stl".decode(errors="surrogateescape"), binary_stl(cube(1)))
+        daemon.drop(b"bytes \xff.stl".decode(errors="surrogateescape"), binary_stl(cube(2)))
         hostile, odd = manager.notices(2)
         self.assertEqual((hostile["JOB"], hostile["OUTCOME"]), (HARMLESS, "failed"))
         self.assertEqual(odd["OUTCOME"], "done")
@@ -155,7 +155,7 @@ class JobEndedTest(FolderTest):
         daemon = self.daemon().start()
         for number in range(80):
             daemon.drop(f"bad{number}.stl", b"no model")
-        daemon.printed("good.stl", binary_stl(cube(1)))
+        daemon.printed("good.stl", binary_stl(cube(2)))
         wait_until(lambda: len(manager.started) == 4, "four commands to start")
         self.assertEqual(daemon.log().count("no notice is sent"), 1, daemon.log())
 
@@ -163,7 +163,7 @@ class JobEndedTest(FolderTest):
         manager = self.listen(command)
         daemon = self.daemon().start()
         for name in ("one", "two"):
-            daemon.drop(f"{name}.stl", binary_stl(cube(1)))
+            daemon.drop(f"{name}.stl", binary_stl(cube(2)))
             daemon.wait_done(name)
         wait_until(lambda: len(manager.started) == 2, "two commands to start")
         self.assertTrue(manager.log(0).startswith("one: done\n"))
@@ -184,14 +184,14 @@ class JobEndedTest(FolderTest):
     def test_a_print_that_ends_by_a_stop_or_a_kill_gives_a_notice(self):
         manager = self.listen()
         daemon = self.daemon(config=REALTIME, resin=ENDLESS).start()
-        daemon.begin("stopped.stl", binary_stl(cube(1)))
+        daemon.begin("stopped.stl", binary_stl(cube(2)))
         daemon.stop()
         (stopped,) = manager.notices(1)
         self.assertEqual((stopped["JOB"], stopped["OUTCOME"]), ("stopped", "failed"))
         self.assertIn("contourd was stopped", stopped["REASON"])
         daemon.start()
         daemon.ctl("resume")
-        daemon.begin("killed.stl", binary_stl(cube(1)))
+        daemon.begin("killed.stl", binary_stl(cube(2)))
         daemon.kill()
         daemon.start()
         _, killed = manager.notices(2)
@@ -206,7 +206,7 @@ class JobEndedTest(FolderTest):
         gates = [os.path.join(slow, gate) for gate in ("full", "history-full")]
         for count, name in enumerate(("one", "two"), 1):  # the second print needs new spares
             daemon.start()
-            daemon.begin(name + ".stl", binary_stl(cube(1)))
+            daemon.begin(name + ".stl", binary_stl(cube(2)))
             for gate in gates:
                 self.write(gate, b"")
             daemon.cancel(name)
@@ -223,7 +223,7 @@ class JobEndedTest(FolderTest):
 
     def test_without_a_listener_nothing_is_logged_or_left(self):
         daemon = self.daemon().start()
-        daemon.printed("gear.stl", binary_stl(cube(1)))
+        daemon.printed("gear.stl", binary_stl(cube(2)))
         daemon.stop()
         self.assertNotIn("job-ended.socket", daemon.log())
         self.assertFalse(os.path.exists(self.path("job-ended.socket")))

@@ -61,7 +61,7 @@ class Journal(harness.FolderTest):
     def test_a_layer_is_one_entry_with_the_job_the_layer_and_its_height(self):
         self.start()
         self.assertIn("is ready", self.next_with("ready")["MESSAGE"])
-        self.daemon.drop("cube.stl", harness.binary_stl(harness.cube(1)))
+        self.daemon.drop("cube.stl", harness.binary_stl(harness.cube(2)))
         second = [self.next_with("layer") for _ in range(2)][1]
         self.assertEqual((second["JOB_ID"], second["LAYER"], second["Z_NM"]), ("cube", "2", "100000"))
         self.assertEqual((second["PRIORITY"], second["SYSLOG_IDENTIFIER"]), ("6", "contourd"))

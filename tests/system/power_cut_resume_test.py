@@ -160,7 +160,7 @@ class Resume(PowerCutTest):
                     self.assertIn("the layer was lit again in full", daemon.log())
                     daemon.stop()
                     continue
-                daemon.drop("next.stl", binary_stl(cube(1)))
+                daemon.drop("next.stl", binary_stl(cube(2)))
                 daemon.wait_status("waiting_for")
                 self.looks_pass(daemon)
                 self.assert_still(daemon)

@@ -13,7 +13,7 @@ class PowerCut(PowerCutTest):
         daemon = self.daemon(REALTIME, SLOW).start()
         daemon.begin("part.stl", SLAB)
         self.wait_layer(daemon, 2, "exposing")
-        daemon.drop("next.stl", binary_stl(cube(1)))
+        daemon.drop("next.stl", binary_stl(cube(2)))
         daemon.wait_job("next", "ready")
         for _ in range(2):
             status = self.cut(daemon)

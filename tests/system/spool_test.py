@@ -32,7 +32,7 @@ class Arrival(SpoolTest):
         self.assertEqual(contents(original), SLAB)
         # An extension in upper case is a model's, too.
         daemon.drop("LOUD.STL", SLAB, {"copies": 2})
-        daemon.drop("mixed.StL", ascii_stl(cube(1)))
+        daemon.drop("mixed.StL", ascii_stl(cube(2)))
         self.assertEqual(daemon.wait_done("LOUD")["model"]["copies"], 2)
         self.assertEqual(daemon.wait_done("mixed")["model"]["format"], "ascii")
         for folder in ("incoming", "printing", "failed"):

@@ -25,9 +25,9 @@ bool has(const std::string& text, const std::string& part) {
 
 TEST_CASE_METHOD(PrintJobFixture, "A model of which nothing would be printed is refused with its size",
                  "[long]") {
-  CHECK(refusal_of(models::box({0, 0, 0}, {0.02F, 0.03F, 1})) ==
-        "nothing of the model would be printed: in 20 layers, no pixel of 0.05 mm reaches grey 64 of 255; it "
-        "measures 0.02 x 0.03 x 1 mm");
+  CHECK(refusal_of(models::box({0, 0, 0}, {0.02F, 0.03F, 2})) ==
+        "nothing of the model would be printed: in 40 layers, no pixel of 0.05 mm reaches grey 64 of 255; it "
+        "measures 0.02 x 0.03 x 2 mm");
   // The only layer would be cut at a height above the model.
   CHECK(refusal_of(models::box({0, 0, 0}, {5, 5, 0.01F})) ==
         "the model is 0.01 mm high, too thin for a layer");
