@@ -52,8 +52,8 @@ done
 
 file=$(basename -- "$model")
 case ${file,,} in
-  *.stl.gz | *.obj.gz) name=${file%.*.*} ;;
-  *.stl | *.obj | *.3mf | *.zip) name=${file%.*} ;;
+  *.stl.gz | *.obj.gz | *.amf.gz) name=${file%.*.*} ;;
+  *.stl | *.obj | *.3mf | *.amf | *.zip) name=${file%.*} ;;
   *) name=${file%.*} file=${file%.*}.stl ;;
 esac
 # A model larger than the machine is scaled to it; its size is the line "size X x Y x Z mm".

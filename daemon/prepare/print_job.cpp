@@ -250,8 +250,7 @@ class Preparation {
     if (left_out.empty()) return note_plate();
     summary_.left_out = fmt::format(
         "{} of the {} models of the archive have no room on the plate ({:.2f} x {:.2f} mm) beside the others "
-        "and "
-        "are left out: {}; \"model\" in a ticket chooses models or a folder for a plate of their own "
+        "and are left out: {}; \"model\" in a ticket chooses models or a folder for a plate of their own "
         "(contourctl submit --model)",
         left_out.size(), left_out.size() + models_.size(), volume_.width_mm(), volume_.depth_mm(),
         names_text({left_out.begin(), left_out.end()}));

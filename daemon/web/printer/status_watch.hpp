@@ -22,7 +22,7 @@ class StatusWatch {
 
   // Connects to contourd's control socket, and again whenever the connection is lost.
   void start();
-  // Closes the connection; nothing is told afterwards.
+  // Closes the connection, and makes no call afterwards.
   void stop();
 
  private:
