@@ -35,8 +35,14 @@ if [[ -z $model ]]; then
   model=$folder/gyroid-in-a-ball.stl
   "$bin/make-model" gyroid-sphere "$model" 64 >/dev/null
 fi
-# Refuses a file that is not a model before anything is started.
-inspected=$("$bin/contourctl" inspect "$model") || { rm -r "$folder"; exit 65; }
+# Refuses a file that is not a model before anything is started. An archive of several models can only be printed.
+if inspected=$("$bin/contourctl" inspect "$model" 2>"$folder/inspect.log"); then
+  cat "$folder/inspect.log" >&2
+elif [[ ${model,,} != *.zip ]]; then
+  cat "$folder/inspect.log" >&2
+  rm -r "$folder"
+  exit 65
+fi
 # The model for the commands that README.md shows.
 [[ $model -ef build/part.stl ]] || cp -- "$model" build/part.stl
 
@@ -59,6 +65,8 @@ esac
 # A model larger than the machine is scaled to it; its size is the line "size X x Y x Z mm".
 if awk '$1 == "size" && ($2 > 96 || $4 > 54 || $6 > 150) { exit 1 }' <<<"$inspected"; then
   echo "Printing $name"
+  # contourd would ask whether a tiny model is in millimetres, and wait.
+  echo '{"unit": "mm"}' >"$folder/spool/incoming/$name.json"
 else
   echo "Printing $name, scaled to fit the simulated printer (96 x 54 x 150 mm)"
   echo '{"fit": true}' >"$folder/spool/incoming/$name.json"
