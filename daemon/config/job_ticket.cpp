@@ -64,6 +64,14 @@ void check_orientation_rules(JsonDocument& document, const std::string& place) {
       check_surface(document, place + "/keep_clean/" + std::to_string(i), surfaces[i]);
 }
 
+void check_infill_rules(JsonDocument& document, const std::string& place) {
+  const auto cell = document.valid_number(place + "/cell_mm"),
+             strut = document.valid_number(place + "/strut_mm");
+  if (cell && strut && 2 * *strut > *cell)
+    document.add_violation(place + "/strut_mm", decimal(*strut) + " is more than half of cell_mm, " +
+                                                    decimal(*cell) + ": the cells would be closed");
+}
+
 // Rules across one model's keys; `place` is its pointer.
 void check_model_rules(JsonDocument& document, const std::string& place) {
   const nlohmann::json::json_pointer pointer(place);
@@ -74,6 +82,7 @@ void check_model_rules(JsonDocument& document, const std::string& place) {
   if (has_scale && model.value("fit", nlohmann::json()) == true)
     document.add_violation(place + "/scale", "a ticket has either scale or fit, not both");
   check_drain_rules(document, model, place);
+  check_infill_rules(document, place + "/hollow/infill");
   check_orientation_rules(document, place);
   if (!model.contains("up")) return;
   if (model.contains("rotation_deg"))
@@ -155,6 +164,18 @@ DrainHole read_drain_hole(const JsonSection& hole) {
           hole.number("diameter_mm"), hole.number("depth_mm")};
 }
 
+HollowSettings read_hollow(const JsonSection& root) {
+  const auto length = [](const JsonSection& section, const char* key) {
+    return Millimeters{section.number(key)};
+  };
+  HollowSettings hollow{.wall = length(root, "wall_mm"), .hole = length(root, "hole_mm")};
+  if (root.has("infill")) {
+    const JsonSection infill = root.section("infill");
+    hollow.infill = {length(infill, "cell_mm"), length(infill, "strut_mm")};
+  }
+  return hollow;
+}
+
 ModelTicket read_model(const JsonSection& root) {
   ModelTicket model;
   if (root.has("file")) model.file = root.text("file");
@@ -178,6 +199,7 @@ ModelTicket read_model(const JsonSection& root) {
     for (const JsonSection& hole : root.sections("drain"))
       model.drain.push_back(read_drain_hole(hole));
   }
+  if (root.has("hollow")) model.hollow = read_hollow(root.section("hollow"));
   return model;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/geometry/units.hpp"
+#include "core/hollow/hollow_settings.hpp"
 #include "core/model/length_unit.hpp"
 #include "core/model/placement.hpp"
 #include "core/orientation/orientation_figures.hpp"
@@ -81,6 +82,7 @@ struct ModelTicket {
   std::optional<PlateOffset> position;
   int copies = 1;
   std::vector<DrainHole> drain{};
+  std::optional<HollowSettings> hollow{};  // lengths in the print; without it, the model stays as it is
   bool operator==(const ModelTicket&) const = default;
 };
 

@@ -20,7 +20,7 @@
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/watch/watch_command.hpp"
 #include "daemon/json/config_error.hpp"
-#include "daemon/prepare/job_settings.hpp"
+#include "daemon/placement/job_settings.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {

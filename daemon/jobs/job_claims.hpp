@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include "daemon/config/printer_config.hpp"
-#include "daemon/prepare/job_settings.hpp"
+#include "daemon/placement/job_settings.hpp"
 #include "daemon/spool/spool.hpp"
 
 namespace contourd {

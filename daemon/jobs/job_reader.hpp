@@ -16,7 +16,7 @@
 #include "daemon/config/printer_config.hpp"
 #include "daemon/jobs/job_checks.hpp"
 #include "daemon/jobs/prepared_job_cache.hpp"
-#include "daemon/prepare/job_settings.hpp"
+#include "daemon/placement/job_settings.hpp"
 #include "daemon/prepare/print_job.hpp"
 #include "daemon/progress/progress_record.hpp"
 #include "daemon/spool/reading_record.hpp"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "daemon/prepare/job_settings.hpp"
+#include "daemon/placement/job_settings.hpp"
 #include "daemon/prepare/print_job.hpp"
 #include "daemon/spool/job_files.hpp"
 

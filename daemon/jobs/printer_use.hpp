@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "daemon/history/job_history.hpp"
-#include "daemon/prepare/job_settings.hpp"
+#include "daemon/placement/job_settings.hpp"
 #include "daemon/progress/interrupted_print.hpp"
 #include "daemon/spool/job_files.hpp"
 #include "hw/clock.hpp"

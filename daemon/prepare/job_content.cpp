@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
+#include "core/hollow/hollow_model.hpp"
 #include "core/repair/mesh_soundness.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -118,6 +119,11 @@ void JobContent::require_room_for_masks(std::span<const PlateModel> models, bool
   if (others + repairing_ + most_memory_for_sections(models, moved) <= room_.bytes) return;
   const std::uint64_t needed = others + memory_for_sections(models, moved);
   if (needed > room_.bytes) throw JobTooLarge(to_read_, ", many of them at one height", needed, room_);
+}
+
+void JobContent::require_room_to_hollow(const Bounds& model, Millimeters pixel) const {
+  const std::uint64_t needed = needed_ + memory_to_hollow(model, pixel);
+  if (needed > room_.bytes) throw JobTooLarge(to_read_, ", one of them hollowed", needed, room_);
 }
 
 void JobContent::require_room_for_supports(std::span<const PlateModel> models,

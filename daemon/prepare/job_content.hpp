@@ -59,6 +59,8 @@ class JobContent {
   // would not fit into the memory that was available before anything was read.
   // Checks the memory to repair these facets of a model.
   void require_room_to_repair(std::span<const Facet> facets);
+  // Checks the memory to hollow a model of this size with cells as small as a pixel.
+  void require_room_to_hollow(const Bounds& model, Millimeters pixel) const;
   // Checks the memory to generate supports for the models.
   void require_room_for_supports(std::span<const PlateModel> models, const DisplayGeometry& display) const;
   // Checks the memory to compute masks of the models. `moved`: their contours are moved (see Compensation).

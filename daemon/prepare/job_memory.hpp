@@ -9,7 +9,7 @@
 
 #include "core/engine/contour_engine.hpp"
 #include "core/formats/model_format.hpp"
-#include "daemon/prepare/plate_arrangement.hpp"
+#include "daemon/placement/plate_arrangement.hpp"
 #include "daemon/system/memory_room.hpp"
 
 namespace contourd {

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "core/model/placement.hpp"
+#include "daemon/placement/model_turn.hpp"
 #include "daemon/prepare/model_checks.hpp"
 #include "daemon/prepare/model_orientation.hpp"
-#include "daemon/prepare/model_turn.hpp"
 
 namespace contourd {
 namespace {

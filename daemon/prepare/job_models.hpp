@@ -5,10 +5,10 @@
 #include <stop_token>
 #include <vector>
 
+#include "daemon/placement/job_settings.hpp"
+#include "daemon/placement/plate_arrangement.hpp"
 #include "daemon/prepare/job_content.hpp"
-#include "daemon/prepare/job_settings.hpp"
 #include "daemon/prepare/job_summary.hpp"
-#include "daemon/prepare/plate_arrangement.hpp"
 
 namespace contourd {
 

@@ -24,6 +24,15 @@
 
 namespace contourd {
 
+// The cavities of a hollowed model.
+struct HollowSummary {
+  HollowSettings settings{};
+  std::size_t cavities = 0;
+  double volume_mm3 = 0;
+  Millimeters cell{};            // within which the walls are right
+  std::vector<Frustum> holes{};  // that were added, in the model's own millimetres
+};
+
 // One of a job's models.
 struct ModelSummary {
   std::string file;         // in the plate's folder and in an archive; empty for a job of one file
@@ -35,7 +44,8 @@ struct ModelSummary {
   Scale scale;                                         // without the resin's shrinkage
   RotationDegrees rotation_deg;
   std::optional<Direction> up;
-  std::size_t drain_holes = 0;
+  std::size_t drain_holes = 0;  // the ticket's
+  std::optional<HollowSummary> hollow{};
   bool carries_supports = false;                // as its name in an archive says
   std::optional<ModelOrientation> orientation;  // the search that found `up`; nullopt if there was none
   std::vector<Point> centers;                   // one for each copy, from the plate's centre, in millimetres

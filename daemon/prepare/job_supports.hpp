@@ -12,8 +12,8 @@
 #include "core/routing/support_layout.hpp"
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/config/resin_profile.hpp"
+#include "daemon/placement/plate_arrangement.hpp"
 #include "daemon/prepare/job_content.hpp"
-#include "daemon/prepare/plate_arrangement.hpp"
 
 namespace contourd {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "daemon/config/printer_config.hpp"
+#include "daemon/placement/plate_arrangement.hpp"
 #include "daemon/prepare/job_summary.hpp"
-#include "daemon/prepare/plate_arrangement.hpp"
 #include "daemon/print/print_plan.hpp"
 
 namespace contourd {

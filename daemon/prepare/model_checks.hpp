@@ -12,9 +12,9 @@
 
 #include "core/engine/contour_engine.hpp"
 #include "core/layers/print_layers.hpp"
+#include "daemon/placement/plate_arrangement.hpp"
 #include "daemon/prepare/job_content.hpp"
 #include "daemon/prepare/job_summary.hpp"
-#include "daemon/prepare/plate_arrangement.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd {

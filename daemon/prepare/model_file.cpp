@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-#include "daemon/prepare/plate_arrangement.hpp"
+#include "daemon/placement/plate_arrangement.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd {

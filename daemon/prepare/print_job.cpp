@@ -11,7 +11,8 @@
 
 #include "core/cure/stop_check.hpp"
 #include "core/support/support_lift.hpp"
-#include "daemon/prepare/drain_holes.hpp"
+#include "daemon/placement/drain_holes.hpp"
+#include "daemon/placement/hollow_job_model.hpp"
 #include "daemon/prepare/job_content.hpp"
 #include "daemon/prepare/job_models.hpp"
 #include "daemon/prepare/job_supports.hpp"
@@ -111,6 +112,8 @@ class Preparation {
     leave_out_without_room();
     drill();
     lift(stop);
+    hollow(stop);
+    if (stop.stop_requested()) return std::nullopt;
     job_.plan.layers = choose_layers(settings_.ticket, printer_, models_, summary_);
     count_layers(job_.plan, summary_);
     const std::optional<Arrangement> arrangement = place(stop);
@@ -218,6 +221,25 @@ class Preparation {
     }
   }
 
+  // Hollows the models as their tickets say.
+  void hollow(const std::stop_token& stop) {
+    for (std::size_t i = 0; i < models_.size() && !stop.stop_requested(); ++i) {
+      const NamedModel& model = content_.models()[i];
+      if (!model.ticket.hollow) continue;
+      const Millimeters pixel = to_millimeters(printer_.pixel_pitch);
+      content_.require_room_to_hollow(models_[i].model->bounds(), pixel);
+      const std::optional<HollowedModel> hollowed = hollow_job_model(
+          {models_[i], *model.ticket.hollow, cylinders_[i], pixel, summary_.resin.supports}, stop);
+      if (!hollowed) return;
+      models_[i].holes = hollowed->removed;
+      hollowed_bytes_ += hollowed->memory;
+      for (const std::string& warning : hollow_warnings(*hollowed, *model.ticket.hollow))
+        warn(prefix_of(model, summary_) + warning);
+      summary_.models[i].hollow = HollowSummary{*model.ticket.hollow, hollowed->cavities,
+                                                hollowed->volume_mm3, hollowed->cell, hollowed->holes};
+    }
+  }
+
   // Adds a warning if the model stands on supports or on an edge, although it has a nearly level base.
   void find_tilt(std::size_t number) {
     const auto& [ticket, name, path, file, made_as] = content_.models()[number];
@@ -304,7 +326,7 @@ class Preparation {
     const std::optional<UndersideCure> cure = dimmed_undersides();
     content_.require_room_for_masks(
         standing, summary_.resin.compensation != Compensation{},
-        (cure ? UndersideDimming::most_memory(settings.display, *cure) : 0) +
+        hollowed_bytes_ + (cure ? UndersideDimming::most_memory(settings.display, *cure) : 0) +
             (printer_.splits_exposures() ? SplitExposure::memory(settings.display) : 0) +
             (summary_.resin.mode == PrintWay::Continuous ? MaskAhead::memory(settings.display) : 0));
     if (printer_.splits_exposures())
@@ -409,6 +431,7 @@ class Preparation {
   JobSummary& summary_ = job_.summary;
   std::vector<ModelToPlace> models_;
   std::vector<std::vector<Frustum>> cylinders_;  // the models' drain holes
+  std::uint64_t hollowed_bytes_ = 0;             // memory of the models' cavities
 };
 
 }  // namespace

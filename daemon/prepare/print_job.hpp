@@ -11,9 +11,9 @@
 
 #include "core/analysis/print_analysis.hpp"
 #include "daemon/config/printer_config.hpp"
-#include "daemon/prepare/job_settings.hpp"
+#include "daemon/placement/job_settings.hpp"
+#include "daemon/placement/plate_arrangement.hpp"
 #include "daemon/prepare/job_summary.hpp"
-#include "daemon/prepare/plate_arrangement.hpp"
 #include "daemon/print/print_plan.hpp"
 #include "daemon/spool/job_files.hpp"
 

@@ -64,6 +64,13 @@ std::string plot_of(const PrintReport& report, const std::string& title, Value&&
   return svg_plot(title, points);
 }
 
+std::string hollow_text(const HollowSummary& hollow) {
+  if (hollow.cavities == 0) return "no room for a cavity";
+  return fmt::format("{} of {:.2f} ml, walls of {:g} mm, {} added",
+                     count_of(hollow.cavities, "cavity", "cavities"), hollow.volume_mm3 / 1000,
+                     hollow.settings.wall.count(), count_of(hollow.holes.size(), "hole", "holes"));
+}
+
 std::string model_rows(const ModelSummary& model) {
   std::string rows;
   if (!model.file.empty()) rows += table_row("File", model.file);
@@ -73,6 +80,7 @@ std::string model_rows(const ModelSummary& model) {
                                          model.mesh.watertight ? "watertight" : "not watertight"));
   if (model.centers.size() != 1) rows += table_row("Copies", std::to_string(model.centers.size()));
   if (model.drain_holes > 0) rows += table_row("Drain holes", std::to_string(model.drain_holes));
+  if (model.hollow) rows += table_row("Hollow", hollow_text(*model.hollow));
   const Scale& scale = model.scale;
   if (!scale.uniform()) {
     rows += table_row("Scale", fmt::format("{:.4g} x {:.4g} x {:.4g}", scale.x, scale.y, scale.z));

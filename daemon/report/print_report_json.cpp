@@ -25,6 +25,18 @@ Json scale_json(const Scale& scale) {
   return {scale.x, scale.y, scale.z};
 }
 
+Json hollow_json(const HollowSummary& hollow) {
+  Json json = {{"wall_mm", hollow.settings.wall.count()},
+               {"cavities", hollow.cavities},
+               {"volume_ml", hollow.volume_mm3 / 1000},
+               {"cell_mm", hollow.cell.count()},
+               {"holes_added", hollow.holes.size()}};
+  if (hollow.settings.infill)
+    json["infill"] = {{"cell_mm", hollow.settings.infill->cell.count()},
+                      {"strut_mm", hollow.settings.infill->strut.count()}};
+  return json;
+}
+
 Json model_json(const ModelSummary& model) {
   const MeshReport& mesh = model.mesh;
   Json json;
@@ -39,6 +51,7 @@ Json model_json(const ModelSummary& model) {
     json["rotation_deg"] = {model.rotation_deg.x, model.rotation_deg.y, model.rotation_deg.z};
   }
   json["drain_holes"] = model.drain_holes;
+  if (model.hollow) json["hollow"] = hollow_json(*model.hollow);
   if (model.orientation) json["orientation"] = orientation_json(*model.orientation);
   json["copies"] = model.centers.size();
   Json centers = Json::array();

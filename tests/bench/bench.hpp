@@ -67,7 +67,7 @@ inline constexpr std::uint64_t kSeed = 2019;  // seed of the random heights
 [[nodiscard]] std::vector<Row> dimming_rows(const Bench& bench);
 // cure_rows.cpp: the part that a print's light makes, beside the print's masks alone.
 [[nodiscard]] std::vector<Row> cure_rows(const Bench& bench);
-// support_rows.cpp: the time that supports add to a mask.
+// support_rows.cpp: the time that supports, and cavities, add to a mask.
 [[nodiscard]] std::vector<Row> support_rows(const Bench& bench);
 // load_rows.cpp: from a file to the first mask; reading; memory.
 [[nodiscard]] std::vector<Row> load_rows(const Bench& bench);

@@ -65,6 +65,31 @@ class Suction(FolderTest):
         daemon.drop("ball.stl", CLOSED)
         self.assertEqual(daemon.wait_job("ball")["asks"], ["suction_cups", "resin_traps"])
 
+    # --- models that contourd makes hollow
+
+    def test_a_hollow_model_takes_less_resin_and_sucks_nowhere(self):
+        daemon = Daemon(self).start()
+        solid = binary_stl(box((0, 0, 0), (12, 12, 9)))
+        report = daemon.printed("part.stl", solid, {"hollow": {"wall_mm": 1.5}})
+        hollow = report["model"]["hollow"]
+        self.assertEqual((hollow["cavities"], hollow["holes_added"]), (1, 1))
+        self.assertAlmostEqual(hollow["volume_ml"], 9 * 9 * 6 / 1000, delta=1e-6)
+        analysis = report["analysis"]
+        self.assertEqual((analysis["suction_cups"], analysis["resin_traps"]), (0, 0))
+        # The hole takes at most its cylinder through the wall.
+        whole, removed = 12 * 12 * 9 / 1000, hollow["volume_ml"]
+        self.assertLess(analysis["resin_ml"], whole - removed)
+        self.assertGreater(analysis["resin_ml"], whole - removed - math.pi * 1.25**2 * 1.5 / 1000 - 0.005)
+        self.assertIn("1 cavity of 0.49 ml, walls of 1.5 mm, 1 hole added", daemon.read("done", "part.report.html"))
+        closed = daemon.printed("closed.stl", solid, {"hollow": {"wall_mm": 1.5, "hole_mm": 0}})["analysis"]
+        self.assertEqual((closed["suction_cups"], closed["resin_traps"]), (1, 1))
+
+    def test_submit_makes_a_model_hollow(self):
+        daemon = Daemon(self).start()
+        part = self.write("part.stl", binary_stl(box((0, 0, 0), (12, 12, 9))))
+        self.assertEqual(daemon.ctl("submit", part, "--hollow", "1.5", "--yes", "--wait").returncode, OK)
+        self.assertEqual(daemon.wait_done("part")["model"]["hollow"]["wall_mm"], 1.5)
+
     # --- drain holes
 
     def new_name(self):

@@ -17,9 +17,9 @@
 #include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
+#include "daemon/placement/model_turn.hpp"
 #include "daemon/prepare/mesh_repair_text.hpp"
 #include "daemon/prepare/model_checks.hpp"
-#include "daemon/prepare/model_turn.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {

@@ -14,8 +14,8 @@
 #include "core/routing/support_layout.hpp"
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
+#include "daemon/placement/plate_arrangement.hpp"
 #include "daemon/prepare/model_orientation.hpp"
-#include "daemon/prepare/plate_arrangement.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd::ctl {

@@ -23,7 +23,7 @@
 #include "daemon/formats/model_names.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/json/json_document.hpp"
-#include "daemon/prepare/job_settings.hpp"
+#include "daemon/placement/job_settings.hpp"
 #include "daemon/spool/spool_folders.hpp"
 #include "daemon/system/readable.hpp"
 #include "daemon/system/regular_file.hpp"
@@ -35,7 +35,7 @@ struct SubmitOptions {
   std::vector<std::filesystem::path> models;
   // Keys of the tickets (config/ticket.schema.json); a value that is not given is not in the ticket.
   std::optional<std::string> resin, unit, supports, undersides, mode;
-  std::optional<double> layer_height_um, scale;
+  std::optional<double> layer_height_um, scale, hollow_mm;
   std::optional<double> exposure_ms, bottom_exposure_ms, lift_mm, settle_ms, rest_ms;
   std::optional<int> copies;
   std::optional<std::string> up;
@@ -81,6 +81,7 @@ std::string ticket_of(const SubmitOptions& options) {
   if (options.mode) ticket["mode"] = *options.mode;
   if (options.scale) ticket["scale"] = *options.scale;
   if (options.fit) ticket["fit"] = true;
+  if (options.hollow_mm) ticket["hollow"]["wall_mm"] = *options.hollow_mm;
   if (options.dry) ticket["dry"] = true;
   if (options.copies) ticket["copies"] = *options.copies;
   if (!options.entries.empty()) ticket["model"] = options.entries;
@@ -221,6 +222,7 @@ void add_submit(Command& program) {
   add("--unit", options.unit, kUnitHelp).suggests(unit_names);
   const Option& scale = add("--scale", options.scale, kScaleHelp);
   add("--fit", options.fit, "Scale the model to fill the display").excludes(scale);
+  add("--hollow", options.hollow_mm, "Make the model hollow, with walls of this thickness, mm");
   command.option("--printer", options.printer,
                  "Forecast and check the print with this printer configuration");
   command.option("--spool", options.spool, kSpoolHelp);

@@ -114,6 +114,24 @@ TEST_CASE("a drain hole is read in the model's own millimetres") {
   CHECK(load_ticket("{}").models[0].drain.empty());
 }
 
+TEST_CASE("a hollow model has walls, holes and, if asked for, an infill") {
+  CHECK(load_ticket("{}").models[0].hollow == std::nullopt);
+  CHECK(load_ticket(R"({"hollow": {}})").models[0].hollow ==
+        HollowSettings{Millimeters{2}, std::nullopt, Millimeters{2.5}});
+  CHECK(load_ticket(R"({"hollow": {"wall_mm": 1.5, "hole_mm": 0, "infill": {"cell_mm": 6}}})")
+            .models[0]
+            .hollow ==
+        HollowSettings{Millimeters{1.5}, InfillLattice{Millimeters{6}, Millimeters{1}}, Millimeters{0}});
+  CHECK(load_plate(R"({"models": [{"file": "a.stl", "hollow": {"wall_mm": 3}}]})").models[0].hollow->wall ==
+        Millimeters{3});
+  CHECK(ticket_complaints(R"({"hollow": {"wall_mm": 0.1}})") ==
+        Complaints{"/hollow/wall_mm: 0.1 is less than the least allowed, 0.2 mm"});
+  CHECK(
+      ticket_complaints(R"({"hollow": {"infill": {"cell_mm": 4, "strut_mm": 2.5}}})") ==
+      Complaints{"/hollow/infill/strut_mm: 2.5 is more than half of cell_mm, 4: the cells would be closed"});
+  CHECK(ticket_complaints(R"({"hollow": true})").size() == 1);
+}
+
 TEST_CASE("a drain hole needs a place, a nonzero direction and a diameter, and their number is limited") {
   CHECK(ticket_complaints(R"({"drain": [{"position_mm": {}, "direction": {"z": 0}, "diameter_mm": 1}]})") ==
         Complaints{"/drain/0/direction: a direction must not be zero in x, y and z"});

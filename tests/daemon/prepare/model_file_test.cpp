@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "daemon/prepare/plate_arrangement.hpp"
+#include "daemon/placement/plate_arrangement.hpp"
 #include "tests/catch.hpp"
 #include "tests/message_of.hpp"
 #include "tests/models/models.hpp"

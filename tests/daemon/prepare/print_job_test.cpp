@@ -255,6 +255,50 @@ TEST_CASE_METHOD(PrintJobFixture,
   CHECK(refusal.find("drain hole 1 of the model misses it: the hole starts at 10, 40, 0 mm") == 0);
 }
 
+TEST_CASE_METHOD(PrintJobFixture, "A hollow job has its cavity, its hole and its figures in every copy") {
+  const PreparedJob job = prepare(kCube, R"({"copies": 2, "hollow": {"wall_mm": 3, "hole_mm": 2}})");
+  REQUIRE(job.summary.models[0].hollow);
+  const HollowSummary& hollow = *job.summary.models[0].hollow;
+  CHECK(hollow.cavities == 1);
+  CHECK(hollow.volume_mm3 == testing::Approx(14 * 14 * 14));
+  CHECK(hollow.holes.size() == 1);
+  CHECK(job.summary.warnings.empty());
+  for (ContourEngine* engine : {job.plan.engine.get(), job.analysis_engine.get()}) {
+    // Two copies of 20 x 20 mm less 14 x 14 mm, in pixels of 50 um.
+    CHECK(engine->mask_at(Nanometers{10'000'000}).lit_area() == 320000 - 2 * 280 * 280);
+    CHECK(engine->mask_at(Nanometers{1'000'000}).lit_area() == 320000);
+    CHECK(engine->mask_at(Nanometers{19'000'000}).lit_area() == 320000);
+    // At its axis, the hole removes its width, 40 pixels, from a wall of 60 in each copy.
+    CHECK(320000 - 2 * 280 * 280 - engine->mask_at(Nanometers{3'800'000}).lit_area() ==
+          testing::Approx(2 * 60 * 40).epsilon(0.03));
+  }
+}
+
+TEST_CASE_METHOD(PrintJobFixture, "A model without room for a cavity is printed solid, with a warning") {
+  const PreparedJob job = prepare(models::box({0, 0, 0}, {10, 10, 3}), R"({"hollow": {"wall_mm": 1.5}})");
+  CHECK(job.summary.models[0].hollow->cavities == 0);
+  CHECK(job.summary.warnings ==
+        std::vector<std::string>{
+            "printed solid: with walls of 1.5 mm, there is no room for a cavity of 50 mm3"});
+  const PreparedJob closed = prepare(kCube, R"({"hollow": {"hole_mm": 0}})");
+  CHECK(closed.summary.warnings ==
+        std::vector<std::string>{
+            "no hole opens 1 cavity: the ticket's hole_mm is 0, and none of its drain holes does"});
+}
+
+TEST_CASE_METHOD(PrintJobFixture, "Walls that would tear are refused with what they carry") {
+  // Walls of 0.2 mm around 20 x 20 mm have 15.84 mm2: 4 % of the roof. 1.1 % would do, so a weak resin is
+  // needed.
+  CHECK_NOTHROW(prepare(kCube, R"({"hollow": {"wall_mm": 0.2}})"));
+  resin.supports.tip_holds_mm2 = 2;
+  CHECK(refusal_of(kCube, R"({"hollow": {"wall_mm": 0.2}})") ==
+        "the walls of the model would tear when the layers above them are peeled off: where they are "
+        "weakest, they "
+        "have 4 % of the area of the largest layer above, and 6.3 % carry it; give \"hollow\" a greater "
+        "wall_mm than "
+        "0.2, or an infill");
+}
+
 TEST_CASE_METHOD(PrintJobFixture,
                  "Scale factors by axis and the resin's shrinkage apply to the printed cube") {
   resin.shrinkage_factors = {1.25, 1, 1};

@@ -1,4 +1,4 @@
-#include "daemon/prepare/drain_holes.hpp"
+#include "daemon/placement/drain_holes.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/support/support_structure.hpp"
-#include "daemon/prepare/model_turn.hpp"
-#include "daemon/prepare/plate_arrangement.hpp"
+#include "daemon/placement/model_turn.hpp"
+#include "daemon/placement/plate_arrangement.hpp"
 
 namespace contourd {
 namespace {

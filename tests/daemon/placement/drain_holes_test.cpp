@@ -1,7 +1,7 @@
-#include "daemon/prepare/drain_holes.hpp"
+#include "daemon/placement/drain_holes.hpp"
 
-#include "daemon/prepare/model_turn.hpp"
-#include "daemon/prepare/plate_arrangement.hpp"
+#include "daemon/placement/model_turn.hpp"
+#include "daemon/placement/plate_arrangement.hpp"
 #include "tests/catch.hpp"
 #include "tests/message_of.hpp"
 #include "tests/models/models.hpp"

@@ -1,4 +1,4 @@
-#include "daemon/prepare/job_settings.hpp"
+#include "daemon/placement/job_settings.hpp"
 
 #include <fmt/format.h>
 

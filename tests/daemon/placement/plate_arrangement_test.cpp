@@ -1,4 +1,4 @@
-#include "daemon/prepare/plate_arrangement.hpp"
+#include "daemon/placement/plate_arrangement.hpp"
 
 #include "tests/catch.hpp"
 #include "tests/message_of.hpp"

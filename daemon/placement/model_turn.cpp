@@ -1,4 +1,4 @@
-#include "daemon/prepare/model_turn.hpp"
+#include "daemon/placement/model_turn.hpp"
 
 #include <algorithm>
 

@@ -6,8 +6,8 @@
 
 #include "core/geometry/facet.hpp"
 #include "core/model/placement.hpp"
-#include "daemon/prepare/job_settings.hpp"
-#include "daemon/prepare/plate_arrangement.hpp"
+#include "daemon/placement/job_settings.hpp"
+#include "daemon/placement/plate_arrangement.hpp"
 
 namespace contourd {
 

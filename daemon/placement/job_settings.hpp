@@ -9,7 +9,7 @@
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/config/resin_profile.hpp"
-#include "daemon/prepare/plate_arrangement.hpp"
+#include "daemon/placement/plate_arrangement.hpp"
 #include "daemon/spool/job_files.hpp"
 
 namespace contourd {
