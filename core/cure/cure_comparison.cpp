@@ -11,6 +11,7 @@
 #include "core/contract/expects.hpp"
 #include "core/cure/pixel_light.hpp"
 #include "core/cure/ray_sort.hpp"
+#include "core/cure/removed_stretches.hpp"
 
 namespace contourd {
 namespace {
@@ -19,7 +20,8 @@ constexpr float kFacesUpOrDown = 0.5F;   // sine of 30 degrees
 constexpr float kFacesLine = 0.7071F;    // cosine of 45 degrees
 constexpr double kOnPlateMm = 0.001;     // rounding of a file's coordinates
 constexpr std::int32_t kWallReach = 20;  // pixels in which the part's wall is looked for
-// Steepness of surfaces that are not measured: those of supports, and the ends of models that go on above.
+// Steepness of surfaces that are not measured: those of supports, of cavities and drain holes, and the ends
+// of models that go on above.
 constexpr float kNotMeasured = 1e-3F;
 
 // Returns the crossings of a model on vertical lines, as far up as it was printed.
@@ -37,8 +39,20 @@ std::vector<RayCrossing> end_at(const PrintedUpTo& up_to, std::vector<RayCrossin
   return printed;
 }
 
+// Returns the crossings of a model's surface, less its holes.
+std::vector<RayCrossing> whole_crossings_of(const PlateModel& model, const Rays& rays, StopCheck& check) {
+  std::vector<RayCrossing> crossings = cross_surface(std::span(&model, 1), rays, check);
+  if (!model.holes) return crossings;
+  std::vector<RayStretch> stretches = stretches_within(std::move(crossings), check);
+  stretches = without_holes(std::move(stretches), model, rays, kNotMeasured, check);
+  std::vector<RayCrossing> left;
+  for (const RayStretch& stretch : stretches)
+    left.insert(left.end(), {stretch.from, stretch.to});
+  return left;
+}
+
 std::vector<RayCrossing> crossings_of(const ComparedModel& compared, const Rays& rays, StopCheck& check) {
-  std::vector<RayCrossing> crossings = cross_surface(std::span(&compared.model, 1), rays, check);
+  std::vector<RayCrossing> crossings = whole_crossings_of(compared.model, rays, check);
   if (std::isinf(compared.up_to.top_mm)) return crossings;
   if (rays.axis == RayAxis::Z) return end_at(compared.up_to, std::move(crossings), check);
   const auto lines =
