@@ -32,7 +32,7 @@ struct SlabSettings {
 
 // Returns the slabs from the plate to the top. The distance of a slab holds for every height within it: its
 // lit area is that of the mask at its lower end and of all facets within the slab, seen from above.
-// What is beside the models, such as supports, counts at the slab's lower and upper end. Throws
+// Sections beside the models, such as supports, count at the slab's lower and upper end. Throws
 // ComputationStopped. Blocks for a mask and some milliseconds a slab. REQUIRES: an engine with this display,
 // at most 100,000 slabs.
 [[nodiscard]] std::vector<RiseSlab> sweep_slabs(ContourEngine& engine, const SlabSettings& settings,

@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "core/cure/rays.hpp"
 #include "core/cure/stop_check.hpp"
-#include "core/cure/surface_rays.hpp"
 #include "core/engine/contour_engine.hpp"
 
 namespace contourd {

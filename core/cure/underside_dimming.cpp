@@ -199,7 +199,7 @@ std::uint64_t UndersideDimming::most_memory(const DisplayGeometry& display, cons
 
 std::span<const DimmedPixel> UndersideDimming::dimmed(std::size_t layer) {
   expects(layer < layers_.size(), "the layer is one of the print's");
-  if (layer == 0) return {};  // it stands on the plate; the masks ahead of other layers stay known
+  if (layer == 0) return {};  // the layer stands on the plate; the masks ahead of other layers stay known
   const std::size_t dark = exclusions_at(layer);
   if (dark != dark_.known) leave_dark(dark);
   if (layer < layer_ || layer > layer_ + most_ahead_) restart_before(layer);

@@ -17,7 +17,7 @@ std::uint32_t CavityBodies::root_of(std::uint32_t run) {
 void CavityBodies::join(std::uint32_t a, std::uint32_t b) {
   const auto [first, second] = std::minmax({root_of(a), root_of(b)});
   if (first == second) return;
-  // Both grew in earlier slices: the higher one was a basin of its own.
+  // Two parts that grew in earlier slices meet: the higher one was a basin of its own.
   if (cells_[first] >= least_cells_ && cells_[second] >= least_cells_)
     basins_.push_back({0, second, 0, static_cast<std::int32_t>(starts_.size()) - 1});
   joined_[second] = first;
@@ -60,7 +60,7 @@ void CavityBodies::finish() {
   std::ranges::sort(basins_, {}, &CavityBasin::first_run);
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> bodies, starts{0};
-  std::vector<std::uint32_t> numbers(runs_.size(), kNone);  // of bodies, by root
+  std::vector<std::uint32_t> numbers(runs_.size(), kNone);  // by root: the body
   std::vector<CavityRun> kept;
   auto basin = basins_.begin();
   for (std::int32_t slice = 0; slice < slices; ++slice) {

@@ -16,7 +16,7 @@ struct Cell {
 // A way from a cell of a cavity to a cell outside, in the same slice or in the same column.
 struct DrainWay {
   Cell inside, outside;
-  double cells = std::numeric_limits<double>::infinity();  // its length
+  double cells = std::numeric_limits<double>::infinity();  // length of the way
 };
 
 // The cells of a slice that are open to the outside along the level.
@@ -100,7 +100,7 @@ DrainWay level_way(const SolidColumns& solid, const BasinFloor& floor, const Cav
     try_from({run.first, run.row});
     try_from({run.end - 1, run.row});
   }
-  // Of ways of about the same length, the middle one is not in a corner.
+  // The middle one of ways of about the same length is not in a corner.
   std::erase_if(ways, [&](const DrainWay& way) { return way.cells >= shortest + 0.5; });
   return ways.empty() ? DrainWay{} : ways[ways.size() / 2];
 }

@@ -15,7 +15,7 @@ namespace contourd {
 
 struct CavityGrid {
   double cell_mm = 0;  // side of a cell
-  Point center{};      // of the grid, in the model's own millimetres
+  Point center{};      // middle of the grid, in the model's own millimetres
   double low_z = 0;    // the model's z at the underside of the lowest slice
   std::int32_t columns = 0, rows = 0, slices = 0;
 

@@ -40,14 +40,14 @@ struct HollowedModel {
   // holes of the request; null if there are none either.
   std::shared_ptr<const SectionSource> removed;
   std::size_t cavities = 0;
-  double volume_mm3 = 0;       // of the cavities
+  double volume_mm3 = 0;       // all cavities together
   Millimeters cell{};          // within which their walls are right
-  std::vector<Frustum> holes;  // that were found for the cavities
+  std::vector<Frustum> holes;  // added for the cavities
   std::size_t closed = 0;      // cavities without a hole
   // The least of the areas of the sections with a cavity, over the largest area of a section above: what the
   // walls carry when a layer is peeled off. Infinite without a cavity.
   double least_carrying = 0;
-  std::uint64_t memory = 0;  // of the cavities, in bytes
+  std::uint64_t memory = 0;  // bytes that the cavities take
 };
 
 // Returns an upper bound of the memory that hollow_model() takes, in bytes.

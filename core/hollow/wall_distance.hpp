@@ -45,7 +45,7 @@ class WallDistance {
   const SolidColumns& columns_;
   std::int32_t width_, height_;
   std::int32_t most_squared_;  // square of the greatest distance within the wall, in cells
-  std::int32_t farthest_;      // its root, rounded down
+  std::int32_t farthest_;      // root of most_squared_, rounded down
   std::int32_t slice_ = -1;
   std::vector<std::uint32_t> next_end_;   // by column: the first of its ends above the slice
   std::vector<std::uint8_t> up_or_down_;  // by cell: distance along z to the outside, at most farthest_ + 1

@@ -62,7 +62,7 @@ class LightSplit {
     std::vector<Greys> greys;  // by step, each by the share
     std::array<double, 256> given{};
   };
-  using Values = std::array<bool, 256>;  // those that occur
+  using Values = std::array<bool, 256>;  // values that occur
 
   void add_division(std::size_t step_count);
   [[nodiscard]] const Division& division() const { return divisions_[chosen_]; }
