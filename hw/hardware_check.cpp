@@ -70,6 +70,8 @@ void HardwareCheck::check_axis() {
   if (axis.second_switch) check_input("second switch", *axis.second_switch, "closed", "open");
   if (axis.emergency_stop) check_input("emergency stop", *axis.emergency_stop, "pressed", "not pressed");
   if (axis.lid) check_input("lid", *axis.lid, "open", "closed");
+  if (axis.power_fail)
+    check_input("power fail", *axis.power_fail, "active: the power is failing", "inactive");
   if (axis.encoder) {
     for (const auto& [device, line] :
          {std::pair{"encoder A", &axis.encoder->a}, std::pair{"encoder B", &axis.encoder->b}})

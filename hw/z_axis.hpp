@@ -56,10 +56,11 @@ struct LateSteps {
 
 // The state of an input, for the person who wires it.
 struct AxisInputState {
-  std::string name;            // "limit switch"
-  std::string line;            // "line 23 of gpiochip0"
-  std::optional<bool> active;  // switch reached, stop pressed, lid open, encoder high; nullopt if unreadable
-  std::uint64_t edges = 0;     // since the axis was opened, without those too fast for the kernel
+  std::string name;  // "limit switch"
+  std::string line;  // "line 23 of gpiochip0"
+  std::optional<bool>
+      active;  // switch reached, stop pressed, lid open, power failing, encoder high; nullopt if unreadable
+  std::uint64_t edges = 0;  // since the axis was opened, without those too fast for the kernel
 };
 
 // Distances that an axis, real or simulated, moves while its position is unknown: in homing, and by hand.
@@ -149,9 +150,9 @@ class ZAxis : public Device {
   // Returns the late steps of all moves since the axis was opened; none if no motor has to be stepped.
   [[nodiscard]] virtual LateSteps late_steps() const = 0;
 
-  // Sets the light that the emergency stop, the lid and unreadable inputs turn off without waiting for the
-  // event loop; null for none. The cutoff must outlive the axis, or be replaced by null before it is
-  // destroyed.
+  // Sets the light that the emergency stop, the lid, the power-fail signal and unreadable inputs turn off
+  // without waiting for the event loop; null for none. The cutoff must outlive the axis, or be replaced by
+  // null before it is destroyed.
   virtual void set_light_cutoff(LightCutoff* cutoff) noexcept = 0;
 };
 

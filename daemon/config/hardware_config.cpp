@@ -77,6 +77,7 @@ GpioAxisConfig read_gpio_axis(const JsonSection& z_axis) {
   config.encoder = read_if_there(z_axis, "encoder", read_encoder);
   config.emergency_stop = read_if_there(z_axis, "emergency_stop", read_input);
   config.lid = read_if_there(z_axis, "lid", read_input);
+  config.power_fail = read_if_there(z_axis, "power_fail", read_input);
   config.realtime_priority = z_axis.integer<int>("realtime_priority");
   return config;
 }

@@ -158,9 +158,9 @@ ControlMethods ManualControl::methods() {
                            &ManualControl::projector,
                            {Parameter::one_of("power", {"on", "off"}, "the projector's power")})},
       {"inputs",
-       {.description =
-            "Reads the current inputs of the axis: the switches, the emergency stop, the lid and the "
-            "encoder's lines, if they are fitted.",
+       {.description = "Reads the current inputs of the axis: the switches, the emergency stop, the lid, the "
+                       "power-fail signal and the "
+                       "encoder's lines, if they are fitted.",
         .call = [this](const Json&, const ControlCaller&) { return inputs(); }}}};
 }
 

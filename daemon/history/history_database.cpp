@@ -303,7 +303,7 @@ void HistoryDatabase::check_file() {
   // The quick check accepts definitions with other names of tables and columns.
   if (version == kVersion && schema_of(*database_) != expected_schema())
     throw SqliteError(SQLITE_CORRUPT, "its tables do not have the columns that contourd created");
-  // These settings make commits survive a power cut, let other programs read without waiting, write only in
+  // The settings make commits survive a power cut, let other programs read without waiting, write only in
   // the file's folder, and use little memory.
   database_->execute(
       "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA wal_autocheckpoint=200; "

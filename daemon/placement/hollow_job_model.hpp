@@ -18,7 +18,7 @@ struct ModelToHollow {
   HollowSettings settings;
   std::span<const Frustum> holes;  // the ticket's drain holes in the model
   Millimeters pixel;
-  const SupportSettings& supports;  // of which the strength of the resin is taken
+  const SupportSettings& supports;  // have the strength of the resin
 };
 
 // Hollows the model; nullopt if `stop` was requested. Throws JobRefused if its walls would be thinner than

@@ -30,7 +30,7 @@ struct HollowSummary {
   std::size_t cavities = 0;
   double volume_mm3 = 0;
   Millimeters cell{};            // within which the walls are right
-  std::vector<Frustum> holes{};  // that were added, in the model's own millimetres
+  std::vector<Frustum> holes{};  // added for the cavities, in the model's own millimetres
 };
 
 // One of a job's models.

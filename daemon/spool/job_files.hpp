@@ -14,7 +14,7 @@ struct JobFiles {
   std::filesystem::path model;                  // a model, or a plate's folder
   std::optional<std::filesystem::path> ticket;  // the ticket beside a model
   bool plate = false;
-  Links links = Links::Follow;  // whether symbolic links in place of these files are followed
+  Links links = Links::Follow;  // treatment of symbolic links in place of the files
   std::string original{};       // the name in incoming/ of the original if these files are a copy, else empty
 };
 

@@ -17,13 +17,13 @@ constexpr Duration kReadLevels{std::chrono::milliseconds{20}};
 constexpr Duration kCutAgain{std::chrono::milliseconds{2}};
 
 // The contacts in the order of urgency.
-constexpr std::array kContacts{AxisInput::EmergencyStop, AxisInput::Lid, AxisInput::LimitSwitch,
-                               AxisInput::SecondSwitch};
-constexpr std::array kSafetyInputs{AxisInput::EmergencyStop, AxisInput::Lid};
+constexpr std::array kContacts{AxisInput::EmergencyStop, AxisInput::Lid, AxisInput::PowerFail,
+                               AxisInput::LimitSwitch, AxisInput::SecondSwitch};
+constexpr std::array kSafetyInputs{AxisInput::EmergencyStop, AxisInput::Lid, AxisInput::PowerFail};
 constexpr std::array kSwitches{AxisInput::LimitSwitch, AxisInput::SecondSwitch};
 
 bool is_safety(AxisInput which) noexcept {
-  return which == AxisInput::EmergencyStop || which == AxisInput::Lid;
+  return std::ranges::find(kSafetyInputs, which) != kSafetyInputs.end();
 }
 
 void keep_earlier(std::optional<TimePoint>& first, std::optional<TimePoint> other) noexcept {
@@ -176,8 +176,7 @@ std::optional<TimePoint> AxisInputs::next_due() const noexcept {
 
 bool AxisInputs::watching() const noexcept {
   const auto fitted = [this](AxisInput which) { return lines_.contacts[index(which)].line != nullptr; };
-  return limit_rule_ != LimitRule::Never || second_watched_ || fitted(AxisInput::EmergencyStop) ||
-         fitted(AxisInput::Lid);
+  return limit_rule_ != LimitRule::Never || second_watched_ || std::ranges::any_of(kSafetyInputs, fitted);
 }
 
 void AxisInputs::take_edges(AxisInput which) noexcept {

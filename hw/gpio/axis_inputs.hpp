@@ -1,11 +1,12 @@
-// The axis' switches, emergency stop, lid and encoder: the work of the input thread, which reads their edges,
-// without its waiting. The input thread halts the steps and cuts the light itself where that is urgent, and
-// queues settled changes for the event loop. Its functions neither allocate, lock, log nor throw.
+// The axis' switches, emergency stop, lid, power-fail signal and encoder: the work of the input thread, which
+// reads their edges, without its waiting. The input thread halts the steps and cuts the light itself where
+// that is urgent, and queues settled changes for the event loop. Its functions neither allocate, lock, log
+// nor throw.
 //
-// The emergency stop and the lid are safety inputs. The light is cut at their first edge, or when their level
-// cannot be read, and stays cut until they have settled safe and the event loop has called let_go(). An
-// emergency stop that lasts also inhibits the steps. If a switch cannot be read, no input can be relied on:
-// see lost().
+// The emergency stop, the lid and the power-fail signal are safety inputs. The light is cut at their first
+// edge, or when their level cannot be read, and stays cut until they have settled safe and the event loop has
+// called let_go(). An emergency stop that lasts also inhibits the steps. If a switch cannot be read, no input
+// can be relied on: see lost().
 //
 // Invariants of the state that the two threads share:
 //  1. Only the input thread increments added_, after writing the entry that it counts. Only the event loop
@@ -37,8 +38,8 @@
 
 namespace contourd {
 
-enum class AxisInput : std::uint8_t { LimitSwitch, SecondSwitch, EmergencyStop, Lid };
-inline constexpr std::size_t kAxisInputs = 4;
+enum class AxisInput : std::uint8_t { LimitSwitch, SecondSwitch, EmergencyStop, Lid, PowerFail };
+inline constexpr std::size_t kAxisInputs = 5;
 
 // A change of the inputs: a switch has settled, or a safety input's state has changed.
 struct InputChange {
@@ -140,7 +141,8 @@ class AxisInputs {
   [[nodiscard]] bool last_level(AxisInput which) const noexcept;
   void put(AxisInput which, SafetyState state) noexcept;
   [[nodiscard]] bool unsafe() const noexcept {
-    return lost_ || active(AxisInput::EmergencyStop) || active(AxisInput::Lid);
+    return lost_ || active(AxisInput::EmergencyStop) || active(AxisInput::Lid) ||
+           active(AxisInput::PowerFail);
   }
   void cut_light() noexcept;
   void release_light() noexcept;

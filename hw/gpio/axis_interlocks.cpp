@@ -27,7 +27,14 @@ void AxisInterlocks::take_change(const InputChange& change) {
     case AxisInput::EmergencyStop:
       return take_emergency_stop(change);
     case AxisInput::Lid:
-      return take_lid(change);
+      return take_interlock(
+          change, *config_.lid,
+          {"the lid was opened", "the lid cannot be read, which counts as open", "the lid was closed"});
+    case AxisInput::PowerFail:
+      return take_interlock(
+          change, *config_.power_fail,
+          {"the power is failing", "the power-fail signal cannot be read, which counts as a failure",
+           "the power is back"});
     case AxisInput::SecondSwitch:
       if (!change.halted) return;
       return wiring_.halted_for(
@@ -45,7 +52,7 @@ void AxisInterlocks::take_emergency_stop(const InputChange& change) {
     return;
   }
   if (change.to == SafetyState::Debouncing) {
-    // It has lasted meanwhile, and the fault that follows says so.
+    // The signal has lasted meanwhile, and the fault that follows says so.
     if (engine_.inhibited()) return;
     wiring_.slow_down();
     return wiring_.report(
@@ -61,16 +68,14 @@ void AxisInterlocks::take_emergency_stop(const InputChange& change) {
                   lasted});
 }
 
-void AxisInterlocks::take_lid(const InputChange& change) {
-  const std::string line = " (" + describe(config_.lid->line) + ")";
+void AxisInterlocks::take_interlock(const InputChange& change, const GpioInputConfig& input,
+                                    const InterlockTexts& texts) {
+  const std::string line = " (" + describe(input.line) + ")";
   if (change.to == SafetyState::Unsafe) return;  // was reported at the first edge
-  if (change.to == SafetyState::Debouncing) {
-    return wiring_.report(
-        {Kind::Interlock,
-         (change.readable ? "the lid was opened" : "the lid cannot be read, which counts as open") + line});
-  }
+  if (change.to == SafetyState::Debouncing)
+    return wiring_.report({Kind::Interlock, (change.readable ? texts.unsafe : texts.unreadable) + line});
   inputs_.let_go();
-  wiring_.report({Kind::Recovery, "the lid was closed" + line});
+  wiring_.report({Kind::Recovery, texts.safe + line});
 }
 
 void AxisInterlocks::take_limit_switch(const InputChange& change) {
@@ -109,6 +114,9 @@ std::vector<std::string> AxisInterlocks::why_not_ready() const {
   };
   add(AxisInput::EmergencyStop, "the emergency stop", " is pressed");
   add(AxisInput::Lid, "the lid", " is open");
+  if (inputs_.active(AxisInput::PowerFail))
+    sentences.emplace_back(inputs_.readable(AxisInput::PowerFail) ? "the power is failing"
+                                                                  : "the power-fail signal cannot be read");
   return sentences;
 }
 

@@ -1,5 +1,6 @@
-// The reactions of an axis to changes of its inputs: emergency stop, lid, switches that close in the wrong
-// place, inputs that cannot be read. Each is reported once, with its line. Event loop's thread only.
+// The reactions of an axis to changes of its inputs: emergency stop, lid, power-fail signal, switches that
+// close in the wrong place, inputs that cannot be read. Each is reported once, with its line. Event loop's
+// thread only.
 #pragma once
 
 #include <functional>
@@ -34,13 +35,17 @@ class AxisInterlocks {
   // Reports the fault for which the steps are inhibited: the emergency stop, or that the inputs are lost.
   void blocked();
 
-  // Returns a sentence each for the emergency stop and the lid if they are not safe.
+  // Returns a sentence for each safety input that is not safe.
   [[nodiscard]] std::vector<std::string> why_not_ready() const;
 
  private:
   void take_change(const InputChange& change);
   void take_emergency_stop(const InputChange& change);
-  void take_lid(const InputChange& change);
+  // The sentences about an input that interrupts the print: `unsafe` from its first edge on, `safe` again.
+  struct InterlockTexts {
+    const char *unsafe, *unreadable, *safe;
+  };
+  void take_interlock(const InputChange& change, const GpioInputConfig& input, const InterlockTexts& texts);
   void take_limit_switch(const InputChange& change);
   [[nodiscard]] std::string loss() const;
 

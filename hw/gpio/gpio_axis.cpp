@@ -30,7 +30,8 @@ std::array<Fitting, kAxisInputs> contacts_of(const GpioAxisConfig& config) {
     return Fitting{name, input ? &*input : nullptr};
   };
   return {Fitting{"limit switch", &config.limit_switch}, optional("second switch", config.second_switch),
-          optional("emergency stop", config.emergency_stop), optional("lid", config.lid)};
+          optional("emergency stop", config.emergency_stop), optional("lid", config.lid),
+          optional("power fail", config.power_fail)};
 }
 
 constexpr const char *kEncoderA = "encoder A", *kEncoderB = "encoder B", *kEncoderIndex = "encoder index";

@@ -17,8 +17,9 @@ struct GpioLineConfig {
 
 enum class LineBias { AsIs, PullUp, PullDown, Off };
 
-// The state of a contact at rest: switch not reached, stop not pressed, lid closed. At rest the line of a
-// normally closed contact has its active level, so a broken wire looks like a contact that is not at rest.
+// The state of a contact at rest: switch not reached, stop not pressed, lid closed, power good. At rest the
+// line of a normally closed contact has its active level, so a broken wire looks like a contact that is not
+// at rest.
 enum class Contact { NormallyOpen, NormallyClosed };
 
 struct GpioInputConfig {
@@ -27,7 +28,7 @@ struct GpioInputConfig {
   Duration debounce{std::chrono::milliseconds{5}};  // a level counts when it has lasted this long
   Contact contact = Contact::NormallyOpen;
 
-  // Returns the line as it is requested: active means switch reached, stop pressed, lid open.
+  // Returns the line as it is requested: active means switch reached, stop pressed, lid open, power failing.
   [[nodiscard]] GpioLineConfig logical_line() const {
     GpioLineConfig logical = line;
     logical.active_low = line.active_low != (contact == Contact::NormallyClosed);
@@ -87,6 +88,8 @@ struct GpioAxisConfig {
   std::optional<GpioInputConfig> second_switch;  // at the other end; a fault if a move reaches it
   std::optional<EncoderConfig> encoder;
   std::optional<GpioInputConfig> emergency_stop, lid;
+  // Active while the supply fails, from a UPS or a comparator: interrupts the print as the lid does.
+  std::optional<GpioInputConfig> power_fail;
 
   // The SCHED_FIFO priority of the step thread; the input thread has one more. It must be below that of the
   // kernel's interrupt threads, 50, and 49 where the kernel has two for a line: until such a thread has run,

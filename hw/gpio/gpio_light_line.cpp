@@ -53,7 +53,8 @@ std::optional<TimePoint> GpioLightLine::time_of(Duration::rep time) {
 
 void GpioLightLine::refuse_interlocked() const {
   throw LightInterlocked("the light's " + words_ +
-                         " stays off because of the emergency stop, the lid or an input that cannot be read");
+                         " stays off because of the emergency stop, the lid, the power-fail signal or an "
+                         "input that cannot be read");
 }
 
 void GpioLightLine::off() noexcept {

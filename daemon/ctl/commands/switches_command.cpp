@@ -27,6 +27,7 @@ std::string switch_state(const Json& input) {
   if (!active.is_boolean()) return "cannot be read";
   const std::string name = input.value("name", "");
   if (name == "emergency stop") return active.get<bool>() ? "pressed" : "released";
+  if (name == "power fail") return active.get<bool>() ? "failing" : "good";
   if (name == "lid") return active.get<bool>() ? "open" : "closed";
   if (name.starts_with("encoder")) return active.get<bool>() ? "high" : "low";
   return active.get<bool>() ? "reached" : "not reached";

@@ -316,7 +316,7 @@ TEST_CASE("A dead zone higher than a layer leaves no solid below the plate") {
   CHECK(of.tops.median_um == Approx(-60).margin(kRounding));
   CHECK(of.too_little_mm3 == Approx(6 * 4 * (0.06 + 0.01)).epsilon(0.001));
   CHECK(of.too_much_mm3 == Approx(4 * 4 * of.undersides.median_um / 1000).epsilon(0.001));  // below the slab
-  // Nothing of a single layer solidifies above the plate.
+  // No part of a single layer solidifies above the plate.
   const CureFigures thin = cured(models::box({0, 0, 0}, {4, 3, 0.05F}), {.dead_zone_um = 60}).figures;
   CHECK(thin.too_little_mm3 == Approx(4 * 3 * 0.05));
   CHECK(thin.too_much_mm3 == 0);

@@ -146,7 +146,7 @@ TEST_CASE("Cavities are the cells farther from the outside than the wall, by all
           wrong += gone && !deep;
         }
     CHECK(wrong == 0);
-    // What is missing is in cavities too small to be made.
+    // Cells that are missing are in cavities too small to be made.
     if (static_cast<double>(expected) * std::pow(row.cell_mm, 3) > 2 * kLeastCavityMm3)
       CHECK(removed == expected);
     CHECK(static_cast<double>(removed) * std::pow(row.cell_mm, 3) == Approx(hollowed.volume_mm3));

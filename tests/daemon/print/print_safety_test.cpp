@@ -21,6 +21,7 @@ GpioAxisConfig axis_config() {
   config.travel = Nanometers{40'000'000};
   config.emergency_stop = GpioInputConfig{{"gpiochip0", "5", false}};
   config.lid = GpioInputConfig{{"gpiochip0", "6", false}};
+  config.power_fail = GpioInputConfig{{"gpiochip0", "13", false}};
   return config;
 }
 
@@ -124,10 +125,10 @@ constexpr LayeredState kStates[] = {S::WarmingUp, S::Homing,   S::Lowering,  S::
 
 }  // namespace
 
-TEST_CASE("A print can be finished after a spike on the emergency stop's or the lid's line in any state") {
-  for (const AxisInput which : {AxisInput::EmergencyStop, AxisInput::Lid}) {
+TEST_CASE("A print can be finished after a spike on the line of any safety input in any state") {
+  for (const AxisInput which : {AxisInput::EmergencyStop, AxisInput::Lid, AxisInput::PowerFail}) {
     for (const LayeredState state : kStates) {
-      CAPTURE(name_of(state), which == AxisInput::Lid);
+      CAPTURE(name_of(state), static_cast<int>(which));
       PrintSafetyFixture fixture;
       fixture.bring_to(state);
       fixture.press(which, 1ms);
@@ -145,6 +146,28 @@ TEST_CASE("A print can be finished after a spike on the emergency stop's or the 
         CHECK(layer.exposure_most <= kExposure + 1ms);
       }
     }
+  }
+}
+
+TEST_CASE("A supply that fails in any state interrupts the print dark, which is finished when it is back") {
+  for (const LayeredState state : kStates) {
+    CAPTURE(name_of(state));
+    PrintSafetyFixture fixture;
+    fixture.bring_to(state);
+    fixture.press(AxisInput::PowerFail, 60s);
+    fixture.plant.run_for(100us);
+    CHECK_FALSE(fixture.line->level);
+    fixture.plant.run_for(30s);
+    CHECK_FALSE(fixture.line->level);
+    CHECK(fixture.why_not_ready() == "the power is failing");
+    CHECK(fixture.interruptions == std::vector<std::string>{"the power is failing (line 13 of gpiochip0)"});
+    fixture.plant.run_for(31s);
+    CHECK(fixture.why_not_ready().empty());
+    fixture.run_out();
+    CHECK(fixture.outcome == PrintOutcome::Done);
+    REQUIRE(fixture.layers.size() == kLayers);
+    for (const LayerRecord& layer : fixture.layers)
+      CHECK(layer.exposure_least >= kExposure - 1ms);
   }
 }
 

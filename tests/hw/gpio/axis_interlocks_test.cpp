@@ -16,6 +16,7 @@ struct InterlocksFixture {
     config.second_switch = GpioInputConfig{{"gpiochip0", "24", false}};
     config.emergency_stop = GpioInputConfig{{"gpiochip0", "25", false}};
     config.lid = GpioInputConfig{{"gpiochip0", "26", false}};
+    config.power_fail = GpioInputConfig{{"gpiochip0", "16", false}};
     inputs.serve();
   }
 
@@ -134,6 +135,19 @@ TEST_CASE_METHOD(
   set(AxisInput::Lid, false);
   pass();
   CHECK(told() == Words{"recovery: the lid was closed (line 26 of gpiochip0)"});
+  CHECK_FALSE(engine.inhibited());
+}
+
+TEST_CASE_METHOD(InterlocksFixture, "A failing supply interrupts at its first edge, until it is back") {
+  set(AxisInput::PowerFail, true);
+  CHECK(told() == Words{"interruption: the power is failing (line 16 of gpiochip0)"});
+  pass();
+  CHECK(told().empty());
+  CHECK(interlocks.why_not_ready() == Words{"the power is failing"});
+  set(AxisInput::PowerFail, false);
+  pass();
+  CHECK(told() == Words{"recovery: the power is back (line 16 of gpiochip0)"});
+  CHECK(interlocks.why_not_ready().empty());
   CHECK_FALSE(engine.inhibited());
 }
 
