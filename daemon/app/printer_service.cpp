@@ -53,7 +53,9 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       preflight_control_(context_,
                          {spool_, vat_, queue_, queue_control_, hold_, history_worker_, reminders_}),
       screen_control_(loop, picture_worker_, job_, manual_),
-      interrupted_control_(context_, {spool_, hold_, *this, manual_, status_}) {}
+      interrupted_control_(context_, {spool_, hold_, *this, manual_, status_}),
+      waiting_job_control_(config, {spool_, reader_, queue_, queue_control_}),
+      resin_control_(config, spool_) {}
 
 // --- the use of the printer
 
@@ -101,6 +103,8 @@ ControlMethods PrinterService::control_methods() {
   methods.merge(preflight_control_.methods());
   methods.merge(screen_control_.methods());
   methods.merge(interrupted_control_.methods());
+  methods.merge(waiting_job_control_.methods());
+  methods.merge(resin_control_.methods());
   return methods;
 }
 

@@ -20,7 +20,9 @@
 #include "daemon/control/printer_metrics.hpp"
 #include "daemon/control/printer_status.hpp"
 #include "daemon/control/queue_control.hpp"
+#include "daemon/control/resin_control.hpp"
 #include "daemon/control/screen_control.hpp"
+#include "daemon/control/waiting_job_control.hpp"
 #include "daemon/history/ended_job_notices.hpp"
 #include "daemon/history/history_worker.hpp"
 #include "daemon/history/job_history.hpp"
@@ -121,6 +123,8 @@ class PrinterService final : private JobObserver, private QueueObserver, private
   PreflightControl preflight_control_;
   ScreenControl screen_control_;
   InterruptedControl interrupted_control_;
+  WaitingJobControl waiting_job_control_;
+  ResinControl resin_control_;
   std::unique_ptr<ControlServer> server_;
   std::optional<MetricsFile> metrics_file_;
   std::uint64_t manual_operations_logged_ = 0;

@@ -242,6 +242,7 @@ JobTicket read_job(const JsonSection& root) {
   if (root.has("cracks"))
     ticket.cracks = root.text("cracks") == "refuse" ? CrackPolicy::Refuse : CrackPolicy::Repair;
   ticket.dry = root.boolean("dry");
+  ticket.confirm = root.boolean("confirm");
   if (root.has("supports")) ticket.supports = read_supports(root);
   return ticket;
 }

@@ -103,6 +103,7 @@ struct JobTicket {
   std::optional<PrintWay> mode{};                  // without it, the resin's setting
   std::optional<CrackPolicy> cracks{};             // without it, repair, but wide gaps need confirmation
   bool dry = false;                                // all moves and masks, but no light
+  bool confirm = false;                            // wait until a user accepts the job
   std::optional<SupportTicket> supports{};         // without it, the printer's setting
   std::vector<ModelTicket> models{ModelTicket{}};  // exactly one in a model's own ticket
   bool operator==(const JobTicket&) const = default;

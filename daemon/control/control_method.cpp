@@ -40,6 +40,11 @@ ControlParameter ControlParameter::text(std::string name, std::string meaning) {
   return {.name = std::move(name), .meaning = std::move(meaning), .must_be = "a text that is not empty"};
 }
 
+ControlParameter ControlParameter::object(std::string name, std::string meaning) {
+  return {
+      .name = std::move(name), .meaning = std::move(meaning), .must_be = "an object", .type = Type::Object};
+}
+
 ControlParameter ControlParameter::one_of(std::string name, std::vector<std::string> words,
                                           std::string meaning) {
   return {.name = std::move(name),
@@ -66,6 +71,8 @@ bool ControlParameter::is_valid(const Json& value) const {
   switch (type) {
     case Type::Flag:
       return value.is_boolean();
+    case Type::Object:
+      return value.is_object();
     case Type::Text:
       return words.empty() ? value.is_string() && value != "" : is_word;
     case Type::WholeNumber:

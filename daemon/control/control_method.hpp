@@ -31,7 +31,7 @@ class InvalidParameters : public std::runtime_error {
 // A parameter of a method and its valid values.
 struct ControlParameter {
   using Json = nlohmann::ordered_json;
-  enum class Type { Flag, Number, WholeNumber, Text };
+  enum class Type { Flag, Number, WholeNumber, Text, Object };
 
   // The largest whole number that every JSON parser keeps.
   static constexpr double kMost = 9'007'199'254'740'991;
@@ -41,6 +41,7 @@ struct ControlParameter {
                                  std::string meaning);
   static ControlParameter whole_number(std::string name, double least, double most, std::string meaning);
   static ControlParameter text(std::string name, std::string meaning);
+  static ControlParameter object(std::string name, std::string meaning);
   static ControlParameter one_of(std::string name, std::vector<std::string> words, std::string meaning);
 
   // Returns the parameter as one that has to be given.

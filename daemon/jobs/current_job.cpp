@@ -48,6 +48,9 @@ std::string why_unaccepted(const PreparedJob& job, const std::vector<std::string
   if (finding == analysis->findings.end()) return "";
   if (*finding == kWideGaps)
     return job.summary.wide_gaps + "; fix the model, or print it with \"cracks\": \"repair\" in its ticket";
+  if (*finding == kToBeConfirmed)
+    return "its ticket has it wait (\"confirm\": true); put it into incoming again, and it waits for "
+           "\"contourctl accept\"";
   if (*finding == kLeftOutModels || *finding == kUnitInDoubt)
     return (*finding == kUnitInDoubt ? job.summary.unit_question : job.summary.left_out) +
            "; put it into incoming again, and it waits for \"contourctl accept\"";

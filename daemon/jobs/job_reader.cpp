@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cstddef>
+#include <exception>
 #include <fstream>
 #include <iterator>
 #include <utility>
@@ -10,6 +12,7 @@
 #include "daemon/jobs/acceptances.hpp"
 #include "daemon/prepare/job_memory.hpp"
 #include "daemon/prepare/resin_temperature.hpp"
+#include "daemon/report/job_picture.hpp"
 #include "daemon/spool/copied_originals.hpp"
 #include "daemon/spool/state_records.hpp"
 #include "daemon/system/checksum.hpp"
@@ -22,6 +25,8 @@ namespace {
 // Reading a model during a print gives way to the event loop.
 constexpr int kReaderNiceness = 5;
 constexpr std::size_t kLongestReason = 8000;
+// Time to analyze the layers of a job that a user is to accept, with an empty ask_before.
+constexpr Duration kLongestAnalysis = std::chrono::seconds(30);
 // In the state folder: see reading_record.hpp.
 constexpr const char* kReadingRecord = "reading";
 
@@ -141,8 +146,15 @@ CheckedJob JobReader::check_now(const JobFiles& files, Keep keep, const std::sto
   if (auto* refusal = std::get_if<JobRefusal>(&job)) return std::move(*refusal);
   auto& prepared = std::get<PreparedJob>(job);
   JobOutlook outlook = outlook_of(prepared, files, config_);
-  if (std::optional<PreprintAnalysis> found = analysis_of_preparation(prepared.summary))
-    outlook.question = AnalyzedJob{std::move(*found), content, prepared.settings};
+  std::optional<PreprintAnalysis> found = analysis_of_preparation(prepared.summary);
+  // A user who is to accept the job wants to know its resin and its findings, too. With ask_before, all jobs
+  // are analyzed after their checks.
+  if (prepared.summary.confirm && config_.ask_before.empty()) {
+    const ReadingRecord::Reading under_way(*record_, files);
+    found = analyze_within(kLongestAnalysis, prepared, config_, stop);
+    if (!found) return ReadingGivenUp{};
+  }
+  if (found) outlook.question = AnalyzedJob{std::move(*found), content, prepared.settings};
   if (keep == Keep::Prepared) cache_.keep(files, mark, std::move(prepared));
   return outlook;
 }
@@ -173,6 +185,35 @@ JobAnalysisOutcome JobReader::analyze_now(const JobFiles& files, Keep keep, cons
   AnalyzedJob analyzed{std::move(*analysis), content, job.settings};
   if (keep == Keep::Prepared) cache_.keep(files, mark, std::move(job));
   return analyzed;
+}
+
+void JobReader::draw(const std::string& file, std::function<void(const DrawnJob&)> done) {
+  inspect(
+      file, [this](const JobFiles& files, const std::stop_token& stop) { return draw_now(files, stop); },
+      std::move(done));
+}
+
+DrawnJob JobReader::draw_now(const JobFiles& files, const std::stop_token& stop) {
+  // The preparation of the next job stays cached.
+  const bool was_cached = cache_.has(files);
+  const std::string mark = mark_of(files);
+  ReadJob read = stop.stop_requested() ? ReadingGivenUp{}
+                 : was_cached          ? take_or_read(files, stop)
+                                       : read_now(files, std::nullopt, stop);
+  if (std::holds_alternative<ReadingGivenUp>(read))
+    return {{}, "another job's turn has come meanwhile; try again"};
+  if (const auto* const refusal = std::get_if<JobRefusal>(&read)) return {{}, refusal->reason};
+  auto& job = std::get<PreparedJob>(read);
+  const Supports* const supports = job.summary.supports ? &*job.summary.supports : nullptr;
+  DrawnJob drawn;
+  try {
+    const ReadingRecord::Reading under_way(*record_, files);
+    drawn.png = encode_picture(draw_job(*job.plan.engine, supports), supports).png;
+  } catch (const std::exception& error) {
+    drawn.trouble = printable(error.what());
+  }
+  if (was_cached) cache_.keep(files, mark, std::move(job));
+  return drawn;
 }
 
 // Takes the preparation that the check has cached, or reads the job again.

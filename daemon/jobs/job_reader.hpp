@@ -3,6 +3,7 @@
 // thread only.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <list>
 #include <optional>
@@ -30,6 +31,12 @@ using ReadJob = std::variant<PreparedJob, JobRefusal, ReadingGivenUp>;
 // Returns the marks of a job that is printed with the resin's profile of this name. Blocks. Any thread.
 [[nodiscard]] JobMarks marks_of(const JobFiles& files, const std::string& resin, const PrinterConfig& config);
 
+// The picture of a waiting job, as a PNG file; or none, and a clause with the reason.
+struct DrawnJob {
+  std::vector<std::uint8_t> png{};
+  std::string trouble{};
+};
+
 class JobReader final : public JobChecks {
  public:
   // All arguments must outlive the reader. Finds out what the last process was reading when it ended.
@@ -49,6 +56,9 @@ class JobReader final : public JobChecks {
   void analyze(const std::string& file, Keep keep,
                std::function<void(const JobAnalysisOutcome&)> done) override;
   void forget(const std::string& file) override;
+  // Draws the models of incoming/`file` with their supports, which takes as long as its check, and some
+  // seconds at most for the picture. Ends early as check() does, but not while the picture is drawn.
+  void draw(const std::string& file, std::function<void(const DrawnJob&)> done);
   void reject(const std::string& file, const JobEnd& end, Spool::Rejected done) override {
     spool_.reject(file, end, std::move(done));
   }
@@ -85,6 +95,7 @@ class JobReader final : public JobChecks {
                                 const std::stop_token& stop);
   [[nodiscard]] CheckedJob check_now(const JobFiles& files, Keep keep, const std::stop_token& stop);
   [[nodiscard]] JobAnalysisOutcome analyze_now(const JobFiles& files, Keep keep, const std::stop_token& stop);
+  [[nodiscard]] DrawnJob draw_now(const JobFiles& files, const std::stop_token& stop);
   [[nodiscard]] ReadJob take_or_read(const JobFiles& files, const std::stop_token& stop);
 
   const PrinterConfig& config_;

@@ -25,6 +25,8 @@ class PreparedJobCache {
   // Discards the cached job if it has these files.
   void forget(const JobFiles& files);
   void drop() { entry_.reset(); }
+  // True if the cached job, if any, was cached from these files.
+  [[nodiscard]] bool has(const JobFiles& files) const { return entry_ && entry_->model == files.model; }
 
   [[nodiscard]] bool empty() const { return !entry_; }
 

@@ -69,6 +69,7 @@ struct JobSummary {
   std::vector<ModelSummary> models;  // at least one
   bool plate = false;
   bool dry = false;                                // printed without light
+  bool confirm = false;                            // the ticket has it wait until a user accepts it
   double height_mm = 0;                            // top of the highest model above the plate
   ResinProfile resin;                              // as the job is printed
   OverriddenSettings overridden;                   // values of `resin` that the ticket sets

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <utility>
 
@@ -21,6 +22,7 @@ std::vector<std::string> always_asked(const JobSummary& job) {
   if (!job.wide_gaps.empty()) findings.emplace_back(kWideGaps);
   if (!job.unit_question.empty()) findings.emplace_back(kUnitInDoubt);
   if (!job.left_out.empty()) findings.emplace_back(kLeftOutModels);
+  if (job.confirm) findings.emplace_back(kToBeConfirmed);
   return findings;
 }
 
@@ -44,10 +46,39 @@ double first_layer_percent(const PrintFindings& findings) {
   return 100 * findings.area_mm2.front() / findings.largest_area_mm2;
 }
 
+// Returns what the preparation alone has found.
+PreprintAnalysis analysis_of(const JobSummary& job) {
+  return {.resin_ml = {}, .findings = always_asked(job), .warnings = job.warnings};
+}
+
+// Computes the mask of every layer. Calls `before_layer` before each.
+template <typename BeforeLayer>
+std::optional<PreprintAnalysis> analyze_layers(const PreparedJob& job, const PrinterConfig& printer,
+                                               const std::stop_token& stop, BeforeLayer before_layer) {
+  try {
+    const std::vector<Duration> durations = layer_durations(job.plan, printer);
+    const auto findings = analyze_print(
+        *job.analysis_engine, job.display, job.plan.expected_layers,
+        [&](std::int32_t layer) {
+          before_layer();
+          return durations[static_cast<std::size_t>(layer)];
+        },
+        stop, job.analysis);
+    if (!findings) return std::nullopt;
+    return preprint_analysis_of(job.summary, *findings, printer);
+  } catch (const std::exception& error) {
+    PreprintAnalysis analysis = analysis_of(job.summary);
+    analysis.findings.emplace_back(kNotAnalyzed);
+    analysis.warnings.push_back(fmt::format("the layers could not be analyzed: {}", printable(error.what())));
+    bound(analysis.warnings);
+    return analysis;
+  }
+}
+
 }  // namespace
 
 std::optional<PreprintAnalysis> analysis_of_preparation(const JobSummary& job) {
-  PreprintAnalysis analysis{.resin_ml = {}, .findings = always_asked(job), .warnings = job.warnings};
+  PreprintAnalysis analysis = analysis_of(job);
   if (analysis.findings.empty()) return std::nullopt;
   bound(analysis.warnings);
   return analysis;
@@ -86,22 +117,23 @@ PreprintAnalysis preprint_analysis_of(const JobSummary& job, const PrintFindings
 
 std::optional<PreprintAnalysis> analyze_before_print(const PreparedJob& job, const PrinterConfig& printer,
                                                      const std::stop_token& stop) {
-  try {
-    const std::vector<Duration> durations = layer_durations(job.plan, printer);
-    const auto findings = analyze_print(
-        *job.analysis_engine, job.display, job.plan.expected_layers,
-        [&durations](std::int32_t layer) { return durations[static_cast<std::size_t>(layer)]; }, stop,
-        job.analysis);
-    if (!findings) return std::nullopt;
-    return preprint_analysis_of(job.summary, *findings, printer);
-  } catch (const std::exception& error) {
-    PreprintAnalysis analysis{
-        .resin_ml = {}, .findings = always_asked(job.summary), .warnings = job.summary.warnings};
-    analysis.findings.emplace_back(kNotAnalyzed);
-    analysis.warnings.push_back(fmt::format("the layers could not be analyzed: {}", printable(error.what())));
-    bound(analysis.warnings);
-    return analysis;
-  }
+  return analyze_layers(job, printer, stop, [] {});
+}
+
+std::optional<PreprintAnalysis> analyze_within(Duration limit, const PreparedJob& job,
+                                               const PrinterConfig& printer, const std::stop_token& stop) {
+  const auto deadline = std::chrono::steady_clock::now() + limit;
+  std::stop_source ended;
+  std::optional<PreprintAnalysis> analysis = analyze_layers(job, printer, ended.get_token(), [&] {
+    if (stop.stop_requested() || std::chrono::steady_clock::now() > deadline) ended.request_stop();
+  });
+  if (stop.stop_requested()) return std::nullopt;
+  if (analysis && !ended.stop_requested()) return analysis;
+  analysis = analysis_of(job.summary);
+  analysis->warnings.push_back(
+      fmt::format("the amount of resin is unknown: not all layers were analyzed within {}", readable(limit)));
+  bound(analysis->warnings);
+  return analysis;
 }
 
 std::vector<std::string> asked_findings(const PreprintAnalysis& analysis, const PrinterConfig& printer) {

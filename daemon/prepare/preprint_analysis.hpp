@@ -38,9 +38,13 @@ inline constexpr std::string_view kLeftOutModels = "left_out_models";
 // another, and whose ticket names none. Needs confirmation even if ask_before does not name it.
 inline constexpr std::string_view kUnitInDoubt = "unit_in_doubt";
 
+// Finding of a job whose ticket has it wait until a user accepts it. Needs confirmation even if ask_before
+// does not name it.
+inline constexpr std::string_view kToBeConfirmed = "to_be_confirmed";
+
 // The findings above that the preparation of a job makes.
-inline constexpr std::array<std::string_view, 4> kFoundByPreparation{kUnheldPlaces, kWideGaps, kUnitInDoubt,
-                                                                     kLeftOutModels};
+inline constexpr std::array<std::string_view, 5> kFoundByPreparation{kUnheldPlaces, kWideGaps, kUnitInDoubt,
+                                                                     kLeftOutModels, kToBeConfirmed};
 
 // An analysis, and the job's content and settings at that time.
 struct AnalyzedJob {
@@ -62,6 +66,11 @@ struct AnalyzedJob {
 [[nodiscard]] std::optional<PreprintAnalysis> analyze_before_print(const PreparedJob& job,
                                                                    const PrinterConfig& printer,
                                                                    const std::stop_token& stop);
+// Does the same for at most this time. If it was too short, the findings are those of the preparation, with a
+// warning.
+[[nodiscard]] std::optional<PreprintAnalysis> analyze_within(Duration limit, const PreparedJob& job,
+                                                             const PrinterConfig& printer,
+                                                             const std::stop_token& stop);
 
 // Returns the findings that need confirmation on this printer.
 [[nodiscard]] std::vector<std::string> asked_findings(const PreprintAnalysis& analysis,

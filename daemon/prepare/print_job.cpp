@@ -140,6 +140,7 @@ class Preparation {
     job_.display = volume_.display;
     job_.plan.job = files_.name;
     job_.plan.dry = summary_.dry = settings_.ticket.dry;
+    summary_.confirm = settings_.ticket.confirm;
     summary_.plate = content_.is_plate();
     for (const std::string& note : content_.notes())
       warn(note);

@@ -138,6 +138,12 @@ class ControlApiTest(FolderTest):
                 self.assert_fields(parameter, PARAMETER)
         for job in result.get("ended", ()):
             self.assert_fields(job, PAST_JOB)
+        for resin in result["resins"] if reply[1] == "a-shelf" else ():
+            self.assert_fields(resin, rows("### A resin"))
+            for calibration in resin["calibrations"]:
+                self.assert_fields(calibration, rows("### A calibration"))
+                for value in calibration["values"]:
+                    self.assert_fields(value, rows("### A calibrated value"))
 
     def test_the_page_lists_the_methods_of_the_program(self):
         message = self.fast().rpc("no such method")["error"]["message"]
@@ -172,12 +178,12 @@ class ControlApiTest(FolderTest):
             daemon.drop(f"{name}.stl", model, {"settle_ms": 10})
         wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["ready", "unaccepted"], "both jobs to be checked")
         parameters_of = {"queue_move": {"job": "two", "to": 1}, "accept": {"job": "two"}, "queue_remove": {"job": "one"}, "replaced": {"part": "film"}, "set": {"setting": "rest", "value": 300},
-                         "exclude": {"copy": "2"}}
+                         "exclude": {"copy": "2"}, "ticket": {"job": "two"}, "queue_ticket": {"job": "two", "ticket": {"settle_ms": 20}}, "preview": {"job": "one"}}
         self.assert_fields(daemon.rpc("copies")["result"]["copies"][0], rows("### A copy"))
         answers["preflight"] = daemon.client().call("preflight", job="two")
         for each in answers["preflight"]["result"]["checks"]:
             self.assert_fields(each, rows("### A preflight check"))
-        for method in ("watch", "status", "queue", "history", "usage", "replaced", "queue_move", "accept", "queue_remove", "pause", "resume", "set", "copies", "exclude", "cancel"):
+        for method in ("watch", "status", "queue", "history", "usage", "replaced", "queue_move", "accept", "ticket", "preview", "queue_ticket", "queue_remove", "pause", "resume", "set", "copies", "exclude", "cancel"):
             answers[method] = daemon.client().call(method, **parameters_of.get(method, {}))
         daemon.rpc("queue_remove", job="two")
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")

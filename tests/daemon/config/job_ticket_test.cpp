@@ -49,6 +49,13 @@ TEST_CASE("a ticket without a policy for cracks has none") {
   CHECK(load_plate(R"({"cracks": "refuse", "models": [{"file": "a.stl"}]})").cracks == CrackPolicy::Refuse);
 }
 
+TEST_CASE("a ticket or a plate has its job wait to be confirmed, or does not") {
+  CHECK_FALSE(load_ticket("{}").confirm);
+  CHECK(load_ticket(R"({"confirm": true})").confirm);
+  CHECK(load_plate(R"({"confirm": true, "models": [{"file": "a.stl"}]})").confirm);
+  CHECK(ticket_complaints(R"({"confirm": "yes"})").size() == 1);
+}
+
 TEST_CASE("a ticket or a plate asks for a dry run, or does not") {
   CHECK_FALSE(load_ticket("{}").dry);
   CHECK(load_ticket(R"({"dry": true})").dry);

@@ -65,6 +65,14 @@ TEST_CASE("Wide gaps need confirmation whatever ask_before names") {
   CHECK(analysis_of_preparation(job.summary)->findings == Names{"wide_gaps"});
 }
 
+TEST_CASE("A job that its ticket has wait needs confirmation whatever ask_before names") {
+  Job job;
+  job.summary.confirm = true;
+  CHECK(asked_findings(job.analysis(), printer_that_asks({"islands"})) == Names{"to_be_confirmed"});
+  REQUIRE(analysis_of_preparation(job.summary));
+  CHECK(analysis_of_preparation(job.summary)->findings == Names{"to_be_confirmed"});
+}
+
 TEST_CASE("Each finding has a name and a warning") {
   Job job;
   SECTION("islands") {

@@ -162,6 +162,23 @@ TEST_CASE_METHOD(PrintJobFixture,
   CHECK_FALSE(analysis_of_preparation(prepare(kCube).summary));
 }
 
+TEST_CASE_METHOD(PrintJobFixture, "An analysis that takes too long leaves the resin unknown, and says so") {
+  const PreparedJob job = prepare(kCube, R"({"confirm": true})");
+  const auto whole = analyze_within(std::chrono::minutes(10), job, printer, {});
+  REQUIRE(whole);
+  CHECK(whole->resin_ml == testing::Approx(8));
+  CHECK(whole->findings == std::vector<std::string>{"to_be_confirmed"});
+  const auto cut = analyze_within(Duration(0), job, printer, {});
+  REQUIRE(cut);
+  CHECK_FALSE(cut->resin_ml);
+  CHECK(cut->findings == std::vector<std::string>{"to_be_confirmed"});
+  REQUIRE_FALSE(cut->warnings.empty());
+  CHECK(lacking(cut->warnings.back(), {"amount of resin is unknown", "within 0"}).empty());
+  std::stop_source stop;
+  stop.request_stop();
+  CHECK_FALSE(analyze_within(std::chrono::minutes(10), job, printer, stop.get_token()));
+}
+
 TEST_CASE_METHOD(PrintJobFixture, "Copies lie side by side around the plate's centre, 2 mm apart") {
   const PreparedJob job = prepare(kCube, R"({"copies": 4})");
   const Mask& mask = job.plan.engine->mask_at(Nanometers{1'000'000});
