@@ -50,6 +50,10 @@ TicketResult read_ticket(const Spool& spool, const std::string& file) {
   }
 }
 
+std::string ticket_text(const Json& ticket) {
+  return ticket.dump(2, ' ', true, Json::error_handler_t::replace) + "\n";
+}
+
 void write_ticket(const std::filesystem::path& file, const std::string& text) {
   NewFile ticket(file.parent_path());
   ticket.let_group_read();
@@ -58,26 +62,42 @@ void write_ticket(const std::filesystem::path& file, const std::string& text) {
   sync_folder(file.parent_path());
 }
 
-// Puts a ticket beside incoming/`file`. Blocks. To be called on the spool's thread, on which jobs are also
-// claimed.
-TicketResult put_ticket(const Spool& spool, const PrinterConfig& config, const std::string& file,
-                        const Json& ticket) {
+// Returns the files of a waiting model, with the place of its ticket. Blocks. Throws ControlRefusal.
+JobFiles files_for_ticket(const Spool& spool, const PrinterConfig& config, const std::string& file) {
   JobFiles files = spool.files_of(Spool::Folder::Incoming, file);
-  if (files.plate) return refusal_for_plate(file);
+  if (files.plate) throw refusal_for_plate(file);
   files.ticket = spool.folder(Spool::Folder::Incoming) / (files.name + ".json");
-  if (!spool.is_waiting(file)) return ControlRefusal(fmt::format("no job {} waits", in_quotes(file)));
+  if (!spool.is_waiting(file)) throw ControlRefusal(fmt::format("no job {} waits", in_quotes(file)));
   if (SpoolFolders(config.spool_folder).shares_ticket(files))
-    return ControlRefusal(
+    throw ControlRefusal(
         fmt::format("the ticket of {} belongs to another model, too: rename one of them", in_quotes(file)));
-  const std::string text = ticket.dump(2, ' ', true, Json::error_handler_t::replace) + "\n";
+  return files;
+}
+
+// Returns the settings of incoming/`file` by a new ticket. Blocks. Any thread.
+std::variant<JobSettings, ControlRefusal> settings_with(const Spool& spool, const PrinterConfig& config,
+                                                        const std::string& file, const std::string& ticket) {
   constexpr const char* kName = "the ticket";
   try {
-    (void)settings_by(parse_job_ticket(text, kName), kName, config);
-    write_ticket(*files.ticket, text);
+    (void)files_for_ticket(spool, config, file);
+    return settings_by(parse_job_ticket(ticket, kName), kName, config);
+  } catch (const ControlRefusal& refusal) {
+    return refusal;
   } catch (const ConfigError& error) {
     return ControlRefusal(error.in_one_line());
   } catch (const JobRefused& refusal) {
     return ControlRefusal(refusal.what());
+  }
+}
+
+// Puts a ticket beside incoming/`file`. Blocks. To be called on the spool's thread, on which jobs are also
+// claimed.
+TicketResult put_ticket(const Spool& spool, const PrinterConfig& config, const std::string& file,
+                        const Json& ticket) {
+  try {
+    write_ticket(*files_for_ticket(spool, config, file).ticket, ticket_text(ticket));
+  } catch (const ControlRefusal& refusal) {
+    return refusal;
   } catch (const std::system_error& error) {
     return ControlRefusal(fmt::format("the ticket of {} cannot be written: {}", in_quotes(file),
                                       why_not_written(error.code())));
@@ -132,9 +152,36 @@ void WaitingJobControl::ticket(const Json& given, ControlMethod::Later later) {
 }
 
 void WaitingJobControl::replace_ticket(const Json& given, ControlMethod::Later later) {
-  parts_.spool.run([&spool = parts_.spool, &config = config_, file = job_of(given).file,
-                    ticket = given["ticket"]] { return put_ticket(spool, config, file, ticket); },
-                   std::move(later));
+  const std::string file = job_of(given).file;
+  if (trying_) throw ControlRefusal("the ticket of another job is being tried; try again");
+  trying_ = true;
+  parts_.spool.run([&spool = parts_.spool, &config = config_, file,
+                    text = ticket_text(given["ticket"])] { return settings_with(spool, config, file, text); },
+                   [this, file, ticket = given["ticket"], later = std::move(later)](
+                       const std::variant<JobSettings, ControlRefusal>& settings) mutable {
+                     if (const auto* const refusal = std::get_if<ControlRefusal>(&settings)) {
+                       trying_ = false;
+                       return later(*refusal);
+                     }
+                     try_ticket({file, std::move(ticket)}, std::get<JobSettings>(settings), std::move(later));
+                   });
+}
+
+// A ticket with which the job would be refused must not take it out of the queue.
+void WaitingJobControl::try_ticket(NewTicket ticket, const JobSettings& settings,
+                                   ControlMethod::Later later) {
+  const std::string file = ticket.file;
+  parts_.reader.try_settings(
+      file, settings,
+      [this, ticket = std::move(ticket), later = std::move(later)](const std::string& refusal) mutable {
+        trying_ = false;
+        if (!refusal.empty()) return later(ControlRefusal(refusal));
+        parts_.spool.run(
+            [&spool = parts_.spool, &config = config_, ticket = std::move(ticket)] {
+              return put_ticket(spool, config, ticket.file, ticket.json);
+            },
+            std::move(later));
+      });
 }
 
 namespace {

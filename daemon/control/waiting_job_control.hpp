@@ -48,8 +48,14 @@ class WaitingJobControl {
     std::vector<std::uint8_t> png{};
   };
 
+  struct NewTicket {
+    std::string file;  // the job's, in incoming/
+    Json json;
+  };
+
   void ticket(const Json& given, ControlMethod::Later later);
   void replace_ticket(const Json& given, ControlMethod::Later later);
+  void try_ticket(NewTicket ticket, const JobSettings& settings, ControlMethod::Later later);
   void preview(const Json& given, ControlMethod::Later later);
   void drawn(Picture picture, const DrawnJob& job, const ControlMethod::Later& later);
   [[nodiscard]] const WaitingJob& job_of(const Json& given) const;
@@ -58,7 +64,7 @@ class WaitingJobControl {
   Parts parts_;
   std::deque<Picture> pictures_;  // the oldest first
   std::uint64_t pictures_drawn_ = 0;
-  bool drawing_ = false;
+  bool drawing_ = false, trying_ = false;
 };
 
 }  // namespace contourd

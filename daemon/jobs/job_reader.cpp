@@ -27,6 +27,7 @@ constexpr int kReaderNiceness = 5;
 constexpr std::size_t kLongestReason = 8000;
 // Time to analyze the layers of a job that a user is to accept, with an empty ask_before.
 constexpr Duration kLongestAnalysis = std::chrono::seconds(30);
+constexpr const char* kGivenUp = "another job had to be read first; try again";
 // In the state folder: see reading_record.hpp.
 constexpr const char* kReadingRecord = "reading";
 
@@ -187,6 +188,19 @@ JobAnalysisOutcome JobReader::analyze_now(const JobFiles& files, Keep keep, cons
   return analyzed;
 }
 
+void JobReader::try_settings(const std::string& file, const JobSettings& settings,
+                             std::function<void(const std::string& refusal)> done) {
+  inspect(
+      file,
+      [this, settings](const JobFiles& files, const std::stop_token& stop) -> std::string {
+        const ReadJob read = stop.stop_requested() ? ReadingGivenUp{} : read_now(files, settings, stop);
+        if (std::holds_alternative<ReadingGivenUp>(read)) return kGivenUp;
+        const auto* const refusal = std::get_if<JobRefusal>(&read);
+        return refusal != nullptr ? refusal->reason : "";
+      },
+      std::move(done));
+}
+
 void JobReader::draw(const std::string& file, std::function<void(const DrawnJob&)> done) {
   inspect(
       file, [this](const JobFiles& files, const std::stop_token& stop) { return draw_now(files, stop); },
@@ -200,8 +214,7 @@ DrawnJob JobReader::draw_now(const JobFiles& files, const std::stop_token& stop)
   ReadJob read = stop.stop_requested() ? ReadingGivenUp{}
                  : was_cached          ? take_or_read(files, stop)
                                        : read_now(files, std::nullopt, stop);
-  if (std::holds_alternative<ReadingGivenUp>(read))
-    return {{}, "another job's turn has come meanwhile; try again"};
+  if (std::holds_alternative<ReadingGivenUp>(read)) return {{}, kGivenUp};
   if (const auto* const refusal = std::get_if<JobRefusal>(&read)) return {{}, refusal->reason};
   auto& job = std::get<PreparedJob>(read);
   const Supports* const supports = job.summary.supports ? &*job.summary.supports : nullptr;

@@ -56,6 +56,10 @@ class JobReader final : public JobChecks {
   void analyze(const std::string& file, Keep keep,
                std::function<void(const JobAnalysisOutcome&)> done) override;
   void forget(const std::string& file) override;
+  // Prepares incoming/`file` with these settings in place of its own and discards the result: `done` gets the
+  // reason why the job would be refused, also for now; or an empty text. Ends early as check() does.
+  void try_settings(const std::string& file, const JobSettings& settings,
+                    std::function<void(const std::string& refusal)> done);
   // Draws the models of incoming/`file` with their supports, which takes as long as its check, and some
   // seconds at most for the picture. Ends early as check() does, but not while the picture is drawn.
   void draw(const std::string& file, std::function<void(const DrawnJob&)> done);

@@ -30,7 +30,7 @@ UploadRefusal refusal_of(const std::string& name, const std::error_code& code) {
 
 struct ModelUpload::File {
   SpoolFolders folders;
-  std::string name;
+  UploadedJob job;
   UploadLimits limits;
   std::optional<NewFile> file{};
   std::uint64_t bytes = 0;
@@ -46,7 +46,7 @@ struct ModelUpload::File {
     return UploadRefusal{
         kNoRoom, fmt::format("{} cannot be stored: the printer's disk has less than {} MiB left; delete "
                              "finished jobs in {}",
-                             printable(name), limits.free_bytes / kMebibyte,
+                             printable(job.name), limits.free_bytes / kMebibyte,
                              printable(folders.path(SpoolFolder::Done).string()))};
   }
 
@@ -55,13 +55,13 @@ struct ModelUpload::File {
     if (bytes > limits.most_bytes)
       return UploadRefusal{kTooLarge,
                            fmt::format("{} is too large: the printer takes models of at most {} MiB",
-                                       printable(name), limits.most_bytes / kMebibyte)};
+                                       printable(job.name), limits.most_bytes / kMebibyte)};
     if (std::optional<UploadRefusal> refusal = why_no_room(more.size())) return refusal;
     try {
       open();
       file->write(more);
     } catch (const std::system_error& error) {
-      return refusal_of(name, error.code());
+      return refusal_of(job.name, error.code());
     }
     return std::nullopt;
   }
@@ -76,16 +76,41 @@ struct ModelUpload::File {
   [[nodiscard]] std::string appear() {
     open();
     while (true) {
-      const JobFiles files = folders.unused_anywhere({model_stem(name), name, name});
-      if (!file->appear(files.model.filename().string())) continue;
+      const JobFiles files = folders.unused_anywhere({model_stem(job.name), job.name, job.name});
+      if (job.is_to_be_confirmed && !put_ticket(*files.ticket)) continue;
+      if (!appear_as(files)) continue;
       sync_folder(incoming());
       return files.name;
     }
   }
+
+  // Returns false if another ticket has the name.
+  [[nodiscard]] bool put_ticket(const fs::path& path) const {
+    NewFile ticket(incoming());
+    ticket.let_group_read();
+    ticket.write("{\"confirm\": true}\n");
+    return ticket.appear(path.filename().string());
+  }
+
+  // Gives the model its name. If it cannot have it, the ticket goes again.
+  [[nodiscard]] bool appear_as(const JobFiles& files) {
+    const auto take_back = [&] {
+      std::error_code gone;
+      if (job.is_to_be_confirmed) fs::remove(*files.ticket, gone);
+    };
+    try {
+      if (file->appear(files.model.filename().string())) return true;
+    } catch (const std::system_error&) {
+      take_back();
+      throw;
+    }
+    take_back();
+    return false;
+  }
 };
 
-ModelUpload::ModelUpload(Worker& disk, fs::path spool, std::string name, UploadLimits limits)
-    : disk_(disk), file_(new File{SpoolFolders(std::move(spool)), std::move(name), limits}) {}
+ModelUpload::ModelUpload(Worker& disk, fs::path spool, UploadedJob job, UploadLimits limits)
+    : disk_(disk), file_(new File{SpoolFolders(std::move(spool)), std::move(job), limits}) {}
 
 void ModelUpload::write(std::string bytes, Written written) {
   disk_.run([file = file_, bytes = std::move(bytes)] { return file->write(bytes); }, std::move(written));
@@ -98,7 +123,7 @@ void ModelUpload::finish(Finished finished) {
         try {
           return {std::nullopt, file->appear()};
         } catch (const std::system_error& error) {
-          return {refusal_of(file->name, error.code()), ""};
+          return {refusal_of(file->job.name, error.code()), ""};
         }
       },
       [finished = std::move(finished)](const Result& result) { finished(result.first, result.second); });

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "daemon/web/printer/mask_picture.hpp"
+#include "daemon/web/printer/fetched_file.hpp"
 
 namespace contourd::web {
 namespace {
@@ -20,7 +20,7 @@ unsigned status_of(int code) {
       return 403;
     case ControlLink::kUnreachable:
       return 503;
-    case MaskPicture::kNoPicture:
+    case kNoFile:
       return 502;
     default:
       return 500;

@@ -14,11 +14,11 @@ constexpr unsigned kBadRequest = 400, kUnavailable = 503, kUnsupported = 415, kC
 
 }  // namespace
 
-UploadBody::UploadBody(UploadPlaces& places, const std::shared_ptr<HttpRequest>& request, std::string name,
+UploadBody::UploadBody(UploadPlaces& places, const std::shared_ptr<HttpRequest>& request, UploadedJob job,
                        Stored stored)
-    : places_(places), request_(request), stored_(std::move(stored)) {
+    : places_(places), request_(request), job_(std::move(job)), stored_(std::move(stored)) {
   ++places_.under_way;
-  if (!name.empty()) set_name(std::move(name));
+  if (!job_.name.empty()) set_name(job_.name);
 }
 
 UploadBody::~UploadBody() {
@@ -26,8 +26,8 @@ UploadBody::~UploadBody() {
 }
 
 void UploadBody::set_name(std::string name) {
-  name_ = std::move(name);
-  if (const std::string why = why_bad_file_name(name_); !why.empty()) refuse({kUnsupported, why});
+  job_.name = std::move(name);
+  if (const std::string why = why_bad_file_name(job_.name); !why.empty()) refuse({kUnsupported, why});
 }
 
 void UploadBody::refuse(UploadRefusal refusal) {
@@ -50,7 +50,7 @@ void UploadBody::open(std::function<void()> next) {
       {"status"}, [this, next = std::move(next), alive = std::weak_ptr(alive_)](const auto& answer) {
         if (alive.expired()) return;
         if (answer.contains("result")) {
-          upload_.emplace(places_.disk, answer["result"]["spool"].template get<std::string>(), name_,
+          upload_.emplace(places_.disk, answer["result"]["spool"].template get<std::string>(), job_,
                           places_.limits);
           return next();
         }
@@ -69,7 +69,7 @@ void UploadBody::write(std::string bytes) {
 
 void UploadBody::end() {
   if (is_refused()) return reply();
-  if (name_.empty()) {
+  if (job_.name.empty()) {
     refuse({kBadRequest, "the form has no part \"file\" with a file's name"});
     return reply();
   }
@@ -119,7 +119,7 @@ struct UploadForm::Callback {
 };
 
 UploadForm::UploadForm(UploadPlaces& places, const std::shared_ptr<HttpRequest>& request, Stored stored)
-    : UploadBody(places, request, "", std::move(stored)) {
+    : UploadBody(places, request, {}, std::move(stored)) {
   constexpr std::size_t kBuffer = 8192;
   parser_ = MHD_create_post_processor(request->connection(), kBuffer, &Callback::part, this);
   if (parser_ == nullptr)

@@ -32,7 +32,7 @@ class UploadBody : public HttpBody {
   using Stored = std::function<void(const std::string& job)>;
 
   // `stored` is called when the model is in the spool.
-  UploadBody(UploadPlaces& places, const std::shared_ptr<HttpRequest>& request, std::string name,
+  UploadBody(UploadPlaces& places, const std::shared_ptr<HttpRequest>& request, UploadedJob job,
              Stored stored);
   ~UploadBody() override;
   UploadBody(const UploadBody&) = delete;
@@ -47,7 +47,7 @@ class UploadBody : public HttpBody {
   void refuse(UploadRefusal refusal);
   [[nodiscard]] bool is_refused() const { return refusal_.has_value(); }
   void set_name(std::string name);
-  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::string& name() const { return job_.name; }
   [[nodiscard]] std::shared_ptr<HttpRequest> request() const { return request_.lock(); }
 
  private:
@@ -59,7 +59,7 @@ class UploadBody : public HttpBody {
 
   UploadPlaces& places_;
   std::weak_ptr<HttpRequest> request_;
-  std::string name_;
+  UploadedJob job_;
   Stored stored_;
   std::optional<ModelUpload> upload_;
   std::optional<UploadRefusal> refusal_;

@@ -2,40 +2,25 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <optional>
 #include <utility>
 
 #include "daemon/system/readable.hpp"
+#include "daemon/web/page/page_files.hpp"
+#include "daemon/web/page/page_methods.hpp"
+#include "daemon/web/printer/fetched_file.hpp"
 #include "daemon/web/printer_answer.hpp"
 #include "daemon/web/request_checks.hpp"
-#include "daemon/web/web_texts.hpp"
 
 namespace contourd::web {
 namespace {
 
 using Json = ControlLink::Json;
 
-constexpr std::string_view kUploadPath = "/api/upload", kCallPath = "/api/call/";
+constexpr std::string_view kApi = "/api/", kUploadPath = "/api/upload", kCallPath = "/api/call/";
 // The paths that slicers use (PrusaSlicer: OctoPrint.cpp).
 constexpr std::string_view kVersionPath = "/api/version", kFilesPath = "/api/files/local",
                            kNewerPath = "/api/v1/";
-
-// The methods of contourd that a page may call, besides those that only report.
-constexpr std::array<std::string_view, 7> kMethods{"accept",     "cancel",       "pause", "plate_cleared",
-                                                   "queue_move", "queue_remove", "resume"};
-
-// A file of the page, which anyone may load.
-struct PageFile {
-  std::string_view path;
-  const char* type;
-  const std::string_view& text;
-};
-const std::array<PageFile, 4> kPageFiles{{{"/", "text/html; charset=utf-8", page_html_text},
-                                          {"/page.css", "text/css; charset=utf-8", page_css_text},
-                                          {"/page.js", "text/javascript; charset=utf-8", page_js_text},
-                                          {"/icon.svg", "image/svg+xml", page_icon_text}}};
 
 bool is_get(const HttpRequest& request) {
   return request.method() == "GET" || request.method() == "HEAD";
@@ -75,7 +60,7 @@ WebService::WebService(EventLoop& loop, const Log& log, const WebConfig& config,
       login_(loop, std::move(secrets), config.session,
              [this](const std::string& peer, bool good) { log_login(peer, good); }),
       printer_(loop, config.control_socket),
-      past_(loop, config.control_socket),
+      slow_(loop, config.control_socket, ControlLink::kLongPatience),
       mask_(printer_),
       feed_(loop, config.control_socket),
       disk_(loop, "web-disk"),
@@ -146,8 +131,8 @@ bool WebService::refuse_stranger(HttpRequest& request) const {
 }
 
 void WebService::serve_anyone(const RequestPtr& request) {
-  const auto* const file = std::ranges::find(kPageFiles, request->path(), &PageFile::path);
-  if (file == kPageFiles.end()) return request->answer(no_such_page());
+  const PageFile* const file = page_file(request->path());
+  if (file == nullptr) return request->answer(no_such_page());
   if (!is_get(*request))
     return request->answer(
         {.status = 405, .body = "this page can only be read\n", .headers = {{"Allow", "GET, HEAD"}}});
@@ -157,25 +142,45 @@ void WebService::serve_anyone(const RequestPtr& request) {
 void WebService::serve_user(const RequestPtr& request) {
   const std::string& path = request->path();
   if (is_get(*request)) {
-    if (path == "/api/status") return ask(printer_, request, {"status"});
-    if (path == "/api/queue") return ask(printer_, request, {"queue"});
     if (path == "/api/history") return serve_history(request);
     if (path == "/api/mask") return serve_mask(request);
-    if (path != "/api/events") return request->answer(no_such_page());
-    if (feed_.has_room()) return feed_.serve(request);
-    return request->answer({.status = 503, .body = "too many pages are open\n"});
+    if (path == "/api/preview") return serve_preview(request);
+    if (path == "/api/events") return serve_events(request);
+    return serve_query(request);
   }
   if (request->method() != "POST")
     return request->answer(
         {.status = 405, .body = "no such method\n", .headers = {{"Allow", "GET, HEAD, POST"}}});
   if (path == "/api/logout") return login_.log_out(*request);
   if (path == kUploadPath) return upload(request);
-  const std::string_view method =
-      path.starts_with(kCallPath) ? std::string_view(path).substr(kCallPath.size()) : "";
-  if (std::ranges::find(kMethods, method) == kMethods.end()) return request->answer(no_such_page());
-  receive(request, [this, name = std::string(method)](const RequestPtr& whole, const std::string& body) {
-    pass_on(whole, name, body);
+  const PageMethod* const method =
+      path.starts_with(kCallPath) ? page_method(std::string_view(path).substr(kCallPath.size())) : nullptr;
+  if (method == nullptr) return request->answer(no_such_page());
+  receive(request, [this, method](const RequestPtr& whole, const std::string& body) {
+    pass_on(whole, *method, body);
   });
+}
+
+void WebService::serve_events(const RequestPtr& request) {
+  if (feed_.has_room()) return feed_.serve(request);
+  request->answer({.status = 503, .body = "too many pages are open\n"});
+}
+
+void WebService::serve_query(const RequestPtr& request) {
+  const PageQuery* const query = page_query(std::string_view(request->path()).substr(kApi.size()));
+  if (query == nullptr) return request->answer(no_such_page());
+  Request question{std::string(query->name), Json::object()};
+  if (query->parameter != nullptr)
+    question.parameters[query->parameter] = request->parameter(query->parameter).value_or("");
+  ask(query->waits ? slow_ : printer_, request, std::move(question));
+}
+
+void WebService::serve_preview(const RequestPtr& request) {
+  fetch_file(slow_, {.method = "preview", .parameters = {{"job", request->parameter("job").value_or("")}}},
+             [request](std::string png, const Json& error) {
+               if (png.empty()) return request->answer(reply_of({{"error", error}}));
+               request->answer({.type = "image/png", .body = std::move(png)});
+             });
 }
 
 void WebService::receive(const RequestPtr& request, Received received) {
@@ -189,13 +194,12 @@ void WebService::receive(const RequestPtr& request, Received received) {
                    kMostBodyBytes);
 }
 
-void WebService::pass_on(const RequestPtr& request, const std::string& method,
-                         const std::string& parameters) {
+void WebService::pass_on(const RequestPtr& request, const PageMethod& method, const std::string& parameters) {
   const Json json = parameters.empty() ? Json::object() : Json::parse(parameters, nullptr, false);
   if (!json.is_object())
     return request->answer({.status = 400, .body = "expected the parameters as a JSON object\n"});
-  log_.info("command", fmt::format("{} from {}", method, request->peer()));
-  ask(printer_, request, {method, json});
+  log_.info("command", fmt::format("{} from {}", method.name, request->peer()));
+  ask(method.waits ? slow_ : printer_, request, {std::string(method.name), json});
 }
 
 void WebService::ask(ControlLink& link, const RequestPtr& request, Request question) {
@@ -218,7 +222,7 @@ void WebService::serve_history(const RequestPtr& request) {
     const Json number = Json::parse(*before, nullptr, false);
     question.parameters["before"] = number.is_number_integer() ? number : Json(*before);
   }
-  ask(past_, request, std::move(question));
+  ask(slow_, request, std::move(question));
 }
 
 bool WebService::refuse_upload(HttpRequest& request) const {
@@ -243,7 +247,8 @@ void WebService::upload(const RequestPtr& request) {
   if (refuse_upload(*request)) return;
   const std::string name = request->parameter("name").value_or("");
   if (name.empty()) return request->answer({.status = 400, .body = "expected the file's name as ?name=\n"});
-  request->receive(std::make_shared<UploadBody>(uploads_, request, name, note_upload(request)),
+  const UploadedJob job{.name = name, .is_to_be_confirmed = request->parameter("confirm").has_value()};
+  request->receive(std::make_shared<UploadBody>(uploads_, request, job, note_upload(request)),
                    most_upload_bytes());
 }
 

@@ -13,6 +13,7 @@
 #include "daemon/system/log.hpp"
 #include "daemon/system/worker.hpp"
 #include "daemon/web/http_server.hpp"
+#include "daemon/web/page/page_methods.hpp"
 #include "daemon/web/printer/control_link.hpp"
 #include "daemon/web/printer/mask_picture.hpp"
 #include "daemon/web/status_feed.hpp"
@@ -46,7 +47,10 @@ class WebService {
   [[nodiscard]] bool has_access(HttpRequest& request) const;
   void serve_user(const RequestPtr& request);
   void serve_slicer(const RequestPtr& request);
-  void pass_on(const RequestPtr& request, const std::string& method, const std::string& parameters);
+  void serve_events(const RequestPtr& request);
+  void serve_query(const RequestPtr& request);
+  void serve_preview(const RequestPtr& request);
+  void pass_on(const RequestPtr& request, const PageMethod& method, const std::string& parameters);
   void ask(ControlLink& link, const RequestPtr& request, Request question);
   void serve_mask(const RequestPtr& request);
   void serve_history(const RequestPtr& request);
@@ -64,7 +68,7 @@ class WebService {
   const Log& log_;
   std::vector<std::string> names_;
   WebLogin login_;
-  ControlLink printer_, past_;  // the history waits for the disk, other calls must not wait for it
+  ControlLink printer_, slow_;  // `slow_` is for methods that wait for a disk
   MaskPicture mask_;
   StatusFeed feed_;
   Worker disk_;

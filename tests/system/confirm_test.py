@@ -77,7 +77,8 @@ class ConfirmTest(FolderTest):
         daemon.drop("part.stl", SLAB, CONFIRM)
         daemon.wait_job("part")
         for ticket, word in (({"copiess": 2}, "copiess"), ({"copies": 0}, "copies"), ({"resin": "../standard"}, "resin"), ({"resin": "none"}, "no"),
-                             ({"lift_mm": 9}, "lift_mm"), ({"layer_height_um": "thin"}, "layer_height_um"), ({"confirm": 1}, "confirm"), ({"": {}}, "ticket")):  # fmt: skip
+                             ({"lift_mm": 9}, "lift_mm"), ({"layer_height_um": "thin"}, "layer_height_um"), ({"confirm": 1}, "confirm"), ({"": {}}, "ticket"),
+                             ({"layer_height_um": 2}, "um"), ({"copies": 100}, "there is room for"), ({"scale": 50}, "50.00 mm high"), ({"model": "no.stl"}, "no.stl")):  # fmt: skip
             self.assertIn(word, self.refused(daemon, "queue_ticket", job="part", ticket=ticket))
         for ticket in ([], "{}", 1, None, True):
             self.refused(daemon, "queue_ticket", INVALID_PARAMETERS, job="part", ticket=ticket)

@@ -1,9 +1,11 @@
 """The printer's page in a real browser, with a real contourd behind it: login, a print, an upload, the keyboard, contrast."""
 
+import base64
+import json
 import os
 
 from browser import CHROMIUM, Browser
-from harness import SLAB, Daemon, contents, realtime, skip_file, wait_until
+from harness import SLAB, Daemon, binary_stl, box, contents, realtime, skip_file, wait_until
 from web_test import PASSWORD, WebTest
 
 LONG = "a very long name of a part that somebody has exported again and again " * 2
@@ -121,6 +123,57 @@ class PageInABrowser(WebTest):
         self.daemon.wait_ended("empty part")
         self.assertEqual(contents(os.path.join(self.daemon.spool, "failed", "empty part.stl")), bytes(684))
         self.wait("document.getElementById('history').textContent.includes('empty part')")
+
+    def test_an_uploaded_model_shows_what_it_will_be_and_is_printed_as_the_user_wants(self):
+        self.browser.open(self.url, 390, "light")
+        self.log_in()
+        part = base64.b64encode(binary_stl([*box((0, 0, 0), (10, 5, 1)), *box((0, 0, 1), (2, 5, 8))])).decode()
+        self.browser.value(f"""(() => {{
+          const data = new DataTransfer();
+          data.items.add(new File([Uint8Array.from(atob("{part}"), (c) => c.charCodeAt(0))], "bracket.stl"));
+          document.getElementById("drop").dispatchEvent(new DragEvent("drop", {{dataTransfer: data, bubbles: true, cancelable: true}}));
+        }})()""")
+        self.wait("document.querySelector('#queue .preview') && !document.querySelector('#queue .preview').hidden")
+        self.wait("document.querySelector('#queue .settings select')")
+        self.assertEqual(self.daemon.status()["state"], "idle")
+        self.assertIn("160 of 50 \u00b5m", self.browser.value("document.querySelector('#queue .panel').textContent"))
+        self.assertIn("ml of standard", self.browser.value("document.querySelector('#queue .panel').textContent"))
+        self.look("job", 390, "light")
+        # A refused value is told in the form, and changes nothing.
+        self.fill("Layer height", "2")
+        self.submit()
+        self.wait("document.querySelector('#queue .settings .error').textContent")
+        self.assertIn("25", self.browser.value("document.querySelector('#queue .settings .error').textContent"))
+        self.look("job-refused", 390, "dark")
+        self.fill("Layer height", "100")
+        self.fill("Orientation", "+y")
+        self.fill("Copies", "2")
+        self.submit()
+        self.wait("document.querySelector('#queue .panel').textContent.includes('50 of 100 \u00b5m')")
+        self.wait("document.querySelector('#queue .preview') && !document.querySelector('#queue .preview').hidden")
+        self.assertEqual(json.loads(self.daemon.read("incoming", "bracket.json")), {"confirm": True, "layer_height_um": 100, "up": {"y": 1}, "copies": 2})
+        for width in (390, 1280):
+            for scheme in ("light", "dark"):
+                self.browser.open(self.url, width, scheme)
+                self.wait("document.querySelector('#queue button[aria-expanded]')")
+                self.browser.value("document.querySelector('#queue button[aria-expanded]').click()")
+                self.wait("document.querySelector('#queue .preview') && !document.querySelector('#queue .preview').hidden && document.querySelector('#queue .settings select')")
+                self.look("waiting", width, scheme)
+                self.assertEqual([url for url in self.browser.requests if not url.startswith(self.url)], [])
+                self.assertEqual(self.browser.errors, [])
+        self.browser.value("[...document.querySelectorAll('#queue button')].find((each) => each.textContent === 'Print').click()")
+        self.wait("document.getElementById('state').textContent == 'exposing'")
+        self.assertEqual(self.text("layer"), "1 of 50")
+
+    def fill(self, label, value):
+        self.browser.value(f"""(() => {{
+          const input = document.getElementById([...document.querySelectorAll("label")].find((each) => each.textContent.startsWith("{label}")).htmlFor);
+          input.value = "{value}";
+          input.dispatchEvent(new Event("change", {{bubbles: true}}));
+        }})()""")
+
+    def submit(self):
+        self.browser.value("document.querySelector('#queue .settings button').click()")
 
     def test_the_page_can_be_used_by_keyboard(self):
         self.browser.open(self.url, 1280, "light")

@@ -18,10 +18,12 @@ import unittest
 import xml.etree.ElementTree
 
 from harness import (
-    BAD_CONFIG, BAD_DATA, CONTOURCTL, CONTOURD_WEB, DEADLINE_S, FAILED, NIMBLE_RESIN, SANITIZED, SLAB, SMALL, Daemon, FolderTest, binary_stl, box, contents, realtime, run, wait_until,
+    BAD_CONFIG, BAD_DATA, CONTOURCTL, CONTOURD_WEB, DEADLINE_S, FAILED, ENDLESS, NIMBLE_RESIN, SANITIZED, SLAB, SMALL, SOURCE, Daemon, FolderTest, binary_stl, box, contents, realtime, run, wait_until,
 )  # fmt: skip
 
 PASSWORD = "correct horse"
+PAGE = os.path.join(SOURCE, "daemon", "web", "page")
+PAGE_FILES = ["/", *(f"/{name}" for name in sorted(os.listdir(PAGE)) if name.endswith((".css", ".js", ".svg")))]
 
 
 def free_port():
@@ -165,7 +167,7 @@ class LoginTest(WebTest):
 
     def test_without_a_session_only_the_page_itself_is_served(self):
         stranger = self.serve()
-        for path in ("/", "/page.css", "/page.js", "/icon.svg"):
+        for path in PAGE_FILES:
             self.assertEqual(stranger.get(path)[0], 200, path)
         for method, path in (("GET", "/api/status"), ("GET", "/api/queue"), ("GET", "/api/history"), ("GET", "/api/mask"), ("GET", "/api/events"),
                              ("POST", "/api/call/cancel"), ("POST", "/api/upload?name=a.stl"), ("POST", "/api/logout"), ("GET", "/api/nothing"),
@@ -439,7 +441,7 @@ class StrangersTest(WebTest):
 class PageTest(WebTest):
     def test_the_page_is_small_and_asks_for_nothing_from_elsewhere(self):
         browser = self.serve()
-        files = [browser.get(path)[1] for path in ("/", "/page.css", "/page.js", "/icon.svg")]
+        files = [browser.get(path)[1] for path in PAGE_FILES]
         self.assertLess(sum(map(len, files)), 150_000)
         for text in files:
             self.assertEqual(re.findall(rb"(?:https?:)?//[\w.-]+\.\w+|@import|url\(", text.replace(b"http://www.w3.org/2000/svg", b"")), [])
@@ -509,6 +511,69 @@ class UploadTest(WebTest):
         self.assertEqual(contents(os.path.join(self.daemon.spool, "done", "my part.stl")), SMALL)
         # The same name again is another job.
         self.assertEqual(json.loads(browser.upload("my%20part.stl", SMALL)[1]), {"job": "my part-2"})
+
+    def test_an_upload_to_be_confirmed_waits_with_its_outlook_its_ticket_and_its_picture(self):
+        browser = self.logged_in()
+        status, body, _ = browser.request("POST", "/api/upload?name=part.stl&confirm=1", SLAB)
+        self.assertEqual((status, json.loads(body)), (201, {"job": "part"}))
+        job = self.daemon.wait_job("part")
+        self.assertEqual(job["asks"], ["to_be_confirmed"])
+        self.assertEqual(browser.json("/api/ticket?job=part.stl")["ticket"], {"confirm": True})
+        status, picture, headers = browser.get("/api/preview?job=part.stl")
+        self.assertEqual((status, headers["Content-Type"], picture[:8]), (200, "image/png", b"\x89PNG\r\n\x1a\n"))
+        self.assertEqual([each["resin"] for each in browser.json("/api/resins")["resins"]], ["standard"])
+        # A second one of this name is another job, with a ticket of its own.
+        self.assertEqual(json.loads(browser.request("POST", "/api/upload?name=part.stl&confirm=1", SLAB)[1]), {"job": "part-2"})
+        self.daemon.wait_job("part-2")
+        status, body, _ = browser.call("queue_ticket", job="part.stl", ticket={"confirm": True, "copies": 2})
+        self.assertEqual(status, 200, body)
+        wait_until(lambda: self.daemon.job("part").get("parts") == 2 and self.daemon.job("part")["state"] == "unaccepted", "two copies")
+        self.assertEqual(browser.call("accept", job="part.stl")[0], 200)
+        self.daemon.wait_done("part")
+        self.assertEqual(self.incoming(), ["part-2.json", "part-2.stl"])
+
+    def test_tickets_and_pictures_of_strange_jobs_are_refused_with_a_sentence(self):
+        browser = self.serve(Daemon(self, realtime(), ENDLESS).start())
+        for path in ("/api/ticket?job=part.stl", "/api/preview?job=part.stl", "/api/resins"):
+            self.assertEqual(browser.get(path)[0], 401)
+        self.assertEqual(browser.log_in()[0], 204)
+        self.daemon.begin("first.stl", SMALL)
+        self.assertEqual(browser.request("POST", "/api/upload?name=part.stl&confirm=1", SMALL)[0], 201)
+        self.daemon.wait_job("part")
+        for path in ("/api/ticket", "/api/preview"):
+            for query, code in (("", 400), ("?job=", 400), ("?job=first", 409), ("?job=..%2Fpart.stl", 409), ("?job=../../web-password", 409), ("?job=%00", 409), ("?job=" + "x" * 3000, 409)):
+                status, body, _ = browser.get(path + query)
+                # libmicrohttpd ends a parameter at a NUL.
+                self.assertIn(status, (code, 400), (path, query, body))
+                self.assert_one_line(body)
+        for body, code in ((b"[]", 400), (b"{", 400), (b'{"job": "part.stl"}', 400), (b'{"job": 1, "ticket": {}}', 400), (b'{"job": "part.stl", "ticket": []}', 400),
+                           (b'{"job": "part.stl", "ticket": {"model": "../../etc/passwd", "copies": -1}}', 409), (b'{"job": "first", "ticket": {}}', 409),
+                           (b'{"job": "part.stl", "ticket": {}, "more": 1}', 400), (json.dumps({"job": "part.stl", "ticket": {"resin": "x" * 9000}}).encode(), 413)):  # fmt: skip
+            status, reply, _ = browser.request("POST", "/api/call/queue_ticket", body)
+            self.assertEqual(status, code, (body[:80], reply))
+            self.assert_one_line(reply)
+        self.assertEqual(json.loads(self.daemon.read("incoming", "part.json")), {"confirm": True})
+        self.assertEqual(self.daemon.status()["state"], "exposing")
+
+    def test_pictures_of_many_jobs_at_once_are_drawn_one_after_the_other(self):
+        browser = self.serve(Daemon(self, realtime(), ENDLESS).start())
+        self.assertEqual(browser.log_in()[0], 204)
+        self.daemon.begin("first.stl", SMALL)
+        names = [f"part{i}" for i in range(12)]
+        for name in names:
+            self.assertEqual(browser.request("POST", f"/api/upload?name={name}.stl&confirm=1", SMALL)[0], 201)
+        for name in names:
+            self.daemon.wait_job(name)
+        replies = []
+        def fetch(name):
+            replies.append(browser.get(f"/api/preview?job={name}.stl")[0])
+        threads = [threading.Thread(target=fetch, args=(name,)) for name in names]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(set(replies), {200})
+        self.assertEqual(self.daemon.status()["state"], "exposing")
 
     def test_names_that_lead_elsewhere_or_are_no_models_are_refused(self):
         browser = self.logged_in()

@@ -30,7 +30,7 @@ void ControlLink::send_next() {
     }
     connection_->send(calls_.front().request.method, ++number_, calls_.front().request.parameters);
     asked_ = true;
-    patience_timer_ = loop_.at(std::chrono::steady_clock::now() + kPatience, kLinkName, [this] {
+    patience_timer_ = loop_.at(std::chrono::steady_clock::now() + patience_, kLinkName, [this] {
       close("contourd does not answer: see \"systemctl status contourd\"");
     });
   } catch (const DaemonError& error) {

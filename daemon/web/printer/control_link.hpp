@@ -24,10 +24,12 @@ class ControlLink {
   using Notified = std::function<void(const Json& notification)>;
 
   static constexpr std::size_t kMostCalls = 64;  // calls that wait for their answers
-  static constexpr std::chrono::seconds kPatience{15};
+  static constexpr std::chrono::seconds kPatience{15}, kLongPatience{120};
   static constexpr int kUnreachable = -32098;  // the error's code if contourd does not answer
 
-  ControlLink(EventLoop& loop, std::filesystem::path socket) : loop_(loop), socket_(std::move(socket)) {}
+  // Waits for each answer for at most `patience`.
+  ControlLink(EventLoop& loop, std::filesystem::path socket, std::chrono::seconds patience = kPatience)
+      : loop_(loop), socket_(std::move(socket)), patience_(patience) {}
   ControlLink(const ControlLink&) = delete;
   ControlLink& operator=(const ControlLink&) = delete;
 
@@ -53,6 +55,7 @@ class ControlLink {
 
   EventLoop& loop_;
   std::filesystem::path socket_;
+  std::chrono::seconds patience_;
   std::unique_ptr<DaemonConnection> connection_;
   std::unique_ptr<EventLoop::IoSource> source_;
   EventLoop::SourcePtr patience_timer_, fail_timer_;

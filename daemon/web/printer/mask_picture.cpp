@@ -1,14 +1,10 @@
 #include "daemon/web/printer/mask_picture.hpp"
 
-#include <cstdint>
-#include <optional>
 #include <utility>
 
-#include "daemon/system/base64.hpp"
+#include "daemon/web/printer/fetched_file.hpp"
 
 namespace contourd::web {
-
-using Json = ControlLink::Json;
 
 void MaskPicture::fetch(Fetched fetched) {
   const auto now = std::chrono::steady_clock::now();
@@ -16,24 +12,8 @@ void MaskPicture::fetch(Fetched fetched) {
     return fetched(latest_, latest_error_);
   waiting_.push_back(std::move(fetched));
   if (waiting_.size() > 1) return;
-  bytes_.clear();
-  ask(Json::object());
-}
-
-void MaskPicture::ask(Json parameters) {
-  printer_.call({"mask", std::move(parameters)}, [this](const Json& answer) { take(answer); });
-}
-
-void MaskPicture::take(const Json& answer) {
-  if (!answer.contains("result")) return finish({}, answer.value("error", Json::object()));
-  const Json& piece = answer["result"];
-  const std::optional<std::vector<std::uint8_t>> data = from_base64(piece.value("data", ""));
-  const std::size_t whole = piece.value("bytes", std::size_t{0});
-  if (!data || data->empty() || whole > kMostBytes)
-    return finish({}, {{"code", kNoPicture}, {"message", "contourd has sent no picture"}});
-  bytes_.append(data->begin(), data->end());
-  if (bytes_.size() >= whole) return finish(std::exchange(bytes_, {}), {});
-  ask({{"picture", piece["picture"]}, {"from", bytes_.size()}});
+  fetch_file(printer_, {.method = "mask"},
+             [this](std::string png, const Json& error) { finish(std::move(png), error); });
 }
 
 void MaskPicture::finish(std::string png, Json error) {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <chrono>
-#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
@@ -19,8 +18,6 @@ class MaskPicture {
   using Fetched = std::function<void(const std::string& png, const Json& error)>;
 
   static constexpr std::chrono::seconds kFresh{1};
-  static constexpr std::size_t kMostBytes = std::size_t{8} << 20U;
-  static constexpr int kNoPicture = -32097;  // the error's code if contourd sends no picture
 
   // The link must outlive the object.
   explicit MaskPicture(ControlLink& printer) : printer_(printer) {}
@@ -31,13 +28,10 @@ class MaskPicture {
   void fetch(Fetched fetched);
 
  private:
-  void ask(Json parameters);
-  void take(const Json& answer);
   void finish(std::string png, Json error);
 
   ControlLink& printer_;
   std::vector<Fetched> waiting_;
-  std::string bytes_;  // the picture that is being fetched
   std::string latest_;
   Json latest_error_;
   std::chrono::steady_clock::time_point fetched_{};

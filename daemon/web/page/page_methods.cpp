@@ -1,0 +1,37 @@
+#include "daemon/web/page/page_methods.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace contourd::web {
+namespace {
+
+constexpr std::array kMethods{PageMethod{"accept"},
+                              PageMethod{"cancel"},
+                              PageMethod{"pause"},
+                              PageMethod{"plate_cleared"},
+                              PageMethod{"queue_move"},
+                              PageMethod{"queue_remove"},
+                              PageMethod{"queue_ticket", true},
+                              PageMethod{"resume"}};
+
+constexpr std::array kQueries{PageQuery{"queue"}, PageQuery{"resins", nullptr, true}, PageQuery{"status"},
+                              PageQuery{"ticket", "job", true}};
+
+template <typename Table>
+auto found_in(const Table& table, std::string_view name) {
+  const auto* const found = std::ranges::find(table, name, &Table::value_type::name);
+  return found == table.end() ? nullptr : found;
+}
+
+}  // namespace
+
+const PageMethod* page_method(std::string_view name) {
+  return found_in(kMethods, name);
+}
+
+const PageQuery* page_query(std::string_view name) {
+  return found_in(kQueries, name);
+}
+
+}  // namespace contourd::web

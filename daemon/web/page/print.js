@@ -1,0 +1,99 @@
+// The print: its state, progress, mask and notices, and the buttons that control it.
+import {$, call, confirmed, duration, element, live, setText, withoutCommand} from "./base.js";
+import {refreshQueue} from "./queue.js";
+
+let maskOf = null, maskAt = 0;
+
+export const printing = () => live.status && live.status.job && live.status.job.layers !== undefined;
+
+export function showNow() {
+  const status = live.status;
+  document.title = status.job ? `${status.job.name} - ${status.printer}` : status.printer;
+  $("printer").textContent = status.printer;
+  showNotices(status);
+  showPrint(status);
+  showLight(status);
+  showMask(status);
+}
+
+function showNotices(status) {
+  const texts = [status.not_ready_reason, status.held, status.interrupted && `A power cut ended the print of ${status.interrupted.job} at layer ${status.interrupted.layer}; decide at the printer (contourctl go-on).`,
+    status.job && status.job.interruption, status.manual.problem, status.waiting_for && withoutCommand(status.waiting_for), ...status.reminders].filter(Boolean);
+  const shown = [...new Set(texts)];
+  if (shown.join("\n") !== [...$("notices").children].map((each) => each.textContent).join("\n"))
+    $("notices").replaceChildren(...shown.map((text) => element("li", "", text)));
+}
+
+function showPrint(status) {
+  const job = status.job;
+  setText("state", status.state === "idle" && status.plate === "occupied" ? "part on the plate" : status.state);
+  setText("job", job ? job.name : status.plate === "occupied" ? status.plate_job || "" : "");
+  $("printing").hidden = !printing();
+  const waits = ["paused", "held"].includes(status.state);
+  $("pause").hidden = !printing() || waits || job.pause_pending;
+  $("resume").hidden = !(printing() && (waits || job.pause_pending || job.interruption));
+  $("resume").textContent = job && job.pause_pending && !waits ? "Do not pause" : "Resume";
+  $("cancel").hidden = !job;
+  $("cleared").hidden = Boolean(job) || (status.plate !== "occupied" && !status.held);
+  if (!printing()) return;
+  $("progress").max = job.layers || 1;
+  $("progress").value = job.layers_done;
+  setText("layer", `${job.layer} of ${job.layers}`);
+  setText("height", `${job.height_mm.toFixed(2)} of ${job.total_height_mm.toFixed(2)} mm`);
+  setText("resin", job.analysis ? `${job.analysis.resin_ml.toFixed(1)} ml` : "\u2013");
+  showTimes();
+}
+
+function showTimes() {
+  if (!printing()) return;
+  const {status, receivedAt} = live;
+  const passed = ["paused", "held"].includes(status.state) ? 0 : (performance.now() - receivedAt) / 1000;
+  const left = Math.max(0, status.job.time_left_s - passed), end = new Date(Date.now() + 1000 * left);
+  setText("left", duration(left));
+  setText("elapsed", duration(status.job.elapsed_s + passed));
+  const day = end.toDateString() === new Date().toDateString() ? {} : {weekday: "short"};
+  setText("ends", end.toLocaleString([], {...day, hour: "2-digit", minute: "2-digit"}));
+}
+setInterval(showTimes, 1000);
+
+function showLight(status) {
+  const on = !status.dark;
+  $("light").classList.toggle("on", on);
+  setText("light-text", on ? "light on" : "light off");
+}
+
+function showMask(status) {
+  if (!printing()) {
+    $("mask").hidden = true;
+    maskOf = null;
+    return;
+  }
+  const wanted = `${status.job.name} ${status.job.layer}`;
+  if (!["exposing", "rising", "igniting"].includes(status.state) || wanted === maskOf || performance.now() - maskAt < 1000) return;
+  maskOf = wanted;
+  maskAt = performance.now();
+  $("mask").alt = `Mask of layer ${status.job.layer}`;
+  $("mask").src = `/api/mask?${Date.now()}`;
+}
+$("mask").addEventListener("load", () => { $("mask").hidden = !printing(); });
+$("mask").addEventListener("error", () => { maskOf = null; });
+
+async function control(method) {
+  $("control-error").textContent = "";
+  try {
+    await call(method);
+    refreshQueue();
+  } catch (error) {
+    $("control-error").textContent = error.message;
+  }
+}
+
+$("pause").addEventListener("click", () => control("pause"));
+$("resume").addEventListener("click", () => control("resume"));
+$("cancel").addEventListener("click", async () => {
+  const job = live.status && live.status.job;
+  if (await confirmed(`Cancel the print${job ? ` of "${job.name}"` : ""}? It cannot be continued.`)) control("cancel");
+});
+$("cleared").addEventListener("click", async () => {
+  if (await confirmed("Is the plate free of parts, and the printer ready? The next job begins at once.")) control("plate_cleared");
+});
