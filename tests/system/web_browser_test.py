@@ -165,6 +165,41 @@ class PageInABrowser(WebTest):
         self.wait("document.getElementById('state').textContent == 'exposing'")
         self.assertEqual(self.text("layer"), "1 of 50")
 
+    def test_a_print_is_changed_beside_the_fields_that_refuse(self):
+        self.browser.open(self.url, 390, "light")
+        self.log_in()
+        self.daemon.begin("part.stl", SLAB, {"copies": 2})
+        self.wait("!document.getElementById('change').hidden")
+        self.browser.value("document.querySelector('#change summary').click()")
+        self.wait("document.querySelectorAll('#copies li').length == 2")
+        self.change("Lift in mm", "80")
+        self.wait("document.querySelector('#change-fields .error:not(:empty)')")
+        self.assertIn("lift 80 mm is not allowed", self.text("change-fields"))
+        self.look("change-refused", 390, "light")
+        self.change("Lift in mm", "2")
+        self.wait("document.getElementById('change-fields').textContent.includes('2 holds from the next layer on')")
+        self.change("Pause before layer", "9")
+        self.wait("!document.getElementById('planned').hidden")
+        self.assertIn("The print pauses before layer 9.", self.text("planned"))
+        self.browser.value("document.querySelector('#copies button').click()")
+        self.wait("document.getElementById('confirm').open")
+        self.browser.value("document.getElementById('yes').click()")
+        self.wait("document.getElementById('copies').textContent.includes('left out from layer 2')")
+        self.assertEqual(self.daemon.status()["job"]["excluded"], ["part (copy 1)"])
+        for width, scheme in ((390, "dark"), (1280, "light")):
+            self.browser.open(self.url, width, scheme)
+            self.wait("document.getElementById('state').textContent == 'exposing' && !document.getElementById('change').hidden")
+            self.browser.value("document.querySelector('#change summary').click()")
+            self.wait("document.querySelectorAll('#copies li').length == 2")
+            self.look("change", width, scheme)
+        self.browser.value("document.getElementById('no-pause').click()")
+        self.wait("document.getElementById('planned').hidden")
+        self.assertIsNone(self.daemon.status()["job"]["planned_pause"])
+
+    def change(self, label, value):
+        self.fill(label, value)
+        self.browser.value(f"""[...document.querySelectorAll("#change-fields button")].find((each) => each.getAttribute("aria-label").endsWith("{label}")).click()""")
+
     def fill(self, label, value):
         self.browser.value(f"""(() => {{
           const input = document.getElementById([...document.querySelectorAll("label")].find((each) => each.textContent.startsWith("{label}")).htmlFor);

@@ -369,7 +369,7 @@ class StrangersTest(WebTest):
 
     def test_only_the_methods_of_the_list_are_passed_on(self):
         browser = self.logged_in()
-        for method in ("home", "move", "light_on", "show", "upload", "projector", "motor_off", "set", "replaced", "watch", "methods", "", "../status", "pause/"):
+        for method in ("home", "move", "light_on", "show", "upload", "projector", "motor_off", "go_on", "rescue", "watch", "methods", "", "../status", "pause/"):
             self.assertEqual(browser.call(method)[0], 404, method)
         for method, path in (("PUT", "/api/status"), ("DELETE", "/api/queue"), ("POST", "/"), ("TRACE", "/")):
             self.assertIn(browser.request(method, path)[0], (404, 405, 501), (method, path))
@@ -445,6 +445,28 @@ class PageTest(WebTest):
         self.assertLess(sum(map(len, files)), 150_000)
         for text in files:
             self.assertEqual(re.findall(rb"(?:https?:)?//[\w.-]+\.\w+|@import|url\(", text.replace(b"http://www.w3.org/2000/svg", b"")), [])
+
+    def test_a_print_is_changed_within_the_bounds_of_its_resin(self):
+        browser = self.serve(Daemon(self, realtime(), {**ENDLESS, "ticket_limits": {"lift_mm": [1, 3]}}).start())
+        self.assertEqual(browser.log_in()[0], 204)
+        for method, parameters in (("set", {"setting": "exposure", "value": 90}), ("exclude", {"copy": "1"}), ("pause", {"at_layer": 2})):
+            self.assertEqual(browser.call(method, **parameters)[0], 409)
+        self.daemon.begin("part.stl", SLAB, {"copies": 2})
+        self.assertEqual([each["name"] for each in browser.json("/api/copies")["copies"]], ["part (copy 1)", "part (copy 2)"])
+        self.assertEqual(browser.call("set", setting="lift", value=2.5)[0], 200)
+        self.assertEqual(browser.call("exclude", copy="2")[0], 200)
+        self.assertEqual(browser.call("pause", at_layer=7)[0], 200)
+        job = self.daemon.status()["job"]
+        self.assertEqual((job["planned_pause"], job["excluded"]), ("before layer 7", ["part (copy 2)"]))
+        for method, parameters, code in (("set", {"setting": "lift", "value": 50}, 409), ("set", {"setting": "lift", "value": "2"}, 400), ("set", {"setting": "lift"}, 400),
+                                         ("set", {"setting": "lamp", "value": 2}, 400), ("set", {"setting": "lift", "value": 1e300}, 400), ("set", {"setting": "lift", "value": -1}, 400),
+                                         ("exclude", {"copy": "1"}, 409), ("exclude", {"copy": 1}, 400), ("exclude", {"copy": "x" * 5000}, 409), ("pause", {"at_layer": 0}, 400),
+                                         ("pause", {"at_layer": 1}, 409), ("pause", {"at_layer": 21}, 409), ("pause", {"at_layer": 2.5}, 400), ("pause", {"at_layer": {}}, 400)):  # fmt: skip
+            status, body, _ = browser.call(method, **parameters)
+            self.assertEqual(status, code, (method, parameters, body))
+            self.assert_one_line(body)
+        self.assertEqual(self.daemon.status()["job"]["planned_pause"], "before layer 7")
+        self.assertEqual(self.daemon.status()["state"], "exposing")
 
     def test_events_follow_the_printer(self):
         browser = self.serve(Daemon(self, realtime(), {"exposure_ms": 120000, "bottom_exposure_ms": 120000}).start())

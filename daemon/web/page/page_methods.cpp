@@ -6,17 +6,14 @@
 namespace contourd::web {
 namespace {
 
-constexpr std::array kMethods{PageMethod{"accept"},
-                              PageMethod{"cancel"},
-                              PageMethod{"pause"},
-                              PageMethod{"plate_cleared"},
-                              PageMethod{"queue_move"},
-                              PageMethod{"queue_remove"},
-                              PageMethod{"queue_ticket", true},
-                              PageMethod{"resume"}};
+constexpr std::array kMethods{PageMethod{"accept"},        PageMethod{"cancel"},
+                              PageMethod{"exclude"},       PageMethod{"pause"},
+                              PageMethod{"plate_cleared"}, PageMethod{"queue_move"},
+                              PageMethod{"queue_remove"},  PageMethod{"queue_ticket", true},
+                              PageMethod{"resume"},        PageMethod{"set", true}};
 
-constexpr std::array kQueries{PageQuery{"queue"}, PageQuery{"resins", nullptr, true}, PageQuery{"status"},
-                              PageQuery{"ticket", "job", true}};
+constexpr std::array kQueries{PageQuery{"copies"}, PageQuery{"queue"}, PageQuery{"resins", nullptr, true},
+                              PageQuery{"status"}, PageQuery{"ticket", "job", true}};
 
 template <typename Table>
 auto found_in(const Table& table, std::string_view name) {

@@ -1,5 +1,6 @@
 // The print: its state, progress, mask and notices, and the buttons that control it.
 import {$, call, confirmed, duration, element, live, setText, withoutCommand} from "./base.js";
+import {showChanges} from "./change.js";
 import {refreshQueue} from "./queue.js";
 
 let maskOf = null, maskAt = 0;
@@ -14,11 +15,12 @@ export function showNow() {
   showPrint(status);
   showLight(status);
   showMask(status);
+  showChanges(printing());
 }
 
 function showNotices(status) {
   const texts = [status.not_ready_reason, status.held, status.interrupted && `A power cut ended the print of ${status.interrupted.job} at layer ${status.interrupted.layer}; decide at the printer (contourctl go-on).`,
-    status.job && status.job.interruption, status.manual.problem, status.waiting_for && withoutCommand(status.waiting_for), ...status.reminders].filter(Boolean);
+    status.job && status.job.interruption, status.manual.problem, status.waiting_for && withoutCommand(status.waiting_for).replace(/^to be confirmed$/, ""), ...status.reminders].filter(Boolean);
   const shown = [...new Set(texts)];
   if (shown.join("\n") !== [...$("notices").children].map((each) => each.textContent).join("\n"))
     $("notices").replaceChildren(...shown.map((text) => element("li", "", text)));

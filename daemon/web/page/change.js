@@ -1,0 +1,101 @@
+// Changes of the print under way: its settings, a planned pause, and copies that are left out.
+import {$, button, call, confirmed, element, field, get, live} from "./base.js";
+
+// The settings that can be changed, as contourd names them, with their labels; those of rises are for a plate that rises in the light.
+const SETTINGS = [["exposure", "Exposure in % of each layer's own", 0.1], ["lift", "Lift in mm", 0.1], ["lift-speed", "Lift speed in mm/s", 0.1], ["rest", "Rest after the light in ms", 10],
+  ["speed", "Rise: speed in mm/h at most", 1], ["light", "Rise: light in %", 0.1]];
+let job = null, excludedFor = null;
+
+// Makes a form of one number, whose refusal is shown beside it. `act` gets the number.
+function numberForm(label, step, text, act) {
+  const input = element("input"), box = field(label, input), submit = element("button", "", text), told = element("p", "error"), form = element("form", "change", "", box, submit, told);
+  Object.assign(input, {type: "number", step: "any", min: 0, required: true});
+  input.inputMode = step % 1 ? "decimal" : "numeric";
+  submit.type = "submit";
+  submit.setAttribute("aria-label", `${text}: ${label}`);
+  told.setAttribute("role", "alert");
+  told.id = `${input.id}-told`;
+  input.setAttribute("aria-describedby", told.id);
+  form.addEventListener("submit", async (event) => {
+    event.preventDefault();
+    told.textContent = "";
+    told.className = "error";
+    try {
+      await act(Number(input.value));
+      told.className = "more";
+      told.textContent = `${input.value} holds from the next layer on.`;
+      input.value = "";
+    } catch (error) {
+      told.textContent = error.message;
+    }
+  });
+  form.told = told;
+  return form;
+}
+
+const forms = SETTINGS.map(([setting, label, step]) => numberForm(label, step, "Set", (value) => call("set", {setting, value})));
+const pauseForm = numberForm("Pause before layer", 1, "Plan", async (at_layer) => {
+  await call("pause", {at_layer});
+  setTimeout(() => { pauseForm.told.textContent = ""; });
+});
+$("change-fields").append(...forms, pauseForm);
+
+$("no-pause").addEventListener("click", async () => {
+  $("change-error").textContent = "";
+  try {
+    await call("resume");
+  } catch (error) {
+    $("change-error").textContent = error.message;
+  }
+});
+
+// Shows what of the status concerns changes; `prints` is false without a print.
+export function showChanges(prints) {
+  $("change").hidden = !prints;
+  if (!prints) {
+    job = null;
+    $("change").open = false;
+    return;
+  }
+  const now = live.status.job, excluded = JSON.stringify(now.excluded);
+  $("planned").hidden = !now.planned_pause;
+  $("planned-text").textContent = now.planned_pause ? `The print pauses ${now.planned_pause}. ` : "";
+  if (now.name !== job) for (const form of [...forms, pauseForm]) form.told.textContent = "";
+  if ((now.name !== job || excluded !== excludedFor) && $("change").open) showCopies();
+  job = now.name;
+  excludedFor = excluded;
+}
+
+$("change").addEventListener("toggle", () => { if ($("change").open) showCopies(); });
+
+async function showCopies() {
+  try {
+    const plate = await get("/api/copies");
+    $("copies-box").hidden = plate.copies.length < 2;
+    if (plate.copies.length < 2) return;
+    $("copies").replaceChildren(...plate.copies.map(copyItem));
+    if (plate.more > 0) $("copies").append(element("li", "more", `and ${plate.more} more`));
+  } catch {
+    $("copies-box").hidden = true;
+  }
+}
+
+function copyItem(copy) {
+  const place = `${copy.position_mm.map((each) => each.toFixed(1)).join(", ")} mm from the middle`;
+  const item = element("li", "", "", element("div", "what", "", element("div", "name", copy.name), element("div", "more", place)));
+  if (copy.excluded_from !== null) {
+    item.append(element("span", "faint", `left out from layer ${copy.excluded_from}`));
+    return item;
+  }
+  item.append(button("Leave out", `Leave out ${copy.name}`, async () => {
+    if (!await confirmed(`Leave ${copy.name} dark from the next layer on? It cannot be taken back.`)) return;
+    $("change-error").textContent = "";
+    try {
+      await call("exclude", {copy: String(copy.number)});
+      showCopies();
+    } catch (error) {
+      $("change-error").textContent = error.message;
+    }
+  }));
+  return item;
+}
