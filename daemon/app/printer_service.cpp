@@ -55,7 +55,8 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       screen_control_(loop, picture_worker_, job_, manual_),
       interrupted_control_(context_, {spool_, hold_, *this, manual_, status_}),
       waiting_job_control_(config, {spool_, reader_, queue_, queue_control_}),
-      resin_control_(config, spool_) {}
+      resin_control_(config, spool_),
+      report_control_(spool_) {}
 
 // --- the use of the printer
 
@@ -105,6 +106,7 @@ ControlMethods PrinterService::control_methods() {
   methods.merge(interrupted_control_.methods());
   methods.merge(waiting_job_control_.methods());
   methods.merge(resin_control_.methods());
+  methods.merge(report_control_.methods());
   return methods;
 }
 

@@ -20,6 +20,7 @@
 #include "daemon/control/printer_metrics.hpp"
 #include "daemon/control/printer_status.hpp"
 #include "daemon/control/queue_control.hpp"
+#include "daemon/control/report_control.hpp"
 #include "daemon/control/resin_control.hpp"
 #include "daemon/control/screen_control.hpp"
 #include "daemon/control/waiting_job_control.hpp"
@@ -125,6 +126,7 @@ class PrinterService final : private JobObserver, private QueueObserver, private
   InterruptedControl interrupted_control_;
   WaitingJobControl waiting_job_control_;
   ResinControl resin_control_;
+  ReportControl report_control_;
   std::unique_ptr<ControlServer> server_;
   std::optional<MetricsFile> metrics_file_;
   std::uint64_t manual_operations_logged_ = 0;

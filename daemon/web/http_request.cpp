@@ -16,12 +16,10 @@ using ResponsePtr = std::unique_ptr<MHD_Response, decltype(&MHD_destroy_response
 
 // Adds the headers of every reply: browsers load nothing from elsewhere, show the page in no frame of another
 // site, guess no types and keep nothing.
-void add_headers(MHD_Response* response, const std::string& type) {
+void add_headers(MHD_Response* response, const std::string& type, const char* policy) {
   for (const auto& [name, value] : std::initializer_list<std::pair<const char*, const char*>>{
            {"Content-Type", type.c_str()},
-           {"Content-Security-Policy",
-            "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'self'; object-src "
-            "'none'"},
+           {"Content-Security-Policy", policy},
            {"X-Content-Type-Options", "nosniff"},
            {"X-Frame-Options", "DENY"},
            {"Referrer-Policy", "no-referrer"},
@@ -130,7 +128,7 @@ bool HttpRequest::send() {
       MHD_create_response_from_buffer(body.size(), const_cast<char*>(body.data()), MHD_RESPMEM_MUST_COPY),
       MHD_destroy_response);
   if (!response) return false;
-  add_headers(response.get(), reply_->type);
+  add_headers(response.get(), reply_->type, reply_->policy);
   for (const auto& [name, value] : reply_->headers)
     MHD_add_response_header(response.get(), name.c_str(), value.c_str());
   client_->deadline = {};
@@ -147,7 +145,7 @@ bool HttpRequest::send_stream() {
   const ResponsePtr response(MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, kBlock, read, this, nullptr),
                              MHD_destroy_response);
   if (!response) return false;
-  add_headers(response.get(), "text/event-stream");
+  add_headers(response.get(), "text/event-stream", kPagePolicy);
   return MHD_queue_response(connection_, MHD_HTTP_OK, response.get()) == MHD_YES;
 }
 

@@ -21,6 +21,10 @@ class HttpServer;
 inline constexpr std::chrono::seconds kBodyTime{30};
 inline constexpr std::uint64_t kSlowestBytesPerSecond = 16384;
 
+// The Content-Security-Policy of every reply, unless it has its own.
+inline constexpr const char* kPagePolicy =
+    "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'self'; object-src 'none'";
+
 struct HttpReply {
   unsigned status = 200;
   std::string type = "text/plain; charset=utf-8";
@@ -28,6 +32,8 @@ struct HttpReply {
   std::vector<std::pair<std::string, std::string>> headers{};
   // Asks for a digest (401); true if the last one was only too old.
   std::optional<bool> digest_is_stale{};
+  const char* policy = kPagePolicy;
+  std::shared_ptr<const void> place{};  // released when the reply was sent
 };
 
 // Receives the body of a request.

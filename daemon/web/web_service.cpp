@@ -145,6 +145,7 @@ void WebService::serve_user(const RequestPtr& request) {
     if (path == "/api/history") return serve_history(request);
     if (path == "/api/mask") return serve_mask(request);
     if (path == "/api/preview") return serve_preview(request);
+    if (path == "/api/report") return serve_report(request);
     if (path == "/api/events") return serve_events(request);
     return serve_query(request);
   }
@@ -192,6 +193,26 @@ void WebService::receive(const RequestPtr& request, Received received) {
                      if (const RequestPtr whole = weak.lock()) received(whole, body);
                    }),
                    kMostBodyBytes);
+}
+
+void WebService::serve_report(const RequestPtr& request) {
+  // The report is a page of its own without scripts, and has its style and its pictures in itself.
+  constexpr const char* kPolicy =
+      "sandbox; default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; form-action "
+      "'none'; frame-ancestors 'none'";
+  // use_count() includes the service's own reference.
+  if (report_place_.use_count() > kMostReports)
+    return request->answer({.status = 503, .body = "too many reports are being read; try again\n"});
+  fetch_file(
+      slow_,
+      {.method = "report",
+       .parameters = {{"job", request->parameter("job").value_or("")}},
+       .version = "version"},
+      [request, place = report_place_](std::string html, const Json& error) {
+        if (html.empty()) return request->answer(reply_of({{"error", error}}));
+        request->answer(
+            {.type = "text/html; charset=utf-8", .body = std::move(html), .policy = kPolicy, .place = place});
+      });
 }
 
 void WebService::pass_on(const RequestPtr& request, const PageMethod& method, const std::string& parameters) {

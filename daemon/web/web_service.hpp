@@ -27,6 +27,8 @@ class WebService {
  public:
   // Uploads at the same time.
   static constexpr int kMostUploads = 4;
+  // Reports that are read or sent at the same time, each of up to 8 MiB.
+  static constexpr int kMostReports = 4;
   // Bytes of a body that is not a model.
   static constexpr std::size_t kMostBodyBytes = 8192;
 
@@ -50,6 +52,7 @@ class WebService {
   void serve_events(const RequestPtr& request);
   void serve_query(const RequestPtr& request);
   void serve_preview(const RequestPtr& request);
+  void serve_report(const RequestPtr& request);
   void pass_on(const RequestPtr& request, const PageMethod& method, const std::string& parameters);
   void ask(ControlLink& link, const RequestPtr& request, Request question);
   void serve_mask(const RequestPtr& request);
@@ -71,6 +74,7 @@ class WebService {
   ControlLink printer_, slow_;  // `slow_` is for methods that wait for a disk
   MaskPicture mask_;
   StatusFeed feed_;
+  std::shared_ptr<const int> report_place_ = std::make_shared<const int>(0);  // a reference for each report
   Worker disk_;
   UploadPlaces uploads_;
   HttpServer server_;  // last: its requests refer to the others

@@ -187,6 +187,7 @@ class ControlApiTest(FolderTest):
             answers[method] = daemon.client().call(method, **parameters_of.get(method, {}))
         daemon.rpc("queue_remove", job="two")
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
+        answers["report"] = daemon.rpc("report", job="part")
         answers["plate_cleared"] = daemon.rpc("plate_cleared")
         manual = {"home": {}, "stop": {}, "light_off": {}, "show": {"pattern": "grid"}, "mask": {}, "upload": {"from": 0, "data": "AAAA"}, "light_on": {"seconds": 0.01, "in_resin": True},
                    "projector": {}, "motor_off": {}, "inputs": {}, "move": {"to_mm": 1}}  # fmt: skip

@@ -200,6 +200,34 @@ class PageInABrowser(WebTest):
         self.fill(label, value)
         self.browser.value(f"""[...document.querySelectorAll("#change-fields button")].find((each) => each.getAttribute("aria-label").endsWith("{label}")).click()""")
 
+    def test_the_vat_the_wear_the_resins_and_a_report_are_shown(self):
+        self.daemon.write_resin("bad", {"layer_height_um": 4000})
+        self.daemon.write_resin("grey", {"calibrations": [{"kind": "exposure", "date": "2026-11-20", "values": [{"key": "/exposure_ms", "before": 2500, "after": 3000, "uncertainty": 40}]}]})
+        self.daemon.begin("part.stl", SLAB)
+        self.daemon.cancel("part")
+        for width, scheme in ((390, "light"), (1280, "dark")):
+            self.browser.open(self.url, width, scheme)
+            if width == 390:
+                self.log_in()
+            self.wait("document.querySelectorAll('#history a').length == 1")
+            self.browser.value("document.querySelector('#care summary').click()")
+            self.wait("document.querySelectorAll('#resins details').length == 3 && document.querySelectorAll('#parts li').length == 3")
+            self.browser.value("for (const each of document.querySelectorAll('#resins details')) each.open = true")
+            self.look("care", width, scheme)
+        self.assertEqual(self.browser.errors, [])
+        self.assertIn("exposure ms: 2500 \u2192 3000 \u00b1 40", self.text("resins"))
+        self.fill("What the vat holds", "150")
+        self.browser.value("document.querySelector('#vat-form button').click()")
+        self.wait("document.getElementById('vat').textContent.includes('150 ml')")
+        self.browser.value("document.querySelectorAll('#parts button')[1].click()")
+        self.wait("document.getElementById('confirm').open")
+        self.browser.value("document.getElementById('yes').click()")
+        self.wait("document.querySelectorAll('#parts li')[1].textContent.includes('new since')")
+        self.browser.open(self.url + "api/report?job=part", 390, "light")
+        self.assertIn("part", self.browser.value("document.body.textContent"))
+        self.assertEqual(self.browser.value("document.documentElement.scrollWidth"), 390)
+        self.assertEqual(self.browser.errors, [])
+
     def fill(self, label, value):
         self.browser.value(f"""(() => {{
           const input = document.getElementById([...document.querySelectorAll("label")].find((each) => each.textContent.startsWith("{label}")).htmlFor);

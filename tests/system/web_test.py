@@ -369,7 +369,7 @@ class StrangersTest(WebTest):
 
     def test_only_the_methods_of_the_list_are_passed_on(self):
         browser = self.logged_in()
-        for method in ("home", "move", "light_on", "show", "upload", "projector", "motor_off", "go_on", "rescue", "watch", "methods", "", "../status", "pause/"):
+        for method in ("home", "move", "light_on", "show", "upload", "projector", "motor_off", "go_on", "rescue", "report", "watch", "methods", "", "../status", "pause/"):
             self.assertEqual(browser.call(method)[0], 404, method)
         for method, path in (("PUT", "/api/status"), ("DELETE", "/api/queue"), ("POST", "/"), ("TRACE", "/")):
             self.assertIn(browser.request(method, path)[0], (404, 405, 501), (method, path))
@@ -467,6 +467,65 @@ class PageTest(WebTest):
             self.assert_one_line(body)
         self.assertEqual(self.daemon.status()["job"]["planned_pause"], "before layer 7")
         self.assertEqual(self.daemon.status()["state"], "exposing")
+
+    def test_the_report_of_a_print_is_served_without_the_rights_of_the_page(self):
+        browser = self.logged_in()
+        self.daemon.printed("my part.stl", SLAB)
+        wait_until(lambda: browser.get("/api/report?job=my%20part")[0] == 200, "the report")
+        status, page, headers = browser.get("/api/report?job=my%20part")
+        # The report may be written again when the cured part has been computed.
+        self.assertEqual((status, page[:15], page.rstrip()[-7:]), (200, b"<!doctype html>", contents(self.daemon.file("done", "my part.report.html")).rstrip()[-7:]))
+        text = b"<!doctype html>" + os.urandom(150_000)
+        with open(self.daemon.file("failed", "long.report.html"), "wb") as file:
+            file.write(text)
+        self.assertEqual(browser.get("/api/report?job=long")[1], text)  # in several pieces
+        self.assertTrue(headers["Content-Security-Policy"].startswith("sandbox; default-src 'none';"))
+        self.assertEqual(len(headers.get_all("Content-Security-Policy")), 1)
+        os.symlink(self.path("web-password"), self.daemon.file("done", "link.report.html"))
+        os.mkfifo(self.daemon.file("failed", "pipe.report.html"))
+        for job in ("", "no", "..", ".", "../done/my%20part", "..%2F..%2Fweb-password", "/etc/passwd", "link", "pipe", "my%20part%00", "x" * 500, "my%20part.report.html"):
+            status, body, _ = browser.get(f"/api/report?job={job}")
+            if job == "my%20part%00":
+                self.assertIn(status, (200, 400, 409))  # libmicrohttpd ends a parameter at a NUL
+                continue
+            self.assertIn(status, (400, 409), (job, body[:200]))
+            self.assert_one_line(body)
+            self.assertNotIn(b"$y$", body)
+        self.assertEqual(Browser(self.port).get("/api/report?job=my%20part")[0], 401)
+
+    def test_a_flood_of_reports_takes_little_memory(self):
+        browser = self.logged_in()
+        self.daemon.printed("part.stl", SMALL)
+        with open(self.daemon.file("done", "large.report.html"), "wb") as file:
+            file.write(b"x" * 8_000_000)
+        with open(self.daemon.file("done", "huge.report.html"), "wb") as file:
+            file.write(b"x" * 9_000_000)
+        self.assertEqual(browser.get("/api/report?job=huge")[0], 502)
+        replies = []
+        def fetch():
+            replies.append(browser.get("/api/report?job=large")[0])
+        threads = [threading.Thread(target=fetch) for _ in range(30)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(set(replies), {200, 503})
+        self.assertEqual(browser.get("/api/report?job=large")[0], 200)  # the places are free again
+        status = pathlib.Path(f"/proc/{self.web.pid}/status").read_text(encoding="ascii")
+        if not SANITIZED:
+            self.assertLess(int(re.search(r"VmHWM:\s+(\d+)", status)[1]), 120_000)
+
+    def test_vat_wear_and_resins_are_shown_and_changed(self):
+        browser = self.logged_in()
+        self.assertEqual(browser.json("/api/vat"), {"ml": None})
+        self.assertEqual(browser.call("vat", filled_ml=150)[0], 200)
+        self.assertEqual(browser.json("/api/vat"), {"ml": 150})
+        self.assertEqual(browser.call("replaced", part="film")[0], 200)
+        self.assertIsNotNone(next(each for each in browser.json("/api/usage")["parts"] if each["part"] == "film")["replaced"])
+        for method, parameters in (("vat", {"filled_ml": -1}), ("vat", {"filled_ml": "1"}), ("vat", {"filled_ml": 1e9}), ("replaced", {"part": "light"}), ("replaced", {"part": ["film"]}), ("replaced", {})):
+            status, body, _ = browser.call(method, **parameters)
+            self.assertEqual(status, 400, (method, parameters, body))
+            self.assert_one_line(body)
 
     def test_events_follow_the_printer(self):
         browser = self.serve(Daemon(self, realtime(), {"exposure_ms": 120000, "bottom_exposure_ms": 120000}).start())

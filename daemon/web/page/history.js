@@ -19,6 +19,12 @@ function historyItem(job) {
   const more = [ended, job.layers_exposed ? `${job.layers_exposed} layers` : "", job.print_time_s ? duration(job.print_time_s) : "",
     job.resin_ml ? `${job.resin_ml.toFixed(1)} ml` : "", job.resin].filter(Boolean).join(" \u00b7 ");
   const item = element("li", "", "", element("div", "what", "", element("div", "name", job.job), element("div", "more", more)), element("span", job.outcome === "done" ? "faint" : "error", job.outcome));
+  if (job.layers > 0) {
+    const report = element("a", "", "Report");
+    report.href = `/api/report?job=${encodeURIComponent(job.job)}`;
+    report.setAttribute("aria-label", `Report of ${job.job}`);
+    item.append(report);
+  }
   if (job.reason) item.firstChild.append(element("div", "more", job.reason));
   return item;
 }

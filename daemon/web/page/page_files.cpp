@@ -13,6 +13,7 @@ constexpr const char* kScript = "text/javascript; charset=utf-8";
 const std::array kFiles{PageFile{"/", "text/html; charset=utf-8", page_html_text},
                         PageFile{"/page.css", "text/css; charset=utf-8", page_css_text},
                         PageFile{"/base.js", kScript, page_base_text},
+                        PageFile{"/care.js", kScript, page_care_text},
                         PageFile{"/change.js", kScript, page_change_text},
                         PageFile{"/history.js", kScript, page_history_text},
                         PageFile{"/job.js", kScript, page_job_text},

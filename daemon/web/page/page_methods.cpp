@@ -6,14 +6,20 @@
 namespace contourd::web {
 namespace {
 
-constexpr std::array kMethods{PageMethod{"accept"},        PageMethod{"cancel"},
-                              PageMethod{"exclude"},       PageMethod{"pause"},
-                              PageMethod{"plate_cleared"}, PageMethod{"queue_move"},
-                              PageMethod{"queue_remove"},  PageMethod{"queue_ticket", true},
-                              PageMethod{"resume"},        PageMethod{"set", true}};
+constexpr std::array kMethods{PageMethod{"accept"},         PageMethod{"cancel"},
+                              PageMethod{"exclude"},        PageMethod{"pause"},
+                              PageMethod{"plate_cleared"},  PageMethod{"queue_move"},
+                              PageMethod{"queue_remove"},   PageMethod{"queue_ticket", true},
+                              PageMethod{"replaced", true}, PageMethod{"resume"},
+                              PageMethod{"set", true},      PageMethod{"vat", true}};
 
-constexpr std::array kQueries{PageQuery{"copies"}, PageQuery{"queue"}, PageQuery{"resins", nullptr, true},
-                              PageQuery{"status"}, PageQuery{"ticket", "job", true}};
+constexpr std::array kQueries{PageQuery{"copies"},
+                              PageQuery{"queue"},
+                              PageQuery{"resins", nullptr, true},
+                              PageQuery{"status"},
+                              PageQuery{"ticket", "job", true},
+                              PageQuery{"usage", nullptr, true},
+                              PageQuery{"vat", nullptr, true}};
 
 template <typename Table>
 auto found_in(const Table& table, std::string_view name) {

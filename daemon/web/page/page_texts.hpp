@@ -8,6 +8,7 @@ namespace contourd {
 extern const std::string_view page_html_text;
 extern const std::string_view page_css_text;
 extern const std::string_view page_base_text;
+extern const std::string_view page_care_text;
 extern const std::string_view page_change_text;
 extern const std::string_view page_history_text;
 extern const std::string_view page_job_text;

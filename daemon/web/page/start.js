@@ -1,5 +1,6 @@
 // The start of the page: login, and the events by which the server sends each status.
 import {$, live, send, session} from "./base.js";
+import "./care.js";
 import {forgetHistory, historyOf} from "./history.js";
 import {showNow} from "./print.js";
 import {forgetQueue, queueOf} from "./queue.js";
