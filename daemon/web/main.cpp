@@ -41,6 +41,8 @@ struct Arguments {
   WebFiles files;
   std::vector<std::string> listen;
   bool set_password = false, set_addresses = false, turn_off = false;
+  std::string role{name_of(Role::Print)};
+  bool remove = false;
   std::vector<std::string> addresses;
   bool set_mqtt = false;
   MqttRequest mqtt;
@@ -95,11 +97,24 @@ int run(const Arguments& args) {
   return EXIT_SUCCESS;
 }
 
+int set_password_of(Role role, const Arguments& args) {
+  if (role != Role::Print) return set_role_password(role, args.remove, args.files);
+  if (args.remove)
+    throw std::runtime_error("without the password of the role print there is no page: contourctl web off");
+  return set_password(args.files);
+}
+
 int start(int argc, char** argv) {
   CLI::App app{"Serves the web page of a printer that contourd runs."};
   app.set_version_flag("--version", CONTOURD_VERSION);
   Arguments args;
   app.add_option("--config", args.config, "Settings of the page")->capture_default_str();
+  CLI::Option* const role =
+      app.add_option("--role", args.role, "Role of the password for --set-password: watch, print or service")
+          ->capture_default_str()
+          ->check(CLI::IsMember({"watch", "print", "service"}));
+  CLI::Option* const remove =
+      app.add_flag("--remove", args.remove, "Remove the password of the role instead")->needs(role);
   app.add_option("--password-file", args.files.secrets, "Password and key")->capture_default_str();
   app.add_option("--listen", args.listen, "Listen on ADDRESS:PORT, too; several possible");
   CLI::Option* const password =
@@ -124,6 +139,8 @@ int start(int argc, char** argv) {
   app.add_flag("--off", args.mqtt.off, "Use no broker")->needs(mqtt);
   app.add_option("--service-unit", args.mqtt.service_unit, "Folder for the service's right to a network")
       ->capture_default_str();
+  role->needs(password);
+  remove->needs(password);
   password->excludes(addresses)->excludes(mqtt)->excludes(off);
   addresses->excludes(mqtt)->excludes(off);
   mqtt->excludes(off);
@@ -132,7 +149,7 @@ int start(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return end_of_command_line(app, error);
   }
-  if (args.set_password) return set_password(args.files);
+  if (args.set_password) return set_password_of(*role_of(args.role), args);
   if (args.set_addresses) return set_addresses(args.addresses, args.files);
   if (args.turn_off) return turn_off(args.files);
   if (args.set_mqtt) return set_mqtt(args.mqtt, args.files.secrets);

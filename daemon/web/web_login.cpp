@@ -35,8 +35,8 @@ WebLogin::WebLogin(EventLoop& loop, WebSecrets secrets, std::chrono::seconds ses
       report_(std::move(report)),
       worker_(loop, "web-login") {}
 
-bool WebLogin::has_session(const HttpRequest& request) const {
-  return sessions_.is_open(token_of(request), steady_clock::now());
+std::optional<Role> WebLogin::role_of(const HttpRequest& request) const {
+  return sessions_.role_of(token_of(request), steady_clock::now());
 }
 
 bool WebLogin::has_key(const HttpRequest& request) const {
@@ -63,18 +63,18 @@ void WebLogin::log_in(const std::shared_ptr<HttpRequest>& request, const std::st
   guard_.tried(request->peer(), now);
   ++checks_;
   worker_.run([password = json["password"].get<std::string>(),
-               hash = secrets_.password_hash] { return is_password(password, hash); },
-              [this, request](bool good) { checked(request, good); });
+               secrets = secrets_] { return role_with(password, secrets); },
+              [this, request](std::optional<Role> role) { checked(request, role); });
 }
 
-void WebLogin::checked(const std::shared_ptr<HttpRequest>& request, bool good) {
+void WebLogin::checked(const std::shared_ptr<HttpRequest>& request, std::optional<Role> role) {
   --checks_;
-  report_(request->peer(), good);
-  if (good) guard_.succeeded(request->peer());
+  report_(request->peer(), role);
+  if (role) guard_.succeeded(request->peer());
   if (!request->is_open()) return;
-  if (!good) return request->answer({.status = 401, .body = "the password is wrong\n"});
+  if (!role) return request->answer({.status = 401, .body = "the password is wrong\n"});
   request->has_logged_in();
-  const std::string token = sessions_.open(steady_clock::now());
+  const std::string token = sessions_.open(*role, steady_clock::now());
   request->answer(
       {.status = 204, .headers = {{"Set-Cookie", cookie_with(*request, token, sessions_.lifetime())}}});
 }

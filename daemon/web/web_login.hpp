@@ -1,10 +1,11 @@
-// Decides who may use the printer: people who have entered the password, and slicers that send the key. Event
+// Decides who may use the printer: people who have entered a password, and slicers that send the key. Event
 // loop's thread only; passwords are hashed on a worker thread.
 #pragma once
 
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "daemon/system/worker.hpp"
@@ -18,14 +19,15 @@ namespace contourd::web {
 
 class WebLogin {
  public:
-  using Report = std::function<void(const std::string& peer, bool good)>;
+  // Gets the role of each login; nullopt if the password was wrong.
+  using Report = std::function<void(const std::string& peer, std::optional<Role> role)>;
 
   static constexpr int kMostChecks = 4;  // passwords that wait for the worker
 
   WebLogin(EventLoop& loop, WebSecrets secrets, std::chrono::seconds session, Report report);
 
-  // True if the request has the cookie of a session.
-  [[nodiscard]] bool has_session(const HttpRequest& request) const;
+  // Returns the role of the session whose cookie the request has; nullopt without one.
+  [[nodiscard]] std::optional<Role> role_of(const HttpRequest& request) const;
   // True if the request has the key of slicers, as X-Api-Key.
   [[nodiscard]] bool has_key(const HttpRequest& request) const;
   // Checks the digest of a slicer that sends the key as a password.
@@ -36,7 +38,7 @@ class WebLogin {
   void log_out(HttpRequest& request);
 
  private:
-  void checked(const std::shared_ptr<HttpRequest>& request, bool good);
+  void checked(const std::shared_ptr<HttpRequest>& request, std::optional<Role> role);
 
   WebSecrets secrets_;
   WebSessions sessions_;

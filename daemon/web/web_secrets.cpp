@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kHash = "password", kKey = "key";
+constexpr std::string_view kHash = "password", kKey = "key", kWatch = "watch", kService = "service";
 constexpr std::string_view kYescrypt = "$y$";
 constexpr std::size_t kKeyDigits = 32;
 
@@ -81,6 +81,13 @@ bool is_password(const std::string& password, const std::string& hash) {
          equal_in_constant_time(crypted(password, hash), hash);
 }
 
+std::optional<Role> role_with(const std::string& password, const WebSecrets& secrets) {
+  std::optional<Role> found;
+  for (const Role role : kRoles)
+    if (!secrets.hash_of(role).empty() && is_password(password, secrets.hash_of(role))) found = role;
+  return found;
+}
+
 std::string random_hex(std::size_t bytes) {
   std::string text;
   for (const unsigned char byte : random_bytes(bytes))
@@ -106,15 +113,25 @@ WebSecrets read_secrets(const fs::path& file) {
         fmt::format("{}: {}; the web page is off until a password is set: sudo contourctl web password", name,
                     error.what()));
   }
-  const WebSecrets secrets{.password_hash = secret_value(text, kHash), .key = secret_value(text, kKey)};
-  if (!secrets.password_hash.starts_with(kYescrypt) || !is_key(secrets.key))
+  const WebSecrets secrets{.password_hash = secret_value(text, kHash),
+                           .key = secret_value(text, kKey),
+                           .watch_hash = secret_value(text, kWatch),
+                           .service_hash = secret_value(text, kService)};
+  const bool has_hashes = std::ranges::all_of(kRoles, [&secrets](Role role) {
+    const std::string& hash = secrets.hash_of(role);
+    return hash.starts_with(kYescrypt) || (hash.empty() && role != Role::Print);
+  });
+  if (!has_hashes || !is_key(secrets.key))
     throw std::runtime_error(
         fmt::format("{}: it is not a file of contourctl web password: run that command again", name));
   return secrets;
 }
 
 void write_secrets(const fs::path& file, const WebSecrets& secrets) {
-  write_secret_file(file, fmt::format("{} {}\n{} {}\n", kHash, secrets.password_hash, kKey, secrets.key));
+  std::string text = fmt::format("{} {}\n{} {}\n", kHash, secrets.password_hash, kKey, secrets.key);
+  if (!secrets.watch_hash.empty()) text += fmt::format("{} {}\n", kWatch, secrets.watch_hash);
+  if (!secrets.service_hash.empty()) text += fmt::format("{} {}\n", kService, secrets.service_hash);
+  write_secret_file(file, text);
 }
 
 }  // namespace contourd::web

@@ -1,17 +1,26 @@
-// The secrets of the web page: the hash of the password that people enter, and the key that slicers send.
+// The secrets of the web page: the hashes of the passwords that people enter, and the key that slicers send.
 // Thread-safe (no shared state).
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include "daemon/web/page/role.hpp"
 
 namespace contourd::web {
 
 struct WebSecrets {
-  std::string password_hash;  // crypt(5), yescrypt
+  std::string password_hash;  // of the role print: crypt(5), yescrypt
   std::string key;            // random, in hexadecimal digits
+  // Hashes of further roles; empty if they have no password.
+  std::string watch_hash{}, service_hash{};
+
+  [[nodiscard]] const std::string& hash_of(Role role) const {
+    return role == Role::Watch ? watch_hash : role == Role::Service ? service_hash : password_hash;
+  }
 };
 
 inline constexpr std::size_t kShortestPassword = 8, kLongestPassword = 256;
@@ -25,6 +34,9 @@ inline constexpr std::size_t kShortestPassword = 8, kLongestPassword = 256;
 [[nodiscard]] std::string hash_of(const std::string& password);
 // True if this is the password of that hash. Takes as long as hash_of(); the comparison takes constant time.
 [[nodiscard]] bool is_password(const std::string& password, const std::string& hash);
+
+// Returns the highest role that has this password; nullopt if none has. Checks the password of each role.
+[[nodiscard]] std::optional<Role> role_with(const std::string& password, const WebSecrets& secrets);
 
 // Returns that number of random bytes, from the kernel, in hexadecimal digits. Throws std::system_error.
 [[nodiscard]] std::string random_hex(std::size_t bytes);

@@ -35,6 +35,15 @@ HttpReply no_such_page() {
   return {.status = 404, .body = "there is no such page\n"};
 }
 
+// Answers with the reason if the role is less than is needed.
+[[nodiscard]] bool refuse_role(HttpRequest& request, Role role, Role least) {
+  if (role >= least) return false;
+  request.answer({.status = 403,
+                  .body = fmt::format("this needs the role {}; you have logged in as {}\n", name_of(least),
+                                      name_of(role))});
+  return true;
+}
+
 // Collects a small body.
 class SmallBody final : public HttpBody {
  public:
@@ -58,7 +67,7 @@ WebService::WebService(EventLoop& loop, const Log& log, const WebConfig& config,
     : log_(log),
       names_(std::move(names)),
       login_(loop, std::move(secrets), config.session,
-             [this](const std::string& peer, bool good) { log_login(peer, good); }),
+             [this](const std::string& peer, std::optional<Role> role) { log_login(peer, role); }),
       printer_(loop, config.control_socket),
       slow_(loop, config.control_socket, ControlLink::kLongPatience),
       mask_(printer_),
@@ -79,24 +88,28 @@ void WebService::serve(const RequestPtr& request) {
     return receive(request,
                    [this](const RequestPtr& whole, const std::string& body) { login_.log_in(whole, body); });
   }
-  if (!has_access(*request)) return;
+  const std::optional<Role> role = access_of(*request);
+  if (!role) return;
   request->has_logged_in();
   if (is_slicers(*request)) return serve_slicer(request);
-  serve_user(request);
+  serve_user(request, *role);
 }
 
-bool WebService::has_access(HttpRequest& request) const {
-  if (login_.has_session(request) || login_.has_key(request)) return true;
+std::optional<Role> WebService::access_of(HttpRequest& request) const {
+  if (login_.has_key(request)) return Role::Print;
+  if (const std::optional<Role> role = login_.role_of(request);
+      role && (*role != Role::Watch || !is_slicers(request)))
+    return role;
   HttpReply refusal{.status = 401, .body = "log in first: POST /api/login, or send the key as X-Api-Key\n"};
   // Elsewhere a browser would open its own dialog for a user and a password.
   if (is_slicers(request)) {
     const DigestCheck digest = login_.digest_of(request);
-    if (digest == DigestCheck::Good) return true;
+    if (digest == DigestCheck::Good) return Role::Print;
     refusal.body = "the API key is wrong: sudo contourctl web password makes a new one\n";
     refusal.digest_is_stale = digest == DigestCheck::Stale;
   }
   request.answer(std::move(refusal));
-  return false;
+  return std::nullopt;
 }
 
 void WebService::serve_slicer(const RequestPtr& request) {
@@ -139,7 +152,7 @@ void WebService::serve_anyone(const RequestPtr& request) {
   request->answer({.type = file->type, .body = std::string(file->text)});
 }
 
-void WebService::serve_user(const RequestPtr& request) {
+void WebService::serve_user(const RequestPtr& request, Role role) {
   const std::string& path = request->path();
   if (is_get(*request)) {
     if (path == "/api/history") return serve_history(request);
@@ -147,16 +160,24 @@ void WebService::serve_user(const RequestPtr& request) {
     if (path == "/api/preview") return serve_preview(request);
     if (path == "/api/report") return serve_report(request);
     if (path == "/api/events") return serve_events(request);
-    return serve_query(request);
+    if (path == "/api/session") {
+      const Json session{{"role", name_of(role)}};
+      return request->answer({.type = "application/json", .body = session.dump()});
+    }
+    return serve_query(request, role);
   }
   if (request->method() != "POST")
     return request->answer(
         {.status = 405, .body = "no such method\n", .headers = {{"Allow", "GET, HEAD, POST"}}});
   if (path == "/api/logout") return login_.log_out(*request);
-  if (path == kUploadPath) return upload(request);
+  if (path == kUploadPath) {
+    if (refuse_role(*request, role, Role::Print)) return;
+    return upload(request);
+  }
   const PageMethod* const method =
       path.starts_with(kCallPath) ? page_method(std::string_view(path).substr(kCallPath.size())) : nullptr;
   if (method == nullptr) return request->answer(no_such_page());
+  if (refuse_role(*request, role, method->least)) return;
   receive(request, [this, method](const RequestPtr& whole, const std::string& body) {
     pass_on(whole, *method, body);
   });
@@ -167,9 +188,10 @@ void WebService::serve_events(const RequestPtr& request) {
   request->answer({.status = 503, .body = "too many pages are open\n"});
 }
 
-void WebService::serve_query(const RequestPtr& request) {
+void WebService::serve_query(const RequestPtr& request, Role role) {
   const PageQuery* const query = page_query(std::string_view(request->path()).substr(kApi.size()));
   if (query == nullptr) return request->answer(no_such_page());
+  if (refuse_role(*request, role, query->least)) return;
   Request question{std::string(query->name), Json::object()};
   if (query->parameter != nullptr)
     question.parameters[query->parameter] = request->parameter(query->parameter).value_or("");
@@ -273,9 +295,9 @@ void WebService::upload(const RequestPtr& request) {
                    most_upload_bytes());
 }
 
-void WebService::log_login(const std::string& peer, bool good) const {
-  if (good)
-    log_.info("login", fmt::format("{} has logged in", peer));
+void WebService::log_login(const std::string& peer, std::optional<Role> role) const {
+  if (role)
+    log_.info("login", fmt::format("{} has logged in as {}", peer, name_of(*role)));
   else
     log_.warning("login", fmt::format("wrong password from {}", peer));
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -45,12 +46,12 @@ class WebService {
   // Answers with the reason if the request comes from a page of another site, or asks for another computer.
   [[nodiscard]] bool refuse_stranger(HttpRequest& request) const;
   void serve_anyone(const RequestPtr& request);
-  // True if the request has a session or the key; otherwise answers it.
-  [[nodiscard]] bool has_access(HttpRequest& request) const;
-  void serve_user(const RequestPtr& request);
+  // Returns the role of a request with a session or the key; otherwise answers it.
+  [[nodiscard]] std::optional<Role> access_of(HttpRequest& request) const;
+  void serve_user(const RequestPtr& request, Role role);
   void serve_slicer(const RequestPtr& request);
   void serve_events(const RequestPtr& request);
-  void serve_query(const RequestPtr& request);
+  void serve_query(const RequestPtr& request, Role role);
   void serve_preview(const RequestPtr& request);
   void serve_report(const RequestPtr& request);
   void pass_on(const RequestPtr& request, const PageMethod& method, const std::string& parameters);
@@ -66,7 +67,7 @@ class WebService {
     return 2 * (uploads_.limits.most_bytes + kMostBodyBytes);
   }
   void receive(const RequestPtr& request, Received received);
-  void log_login(const std::string& peer, bool good) const;
+  void log_login(const std::string& peer, std::optional<Role> role) const;
 
   const Log& log_;
   std::vector<std::string> names_;

@@ -4,19 +4,19 @@
 
 namespace contourd::web {
 
-std::string WebSessions::open(TimePoint now) {
+std::string WebSessions::open(Role role, TimePoint now) {
   constexpr std::size_t kTokenBytes = 32;
   std::erase_if(sessions_, [now](const Session& each) { return each.ends <= now; });
   if (sessions_.size() >= kMost) sessions_.erase(sessions_.begin());
-  sessions_.push_back({random_hex(kTokenBytes), now + lifetime_});
+  sessions_.push_back({random_hex(kTokenBytes), role, now + lifetime_});
   return sessions_.back().token;
 }
 
-bool WebSessions::is_open(std::string_view token, TimePoint now) const {
-  bool open = false;
+std::optional<Role> WebSessions::role_of(std::string_view token, TimePoint now) const {
+  std::optional<Role> role;
   for (const Session& each : sessions_)
-    open |= equal_in_constant_time(each.token, token) && now < each.ends;
-  return open;
+    if (equal_in_constant_time(each.token, token) && now < each.ends) role = each.role;
+  return role;
 }
 
 void WebSessions::close(std::string_view token) {

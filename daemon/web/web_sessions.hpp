@@ -1,11 +1,14 @@
-// The sessions of people who have entered the password: random tokens that expire. Not thread-safe.
+// The sessions of people who have entered a password: random tokens that expire. Not thread-safe.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "daemon/web/page/role.hpp"
 
 namespace contourd::web {
 
@@ -19,14 +22,16 @@ class WebSessions {
 
   [[nodiscard]] std::chrono::seconds lifetime() const { return lifetime_; }
   // Opens a session and returns its token, 64 hexadecimal digits. The oldest of kMost sessions ends.
-  [[nodiscard]] std::string open(TimePoint now);
-  // True if a session with this token is open. Takes the same time for every token of that length.
-  [[nodiscard]] bool is_open(std::string_view token, TimePoint now) const;
+  [[nodiscard]] std::string open(Role role, TimePoint now);
+  // Returns the role of the open session with this token; nullopt if there is none. Takes the same time for
+  // every token of that length.
+  [[nodiscard]] std::optional<Role> role_of(std::string_view token, TimePoint now) const;
   void close(std::string_view token);
 
  private:
   struct Session {
     std::string token;
+    Role role;
     TimePoint ends;
   };
 

@@ -50,6 +50,31 @@ std::vector<std::string> present_addresses(const std::string& socket_unit) {
   return addresses.empty() ? std::vector<std::string>{kDefaultAddress} : addresses;
 }
 
+// Returns the secrets of the file; nullopt if it does not exist.
+std::optional<WebSecrets> present_secrets(const std::string& file) {
+  std::error_code error;
+  if (!fs::exists(file, error)) return std::nullopt;
+  try {
+    return read_secrets(file);
+  } catch (const std::runtime_error&) {
+    return std::nullopt;  // no file of secrets: it is replaced
+  }
+}
+
+void store(const WebSecrets& secrets, const std::string& file) {
+  try {
+    write_secrets(file, secrets);
+  } catch (const std::system_error& error) {
+    throw OutputError(
+        fmt::format("{}: {}; run the command as root", printable(file), error.code().message()));
+  }
+}
+
+int refuse_shared_password() {
+  fmt::print(stderr, "contourctl: another role has this password; nothing was changed\n");
+  return kBadData;
+}
+
 void write_addresses(const std::vector<std::string>& addresses, const fs::path& folder) {
   std::string text =
       "# Written by contourctl web. FreeBind: an address may come later than the service.\n[Socket]\n";
@@ -96,19 +121,34 @@ int set_password(const WebFiles& files) {
   const std::optional<std::string> password = new_password();
   if (!password) return kBadData;
   constexpr std::size_t kKeyBytes = 16;
-  const WebSecrets secrets{.password_hash = hash_of(*password), .key = random_hex(kKeyBytes)};
-  try {
-    write_secrets(files.secrets, secrets);
-  } catch (const std::system_error& error) {
-    throw OutputError(
-        fmt::format("{}: {}; run the command as root", printable(files.secrets), error.code().message()));
-  }
+  WebSecrets secrets = present_secrets(files.secrets).value_or(WebSecrets{});
+  secrets.password_hash.clear();
+  if (role_with(*password, secrets)) return refuse_shared_password();
+  secrets.password_hash = hash_of(*password);
+  secrets.key = random_hex(kKeyBytes);
+  store(secrets, files.secrets);
   fmt::print("The password is set. Key for slicers (PrusaSlicer: printer type SL1, API key): {}\n",
              secrets.key);
   if (on_terminal()) ask_for_addresses(files.socket_unit);
   const std::vector<std::string> addresses = present_addresses(files.socket_unit);
   announce(addresses, files.announcement);
   show_page(addresses);
+  say_how_to_start();
+  return EXIT_SUCCESS;
+}
+
+int set_role_password(Role role, bool remove, const WebFiles& files) {
+  WebSecrets secrets = read_secrets(files.secrets);
+  std::string& hash = role == Role::Watch ? secrets.watch_hash : secrets.service_hash;
+  hash.clear();
+  if (!remove) {
+    const std::optional<std::string> password = new_password();
+    if (!password) return kBadData;
+    if (role_with(*password, secrets)) return refuse_shared_password();
+    hash = hash_of(*password);
+  }
+  store(secrets, files.secrets);
+  fmt::print("The password of the role {} is {}.\n", name_of(role), remove ? "removed" : "set");
   say_how_to_start();
   return EXIT_SUCCESS;
 }

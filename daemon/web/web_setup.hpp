@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "daemon/web/announcement.hpp"
+#include "daemon/web/page/role.hpp"
 
 namespace contourd::web {
 
@@ -24,6 +25,10 @@ struct WebFiles {
 // stores its hash and a new key for slicers. On a terminal, also asks whether to listen on this computer's
 // addresses in the local network, and shows the page's address as a QR code. Returns the exit code.
 int set_password(const WebFiles& files);
+
+// Asks for the password of another role than print, which must have one, and stores its hash; or removes that
+// role's password. The key and the other passwords stay. Returns the exit code. Throws std::runtime_error.
+int set_role_password(Role role, bool remove, const WebFiles& files);
 
 // Makes the service listen on these addresses from its next start on; without any, prints the addresses, on a
 // terminal with a QR code.

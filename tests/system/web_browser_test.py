@@ -5,7 +5,7 @@ import json
 import os
 
 from browser import CHROMIUM, Browser
-from harness import SLAB, Daemon, binary_stl, box, contents, realtime, skip_file, wait_until
+from harness import CONTOURD_WEB, SLAB, Daemon, binary_stl, box, contents, realtime, run, skip_file, wait_until
 from web_test import PASSWORD, WebTest
 
 LONG = "a very long name of a part that somebody has exported again and again " * 2
@@ -53,9 +53,9 @@ class PageInABrowser(WebTest):
     def wait(self, expression):
         return wait_until(lambda: self.browser.value(f"Boolean({expression})"), expression)
 
-    def log_in(self):
+    def log_in(self, password=PASSWORD):
         self.wait("!document.getElementById('login').hidden")
-        self.browser.value(f"document.getElementById('password').value = '{PASSWORD}'; document.querySelector('#login-form button').click()")
+        self.browser.value(f"document.getElementById('password').value = '{password}'; document.querySelector('#login-form button').click()")
         self.wait("!document.getElementById('page').hidden && document.getElementById('state').textContent.length > 1")
 
     def text(self, name):
@@ -227,6 +227,37 @@ class PageInABrowser(WebTest):
         self.assertIn("part", self.browser.value("document.body.textContent"))
         self.assertEqual(self.browser.value("document.documentElement.scrollWidth"), 390)
         self.assertEqual(self.browser.errors, [])
+
+    def test_each_role_sees_what_it_may_do(self):
+        for role in ("watch", "service"):
+            run(CONTOURD_WEB, "--set-password", "--role", role, *self.files(), input=f"only {role}\n".encode() * 2)
+        self.web.kill()
+        self.web.wait()
+        self.start_web()
+        self.daemon.begin("part.stl", SLAB)
+        self.daemon.drop("next.stl", SLAB)
+        shown = "(name) => document.getElementById(name).checkVisibility()"
+        for role, width, scheme in (("watch", 390, "light"), ("service", 1280, "dark")):
+            self.browser.open(self.url, width, scheme)
+            self.log_in(f"only {role}")
+            self.wait("document.querySelectorAll('#queue .row button').length > 0")
+            self.wait(f"document.body.dataset.role == '{role}'")
+            serves = role == "service"
+            for name in ("pause", "cancel", "change", "ask-first"):
+                self.assertEqual(self.browser.value(f"({shown})('{name}')"), serves, (role, name))
+            self.assertEqual(self.browser.value(f"({shown})('service')"), serves)
+            self.assertEqual(self.browser.value("[...document.querySelectorAll('#queue .row button')].filter((each) => each.checkVisibility()).length"), 2 if serves else 1)
+            self.browser.value("document.querySelector('#queue button[aria-expanded]').click()")
+            self.wait("document.querySelector('#queue .preview') && !document.querySelector('#queue .preview').hidden")
+            if serves:
+                self.browser.value("document.querySelector('#service summary').click()")
+                self.browser.value("document.getElementById('look').click()")
+                self.wait("document.querySelectorAll('#inputs li').length > 0 || document.getElementById('service-error').textContent")
+                self.browser.value("document.getElementById('home').click(); document.getElementById('yes').click()")
+                self.wait("document.getElementById('service-error').textContent")
+            self.look(f"role-{role}", width, scheme)
+            self.browser.value("document.getElementById('logout').click()")
+        self.assertEqual(self.daemon.status()["state"], "exposing")
 
     def fill(self, label, value):
         self.browser.value(f"""(() => {{

@@ -18,10 +18,12 @@ import unittest
 import xml.etree.ElementTree
 
 from harness import (
-    BAD_CONFIG, BAD_DATA, CONTOURCTL, CONTOURD_WEB, DEADLINE_S, FAILED, ENDLESS, NIMBLE_RESIN, SANITIZED, SLAB, SMALL, SOURCE, Daemon, FolderTest, binary_stl, box, contents, realtime, run, wait_until,
+    BAD_CONFIG, BAD_DATA, BAD_USAGE, CONTOURCTL, CONTOURD_WEB, DEADLINE_S, FAILED, ENDLESS, NIMBLE_RESIN, SANITIZED, SLAB, SMALL, SOURCE, Daemon, FolderTest, binary_stl, box, contents, realtime, run, wait_until,
 )  # fmt: skip
 
 PASSWORD = "correct horse"
+# The exit code of contourd-web after an error that is no mistake on the command line.
+CANNOT = 70
 PAGE = os.path.join(SOURCE, "daemon", "web", "page")
 PAGE_FILES = ["/", *(f"/{name}" for name in sorted(os.listdir(PAGE)) if name.endswith((".css", ".js", ".svg")))]
 
@@ -187,6 +189,57 @@ class LoginTest(WebTest):
         self.assertEqual(browser.request("POST", "/api/logout")[0], 204)
         browser.cookie = cookie
         self.assertEqual(browser.get("/api/status")[0], 401)
+
+    def set_role(self, role, password, expect=0):
+        return run(CONTOURD_WEB, "--set-password", "--role", role, *self.files(), input=(password + "\n").encode(), expect=expect)
+
+    def test_the_roles_have_passwords_of_their_own_and_do_what_they_may(self):
+        self.assert_one_line(self.set_role("watch", "watching only", expect=CANNOT).stderr, b"contourctl web password")
+        self.set_password()
+        self.key = re.search(r"(?m)^key (.*)$", pathlib.Path(self.path("web-password")).read_text(encoding="ascii"))[1]
+        self.set_role("watch", "watching only")
+        self.set_role("service", "service only")
+        self.assertIn(b"another role", self.set_role("service", PASSWORD, expect=BAD_DATA).stderr)
+        self.assertIn(b"another role", self.set_password("watching only", expect=BAD_DATA).stderr)
+        self.assertIn(f"key {self.key}\n", pathlib.Path(self.path("web-password")).read_text(encoding="ascii"))
+        self.serve()
+        people = {role: Browser(self.port) for role in ("watch", "print", "service")}
+        for role, password in (("watch", "watching only"), ("print", PASSWORD), ("service", "service only")):
+            self.assertEqual(people[role].log_in(password)[0], 204)
+            self.assertEqual(people[role].json("/api/session"), {"role": role})
+        changes = ("accept", "cancel", "exclude", "pause", "plate_cleared", "queue_move", "queue_remove", "queue_ticket", "replaced", "resume", "set", "vat")
+        for method in changes:
+            status, body, _ = people["watch"].call(method)
+            self.assertEqual(status, 403, method)
+            self.assert_one_line(body, b"needs the role print", b"logged in as watch")
+            self.assertNotEqual(people["print"].call(method, no=1)[0], 403, method)
+        for method in ("home", "stop", "light_off"):
+            for role in ("watch", "print"):
+                self.assertEqual(people[role].call(method)[0], 403, (role, method))
+        self.assertEqual(people["print"].get("/api/inputs")[0], 403)
+        self.assertEqual(people["service"].get("/api/inputs")[0], 200)
+        self.assertEqual(people["service"].call("home")[0], 200)
+        for method in ("move", "light_on", "show", "upload", "motor_off", "rescue", "projector"):
+            self.assertEqual(people["service"].call(method)[0], 404, method)
+        self.assertEqual(people["watch"].upload("part.stl", SMALL)[0], 403)
+        form = {"Content-Type": "multipart/form-data; boundary=x"}
+        self.assertEqual(people["watch"].request("POST", "/api/files/local", b"--x--", form)[0], 401)
+        self.assertEqual(self.incoming(), [])
+        for path in ("status", "queue", "history", "resins", "usage", "vat"):
+            self.assertEqual(people["watch"].get(f"/api/{path}")[0], 200, path)
+        self.assertEqual(people["watch"].get("/api/status", **{"X-Api-Key": self.key})[0], 200)
+        # The cookie of one role is none of another.
+        self.assertEqual(Browser(self.port).get("/api/session")[0], 401)
+
+    def test_a_role_is_removed_and_the_password_of_the_page_stays(self):
+        self.set_password()
+        self.set_role("watch", "watching only")
+        run(CONTOURD_WEB, "--set-password", "--role", "watch", "--remove", *self.files())
+        run(CONTOURD_WEB, "--set-password", "--role", "print", "--remove", *self.files(), expect=CANNOT)
+        run(CONTOURD_WEB, "--set-password", "--role", "root", *self.files(), expect=BAD_USAGE)
+        self.serve()
+        self.assertEqual(Browser(self.port).log_in("watching only")[0], 401)
+        self.assertEqual(Browser(self.port).log_in()[0], 204)
 
     def test_wrong_passwords_are_slowed_down_before_they_are_hashed(self):
         browser = self.serve()
@@ -369,7 +422,7 @@ class StrangersTest(WebTest):
 
     def test_only_the_methods_of_the_list_are_passed_on(self):
         browser = self.logged_in()
-        for method in ("home", "move", "light_on", "show", "upload", "projector", "motor_off", "go_on", "rescue", "report", "watch", "methods", "", "../status", "pause/"):
+        for method in ("move", "light_on", "show", "upload", "projector", "motor_off", "go_on", "rescue", "report", "watch", "methods", "", "../status", "pause/"):
             self.assertEqual(browser.call(method)[0], 404, method)
         for method, path in (("PUT", "/api/status"), ("DELETE", "/api/queue"), ("POST", "/"), ("TRACE", "/")):
             self.assertIn(browser.request(method, path)[0], (404, 405, 501), (method, path))

@@ -32,6 +32,11 @@ std::string web_program() {
   }
 }
 
+struct PasswordArguments {
+  std::string role;
+  bool remove = false;
+};
+
 struct MqttArguments {
   std::string broker, user, prefix;
   fs::path ca_file;
@@ -66,7 +71,17 @@ void add_mqtt(Command& web) {
 void add_web(Command& program) {
   Command& web = program.add("web", "Set up the printer's web page");
   Command& password = web.add("password", "Set the page's password, and make a new key for slicers");
-  password.run = []() -> int { become_web_program({"--set-password"}); };
+  auto& asked = password.arguments<PasswordArguments>();
+  const Option& role =
+      password.option("--role", asked.role, "Set the password of this role, by default print")
+          .one_of({"watch", "print", "service"});
+  password.option("--remove", asked.remove, "Remove the password of the role").needs(role);
+  password.run = [&asked]() -> int {
+    std::vector<std::string> options{"--set-password"};
+    if (!asked.role.empty()) options.insert(options.end(), {"--role", asked.role});
+    if (asked.remove) options.emplace_back("--remove");
+    become_web_program(options);
+  };
   Command& addresses = web.add("addresses", "Show or set the addresses on which the page is served");
   auto& given = addresses.arguments<std::vector<std::string>>();
   addresses.option("ADDRESS", given, "ADDRESS:PORT, such as 192.168.1.20:8080; several possible");

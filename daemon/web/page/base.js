@@ -5,8 +5,8 @@ export const $ = (id) => document.getElementById(id);
 // The last status of the printer, and when it came; null before the first one.
 export const live = {status: null, receivedAt: 0};
 
-// Called when the server wants the user to log in.
-export const session = {ended: () => {}};
+// The role of the user, and what is called when the server wants the user to log in.
+export const session = {role: "print", ended: () => {}};
 
 // Makes an element with a class, text and children. Texts of strangers never become markup.
 export function element(tag, className, text, ...children) {
@@ -14,6 +14,12 @@ export function element(tag, className, text, ...children) {
   if (className) made.className = className;
   if (text) made.textContent = text;
   made.append(...children);
+  return made;
+}
+
+// Marks an element as one for users who may print, or who may do service; others do not see it.
+export function only(role, made) {
+  made.classList.add(`for-${role}`);
   return made;
 }
 

@@ -1,5 +1,5 @@
 // The printer's care: resin in the vat, wear of lamp, film and vat, and the resin profiles with their calibrations.
-import {$, button, call, confirmed, element, facts, field, get} from "./base.js";
+import {$, button, call, confirmed, element, facts, field, get, only} from "./base.js";
 import {resins} from "./job.js";
 
 const NAMES = {lamp: "Lamp", film: "Film", vat: "Vat"};
@@ -23,9 +23,9 @@ function partItem(part) {
   const used = [share(part.lamp_h.toFixed(1), part.lamp_h_limit, "h of light"), share(part.layers, part.layers_limit, "layers"), share(part.prints, part.prints_limit, "prints")].join(" \u00b7 ");
   const item = element("li", "", "", element("div", "what", "", element("div", "name", NAMES[part.part] || part.part), element("div", "more", used), element("div", "more", since)));
   if (part.reminder) item.firstChild.append(element("div", "error", part.reminder));
-  item.append(button("It is new", `The ${part.part} is new`, async () => {
+  item.append(only("print", button("It is new", `The ${part.part} is new`, async () => {
     if (await confirmed(`Is the ${part.part} new? Its use counts from now on.`)) change("replaced", {part: part.part});
-  }));
+  })));
   return item;
 }
 

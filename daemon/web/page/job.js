@@ -1,5 +1,5 @@
 // The panel of a waiting job: its outlook, its picture with the supports, and the settings of its ticket.
-import {button, call, choice, duration, element, facts, field, get, send} from "./base.js";
+import {button, call, choice, duration, element, facts, field, get, only, send} from "./base.js";
 import {refreshQueue} from "./queue.js";
 
 const AXES = {"+x": {x: 1}, "-x": {x: -1}, "+y": {y: 1}, "-y": {y: -1}, "-z": {z: -1}};
@@ -84,7 +84,7 @@ export class JobPanel {
     this.picture = element("img", "preview");
     Object.assign(this.picture, {width: 720, height: 720, hidden: true});
     this.drawing = element("p", "more");
-    this.form = element("form", "settings");
+    this.form = only("print", element("form", "settings"));
     this.element = element("div", "panel", "", this.facts, this.drawing, this.picture, this.form);
     this.element.hidden = true;
     this.picture.addEventListener("load", () => {

@@ -19,6 +19,7 @@ const std::array kFiles{PageFile{"/", "text/html; charset=utf-8", page_html_text
                         PageFile{"/job.js", kScript, page_job_text},
                         PageFile{"/print.js", kScript, page_print_text},
                         PageFile{"/queue.js", kScript, page_queue_text},
+                        PageFile{"/service.js", kScript, page_service_text},
                         PageFile{"/start.js", kScript, page_start_text},
                         PageFile{"/upload.js", kScript, page_upload_text},
                         PageFile{"/icon.svg", "image/svg+xml", page_icon_text}};

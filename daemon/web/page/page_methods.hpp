@@ -3,12 +3,15 @@
 
 #include <string_view>
 
+#include "daemon/web/page/role.hpp"
+
 namespace contourd::web {
 
 // A method that changes the printer: POST /api/call/NAME.
 struct PageMethod {
   std::string_view name;
   bool waits = false;  // for a disk; others must not wait for its answer
+  Role least = Role::Print;
 };
 
 // A method that only reports: GET /api/NAME, with at most one parameter, which is a text and needed.
@@ -16,6 +19,7 @@ struct PageQuery {
   std::string_view name;
   const char* parameter = nullptr;
   bool waits = false;
+  Role least = Role::Watch;
 };
 
 // Return the method of this name; null if the page may not call it.

@@ -14,6 +14,7 @@ extern const std::string_view page_history_text;
 extern const std::string_view page_job_text;
 extern const std::string_view page_print_text;
 extern const std::string_view page_queue_text;
+extern const std::string_view page_service_text;
 extern const std::string_view page_start_text;
 extern const std::string_view page_upload_text;
 extern const std::string_view page_icon_text;

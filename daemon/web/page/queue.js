@@ -1,5 +1,5 @@
 // The queue: waiting jobs, each with its outlook, its settings, and buttons to print, move and remove it.
-import {$, button, call, confirmed, duration, element, get, live, withoutCommand} from "./base.js";
+import {$, button, call, confirmed, duration, element, get, live, only, withoutCommand} from "./base.js";
 import {JobPanel} from "./job.js";
 
 const STATES = {unchecked: "not checked yet", checking: "is being checked", analyzing: "is being analyzed", unaccepted: "waits for you",
@@ -75,14 +75,14 @@ class JobItem {
     const focused = this.buttons.contains(document.activeElement) ? document.activeElement.textContent : "";
     const made = [];
     if (job.state === "unaccepted")
-      made.push(button(asks.length ? "Print anyway" : "Print", `${asks.length ? "Print anyway:" : "Print"} ${job.job}`, async () => {
+      made.push(only("print", button(asks.length ? "Print anyway" : "Print", `${asks.length ? "Print anyway:" : "Print"} ${job.job}`, async () => {
         if (asks.length === 0 || await confirmed(`Print ${job.job} as it is?`)) this.control("accept", {job: this.file});
-      }, asks.length ? "quiet" : "main"));
+      }, asks.length ? "quiet" : "main")));
     made.push(this.toggle);
-    if (job.number > 1) made.push(button("\u2191", `Move ${job.job} up`, () => this.control("queue_move", {job: this.file, to: job.number - 1})));
-    made.push(button("\u2715", `Remove ${job.job}`, async () => {
+    if (job.number > 1) made.push(only("print", button("\u2191", `Move ${job.job} up`, () => this.control("queue_move", {job: this.file, to: job.number - 1}))));
+    made.push(only("print", button("\u2715", `Remove ${job.job}`, async () => {
       if (await confirmed(`Remove ${job.job} from the queue?`)) this.control("queue_remove", {job: this.file});
-    }));
+    })));
     this.buttons.replaceChildren(...made);
     if (focused) (made.find((each) => each.textContent === focused) || this.toggle).focus();
   }

@@ -4,6 +4,7 @@ import "./care.js";
 import {forgetHistory, historyOf} from "./history.js";
 import {showNow} from "./print.js";
 import {forgetQueue, queueOf} from "./queue.js";
+import {showManual} from "./service.js";
 import "./upload.js";
 
 let events = null;
@@ -23,7 +24,7 @@ $("login-form").addEventListener("submit", async (event) => {
   try {
     await send("/api/login", {method: "POST", body: JSON.stringify({password: $("password").value})});
     $("password").value = "";
-    open();
+    start();
   } catch (error) {
     $("login-error").textContent = error.message;
     $("password").select();
@@ -63,6 +64,7 @@ function show(now) {
   live.status = now;
   live.receivedAt = performance.now();
   showNow();
+  showManual();
   queueOf(now);
   historyOf(now);
 }
@@ -70,8 +72,12 @@ function show(now) {
 async function start() {
   if (events) events.close();
   events = null;
-  const reply = await fetch("/api/status").catch(() => null);
+  const reply = await fetch("/api/session").catch(() => null);
   if (reply && reply.status === 401) return showLogin();
+  if (reply && reply.ok) {
+    session.role = (await reply.json()).role;
+    document.body.dataset.role = session.role;
+  }
   open();
 }
 start();

@@ -67,6 +67,6 @@ $("files").addEventListener("change", () => {
 for (const [name, over] of [["dragover", true], ["dragleave", false], ["drop", false]])
   document.addEventListener(name, (event) => {
     event.preventDefault();
-    $("drop").classList.toggle("over", over && !$("page").hidden);
-    if (name === "drop" && !$("page").hidden) add(event.dataTransfer.files);
+    $("drop").classList.toggle("over", over && !$("page").hidden && session.role !== "watch");
+    if (name === "drop" && !$("page").hidden && session.role !== "watch") add(event.dataTransfer.files);
   });

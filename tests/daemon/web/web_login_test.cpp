@@ -56,6 +56,34 @@ TEST_CASE("secrets are read as they were written, and only their owner can read 
   CHECK(read_secrets(file).key == secrets.key);
 }
 
+TEST_CASE("the passwords of the roles are kept, and a password gives the highest role that has it") {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "web-password";
+  WebSecrets secrets{hash_of("printing it"), random_hex(16)};
+  secrets.watch_hash = hash_of("watching it");
+  write_secrets(file, secrets);
+  WebSecrets read = read_secrets(file);
+  CHECK(role_with("printing it", read) == Role::Print);
+  CHECK(role_with("watching it", read) == Role::Watch);
+  CHECK_FALSE(role_with("serving it", read));
+  CHECK_FALSE(role_with("", read));
+  read.service_hash = read.watch_hash;
+  CHECK(role_with("watching it", read) == Role::Service);
+  write_file(file, "password $y$x\nkey 00112233445566778899aabbccddeeff\nservice x\n");
+  CHECK(message_of<std::runtime_error>([&file] {
+          (void)read_secrets(file);
+        }).find("contourctl web password") != std::string::npos);
+}
+
+TEST_CASE("a role may do what the roles before it may, and has a name") {
+  for (const Role role : kRoles)
+    CHECK(role_of(name_of(role)) == role);
+  CHECK_FALSE(role_of("root"));
+  CHECK_FALSE(role_of(""));
+  CHECK(Role::Watch < Role::Print);
+  CHECK(Role::Print < Role::Service);
+}
+
 TEST_CASE("a file without secrets is refused with the command that makes one") {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "web-password";
@@ -111,17 +139,17 @@ TEST_CASE("tries are forgotten after a while, and any number of addresses takes 
 
 TEST_CASE("a session is open until it expires, is closed, or is the oldest of too many") {
   WebSessions sessions(1h);
-  const std::string token = sessions.open(kStart);
+  const std::string token = sessions.open(Role::Service, kStart);
   CHECK(token.size() == 64);
-  CHECK(sessions.is_open(token, kStart));
-  CHECK(sessions.is_open(token, kStart + 1h - 1s));
-  CHECK_FALSE(sessions.is_open(token, kStart + 1h));
-  CHECK_FALSE(sessions.is_open("", kStart));
-  CHECK_FALSE(sessions.is_open(std::string(64, '0'), kStart));
-  const std::string second = sessions.open(kStart);
+  CHECK(sessions.role_of(token, kStart) == Role::Service);
+  CHECK(sessions.role_of(token, kStart + 1h - 1s));
+  CHECK_FALSE(sessions.role_of(token, kStart + 1h));
+  CHECK_FALSE(sessions.role_of("", kStart));
+  CHECK_FALSE(sessions.role_of(std::string(64, '0'), kStart));
+  const std::string second = sessions.open(Role::Service, kStart);
   sessions.close(second);
-  CHECK_FALSE(sessions.is_open(second, kStart));
+  CHECK_FALSE(sessions.role_of(second, kStart));
   for (std::size_t i = 0; i < WebSessions::kMost; ++i)
-    (void)sessions.open(kStart);
-  CHECK_FALSE(sessions.is_open(token, kStart));
+    (void)sessions.open(Role::Service, kStart);
+  CHECK_FALSE(sessions.role_of(token, kStart));
 }

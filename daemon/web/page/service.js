@@ -1,0 +1,29 @@
+// What a technician does at the machine: homing, stopping, light off, and a look at the switches.
+import {$, call, confirmed, element, get, live} from "./base.js";
+
+export function showManual() {
+  const {manual} = live.status;
+  const height = manual.height_mm === null ? "the plate's height is unknown" : `the plate is at ${manual.height_mm.toFixed(2)} mm`;
+  const text = `By hand: ${manual.state}; ${height}.`;
+  if ($("manual").textContent !== text) $("manual").textContent = text;
+}
+
+async function act(action) {
+  $("service-error").textContent = "";
+  try {
+    await action();
+  } catch (error) {
+    $("service-error").textContent = error.message;
+  }
+}
+
+$("home").addEventListener("click", async () => {
+  if (await confirmed("Is nothing in the way of the plate? It moves to its limit switch.")) act(() => call("home"));
+});
+$("stop").addEventListener("click", () => act(() => call("stop")));
+$("light-off").addEventListener("click", () => act(() => call("light_off")));
+$("look").addEventListener("click", () => act(async () => {
+  const {inputs} = await get("/api/inputs");
+  const texts = inputs.map((each) => [each.name, each.active === null ? "cannot be read" : each.active ? "active" : "not active"]);
+  $("inputs").replaceChildren(...(texts.length ? texts : [["No inputs", ""]]).map(([name, text]) => element("li", "", "", element("span", "what", name), element("span", "faint", text))));
+}));
