@@ -228,6 +228,24 @@ class PageInABrowser(WebTest):
         self.assertEqual(self.browser.value("document.documentElement.scrollWidth"), 390)
         self.assertEqual(self.browser.errors, [])
 
+    def test_a_model_in_doubt_of_its_unit_waits_for_the_unit_and_then_for_a_word(self):
+        self.daemon.drop("tiny.stl", binary_stl(box((0, 0, 0), (1.2, 0.8, 0.2))))
+        self.browser.open(self.url, 390, "light")
+        self.log_in()
+        self.wait("document.getElementById('queue').textContent.includes('in inches')")
+        self.assertNotIn("contourctl", self.text("queue"))
+        self.assertIn("Print anyway", self.text("queue"))
+        self.browser.value("document.querySelector('#queue button[aria-expanded]').click()")
+        self.wait("document.querySelector('#queue .settings select')")
+        self.look("unit", 390, "light")
+        self.fill("Unit of the file", "inch")
+        self.submit()
+        self.wait("document.querySelector('#queue .panel').textContent.includes('5.08 mm')")
+        self.wait("document.querySelector('#queue .row button').textContent === 'Print'")
+        self.assertEqual(json.loads(self.daemon.read("incoming", "tiny.json")), {"unit": "inch", "confirm": True})
+        self.browser.value("document.querySelector('#queue .row button').click()")
+        self.wait("document.getElementById('state').textContent == 'exposing'")
+
     def test_each_role_sees_what_it_may_do(self):
         for role in ("watch", "service"):
             run(CONTOURD_WEB, "--set-password", "--role", role, *self.files(), input=f"only {role}\n".encode() * 2)

@@ -865,6 +865,44 @@ class LoadTest(WebTest):
         # 1 % of the light is less than a lamp's own noise. The machine of the test may be busy with other things, so the median counts.
         self.assertLess(abs(ratio - 1), 0.01)
 
+    def use(self, browser, stop):
+        """Has a large job drawn and tried with other settings, and reads reports and resins, until `stop` is set."""
+        copies = 1
+        while not stop.is_set():
+            copies = 3 - copies
+            replies = [browser.call("queue_ticket", job="large.stl", ticket={"confirm": True, "supports": "on", "copies": copies})[0]]
+            # The picture of a job can be drawn once the job was checked.
+            while not stop.is_set() and browser.json("/api/queue")["jobs"][0]["state"] != "unaccepted":
+                stop.wait(0.05)
+            for path in ("/api/preview?job=large.stl", "/api/report?job=alone", "/api/resins", "/api/ticket?job=large.stl", "/api/queue", "/api/history"):
+                replies.append(browser.get(path)[0])
+            self.drawn += replies[:2] == [200, 200]
+            self.assertNotIn(500, replies)
+
+    def test_pictures_settings_and_reports_again_and_again_do_not_change_the_light_of_a_print(self):
+        resin = {"exposure_ms": 50, "bottom_exposure_ms": 50}
+        browser = self.serve(Daemon(self, realtime(), {**NIMBLE_RESIN, **resin}).start())
+        self.assertEqual(browser.log_in()[0], 204)
+        os.setpriority(os.PRIO_PROCESS, self.web.pid, 10)
+        alone = self.light_errors("alone")
+        grid = [facet for x in range(8) for y in range(5) for z in (0, 2) for facet in box((x, y, z), (x + 0.6, y + 0.6, z + 1))]
+        self.assertEqual(browser.request("POST", "/api/upload?name=large.stl&confirm=1", binary_stl(grid))[0], 201)
+        self.daemon.wait_job("large")
+        stop, self.drawn = threading.Event(), 0
+        user = threading.Thread(target=self.use, args=(browser, stop))
+        user.start()
+        try:
+            used = self.light_errors("used")
+        finally:
+            stop.set()
+            user.join()
+        middle = self.LAYERS // 2
+        ratio = (50 + used[middle]) / (50 + alone[middle])
+        print(f"light beyond 50 ms, median and most: {alone[middle]:.3f} and {alone[-1]:.3f} ms alone, {used[middle]:.3f} and {used[-1]:.3f} ms "
+              f"while {self.drawn} pictures of {len(grid)} facets with supports are drawn; ratio of the light {ratio:.4f}")  # fmt: skip
+        self.assertGreater(self.drawn, 1)
+        self.assertLess(abs(ratio - 1), 0.01)
+
 
 class SlicerTest(WebTest):
     """PrusaSlicer's host of the type SL1: its requests as curl writes them for PrusaSlicer 2.9 (OctoPrint.cpp)."""

@@ -57,8 +57,9 @@ export function duration(seconds) {
   return minutes > 0 ? `${minutes} min ${String(whole % 60).padStart(2, "0")} s` : `${whole} s`;
 }
 
-// Returns a sentence of contourd without the command of a shell that it ends with: the page has a button for it.
-export const withoutCommand = (text) => text.replace(/[;,]? ?(run|:)? ?"contourctl [^"]*"( to [^;]*)?/g, "");
+// Returns a sentence of contourd without the commands of a shell that it advises: the page has buttons and fields for them.
+export const withoutCommand = (text) => text.replace(/set "unit": "(\w+)" in its ticket/g, "choose $1 as the unit under Details")
+  .replace(/ \(contourctl [^)]*\)/g, "").replace(/[;,]? ?(run|:)? ?"contourctl [^"]*"( to [^;]*)?/g, "");
 
 // Returns a list of terms and descriptions, without those that have no text.
 export function facts(pairs) {

@@ -55,8 +55,8 @@ class TicketForm {
     if (job.asks.includes("unit_in_doubt") || this.ticket.unit) this.fields.push(field("Unit of the file", this.unit));
   }
 
-  // Returns the ticket with the values of the fields.
-  value() {
+  // Returns the ticket with the values of the fields. A job that waits for the user's word goes on waiting: with the new outlook.
+  value(job) {
     const ticket = {...this.ticket};
     const set = (key, value) => {
       if (value === "" || value === undefined) delete ticket[key];
@@ -73,6 +73,7 @@ class TicketForm {
     }
     set("copies", this.copies.value === "" || this.copies.value === "1" ? "" : Number(this.copies.value));
     set("unit", this.unit.value);
+    if (job.state === "unaccepted") ticket.confirm = true;
     return ticket;
   }
 }
@@ -176,7 +177,7 @@ export class JobPanel {
   async apply() {
     this.error.textContent = "";
     try {
-      await call("queue_ticket", {job: this.file, ticket: this.fields.value()});
+      await call("queue_ticket", {job: this.file, ticket: this.fields.value(this.job)});
       this.fields = null;
       await this.showForm();
       refreshQueue();

@@ -60,7 +60,7 @@ class JobItem {
       job.resin_ml !== null && `${job.resin_ml.toFixed(1)} ml`].filter(Boolean).join(" \u00b7 ");
     const asks = job.asks.filter((each) => each !== "to_be_confirmed");
     const waits = job.state === "unaccepted" && asks.length === 0 ? "" : job.waiting_for && withoutCommand(job.waiting_for);
-    this.texts.replaceChildren(...[waits, ...job.warnings].filter(Boolean).map((text) => element("div", "more", text)));
+    this.texts.replaceChildren(...[waits, ...job.warnings.map(withoutCommand)].filter(Boolean).map((text) => element("div", "more", text)));
     const key = (each) => each && JSON.stringify([each.state, each.number, each.job, each.asks]);
     if (key(before) !== key(job)) this.showButtons(job, asks);
     this.toggle.setAttribute("aria-label", `Details of ${job.job}`);
