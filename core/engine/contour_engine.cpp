@@ -9,11 +9,19 @@ namespace contourd {
 namespace {
 
 constexpr Nanometers kNever{std::numeric_limits<std::int64_t>::max()};
+constexpr Nanometers kBelowPlate{-1};
 
 // Returns the mask of a call without a time limit; throws if it was abandoned.
 const Mask& sound(const Mask* mask) {
   if (mask == nullptr) throw std::length_error("the section crosses itself in too many places");
   return *mask;
+}
+
+// Returns the mask, corrected into `to` if that is set.
+const Mask& corrected(const Mask& mask, const ExposureCorrection& correction, std::optional<Mask>& to) {
+  if (!to) return mask;
+  correction.apply(mask, *to);
+  return *to;
 }
 
 void append(const Contours& more, Contours& all) {
@@ -43,7 +51,15 @@ ContourEngine::ContourEngine(std::vector<PlateModel> models, const EngineSetting
       (settings.uniformity->width() != mask.width() || settings.uniformity->height() != mask.height())) {
     throw std::invalid_argument("the uniformity mask does not have the display's size");
   }
-  if (!correction_.is_none()) corrected_.emplace(mask.width(), mask.height());
+  if (!correction_.is_none()) masks_.corrected.emplace(mask.width(), mask.height());
+  for (const PlateModel& each : models_) {
+    if (!each.pictures) continue;
+    expects(models_.size() == 1 && each.copies.size() == 1 && !each.holes && !beside_.source,
+            "pictures are of the whole plate");
+    if (each.pictures->width() != mask.width() || each.pictures->height() != mask.height())
+      throw std::invalid_argument("the pictures do not have the display's size");
+    masks_.picture.emplace(mask.width(), mask.height());
+  }
 }
 
 ContourEngine::ContourEngine(HeightIndex model, const EngineSettings& settings, std::vector<PixelMap> copies)
@@ -153,13 +169,19 @@ const Mask* ContourEngine::paint(MaskBudget& budget) {
   }
   rasterizer_.light(beside_.conics, beside_.map);
   rasterizer_.light(beside_.contours, beside_.map);
-  if (!corrected_) return &rasterizer_.mask();
-  correction_.apply(rasterizer_.mask(), *corrected_);
-  return &*corrected_;
+  return &corrected(rasterizer_.mask(), correction_, masks_.corrected);
+}
+
+const Mask& ContourEngine::draw_picture(Nanometers height) {
+  const std::vector<Nanometers>& dark_from = cuts_.front().dark_from;
+  const bool is_dark = !dark_from.empty() && section_height_ >= dark_from.front();
+  models_.front().pictures->draw(is_dark ? kBelowPlate : height, *masks_.picture);
+  return corrected(*masks_.picture, correction_, masks_.corrected);
 }
 
 const Mask* ContourEngine::mask_within(Nanometers height, MaskBudget& budget) {
   begin_section(height);
+  if (masks_.picture) return &draw_picture(height);
   const Millimeters offset = to_millimeters(compensation_.offset_at(height));
   for (std::size_t i = 0; i < models_.size(); ++i) {
     if (!add_to_mask(i, models_[i].z_at(height), offset, budget)) return abandon();
@@ -183,6 +205,7 @@ const Mask& ContourEngine::mask_at_z(Millimeters z) {
   const PlateModel& model = models_.front();
   const std::optional<Nanometers> height = model.elevation.height_at(z, model.model->bounds());
   begin_section(height);
+  if (masks_.picture) return draw_picture(height.value_or(kBelowPlate));
   const Millimeters offset = height ? to_millimeters(compensation_.offset_at(*height)) : Millimeters{};
   const bool added = add_to_mask(0, z, offset, unlimited) && (!height || cut_beside(*height, unlimited));
   return sound(added ? paint(unlimited) : abandon());
@@ -195,6 +218,7 @@ const Contours& ContourEngine::contours_at(Nanometers height) {
   plate_contours_.cracks = LayerCracks{};
   plate_contours_.repaired_loops = 0;
   MaskBudget unlimited;
+  if (masks_.picture) return plate_contours_;
   for (std::size_t i = 0; i < models_.size(); ++i) {
     slice(i, models_[i].z_at(height));
     link(i, unlimited);

@@ -23,6 +23,7 @@
 #include "core/geometry/mask_budget.hpp"
 #include "core/mask/exposure_correction.hpp"
 #include "core/mask/mask.hpp"
+#include "core/mask/picture_stack.hpp"
 #include "core/mask/pixel_map.hpp"
 #include "core/mask/rasterizer.hpp"
 #include "core/model/height_index.hpp"
@@ -35,6 +36,9 @@ struct PlateModel : StandingModel {
   std::vector<PixelMap> copies;
   // Holes that are cut out of every copy: sections in the model's own millimetres at its own z. Null: none.
   std::shared_ptr<const SectionSource> holes{};
+  // Pictures that are exposed instead of the model's sections; the model is the box around them, which stands
+  // on the plate (see box_of()). Null: the model is exposed.
+  std::shared_ptr<const PictureStack> pictures{};
 };
 
 struct EngineSettings {
@@ -50,8 +54,9 @@ class ContourEngine {
   // Makes an engine. The sections of `beside` are exposed too, fully and by pixel centres, whatever the
   // anti-aliasing: a pixel has the greater value of the two. Compensation, threshold, contours and cracks
   // concern the models only; the uniformity mask corrects both. Throws std::invalid_argument unless the
-  // display is 1 to 16384 pixels wide and high, and the uniformity mask, if there is one, has the display's
-  // size. REQUIRES: no null pointers.
+  // display is 1 to 16384 pixels wide and high, and the uniformity mask and the pictures, if there are any,
+  // have the display's size. REQUIRES: no null pointers; a model with pictures is the only one, stands there
+  // once and has no holes and nothing beside it.
   ContourEngine(std::vector<PlateModel> models, const EngineSettings& settings,
                 std::shared_ptr<const SectionSource> beside = nullptr);
   // Makes an engine for one model that is not shared.
@@ -73,7 +78,8 @@ class ContourEngine {
     return *models_.front().model;
   }
 
-  // Returns the mask at a height above the plate: the union of the sections there, less the models' holes.
+  // Returns the mask at a height above the plate: the union of the sections there, less the models' holes; or
+  // the picture there, to which only threshold, uniformity mask and gamma are applied.
   // Valid until the next call. Throws std::length_error if a section crosses itself in more places than
   // MaskBudget::kMaxSidesEver.
   [[nodiscard]] const Mask& mask_at(Nanometers height);
@@ -85,11 +91,11 @@ class ContourEngine {
 
   // Returns the coverage of the last mask, including what is beside the models, before threshold, uniformity
   // mask and gamma. Valid until the next mask.
-  [[nodiscard]] const Mask& coverage() const { return rasterizer_.mask(); }
+  [[nodiscard]] const Mask& coverage() const { return masks_.picture ? *masks_.picture : rasterizer_.mask(); }
 
-  // Returns the contour loops at a height above the plate, without compensation and holes: those of the first
-  // model, then of the second..., each in its model's own coordinates and once, however many copies there
-  // are. Valid until the next call.
+  // Returns the contour loops at a height above the plate, without compensation and holes, none of pictures:
+  // those of the first model, then of the second..., each in its model's own coordinates and once, however
+  // many copies there are. Valid until the next call.
   [[nodiscard]] const Contours& contours_at(Nanometers height);
 
   // Returns the number of contour loops of the last mask or the last contours, in all models; copies count
@@ -133,6 +139,12 @@ class ContourEngine {
     [[nodiscard]] const SectionSource& at(Nanometers height) const;
   };
 
+  // The masks beside the rasterizer's.
+  struct Masks {
+    std::optional<Mask> picture{};    // the coverage; set if pictures are exposed
+    std::optional<Mask> corrected{};  // set if there is something to correct
+  };
+
   void begin_section(std::optional<Nanometers> height);
   // Calls `draw` with the map of each of a model's copies that is lit at the section's height.
   template <typename Draw>
@@ -154,6 +166,8 @@ class ContourEngine {
   [[nodiscard]] bool cut_beside(Nanometers height, MaskBudget& budget);
   // Paints the mask. Null if the budget was overrun.
   [[nodiscard]] const Mask* paint(MaskBudget& budget);
+  // Draws the picture at a height.
+  [[nodiscard]] const Mask& draw_picture(Nanometers height);
   // Removes everything that was added. Returns null.
   [[nodiscard]] const Mask* abandon();
 
@@ -171,7 +185,7 @@ class ContourEngine {
   Contours moved_;           // contours of one model, compensated
   Contours plate_contours_;  // contours of all models
   Rasterizer rasterizer_;
-  std::optional<Mask> corrected_;  // set if there is something to correct
+  Masks masks_;
 };
 
 }  // namespace contourd

@@ -7,13 +7,6 @@
 
 namespace contourd {
 
-// A box of pixels: columns [left, right) of the rows [top, bottom).
-struct PixelBox {
-  std::int32_t left = 0, top = 0, right = 0, bottom = 0;
-
-  bool operator==(const PixelBox&) const = default;
-};
-
 // Returns the box, reduced to at most `longest` pixels on each side, never enlarged. Each pixel is the mean
 // of its source pixels, but at least a sixth of the light if any of them is lit: a strut must not vanish.
 // Uses no memory besides the picture's. REQUIRES: a box with pixels, all of them the mask's; longest > 0.

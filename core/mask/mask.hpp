@@ -10,6 +10,13 @@
 
 namespace contourd {
 
+// A box of pixels: columns [left, right) of the rows [top, bottom).
+struct PixelBox {
+  std::int32_t left = 0, top = 0, right = 0, bottom = 0;
+
+  bool operator==(const PixelBox&) const = default;
+};
+
 class Mask {
  public:
   Mask() = default;
