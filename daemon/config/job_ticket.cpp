@@ -108,6 +108,15 @@ void check_exposure_steps(JsonDocument& document) {
   }
 }
 
+void check_exposure_source(JsonDocument& document) {
+  const nlohmann::json& root = document.value();
+  if (!root.is_object() || root.value("exposure_from", nlohmann::json()) != "file") return;
+  for (const char* exposure : {"exposure_ms", "bottom_exposure_ms", "exposure_steps"})
+    if (root.contains(exposure))
+      document.add_violation("/exposure_from", std::string("a ticket has either the file's exposures, or ") +
+                                                   exposure + ", not both");
+}
+
 void check_layer_rules(JsonDocument& document) {
   if (document.valid_number("/layer_height_um") && document.value().contains("adaptive_layers")) {
     document.add_violation("/adaptive_layers",
@@ -122,6 +131,7 @@ void check_layer_rules(JsonDocument& document) {
     }
   }
   check_exposure_steps(document);
+  check_exposure_source(document);
   const auto thinnest = document.valid_number("/adaptive_layers/min_um");
   const auto thickest = document.valid_number("/adaptive_layers/max_um");
   if (thinnest && thickest && *thinnest > *thickest)
@@ -237,6 +247,7 @@ JobTicket read_job(const JsonSection& root) {
     ticket.adaptive->thickest = adaptive.find("max_um", &JsonSection::length);
   }
   ticket.overrides = read_overrides(root);
+  ticket.exposures_of_file = root.has("exposure_from") && root.text("exposure_from") == "file";
   if (root.has("undersides")) ticket.undersides = undersides_of(root.text("undersides"));
   if (root.has("mode")) ticket.mode = print_way_of(root.text("mode"));
   if (root.has("cracks"))

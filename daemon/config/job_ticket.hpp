@@ -99,6 +99,7 @@ struct JobTicket {
   std::optional<Nanometers> layer_height;          // not yet checked against the resin
   std::optional<AdaptiveTicket> adaptive;          // never together with layer_height, or an exposure
   TicketOverrides overrides{};                     // not yet checked against the resin's limits
+  bool exposures_of_file = false;                  // never together with an exposure
   std::optional<Undersides> undersides{};          // without it, the resin's setting
   std::optional<PrintWay> mode{};                  // without it, the resin's setting
   std::optional<CrackPolicy> cracks{};             // without it, repair, but wide gaps need confirmation

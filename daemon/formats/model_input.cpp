@@ -128,6 +128,26 @@ class ThreeMfInput : public ModelInput {
   ModelOutline outline_;
 };
 
+// Pictures of layers.
+class SlicedInput : public ModelInput {
+ public:
+  explicit SlicedInput(std::shared_ptr<const ZipArchive> archive) : archive_(std::move(archive)) {}
+
+  [[nodiscard]] const ModelOutline& outline() const override { return outline_; }
+  [[nodiscard]] const Sl1Archive* sliced() const override { return &archive_; }
+  [[nodiscard]] Model read(std::uint64_t /*most_facets*/) override {
+    throw ModelError(
+        "the file holds pictures of layers for a printer's display and no model: name the printer's "
+        "configuration by --printer, or give the model that the file was made from");
+  }
+
+ private:
+  static constexpr std::uint64_t kBoxFacets = 12;  // facets of the box that stands for the pictures
+
+  Sl1Archive archive_;
+  ModelOutline outline_{.format = "sl1", .most_facets = kBoxFacets, .exact = true};
+};
+
 // Writes the rest of the stream into a file in memory, and returns it at its beginning.
 OpenFile unpacked(ByteStream& stream, const std::string& name) {
   if (stream.bytes() > kMostNestedBytes || stream.bytes() > memory_room(std::nullopt).bytes)
@@ -210,6 +230,7 @@ OpenedModels open_models(ModelSource source) {
     auto archive = std::make_shared<const ZipArchive>(source.file.get(), source.bytes, source.path);
     if (names.empty() && is_threemf(*archive))
       return only(std::make_unique<ThreeMfInput>(std::move(archive)));
+    if (names.empty() && is_sl1(*archive)) return only(std::make_unique<SlicedInput>(std::move(archive)));
     return open_archive(archive, source.choice);
   }
   if (!names.empty())

@@ -13,6 +13,7 @@
 #include "core/formats/file_bytes.hpp"
 #include "core/formats/model_format.hpp"
 #include "core/model/model.hpp"
+#include "daemon/formats/sl1_archive.hpp"
 #include "daemon/formats/zip_models.hpp"
 
 namespace contourd {
@@ -34,9 +35,12 @@ class ModelInput {
   virtual ~ModelInput() = default;
 
   [[nodiscard]] virtual const ModelOutline& outline() const = 0;
+  // Returns the archive if the file holds pictures of layers instead of a model; null for a model.
+  [[nodiscard]] virtual const Sl1Archive* sliced() const { return nullptr; }
   // Reads the model. Call it once. Blocks for a time in proportion to the file, and to what it becomes when
-  // it is unpacked, which input_limits.hpp bounds. Throws ModelError for bad data and for a model that
-  // consists of more than `most_facets` copies of facets, std::system_error if the file cannot be read.
+  // it is unpacked, which input_limits.hpp bounds. Throws ModelError for bad data, for pictures of layers
+  // and for a model that consists of more than `most_facets` copies of facets, std::system_error if the file
+  // cannot be read.
   [[nodiscard]] virtual Model read(std::uint64_t most_facets) = 0;
 };
 

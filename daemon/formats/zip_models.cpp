@@ -25,7 +25,7 @@ constexpr std::size_t kMostFolders = 16;    // folders around a model
 constexpr std::size_t kMostNamed = 6;       // models in a message
 constexpr std::size_t kLongestNamed = 200;  // bytes of a path in a list
 
-constexpr std::array<std::string_view, 5> kArchives{".zip", ".gz", ".rar", ".7z", ".tar"};
+constexpr std::array<std::string_view, 7> kArchives{".zip", ".gz", ".rar", ".7z", ".tar", ".sl1", ".sl1s"};
 // Projects of Lychee Slicer and of CHITUBOX.
 constexpr std::array<std::string_view, 2> kProjects{".lys", ".chitubox"};
 // Formats in the order of preference, for a model that is there in several.
@@ -75,8 +75,9 @@ std::string names_of(const std::vector<const ZipEntry*>& entries) {
 [[noreturn]] void refuse_no_model(const ZipArchive& archive) {
   if (archive.find("prusaslicer.ini") != nullptr || archive.find("config.ini") != nullptr)
     throw ModelError(
-        "the file is a sliced file for SL1 printers: contourd prints unsliced models: use the "
-        "model that this file was made from");
+        "the file is a sliced file for SL1 printers without a PNG picture for each layer: slice the model "
+        "again "
+        "with the archive format SL1, or print the model itself");
   if (archive.find("Document.xml") != nullptr)
     throw ModelError("the file is a FreeCAD project: export the model as STL from FreeCAD");
   if (const auto projects = entries_ending_in(archive, kProjects); !projects.empty())
@@ -123,6 +124,8 @@ class Choice {
 
   ZipChoice run(const ArchiveChoice& asked) {
     if (models_.empty() && asked.names.empty()) refuse_no_model(archive_);
+    for (const std::string& name : asked.names)
+      find(name);
     std::vector<Candidate> candidates;
     for (const ZipEntry* model : models_)
       if (const auto how = asked_for(asked, *model)) candidates.push_back({model, *how == Asked::ByName});
@@ -137,11 +140,8 @@ class Choice {
   enum class Asked { ByName, WithOthers };
 
   // Returns how the model is asked for, or nullopt if it is not.
-  std::optional<Asked> asked_for(const ArchiveChoice& asked, const ZipEntry& model) {
+  [[nodiscard]] std::optional<Asked> asked_for(const ArchiveChoice& asked, const ZipEntry& model) const {
     if (asked.names.empty()) return Asked::WithOthers;
-    if (names_.empty())
-      for (const std::string& name : asked.names)
-        find(name);
     const auto found = names_.find(&model);
     return found == names_.end() ? std::nullopt : std::optional(found->second);
   }

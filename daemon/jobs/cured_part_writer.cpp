@@ -235,7 +235,8 @@ PrintedPart CuredPartWriter::cure(PrintToCure& print, const std::filesystem::pat
 }
 
 std::optional<PrintedPart> part_to_come(const PrintReport& report) {
-  if (!report.summary.resin.cure || report.layers.empty() || report.summary.dry) return std::nullopt;
+  const JobSummary& summary = report.summary;
+  if (!summary.resin.cure || report.layers.empty() || summary.dry || summary.sliced) return std::nullopt;
   return PrintedPart{{},
                      "contourd computes it after the report, and has not finished; contourctl cure --report "
                      "computes it, too"};

@@ -20,8 +20,10 @@ constexpr std::size_t kMaxWarnings = 20;
 std::string content_of(const JobSummary& summary) {
   if (!summary.plate) {
     const ModelSummary& model = summary.models.front();
-    return fmt::format("{} facets, {:.2f} x {:.2f} x {:.2f} mm", model.mesh.facets, model.size_x_mm,
-                       model.size_y_mm, model.size_z_mm);
+    const std::string of =
+        summary.sliced ? "pictures of layers" : fmt::format("{} facets", model.mesh.facets);
+    return fmt::format("{}, {:.2f} x {:.2f} x {:.2f} mm", of, model.size_x_mm, model.size_y_mm,
+                       model.size_z_mm);
   }
   std::size_t parts = 0;
   std::uint64_t facets = 0;

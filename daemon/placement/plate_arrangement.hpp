@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/engine/section_source.hpp"
+#include "core/mask/picture_stack.hpp"
 #include "core/mask/pixel_map.hpp"
 #include "core/model/standing_model.hpp"
 #include "daemon/config/job_ticket.hpp"
@@ -39,6 +40,8 @@ struct ModelToPlace {
   OwnSupports own_supports = OwnSupports::None;
   // Drain holes in each copy (see PlateModel); null if there are none.
   std::shared_ptr<const SectionSource> holes{};
+  // Pictures that are exposed instead (see PlateModel); null for a model.
+  std::shared_ptr<const PictureStack> pictures{};
 
   [[nodiscard]] StandingModel standing() const { return {model, elevation}; }
 };

@@ -7,6 +7,7 @@
 
 #include "core/contract/expects.hpp"
 #include "core/hollow/hollow_model.hpp"
+#include "core/mask/picture_solid.hpp"
 #include "core/repair/mesh_soundness.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -51,6 +52,10 @@ JobContent::OpenedFile JobContent::open(const ModelTicket& ticket, bool unsuppor
                                         {ticket.entries, unsupported},
                                         files_of_job_.links},
                                        printable(ticket.file));
+  if (plate && opened.files.front().sliced() != nullptr)
+    throw JobRefused(
+        fmt::format("{} holds pictures of layers, which are those of a whole plate: print it by itself",
+                    printable(ticket.file)));
   for (std::string& note : opened.notes)
     notes_.push_back(plate ? printable(ticket.file) + ": " + note : std::move(note));
   const OpenedFile made{ticket.file, ticket.entries, files_.size(), opened.files.size()};
@@ -83,7 +88,20 @@ bool JobContent::is_first_of_file(std::size_t model) const {
                       [&](const NamedModel& other) { return other.file == models_[model].file; });
 }
 
-void JobContent::read(const DisplayGeometry& display, const MemoryRoom& room) {
+Model JobContent::read_pictures(const DisplayGeometry& display, const std::stop_token& stop) {
+  // Half a gigabyte is twenty times what a print of 4000 dense layers takes.
+  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 29U;
+  pictures_ = files_.front().read_pictures(display, std::min(kMostBytes, room_.bytes - needed_), stop);
+  Model box;
+  box.facets = box_of(*pictures_, display);
+  const Point middle = bounds_of(box.facets).center();
+  ModelTicket& ticket = models_.front().ticket;
+  ticket.scale = Scale{1};
+  ticket.position = PlateOffset{Millimeters{middle.x}, Millimeters{middle.y}};
+  return box;
+}
+
+void JobContent::read(const DisplayGeometry& display, const MemoryRoom& room, const std::stop_token& stop) {
   for (const ModelFile& file : files_)
     to_read_.push_back({file.outline(), 0});
   for (std::size_t i = 0; i < models_.size(); ++i)
@@ -92,10 +110,12 @@ void JobContent::read(const DisplayGeometry& display, const MemoryRoom& room) {
   room_ = room;
   if (needed_ > room_.bytes) throw JobTooLarge(to_read_, "", needed_, room_);
   for (std::size_t i = 0; i < files_.size(); ++i) {
-    read_.push_back(files_[i].read(most_facets_to_read(to_read_, i, display, room_)));
+    read_.push_back(sliced() != nullptr ? read_pictures(display, stop)
+                                        : files_[i].read(most_facets_to_read(to_read_, i, display, room_)));
     // The facets that there are, instead of those that the file's beginning promised.
     to_read_[i].outline.most_facets = read_[i].facets.size();
     to_read_[i].outline.exact = true;
+    if (pictures_) to_read_[i].outline.buffered_bytes = pictures_->bytes();
   }
   needed_ = memory_to_prepare(to_read_, display);
 }

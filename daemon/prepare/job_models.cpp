@@ -80,6 +80,7 @@ ModelSummary make_model(JobContent& content, std::size_t number, const MakingCon
   ModelSummary figures;
   figures.file = path;
   figures.format = content.format(file);
+  figures.mesh.watertight = summary.sliced;
   figures.rotation_deg = ticket.rotation;
   figures.carries_supports = content.is_supported(file) && making.settings.supports != SupportPolicy::On;
   if (figures.carries_supports && ticket.orientation)
@@ -120,6 +121,7 @@ std::vector<ModelToPlace> make_models(JobContent& content, const JobSettings& se
     const std::optional<PlateOffset> position =
         summary.plate ? ticket.position : ticket.position.value_or(PlateOffset{});
     models.push_back({name, nullptr, position, ticket.copies});
+    models.back().pictures = content.pictures();
     if (made_as == i) {
       summary.models.push_back(make_model(content, i, making, summary, models[i].model));
     } else {

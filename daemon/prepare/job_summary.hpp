@@ -68,11 +68,12 @@ struct FollowedTemperature {
 struct JobSummary {
   std::vector<ModelSummary> models;  // at least one
   bool plate = false;
-  bool dry = false;                                // printed without light
-  bool confirm = false;                            // the ticket has it wait until a user accepts it
-  double height_mm = 0;                            // top of the highest model above the plate
-  ResinProfile resin;                              // as the job is printed
-  OverriddenSettings overridden;                   // values of `resin` that the ticket sets
+  bool sliced = false;            // the file holds pictures of layers; the model is the box around them
+  bool dry = false;               // printed without light
+  bool confirm = false;           // the ticket has it wait until a user accepts it
+  double height_mm = 0;           // top of the highest model above the plate
+  ResinProfile resin;             // as the job is printed
+  OverriddenSettings overridden;  // values of `resin` that the ticket sets
   std::optional<FollowedTemperature> temperature;  // nullopt if the light is that of the profile
   double irradiance_mw_cm2 = 0;                    // the printer's, as are the next four
   ToneCurve tone;                                  // by which the resin cures

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "daemon/placement/plate_arrangement.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -56,6 +57,17 @@ Model ModelFile::read(std::uint64_t most_facets) {
     if (model.facets.empty()) throw JobRefused(prefix_ + "the file holds no facets");
     return model;
   });
+}
+
+std::shared_ptr<const PictureStack> ModelFile::read_pictures(const DisplayGeometry& display,
+                                                             std::uint64_t most_bytes,
+                                                             const std::stop_token& stop) const {
+  expects(sliced() != nullptr, "the file holds pictures");
+  try {
+    return sliced()->read(display, most_bytes, stop);
+  } catch (const ModelError& error) {
+    throw JobRefused(fmt::format("the file's layers cannot be printed: {}", error.what()));
+  }
 }
 
 ModelFiles open_model_files(const ModelPlace& place, const std::string& name) {

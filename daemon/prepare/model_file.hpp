@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,12 @@ class ModelFile {
   // Reads the model, up to the length that the file had when it was opened. Call it once. Blocks. Throws
   // JobRefused, also if the file says how to make more than `most_facets` of what it holds.
   [[nodiscard]] Model read(std::uint64_t most_facets);
+  // Returns the archive if the file holds pictures of layers; null for a model.
+  [[nodiscard]] const Sl1Archive* sliced() const { return opened_.input->sliced(); }
+  // Reads the pictures for a display: see Sl1Archive::read(). Throws JobRefused. REQUIRES: sliced().
+  [[nodiscard]] std::shared_ptr<const PictureStack> read_pictures(const DisplayGeometry& display,
+                                                                  std::uint64_t most_bytes,
+                                                                  const std::stop_token& stop) const;
 
  private:
   std::filesystem::path file_;

@@ -11,6 +11,7 @@
 
 #include "core/cure/stop_check.hpp"
 #include "core/support/support_lift.hpp"
+#include "daemon/config/sliced_settings.hpp"
 #include "daemon/placement/drain_holes.hpp"
 #include "daemon/placement/hollow_job_model.hpp"
 #include "daemon/prepare/job_content.hpp"
@@ -84,7 +85,10 @@ class Preparation {
         settings_(settings),
         printer_(printer),
         volume_(build_volume(printer, settings.resin)),
-        content_(files, settings.ticket, settings.supports == SupportPolicy::On) {}
+        content_(files, settings.ticket, settings.supports == SupportPolicy::On) {
+    job_.settings = settings;
+    take_pictures();
+  }
 
   // Returns the prepared job, or nullopt if a stop was requested.
   std::optional<PreparedJob> run(const std::stop_token& stop) {
@@ -105,7 +109,7 @@ class Preparation {
   std::optional<PreparedJob> prepare(const std::stop_token& stop) {
     take_printer();
     refuse_continuous();
-    content_.read(volume_.display, memory_room(printer_.memory_limit_bytes));
+    content_.read(volume_.display, memory_room(printer_.memory_limit_bytes), stop);
     summary_.reading = SteadyClock::now() - start_;
     models_ = make_models(content_, settings_, volume_, summary_, stop);
     if (stop.stop_requested()) return std::nullopt;
@@ -129,14 +133,53 @@ class Preparation {
     if (stop.stop_requested()) return std::nullopt;
     for (std::size_t i = 0; i < models_.size(); ++i)
       summary_.models[i].centers = (*arrangement)[i];
+    if (summary_.sliced) return std::move(job_);
     inspect_models(content_, job_.plan.engine->models(), summary_);
     find_wide_gaps();
     find_unmet_parts();
     return std::move(job_);
   }
 
+  // Settles what pictures of layers cannot have, if the file holds them. Throws JobRefused.
+  void take_pictures() {
+    const Sl1Archive* const sliced = content_.sliced();
+    if (sliced == nullptr) {
+      if (!settings_.ticket.exposures_of_file) return;
+      throw JobRefused(
+          "the ticket takes the exposures from the file, and the file is a model, which has none: leave out "
+          "exposure_from");
+    }
+    const SlicedSettings& file = sliced->settings();
+    FileLayers layers{file.layer_height};
+    if (file.exposures)
+      layers.exposures = {file.exposures->normal, file.exposures->first, kFirstSlicedLayers,
+                          file.exposures->fading};
+    const std::string refusal = settle_for_pictures(layers, printer_.irradiance_mw_cm2, settings_.ticket,
+                                                    settings_.resin, settings_.overridden);
+    if (!refusal.empty()) throw JobRefused(refusal);
+    settings_.supports = SupportPolicy::Off;
+    summary_.sliced = true;
+    const Millimeters height =
+        to_millimeters(file.layer_height * static_cast<std::int64_t>(sliced->layers()));
+    if (height.count() > volume_.height_mm)
+      throw JobRefused(
+          fmt::format("the file's {} layers are {:.2f} mm high, and the machine can print {:.2f} mm (its "
+                      "travel less the lift)",
+                      sliced->layers(), height.count(), volume_.height_mm));
+    warn(
+        "the file holds finished pictures of layers, which are printed as they are: without the measured "
+        "height, "
+        "compensation for the resin, supports, undersides by dose, a continuous rise, and a comparison of "
+        "the cured "
+        "part with a model");
+    if (!file.display)
+      warn(
+          "the file does not say for which display its pictures are (prusaslicer.ini): check that the part "
+          "is not "
+          "mirrored, and measure it");
+  }
+
   void take_printer() {
-    job_.settings = settings_;
     job_.display = volume_.display;
     job_.plan.job = files_.name;
     job_.plan.dry = summary_.dry = settings_.ticket.dry;
@@ -214,7 +257,7 @@ class Preparation {
         if (summary_.models[i].carries_supports) models_[i].own_supports = OwnSupports::Kept;
       lift_models(models_, resin.supports, layer_beneath(settings_.ticket, resin), volume_);
     }
-    for (std::size_t i = 0; i < models_.size(); ++i)
+    for (std::size_t i = 0; i < models_.size() && !summary_.sliced; ++i)
       find_tilt(i);
     for (const ModelToPlace& model : models_) {
       warn(own_supports_sentence(model.name, model.own_supports, "contourd"));
@@ -424,7 +467,7 @@ class Preparation {
 
   const SteadyClock::time_point start_ = SteadyClock::now();
   const JobFiles& files_;
-  const JobSettings& settings_;
+  JobSettings settings_;  // settings for pictures if the file holds them
   const PrinterConfig& printer_;
   BuildVolume volume_;
   JobContent content_;

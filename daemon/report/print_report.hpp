@@ -114,7 +114,8 @@ struct PrintReport {
   std::optional<std::filesystem::path> masks;  // folder of the simulated display's masks
   std::optional<JobPicture> preview;
   std::vector<LayerPicture> layer_pictures;  // in rising order of layers
-  std::optional<PrintedPart> cured;          // nullopt: the resin has no working curve, or no layer had light
+  std::optional<PrintedPart> cured;  // nullopt: the resin has no working curve, no layer had light, or there
+                                     // is no model to compare with
 };
 
 // Returns the exposed volume: the sum of area times thickness over the layers that had light.

@@ -84,7 +84,7 @@ std::string cookie_of(std::string_view header, std::string_view name) {
 }
 
 std::string why_bad_file_name(const std::string& name) {
-  constexpr std::array<std::string_view, 3> kLayers{".sl1", ".sl1s", ".sl1_svg"};
+  constexpr std::array<std::string_view, 1> kLayers{".sl1_svg"};
   if (name.empty()) return "the file has no name";
   const std::string shown = printable(shortened(name, kLongestName));
   if (name.size() > kLongestName)
@@ -96,9 +96,11 @@ std::string why_bad_file_name(const std::string& name) {
   const std::string small = lower(name);
   if (std::ranges::any_of(kLayers, [&small](std::string_view end) { return small.ends_with(end); }))
     return fmt::format(
-        "{}: this printer computes its layers itself and cannot print a file of layers. Export the model "
-        "instead (PrusaSlicer: File > Export > Export plate as STL), and drop the STL file on the printer's "
-        "page",
+        "{}: this printer cannot print layers that are SVG outlines. Choose the archive format SL1 in "
+        "PrusaSlicer's "
+        "printer settings, or export the model (File > Export > Export plate as STL), and drop the STL file "
+        "on the "
+        "printer's page",
         shown);
   return is_model_name(name)
              ? ""

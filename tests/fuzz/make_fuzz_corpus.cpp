@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "hw/png_file.hpp"
 #include "tests/daemon/formats/packed_models.hpp"
 #include "tests/fuzz/mask_input.hpp"
 #include "tests/fuzz/odd_json.hpp"
@@ -95,6 +96,17 @@ void write_packed_inputs(const fs::path& folder) {
         "<coordinates><x>0</x><y>1</y><z>1</z></coordinates></vertex></vertices><volume><triangle><v1>0</v1>"
         "<v2>1</v2><v3>2</v3></triangle></volume></mesh></object><constellation id=\"2\"><instance "
         "objectid=\"1\"><deltax>1</deltax><rz>90</rz></instance></constellation></amf>");
+  Mask picture(Pixels{8}, Pixels{6});
+  picture.row(2)[3] = 200;
+  const std::vector<std::uint8_t> png = encode_png(picture);
+  const std::string text(png.begin(), png.end());
+  write(folder / "layers.sl1",
+        testing::zipped({{"config.ini", "layerHeight = 0.05\njobDir = a\nexpTime = 2\nexpTimeFirst = 9\n"},
+                         {"prusaslicer.ini",
+                          "display_pixels_x = 8\ndisplay_pixels_y = 6\ndisplay_width = 0.4\ndisplay_height = "
+                          "0.3\ndisplay_mirror_x = 1\n"},
+                         {"a00000.png", text},
+                         {"a00001.png", text}}));
   write(folder / "nested.zip", testing::zipped({{"a.3mf", testing::threemf_of(box)}, {"b\\c.stl", stl}}));
   write(folder / "locked.zip", testing::zipped({{"a.stl", stl, false, "secret"}, {"l.stl", "a.stl", true}}));
   write(folder / "box.3mf", testing::threemf_of(box));

@@ -1,5 +1,6 @@
 // Fuzz target: any bytes as a file of a model, whatever archive or package it is. The file is refused with
-// one readable sentence, or gives finite facets, at most as many as were allowed.
+// one readable sentence, or gives finite facets, at most as many as were allowed, or pictures of layers
+// within the memory that was allowed.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -27,7 +28,16 @@ OpenFile file_of(const std::uint8_t* data, std::size_t size) {
   return file;
 }
 
+void read_pictures(const Sl1Archive& archive) {
+  constexpr std::uint64_t kAllowedBytes = 1'000'000;
+  const DisplayGeometry display{Pixels{8}, Pixels{6}, Micrometers{50}};
+  const auto pictures = archive.read(display, kAllowedBytes, {});
+  demand(pictures->layers() == archive.layers() && pictures->bytes() <= kAllowedBytes && pictures->lit(),
+         "the pictures are not those of the archive");
+}
+
 void read_all(ModelInput& input) {
+  if (input.sliced() != nullptr) return read_pictures(*input.sliced());
   const bool is_package = input.outline().format == "3mf";
   const Model model = input.read(kAllowedFacets);
   demand(!is_package || model.facets.size() <= kAllowedFacets, "more facets than were allowed");

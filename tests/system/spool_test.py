@@ -432,7 +432,7 @@ class IgnoredFiles(SpoolTest):
         os.makedirs(daemon.file("incoming"))
         self.write("spool/incoming/before.step", b"there before the start")
         daemon.start()
-        files = {"before.step": "STL", "part.ply": "STL", "part.glb": "STL", "sliced.gcode": "sliced", "part.sl1": "sliced", "notes": "NAME.stl"}
+        files = {"before.step": "STL", "part.ply": "STL", "part.glb": "STL", "sliced.gcode": "sliced", "part.ctb": "sliced", "notes": "NAME.stl"}
         for name in files:
             if name != "before.step":
                 daemon.drop(name, b"something")

@@ -112,7 +112,7 @@ class PageInABrowser(WebTest):
         self.browser.value("""(() => {
           const data = new DataTransfer();
           data.items.add(new File([new Uint8Array(684)], "empty part.stl"));
-          data.items.add(new File(["PK"], "<img src=x onerror=alert(1)>.sl1"));
+          data.items.add(new File(["PK"], "<img src=x onerror=alert(1)>.sl1_svg"));
           document.getElementById("drop").dispatchEvent(new DragEvent("drop", {dataTransfer: data, bubbles: true, cancelable: true}));
         })()""")
         self.wait("document.querySelector('#uploads .error')")

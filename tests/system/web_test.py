@@ -20,6 +20,7 @@ import xml.etree.ElementTree
 from harness import (
     BAD_CONFIG, BAD_DATA, BAD_USAGE, CONTOURCTL, CONTOURD_WEB, DEADLINE_S, FAILED, ENDLESS, NIMBLE_RESIN, SANITIZED, SLAB, SMALL, SOURCE, Daemon, FolderTest, binary_stl, box, contents, realtime, run, wait_until,
 )  # fmt: skip
+from sliced import pictures, sl1
 
 PASSWORD = "correct horse"
 # The exit code of contourd-web after an error that is no mistake on the command line.
@@ -712,7 +713,7 @@ class UploadTest(WebTest):
     def test_names_that_lead_elsewhere_or_are_no_models_are_refused(self):
         browser = self.logged_in()
         for name in ("..%2f..%2fetc%2fpasswd.stl", "%2Fetc%2Fx.stl", "..%5Cx.stl", ".hidden.stl", "..", ".stl", "a%00.stl", "a%0A.stl", "a%1b[2J.stl", "%ff%fe.stl",
-                     "x" * 300 + ".stl", "part.exe", "part", "part.json", "plate.sl1", "plate.SL1S"):  # fmt: skip
+                     "x" * 300 + ".stl", "part.exe", "part", "part.json", "plate.sl1_svg"):  # fmt: skip
             with self.subTest(name[:40]):
                 status, body, _ = browser.upload(name, SMALL)
                 # A C string ends at a NUL, which leaves a name without extension.
@@ -721,11 +722,11 @@ class UploadTest(WebTest):
         self.assertEqual(self.incoming(), [])
         self.assertEqual(sorted(os.listdir(self.daemon.spool)), [".lock", "done", "failed", "incoming", "printing"])
 
-    def test_a_file_of_layers_is_refused_with_the_way_out(self):
+    def test_a_file_of_outlines_is_refused_with_the_way_out(self):
         browser = self.logged_in()
-        status, body, _ = browser.upload("plate.sl1", b"PK\3\4" + b"x" * 200_000)
+        status, body, _ = browser.upload("plate.sl1_svg", b"PK\3\4" + b"x" * 200_000)
         self.assertEqual(status, 415)
-        self.assert_one_line(body, b"plate.sl1", b"Export plate as STL")
+        self.assert_one_line(body, b"plate.sl1_svg", b"Export plate as STL")
 
     def test_a_model_beyond_the_limit_is_refused(self):
         browser = self.logged_in(largest_upload_mb=1)
@@ -963,11 +964,22 @@ class SlicerTest(WebTest):
         self.assertEqual(self.daemon.wait_ended("my part")["outcome"], "done")
         self.assertEqual(contents(os.path.join(self.daemon.spool, "done", "my part.stl")), SMALL)
 
-    def test_layers_are_refused_with_the_sentence_that_says_what_to_do(self):
-        for name in ("plate.sl1", "plate.sl1s", "plate.sl1_svg"):
-            status, sentence = self.send(self.form(name, b"PK\3\4" + bytes(300_000)))
-            self.assertEqual(status, 415)
-            self.assert_one_line(sentence, name, b"Export plate as STL")
+    def test_layers_that_prusaslicer_sends_are_printed_as_they_are(self):
+        display = self.daemon.config["display"]
+        layers = pictures(3, display["width_px"], display["height_px"])
+        for name in ("plate.sl1", "other.sl1s"):
+            data = sl1(layers)
+            status, sentence = self.send(self.form(name, data))
+            self.assertLess(status, 400, sentence)
+            job = name.split(".")[0]
+            self.assertEqual(self.daemon.wait_ended(job)["outcome"], "done")
+            self.assertEqual(contents(os.path.join(self.daemon.spool, "done", name)), data)
+            self.assertEqual(self.daemon.report(job)["model"]["format"], "sl1")
+
+    def test_layers_as_outlines_are_refused_with_the_sentence_that_says_what_to_do(self):
+        status, sentence = self.send(self.form("plate.sl1_svg", b"PK\3\4" + bytes(300_000)))
+        self.assertEqual(status, 415)
+        self.assert_one_line(sentence, "plate.sl1_svg", b"archive format SL1", b"Export plate as STL")
         self.assertEqual(self.incoming(), [])
 
     def test_a_wrong_key_is_refused_before_the_body(self):

@@ -201,6 +201,12 @@ int cure(const CureOptions& options) {
   std::optional<RecordedPrint> recorded;
   if (options.report) recorded = read_recorded_print(*options.report);
   const PrintSubject subject = subject_of(options, recorded);
+  if (subject.engine->models().front().pictures)
+    throw ModelError(
+        fmt::format("{}: the file holds finished pictures of layers and no model to compare the cured part "
+                    "with: give the "
+                    "model that it was made from",
+                    options.print.model.string()));
   const CureResult result = compute(subject, recorded, options.stl);
   if (options.html)
     write_text(*options.html, cure_page(options.print.model.filename().string(), subject, result));

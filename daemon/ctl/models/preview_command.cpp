@@ -244,7 +244,7 @@ std::vector<Facet> facets_of(const PreviewSubject& subject) {
   if (!subject.spooled) return read_model(files.model).model.facets;
   try {
     JobContent content(files, JobTicket{}, false);
-    content.read(DisplayGeometry{}, memory_room(std::nullopt));
+    content.read(DisplayGeometry{}, memory_room(std::nullopt), {});
     return content.take_facets(0);
   } catch (const JobRefused& refusal) {
     throw ModelError(files.model.string() + ": " + refusal.what());
@@ -265,12 +265,15 @@ NotedPicture draw(const PreviewSubject& subject, const PreviewOptions& options) 
   const JobFiles& files = subject.files;
   if (options.layer)
     return mask_of_layer(subject, prepare_model(files, printer_for(options, "--layer")), *options.layer);
-  if (!options.printer && !files.ticket && !files.plate) return shaded_model(subject);
-  const PrinterConfig printer = printer_for(options, files.plate ? "a plate" : "a ticket");
+  const bool pictured = !files.plate && holds_pictures(files.model, models_named_in(files.ticket));
+  if (!options.printer && !files.ticket && !files.plate && !pictured) return shaded_model(subject);
+  const PrinterConfig printer = printer_for(options, files.plate ? "a plate"
+                                                     : pictured  ? "a file with pictures of layers"
+                                                                 : "a ticket");
   try {
     return shaded_job(subject, prepare_model(files, printer));
   } catch (const ModelError& error) {
-    if (!subject.spooled || files.plate) throw;
+    if (!subject.spooled || files.plate || pictured) throw;
     // A job that cannot be printed can still be drawn.
     NotedPicture picture = shaded_model(subject);
     fmt::print(stderr, "contourctl: warning: the model is drawn as in its file: {}\n",

@@ -33,8 +33,12 @@ ModelOfFile read_model(const std::filesystem::path& path, const std::vector<std:
 }
 
 void look_at_models(const std::filesystem::path& path, const std::vector<std::string>& names) {
+  (void)holds_pictures(path, names);
+}
+
+bool holds_pictures(const std::filesystem::path& path, const std::vector<std::string>& names) {
   try {
-    (void)open_models(path, {names});
+    return open_models(path, {names}).models.front().input->sliced() != nullptr;
   } catch (const ModelError& error) {
     throw ModelError(path.string() + ": " + error.what());
   }

@@ -340,12 +340,18 @@ int slice_layers(const SliceOptions& options, const LayersToSlice& layers) {
     throw ModelError(fmt::format("{}: the model is {:.6g} mm high, too thin for a layer",
                                  options.print.model.string(), layers.model.model->bounds().size_z()));
   }
+  const bool is_measured = options.csv || options.contours || options.json || !options.masks;
+  if (layers.model.pictures && is_measured)
+    throw ModelError(
+        fmt::format("{}: the file holds finished pictures of layers, which have no contours to measure: "
+                    "use --masks without --csv, --contours and --json",
+                    options.print.model.string()));
   const Earlier earlier = options.force ? Earlier::Replace : Earlier::Refuse;
   if (options.masks) open_layer_folder(*options.masks, ".png", earlier);
   if (options.contours) open_layer_folder(*options.contours, ".csv", earlier);
   // Layers are measured unless only masks are written.
   std::vector<LayerCracks> cracks;
-  if (options.csv || options.contours || options.json || !options.masks) {
+  if (is_measured) {
     MeasuredLayers measured = measure_layers(options, layers);
     report_measurements(options, layers, measured);
     cracks = std::move(measured.cracks);

@@ -34,7 +34,7 @@ namespace {
 struct SubmitOptions {
   std::vector<std::filesystem::path> models;
   // Keys of the tickets (config/ticket.schema.json); a value that is not given is not in the ticket.
-  std::optional<std::string> resin, unit, supports, undersides, mode;
+  std::optional<std::string> resin, unit, supports, undersides, mode, exposure_from;
   std::optional<double> layer_height_um, scale, hollow_mm;
   std::optional<double> exposure_ms, bottom_exposure_ms, lift_mm, settle_ms, rest_ms;
   std::optional<int> copies;
@@ -74,6 +74,7 @@ std::string ticket_of(const SubmitOptions& options) {
         std::pair("bottom_exposure_ms", options.bottom_exposure_ms), std::pair("lift_mm", options.lift_mm),
         std::pair("settle_ms", options.settle_ms), std::pair("rest_ms", options.rest_ms)})
     if (value) ticket[key] = *value;
+  if (options.exposure_from) ticket["exposure_from"] = *options.exposure_from;
   if (const auto unit = parse_unit(options.unit)) ticket["unit"] = name_of(*unit);
   if (const auto up = parse_up(options.up)) ticket["up"] = up_json(*up);
   if (options.supports) ticket["supports"] = *options.supports;
@@ -207,6 +208,8 @@ void add_submit(Command& program) {
       "Exposure of a normal layer, ms, within the resin's ticket_limits");
   add("--bottom-exposure-ms", options.bottom_exposure_ms,
       "Exposure of a bottom layer, ms, within the resin's ticket_limits");
+  add("--exposure-from", options.exposure_from, "Exposures of a sliced archive: the resin's, or the file's")
+      .one_of({"resin", "file"});
   add("--lift-mm", options.lift_mm, "Lift after an exposure, mm, within the resin's ticket_limits");
   add("--settle-ms", options.settle_ms, "Wait before the exposure, ms, within the resin's ticket_limits");
   add("--rest-ms", options.rest_ms, "Wait after the exposure, ms, within the resin's ticket_limits");

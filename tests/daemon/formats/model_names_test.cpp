@@ -10,6 +10,8 @@ TEST_CASE("A model's file is recognised by its extension, in either case") {
   CHECK(model_extension("part.stl.gz") == ".stl.gz");
   CHECK(model_extension("part.OBJ.gz") == ".obj.gz");
   CHECK(model_extension("a.folder/part.zip") == ".zip");
+  CHECK(model_extension("plate.SL1") == ".sl1");
+  CHECK(model_extension("plate.sl1s") == ".sl1s");
   for (const std::string_view name :
        {"part.stl.txt", "stl", ".stl", "part.tar.gz", "part.gz", ".stl.gz", "a.stl/b"})
     CHECK(model_extension(name).empty());

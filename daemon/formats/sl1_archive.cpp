@@ -1,0 +1,264 @@
+#include "daemon/formats/sl1_archive.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <span>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include "core/model/model.hpp"
+#include "daemon/json/config_error.hpp"
+#include "daemon/system/readable.hpp"
+#include "hw/png_file.hpp"
+
+namespace contourd {
+namespace {
+
+constexpr std::string_view kConfig = "config.ini", kSlicerConfig = "prusaslicer.ini", kPicture = ".png";
+constexpr std::size_t kDigits = 5;
+constexpr std::uint64_t kMostConfigBytes = std::uint64_t{1} << 20U;
+// Bytes that a PNG picture may have besides its pixels: rows' filters are a byte each.
+constexpr std::uint64_t kMostBeside = std::uint64_t{1} << 17U;
+// Pixels may be this much larger or smaller than the display's: 0.1 mm on a part of 20 mm.
+constexpr double kPitchTolerance = 0.005;
+// A layer of 8 million pixels takes a Raspberry Pi a tenth of a second.
+constexpr std::chrono::minutes kLongestReading{20};
+
+constexpr std::string_view kSliceForDisplay =
+    "slice the model for this printer's display, or print the model itself";
+
+// Returns the number of the picture's layer; nullopt if the file is no layer's picture.
+std::optional<std::size_t> layer_of(std::string_view name) {
+  if (name.find_first_of("/\\") != std::string_view::npos || !name.ends_with(kPicture)) return std::nullopt;
+  name.remove_suffix(kPicture.size());
+  if (name.size() < kDigits) return std::nullopt;
+  std::size_t number = 0;
+  for (const char digit : name.substr(name.size() - kDigits)) {
+    if (digit < '0' || digit > '9') return std::nullopt;
+    number = 10 * number + static_cast<std::size_t>(digit - '0');
+  }
+  return number;
+}
+
+// Returns the beginning of the picture's name, before the number.
+std::string_view stem_of(std::string_view name) {
+  return name.substr(0, name.size() - kPicture.size() - kDigits);
+}
+
+struct PictureSize {
+  std::int64_t width = 0, height = 0;
+  bool operator==(const PictureSize&) const = default;
+
+  [[nodiscard]] PictureSize turned() const { return {height, width}; }
+  [[nodiscard]] std::string text() const { return fmt::format("{}x{}", width, height); }
+};
+
+// Returns the size that the beginning of a PNG file names (ISO/IEC 15948, 11.2.2).
+PictureSize size_of_png(std::span<const std::uint8_t> bytes, const std::string& name) {
+  constexpr std::array<std::uint8_t, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+  constexpr std::size_t kWidth = 16, kHeight = 20, kEnd = 24;
+  if (bytes.size() < kEnd || !std::ranges::equal(bytes.first(kSignature.size()), kSignature))
+    throw ModelError(fmt::format("{} is no PNG picture: slice the model again", in_quotes(name)));
+  const auto number = [&bytes](std::size_t at) {
+    std::int64_t value = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+      value = 256 * value + bytes[at + i];
+    return value;
+  };
+  return {number(kWidth), number(kHeight)};
+}
+
+// Mirrors the picture.
+void mirror(Mask& picture, bool columns, bool rows) {
+  const std::int32_t height = picture.height().count();
+  for (std::int32_t y = 0; columns && y < height; ++y)
+    std::ranges::reverse(picture.row(y));
+  for (std::int32_t y = 0; rows && y < height / 2; ++y)
+    std::ranges::swap_ranges(picture.row(y), picture.row(height - 1 - y));
+}
+
+enum class Quarter { None, Clockwise, CounterClockwise };
+
+Mask turned(const Mask& picture, Quarter quarter) {
+  Mask made(picture.height(), picture.width());
+  const std::int32_t width = picture.width().count(), height = picture.height().count();
+  for (std::int32_t y = 0; y < height; ++y) {
+    const auto row = picture.row(y);
+    for (std::int32_t x = 0; x < width; ++x) {
+      const bool clockwise = quarter == Quarter::Clockwise;
+      const std::int32_t to_y = clockwise ? x : width - 1 - x, to_x = clockwise ? height - 1 - y : y;
+      made.row(to_y)[static_cast<std::size_t>(to_x)] = row[static_cast<std::size_t>(x)];
+    }
+  }
+  return made;
+}
+
+// The way of a picture to the display: it is mirrored, then turned, then mirrored.
+struct Turn {
+  bool mirror_columns = false, mirror_rows = false;
+  Quarter quarter = Quarter::None;
+  bool then_mirror_columns = false, then_mirror_rows = false;
+
+  [[nodiscard]] Mask apply(Mask picture) const {
+    if (quarter == Quarter::None) {
+      mirror(picture, mirror_columns != then_mirror_columns, mirror_rows != then_mirror_rows);
+      return picture;
+    }
+    mirror(picture, mirror_columns, mirror_rows);
+    Mask made = turned(picture, quarter);
+    mirror(made, then_mirror_columns, then_mirror_rows);
+    return made;
+  }
+};
+
+void check_pitch(const SlicedDisplay& sliced, const DisplayGeometry& display) {
+  const double pitch_um = display.pixel_pitch.count();
+  for (const double sliced_um : sliced.pitch_um) {
+    if (std::fabs(sliced_um / pitch_um - 1) <= kPitchTolerance) continue;
+    throw ModelError(fmt::format(
+        "its pixels are {:.2f} x {:.2f} um large, and this display's {:.2f} um, so that the part would come "
+        "out "
+        "{:.1f} % too {}: {}",
+        sliced.pitch_um[0], sliced.pitch_um[1], pitch_um, 100 * std::fabs(pitch_um / sliced_um - 1),
+        sliced_um < pitch_um ? "large" : "small", kSliceForDisplay));
+  }
+}
+
+// Returns the turn from pictures of this size to the display. Throws ModelError if they do not agree with it.
+Turn turn_for(const std::optional<SlicedDisplay>& sliced, const PictureSize& size,
+              const DisplayGeometry& display) {
+  const PictureSize wanted{display.width.count(), display.height.count()};
+  const auto refuse = [&] {
+    throw ModelError(fmt::format("its pictures have {} pixels, and this display {}: {}", size.text(),
+                                 wanted.text(), kSliceForDisplay));
+  };
+  if (!sliced) {
+    if (size != wanted) refuse();
+    return {};
+  }
+  const PictureSize on_plate{sliced->pixels[0], sliced->pixels[1]};
+  if ((sliced->on_end ? on_plate.turned() : on_plate) != size)
+    throw ModelError(fmt::format(
+        "prusaslicer.ini names a display of {} pixels, and the pictures have {}: slice the model again",
+        on_plate.text(), size.text()));
+  if (size != wanted && size.turned() != wanted) refuse();
+  check_pitch(*sliced, display);
+  const bool is_square = size == size.turned();
+  const bool is_turned = size != wanted || (is_square && sliced->on_end);
+  return {sliced->mirror_columns, sliced->mirror_rows,
+          !is_turned       ? Quarter::None
+          : sliced->on_end ? Quarter::Clockwise
+                           : Quarter::CounterClockwise,
+          display.mirror_x, display.mirror_y};
+}
+
+Mask decode(std::span<const std::uint8_t> bytes, const PictureSize& size, const std::string& name) {
+  if (const PictureSize own = size_of_png(bytes, name); own != size)
+    throw ModelError(fmt::format("{} has {} pixels, and the first picture {}: slice the model again",
+                                 in_quotes(name), own.text(), size.text()));
+  try {
+    return decode_png(bytes, Pixels{static_cast<std::int32_t>(size.width)},
+                      Pixels{static_cast<std::int32_t>(size.height)});
+  } catch (const std::runtime_error& error) {
+    throw ModelError(fmt::format("{}: {}: slice the model again", in_quotes(name), printable(error.what())));
+  }
+}
+
+}  // namespace
+
+bool is_sl1(const ZipArchive& archive) {
+  return archive.find(kConfig) != nullptr &&
+         std::ranges::any_of(archive.entries(),
+                             [](const ZipEntry& entry) { return layer_of(entry.name).has_value(); });
+}
+
+Sl1Archive::Sl1Archive(std::shared_ptr<const ZipArchive> archive) : archive_(std::move(archive)) {
+  const auto ini = [this](std::string_view name) {
+    const ZipEntry* const entry = archive_->find(name);
+    if (entry == nullptr) return IniFile{};
+    const std::vector<std::uint8_t> bytes = bytes_of(*entry, kMostConfigBytes);
+    return parse_ini({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  };
+  settings_ = read_sliced_settings(ini(kConfig), ini(kSlicerConfig));
+  list_pictures();
+}
+
+std::vector<std::uint8_t> Sl1Archive::bytes_of(const ZipEntry& entry, std::uint64_t most) const {
+  if (entry.inflated > most)
+    throw ModelError(fmt::format("{} has {} bytes, and the limit is {}: slice the model again",
+                                 in_quotes(entry.name), entry.inflated, most));
+  const std::unique_ptr<ByteStream> stream = archive_->open(entry);
+  std::vector<std::uint8_t> bytes(entry.inflated);
+  std::size_t got = 0;
+  while (got < bytes.size()) {
+    const std::size_t more = stream->read_some(std::as_writable_bytes(std::span(bytes)).subspan(got));
+    if (more == 0)
+      throw ModelError(fmt::format("{} in the archive ends after {} of {} bytes: copy the archive again",
+                                   in_quotes(entry.name), got, bytes.size()));
+    got += more;
+  }
+  std::byte beyond{};
+  (void)stream->read_some({&beyond, 1});  // checks the sum of the bytes
+  return bytes;
+}
+
+void Sl1Archive::list_pictures() {
+  std::vector<const ZipEntry*> found;
+  for (const ZipEntry& entry : archive_->entries())
+    if (layer_of(entry.name)) found.push_back(&entry);
+  // Other pictures may lie beside the layers, if config.ini says how the layers are called.
+  const auto is_named = [this](const ZipEntry* entry) { return stem_of(entry->name) == settings_.name; };
+  if (std::ranges::any_of(found, is_named)) std::erase_if(found, std::not_fn(is_named));
+  std::ranges::sort(found, {}, [](const ZipEntry* entry) { return *layer_of(entry->name); });
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const std::string& name = found[i]->name;
+    const std::size_t layer = *layer_of(name);
+    if (stem_of(name) != stem_of(found.front()->name) || layer < i)
+      throw ModelError(fmt::format("two pictures, {} and {}, may be those of a layer: slice the model again",
+                                   in_quotes(found[i == 0 ? 0 : i - 1]->name), in_quotes(name)));
+    if (layer > i)
+      throw ModelError(
+          fmt::format("the picture of layer {}, {}{:05}.png, is missing: copy the archive again, or "
+                      "slice the model again",
+                      i + 1, printable(stem_of(name)), i));
+  }
+  if (static_cast<std::int64_t>(found.size()) < settings_.layers)
+    throw ModelError(fmt::format(
+        "config.ini names {} layers (numFast and numSlow), and pictures of {} are there: copy the "
+        "archive again, or slice the model again",
+        settings_.layers, found.size()));
+  pictures_ = std::move(found);
+}
+
+std::shared_ptr<const PictureStack> Sl1Archive::read(const DisplayGeometry& display, std::uint64_t most_bytes,
+                                                     const std::stop_token& stop) const {
+  const auto end = std::chrono::steady_clock::now() + kLongestReading;
+  const auto pixels =
+      static_cast<std::uint64_t>(display.width.count()) * static_cast<std::uint64_t>(display.height.count());
+  const std::uint64_t most = pixels + kMostBeside;
+  const PictureSize size = size_of_png(bytes_of(*pictures_.front(), most), pictures_.front()->name);
+  const Turn turn = turn_for(settings_.display, size, display);
+  auto stack = std::make_shared<PictureStack>(display.width, display.height, settings_.layer_height);
+  for (const ZipEntry* const entry : pictures_) {
+    if (stop.stop_requested()) return stack;
+    stack->add(turn.apply(decode(bytes_of(*entry, most), size, entry->name)));
+    if (stack->bytes() > most_bytes)
+      throw ModelError(fmt::format(
+          "the pictures of its first {} layers take {} MB of memory, and {} MB are free for them: print "
+          "the model itself",
+          stack->layers(), stack->bytes() >> 20U, most_bytes >> 20U));
+    if (std::chrono::steady_clock::now() > end)
+      throw ModelError(
+          fmt::format("reading its pictures takes longer than {} minutes: print the model itself",
+                      kLongestReading.count()));
+  }
+  if (!stack->lit()) throw ModelError("all its pictures are dark: slice the model again");
+  return stack;
+}
+
+}  // namespace contourd

@@ -1,0 +1,51 @@
+// A sliced archive for printers of the type SL1 (.sl1, .sl1s): a ZIP archive with config.ini and a PNG
+// picture of each layer, as PrusaSlicer writes it. Used by one thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "core/mask/picture_stack.hpp"
+#include "core/mask/pixel_map.hpp"
+#include "daemon/formats/sl1_config.hpp"
+#include "daemon/formats/zip_archive.hpp"
+
+namespace contourd {
+
+// True if the archive has config.ini and, beside it, pictures of layers: a name, five digits and .png.
+[[nodiscard]] bool is_sl1(const ZipArchive& archive);
+
+class Sl1Archive {
+ public:
+  // Reads the settings and the list of pictures. Throws ModelError if a setting or a layer is missing or
+  // wrong, or a file in the archive exceeds a limit.
+  explicit Sl1Archive(std::shared_ptr<const ZipArchive> archive);
+
+  [[nodiscard]] const SlicedSettings& settings() const { return settings_; }
+  [[nodiscard]] std::size_t layers() const { return pictures_.size(); }
+
+  // Returns the pictures as this display is sent them, so that the light on the plate is that of the sliced
+  // model, seen from above: the slicer's mirrors and its quarter turn are undone, and the display's own ones
+  // applied. If the file does not tell them, the pictures are as they are. A display with the sides exchanged
+  // gets them turned by a quarter. Blocks, for 10 to 50 ms a layer and 4 million pixels. Throws ModelError if
+  // size or pitch of the pixels do not agree with the display, if a picture is damaged or no 8-bit grey PNG
+  // of the first one's size, if all are dark, or if the stack needs more than `most_bytes` of memory. Returns
+  // a part of the stack if a stop was requested.
+  [[nodiscard]] std::shared_ptr<const PictureStack> read(const DisplayGeometry& display,
+                                                         std::uint64_t most_bytes,
+                                                         const std::stop_token& stop) const;
+
+ private:
+  void list_pictures();
+  [[nodiscard]] std::vector<std::uint8_t> bytes_of(const ZipEntry& entry, std::uint64_t most) const;
+
+  std::shared_ptr<const ZipArchive> archive_;
+  SlicedSettings settings_;
+  std::vector<const ZipEntry*> pictures_;  // by layer
+};
+
+}  // namespace contourd
