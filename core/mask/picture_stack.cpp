@@ -38,12 +38,11 @@ struct LitPart {
   std::int32_t first, end;
 };
 LitPart lit_part(std::span<const std::uint8_t> row) {
-  const auto is_lit = [](std::uint8_t grey) { return grey != 0; };
-  const auto first = std::ranges::find_if(row, is_lit);
-  auto end = row.end();
-  while (end != first && *(end - 1) == 0)
+  const std::size_t first = row[0] == 0 ? end_of_run(row, 0) : 0;
+  std::size_t end = row.size();
+  while (end > first && row[end - 1] == 0)
     --end;
-  return {static_cast<std::int32_t>(first - row.begin()), static_cast<std::int32_t>(end - row.begin())};
+  return {static_cast<std::int32_t>(first), static_cast<std::int32_t>(end)};
 }
 
 }  // namespace
