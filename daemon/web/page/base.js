@@ -1,4 +1,4 @@
-// What all parts of the page share: elements, requests to the server, texts, and questions to the user.
+// Shared parts of the page: elements, requests to the server, texts, and questions to the user.
 
 export const $ = (id) => document.getElementById(id);
 

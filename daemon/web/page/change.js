@@ -2,8 +2,8 @@
 import {$, button, call, confirmed, element, field, get, live} from "./base.js";
 
 // The settings that can be changed, as contourd names them, with their labels; those of rises are for a plate that rises in the light.
-const SETTINGS = [["exposure", "Exposure in % of each layer's own", 0.1], ["lift", "Lift in mm", 0.1], ["lift-speed", "Lift speed in mm/s", 0.1], ["rest", "Rest after the light in ms", 10],
-  ["speed", "Rise: speed in mm/h at most", 1], ["light", "Rise: light in %", 0.1]];
+const SETTINGS = [["exposure", "Exposure in %", 0.1], ["lift", "Lift in mm", 0.1], ["lift-speed", "Lift speed in mm/s", 0.1], ["rest", "Rest after the light in ms", 10],
+  ["speed", "Rise: speed in mm/h", 1], ["light", "Rise: light in %", 0.1]];
 let job = null, excludedFor = null;
 
 // Makes a form of one number, whose refusal is shown beside it. `act` gets the number.
@@ -49,7 +49,7 @@ $("no-pause").addEventListener("click", async () => {
   }
 });
 
-// Shows what of the status concerns changes; `prints` is false without a print.
+// Shows the planned pause and the copies of the print; `prints` is false without a print.
 export function showChanges(prints) {
   $("change").hidden = !prints;
   if (!prints) {

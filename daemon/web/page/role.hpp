@@ -1,4 +1,4 @@
-// What a person who has logged in may do: each role may do all that the ones before it may. Thread-safe (no
+// The roles of people who have logged in: each role may do all that the ones before it may. Thread-safe (no
 // state).
 #pragma once
 

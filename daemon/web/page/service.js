@@ -1,4 +1,4 @@
-// What a technician does at the machine: homing, stopping, light off, and a look at the switches.
+// Service at the machine: homing, stopping, light off, and a look at the switches.
 import {$, call, confirmed, element, get, live} from "./base.js";
 
 export function showManual() {
