@@ -32,6 +32,7 @@ std::vector<std::string_view> keys_for_models(const JobTicket& ticket) {
   add(model.position.has_value(), "position_mm");
   add(model.copies != 1, "copies");
   add(!model.drain.empty(), "drain");
+  add(model.hollow.has_value(), "hollow");
   return keys;
 }
 

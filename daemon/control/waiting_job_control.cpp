@@ -10,7 +10,7 @@
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/json/json_document.hpp"
-#include "daemon/prepare/job_settings.hpp"
+#include "daemon/placement/job_settings.hpp"
 #include "daemon/spool/spool_folders.hpp"
 #include "daemon/system/base64.hpp"
 #include "daemon/system/durable_file.hpp"

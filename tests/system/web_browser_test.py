@@ -148,10 +148,11 @@ class PageInABrowser(WebTest):
         self.fill("Layer height", "100")
         self.fill("Orientation", "+y")
         self.fill("Copies", "2")
+        self.fill("Hollow", "0.5")
         self.submit()
         self.wait("document.querySelector('#queue .panel').textContent.includes('50 of 100 \u00b5m')")
         self.wait("document.querySelector('#queue .preview') && !document.querySelector('#queue .preview').hidden")
-        self.assertEqual(json.loads(self.daemon.read("incoming", "bracket.json")), {"confirm": True, "layer_height_um": 100, "up": {"y": 1}, "copies": 2})
+        self.assertEqual(json.loads(self.daemon.read("incoming", "bracket.json")), {"confirm": True, "layer_height_um": 100, "up": {"y": 1}, "copies": 2, "hollow": {"wall_mm": 0.5}})
         for width in (390, 1280):
             for scheme in ("light", "dark"):
                 self.browser.open(self.url, width, scheme)

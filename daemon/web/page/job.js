@@ -46,12 +46,14 @@ class TicketForm {
       ...Object.keys(AXES).map((axis) => [axis, `${axis} up`])], up), up);
     this.copies = element("input");
     Object.assign(this.copies, {type: "number", min: 1, max: 1000, step: 1, value: this.ticket.copies ?? 1});
+    this.wall = element("input");
+    Object.assign(this.wall, {type: "number", min: 0.2, max: 30, step: "any", placeholder: "solid", value: this.ticket.hollow ? this.ticket.hollow.wall_mm ?? 2 : ""});
     this.unit = choice([["", "as in the file"], ...["mm", "cm", "m", "um", "inch", "foot"].map((unit) => [unit, unit])], this.ticket.unit || "");
     const layer = field("Layer height in \u00b5m", this.layer, " ");
     this.range = layer.lastChild;
     this.resin.addEventListener("change", shown);
     shown();
-    this.fields = [field("Resin", this.resin), layer, field("Supports", this.supports), field("Orientation", this.up), field("Copies", this.copies)];
+    this.fields = [field("Resin", this.resin), layer, field("Supports", this.supports), field("Orientation", this.up), field("Copies", this.copies), field("Hollow, with walls of (mm)", this.wall)];
     if (job.asks.includes("unit_in_doubt") || this.ticket.unit) this.fields.push(field("Unit of the file", this.unit));
   }
 
@@ -72,6 +74,7 @@ class TicketForm {
       if (typeof ticket.up !== "string") delete ticket.keep_clean;
     }
     set("copies", this.copies.value === "" || this.copies.value === "1" ? "" : Number(this.copies.value));
+    set("hollow", this.wall.value === "" ? "" : {...ticket.hollow, wall_mm: Number(this.wall.value)});
     set("unit", this.unit.value);
     if (job.state === "unaccepted") ticket.confirm = true;
     return ticket;

@@ -88,6 +88,7 @@ TEST_CASE("A ticket's wishes that need a model are refused, each by its key") {
       {"position_mm", [](JobTicket& ticket) { ticket.models.front().position.emplace(); }},
       {"copies", [](JobTicket& ticket) { ticket.models.front().copies = 2; }},
       {"drain", [](JobTicket& ticket) { ticket.models.front().drain.emplace_back(); }},
+      {"hollow", [](JobTicket& ticket) { ticket.models.front().hollow.emplace(); }},
   };
   for (const auto& [key, ask] : wishes)
     CHECK(testing::lacking(refusal(ask), {"asks for " + key + ", which needs a model"}).empty());
