@@ -186,8 +186,9 @@ struct LayerRecord {
   Nanometers bottom{};     // planned height of the layer's lower side above the plate
   Nanometers thickness{};
   Nanometers plate_height{};  // the axis' reading when the mask was computed
-  Nanometers mask_height{};   // height of the cut through the model: half a layer below plate_height
-  Duration settling{};        // wait before the light
+  // Height of the cut through the model: half a layer below plate_height; of pictures, the layer's middle.
+  Nanometers mask_height{};
+  Duration settling{};  // wait before the light
   Duration exposure_asked{};
   // Bounds on the total time that the light was on for this layer, as far as its commands show (LightSpan).
   Duration exposure_least{}, exposure_most{};

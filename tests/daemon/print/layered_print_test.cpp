@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <tuple>
 
+#include "core/mask/picture_solid.hpp"
 #include "daemon/print/layer_durations.hpp"
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
@@ -412,6 +413,35 @@ TEST_CASE("The mask belongs to the plate's actual height, not to the requested h
   CHECK(fixture.layers[0].plate_height == Nanometers{66'667});
   for (const LayerRecord& layer : fixture.layers)
     CHECK(layer.mask_height == layer.plate_height - testing::kBoxLayer / 2);
+}
+
+TEST_CASE("Each layer of finished pictures shows its own picture, wherever the plate really is") {
+  SimulatedPrinterConfig config = testing::small_printer();
+  config.axis.microsteps_per_mm = 10;  // steps of two layers
+  LayeredPrintFixture fixture(config);
+  constexpr int kLayers = 4;
+  auto pictures = std::make_shared<PictureStack>(testing::kSmallDisplay.width, testing::kSmallDisplay.height,
+                                                 testing::kBoxLayer);
+  Mask picture(pictures->width(), pictures->height());
+  for (int layer = 0; layer < kLayers; ++layer) {
+    picture.row(layer)[7] = 255;  // a pixel more in each layer
+    pictures->add(picture);
+  }
+  PlateModel model{{std::make_shared<const HeightIndex>(box_of(*pictures, testing::kSmallDisplay))},
+                   {PixelMap::true_scale(testing::kSmallDisplay, {0, 0})}};
+  model.pictures = pictures;
+  PrintPlan plan = testing::box_plan(kLayers);
+  plan.engine =
+      std::make_unique<ContourEngine>(std::vector{model}, EngineSettings{.display = testing::kSmallDisplay});
+  fixture.process.start(std::move(plan));
+  fixture.run_out();
+  REQUIRE(fixture.layers.size() == kLayers);
+  CHECK(fixture.layers[0].plate_height == Nanometers{100'000});
+  for (std::size_t layer = 0; layer < kLayers; ++layer) {
+    CHECK(fixture.layers[layer].mask_height ==
+          testing::kBoxLayer * static_cast<std::int64_t>(layer) + testing::kBoxLayer / 2);
+    CHECK(std::llround(fixture.layers[layer].area_mm2 / 0.01) == static_cast<std::int64_t>(layer + 1));
+  }
 }
 
 TEST_CASE("A failure in any state turns the light off, leaves the motor still and ends the print once") {
