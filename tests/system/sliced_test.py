@@ -190,7 +190,7 @@ class FromPrusaSlicer(SpoolTest):
 
     def test_an_archive_of_the_real_prusaslicer_is_printed_as_it_is_and_as_the_model_itself(self):
         if not shutil.which("prusa-slicer"):
-            self.skipTest("SKIPPED: there is no prusa-slicer")
+            self.skipTest("there is no prusa-slicer")
         model = self.write("part.stl", binary_stl(self.MODEL))
         daemon = self.daemon(masks=True).start()
         settings = "".join(f"{key} = {value}\n" for key, value in self.SETTINGS.items()) + slicer_ini(1920, 1080, display_mirror_x=1)
@@ -204,9 +204,3 @@ class FromPrusaSlicer(SpoolTest):
         for name in names:
             sliced, own = read_png(self.path("masks", "part", name)), read_png(self.path("own", name))
             self.assertEqual(sliced, own, name)
-
-
-if __name__ == "__main__":
-    import unittest
-
-    unittest.main()
