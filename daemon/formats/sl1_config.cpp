@@ -100,13 +100,15 @@ SlicedSettings read_sliced_settings(const IniFile& config, const IniFile& prusas
   const std::optional<double> layer_mm = figures.number("layerHeight", kLayerMm);
   if (!layer_mm)
     throw ModelError(
-        "config.ini has no layerHeight, without which its pictures have no thickness: slice the model again, "
-        "or "
-        "print the model itself");
+        "config.ini has no layerHeight, without which its pictures have no thickness: slice the model "
+        "again, or print the model itself");
   SlicedSettings settings;
   settings.layer_height = Nanometers{std::llround(*layer_mm * 1e6)};
   settings.exposures = exposures_of(figures);
-  settings.display = display_of_slicer({prusaslicer, "prusaslicer.ini"});
+  const Figures slicer(prusaslicer, "prusaslicer.ini");
+  const double first_mm = slicer.number("initial_layer_height", kLayerMm).value_or(*layer_mm);
+  settings.first_layer = Nanometers{std::llround(first_mm * 1e6)};
+  settings.display = display_of_slicer(slicer);
   settings.name = figures.text("jobDir").value_or("");
   settings.layers = std::llround(figures.number("numFast", kLayers).value_or(0) +
                                  figures.number("numSlow", kLayers).value_or(0));

@@ -37,6 +37,7 @@ struct SlicedDisplay {
 
 struct SlicedSettings {
   Nanometers layer_height{};
+  Nanometers first_layer{};                    // thickness of the first layer
   std::optional<SlicedExposures> exposures{};  // nullopt: the file names none
   std::optional<SlicedDisplay> display{};      // nullopt: the file does not tell
   std::string name{};                          // with which the names of pictures begin; empty: not told

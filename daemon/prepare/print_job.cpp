@@ -168,15 +168,19 @@ class Preparation {
                       sliced->layers(), height.count(), volume_.height_mm));
     warn(
         "the file holds finished pictures of layers, which are printed as they are: without the measured "
-        "height, "
-        "compensation for the resin, supports, undersides by dose, a continuous rise, and a comparison of "
-        "the cured "
-        "part with a model");
+        "height, compensation for the resin, supports, undersides by dose, a continuous rise, and a "
+        "comparison of the cured part with a model");
+    if (file.first_layer != file.layer_height)
+      warn(fmt::format(
+          "the first layer of the file is {:g} um thick, and is printed like the others, which are "
+          "{:g} um thick: everything above it is {:g} um too {}",
+          in_mm(file.first_layer) * 1000, in_mm(file.layer_height) * 1000,
+          std::abs(in_mm(file.first_layer - file.layer_height)) * 1000,
+          file.first_layer > file.layer_height ? "low" : "high"));
     if (!file.display)
       warn(
           "the file does not say for which display its pictures are (prusaslicer.ini): check that the part "
-          "is not "
-          "mirrored, and measure it");
+          "is not mirrored, and measure it");
   }
 
   void take_printer() {

@@ -100,6 +100,8 @@ class Sliced(SpoolTest):
         daemon = self.printer()
         report = daemon.printed("thick.sl1", sl1(self.LAYERS, config_ini(6, layerHeight=0.1)))
         self.assertEqual((report["layer_height_um"], report["layers"]), (100, 6))
+        first = daemon.printed("first.sl1", sl1(self.LAYERS, slicer=slicer_ini(WIDTH, HEIGHT, initial_layer_height=0.08)))
+        self.assertTrue(any("first layer of the file is 80 um thick" in warning and "30 um too low" in warning for warning in first["model"]["warnings"]), first["model"])
         self.assertEqual(self.masks("thick"), self.LAYERS)
         self.assert_words(daemon.refused("other.sl1", sl1(self.LAYERS), {"layer_height_um": 100}), "layers of 100 um", "50 um thick")
         self.assert_words(daemon.refused("thin.sl1", sl1(self.LAYERS, config_ini(6, layerHeight=0.01))), "the layer height of 10 um", "25 um to 100 um")
