@@ -98,7 +98,7 @@ Frame frame_of(const CureSection& section) {
   return all;
 }
 
-constexpr double kBarsWidth = 860, kBarsHeight = 170, kBarsLeft = 84, kBarsRight = 10, kBarsTop = 14,
+constexpr double kBarsWidth = 860, kBarsHeight = 170, kBarsLeft = 84, kBarsRight = 10, kBarsTop = 22,
                  kBarsBottom = 34;
 
 std::string histogram(const char* name, const SurfaceDistances& distances) {

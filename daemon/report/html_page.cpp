@@ -13,7 +13,7 @@ namespace contourd {
 namespace {
 
 constexpr double kPlotWidth = 860, kPlotHeight = 190;
-constexpr double kPlotLeft = 104, kPlotBottom = 40, kPlotTop = 20;
+constexpr double kPlotLeft = 120, kPlotRight = 24, kPlotBottom = 48, kPlotTop = 24;
 // The largest number of points in a plot. Of more points, the largest of each group is drawn, so that no peak
 // vanishes.
 constexpr std::size_t kMaxPoints = 800;
@@ -99,7 +99,9 @@ std::string svg_plot(const std::string& title, std::span<const PlotPoint> all) {
   }
   top = round_up(top);
   right = right > 0 ? right : 1;
-  const auto x = [&](double height) { return kPlotLeft + height / right * (kPlotWidth - kPlotLeft - 10); };
+  const auto x = [&](double height) {
+    return kPlotLeft + height / right * (kPlotWidth - kPlotLeft - kPlotRight);
+  };
   const auto y = [&](double value) {
     return kPlotTop + (1 - value / top) * (kPlotHeight - kPlotTop - kPlotBottom);
   };
@@ -109,7 +111,7 @@ std::string svg_plot(const std::string& title, std::span<const PlotPoint> all) {
     svg += fmt::format(
         "<line class=\"grid\" x1=\"{0}\" x2=\"{1}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\"/>"
         "<text x=\"{3}\" y=\"{4:.1f}\" text-anchor=\"end\">{5:g}</text>\n",
-        kPlotLeft, kPlotWidth - 10, y(top * part), kPlotLeft - 8, y(top * part) + 4, top * part);
+        kPlotLeft, kPlotWidth - kPlotRight, y(top * part), kPlotLeft - 8, y(top * part) + 4, top * part);
   }
   // About five round heights.
   const double step = round_up(right / 5);

@@ -40,7 +40,7 @@ double width_for(const LightDifference& all) {
   }
 }
 
-constexpr double kChartWidth = 860, kChartHeight = 200, kChartLeft = 84, kChartRight = 10, kTop = 20,
+constexpr double kChartWidth = 860, kChartHeight = 200, kChartLeft = 84, kChartRight = 10, kTop = 28,
                  kBottom = 40;
 constexpr double kLeastBar = 3;  // keeps one layer among thousands visible
 

@@ -14,7 +14,7 @@ BENCH = os.path.join(os.environ["CONTOURD_BIN"], "contourd-bench")
 MADE = {  # rows of models that the benchmark generates: never skipped
     "mask-random-gyroid-p50", "mask-random-gyroid-p99", "mask-rising-gyroid-p99", "mask-4k-gyroid-p99", "mask-crossing",
     "first-mask", "ascii", "memory-gyroid", "allocations-gyroid", "growth-facets", "growth-segments-mask",
-    "growth-segments-contours", "display-1", "display-10", "display-100", "supports-mask",
+    "growth-segments-contours", "display-1", "display-10", "display-100", "supports-mask", "hollow-mask",
     "dimming-ahead-gyroid-p50", "dimming-ahead-gyroid-p99", "dimming-mask-gyroid-p99", "dimming-memory-gyroid",
     "cure-ball-memory-1", "cure-ball-memory-0.9",
 }

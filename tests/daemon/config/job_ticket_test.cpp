@@ -389,7 +389,8 @@ TEST_CASE("a plate's mistakes are reported with the model's number, counted from
                                                {"up": {"z": 0}, "scale": []}]})") ==
         Complaints{
             "/models/1/clour: there is no key \"clour\" here; the known keys are \"copies\", \"drain\", "
-            "\"file\", \"keep_clean\", \"model\", \"position_mm\", \"rotation_deg\", \"scale\", \"unit\", "
+            "\"file\", \"hollow\", \"keep_clean\", \"model\", \"position_mm\", \"rotation_deg\", \"scale\", "
+            "\"unit\", "
             "\"up\"",
             "/models/1/copies: 0 is less than the least allowed, 1",
             "/models/2/file: this key is missing: A model's file in the same folder: its name, without '/' "
