@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
+#include <memory>
 
 namespace contourd {
 namespace {
@@ -86,9 +87,7 @@ struct BasinFloor {
 };
 
 // Returns the shortest way from the floor's columns to the outside in another slice.
-DrainWay level_way(const SolidColumns& solid, const BasinFloor& floor, const CavityGrid& grid,
-                   std::int32_t slice) {
-  const OutsideCells outside(solid, grid, slice);
+DrainWay level_way(const OutsideCells& outside, const BasinFloor& floor) {
   std::vector<DrainWay> ways;
   double shortest = std::numeric_limits<double>::infinity();
   const auto try_from = [&](Cell inside) {
@@ -124,6 +123,57 @@ Point middle_of(const CavityGrid& grid, Cell cell) {
   return {grid.left_of(cell.column) + grid.cell_mm / 2, grid.top_of(cell.row) - grid.cell_mm / 2};
 }
 
+// Finds the holes of basins, one after another.
+class DrainSearch {
+ public:
+  DrainSearch(const SolidColumns& solid, const CavityBodies& bodies, const CavityGrid& grid, double radius,
+              bool stands_on_plate)
+      : solid_(solid), bodies_(bodies), grid_(grid), radius_(radius), stands_on_plate_(stands_on_plate) {}
+
+  std::optional<Frustum> find(const CavityBasin& basin) {
+    const auto slice_above_floor = [&](double mm) {
+      return std::min(basin.low + static_cast<std::int32_t>(mm / grid_.cell_mm), basin.end - 1);
+    };
+    const std::int32_t floor_slice = slice_above_floor(radius_ / 5),
+                       axis = slice_above_floor(radius_ * 4 / 5);
+    const BasinFloor floor{bodies_.in_basin(basin, floor_slice), floor_slice};
+    const DrainWay level = level_way(outside_in(axis), floor);
+    const DrainWay down = stands_on_plate_ ? DrainWay{} : way_down(solid_, floor, grid_);
+    if (down.cells <= level.cells && std::isfinite(down.cells)) {
+      const Point at = middle_of(grid_, down.inside);
+      const double z = grid_.bottom_of(floor_slice) + grid_.cell_mm / 2;
+      return Frustum{
+          {at.x, at.y, z - down.cells * grid_.cell_mm - radius_}, {at.x, at.y, z}, radius_, radius_};
+    }
+    if (!std::isfinite(level.cells)) return std::nullopt;
+    const double z = grid_.bottom_of(axis) + grid_.cell_mm / 2;
+    const Point inside = middle_of(grid_, level.inside), outside = middle_of(grid_, level.outside);
+    const double length = level.cells * grid_.cell_mm;
+    const Point along{(inside.x - outside.x) / length, (inside.y - outside.y) / length};
+    // Half a radius further inwards, since the floor's edge may be round.
+    return Frustum{{outside.x - along.x * radius_, outside.y - along.y * radius_, z},
+                   {inside.x + along.x * radius_ / 2, inside.y + along.y * radius_ / 2, z},
+                   radius_,
+                   radius_};
+  }
+
+ private:
+  // Basins come from below upwards, and those of equal parts share their slices.
+  const OutsideCells& outside_in(std::int32_t slice) {
+    if (!outside_ || outside_slice_ != slice) outside_ = std::make_unique<OutsideCells>(solid_, grid_, slice);
+    outside_slice_ = slice;
+    return *outside_;
+  }
+
+  const SolidColumns& solid_;
+  const CavityBodies& bodies_;
+  const CavityGrid& grid_;
+  double radius_;
+  bool stands_on_plate_;
+  std::unique_ptr<OutsideCells> outside_;
+  std::int32_t outside_slice_ = 0;
+};
+
 }  // namespace
 
 bool is_opened(const CavityBodies& bodies, std::uint32_t body, const CavityGrid& grid,
@@ -153,32 +203,17 @@ bool is_opened(const CavityBodies& bodies, std::uint32_t body, const CavityGrid&
   });
 }
 
-std::optional<Frustum> find_drain(const SolidColumns& solid, const CavityBodies& bodies,
-                                  const CavityBasin& basin, const CavityGrid& grid, Millimeters diameter,
-                                  bool stands_on_plate) {
-  const double radius = diameter.count() / 2;
-  const auto slice_above_floor = [&](double mm) {
-    return std::min(basin.low + static_cast<std::int32_t>(mm / grid.cell_mm), basin.end - 1);
-  };
-  const std::int32_t floor_slice = slice_above_floor(radius / 5), axis = slice_above_floor(radius * 4 / 5);
-  const BasinFloor floor{bodies.in_basin(basin, floor_slice), floor_slice};
-  const DrainWay level = level_way(solid, floor, grid, axis);
-  const DrainWay down = stands_on_plate ? DrainWay{} : way_down(solid, floor, grid);
-  if (down.cells <= level.cells && std::isfinite(down.cells)) {
-    const Point at = middle_of(grid, down.inside);
-    const double z = grid.bottom_of(floor_slice) + grid.cell_mm / 2;
-    return Frustum{{at.x, at.y, z - down.cells * grid.cell_mm - radius}, {at.x, at.y, z}, radius, radius};
+std::optional<std::vector<DrainHole>> find_drains(const SolidColumns& solid, const CavityBodies& bodies,
+                                                  std::span<const CavityBasin> basins, const CavityGrid& grid,
+                                                  Millimeters diameter, bool stands_on_plate,
+                                                  const std::stop_token& stop) {
+  DrainSearch search(solid, bodies, grid, diameter.count() / 2, stands_on_plate);
+  std::vector<DrainHole> holes;
+  for (const CavityBasin& basin : basins) {
+    if (stop.stop_requested()) return std::nullopt;
+    if (const auto hole = search.find(basin)) holes.push_back({basin.body, *hole});
   }
-  if (!std::isfinite(level.cells)) return std::nullopt;
-  const double z = grid.bottom_of(axis) + grid.cell_mm / 2;
-  const Point inside = middle_of(grid, level.inside), outside = middle_of(grid, level.outside);
-  const double length = level.cells * grid.cell_mm;
-  const Point along{(inside.x - outside.x) / length, (inside.y - outside.y) / length};
-  // Half a radius further inwards, since the floor's edge may be round.
-  return Frustum{{outside.x - along.x * radius, outside.y - along.y * radius, z},
-                 {inside.x + along.x * radius / 2, inside.y + along.y * radius / 2, z},
-                 radius,
-                 radius};
+  return holes;
 }
 
 }  // namespace contourd

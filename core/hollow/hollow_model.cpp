@@ -1,6 +1,7 @@
 #include "core/hollow/hollow_model.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -48,13 +49,14 @@ class CavitySearch {
     return Outcome::Found;
   }
 
-  HollowedModel result() {
+  // Returns nullopt if `stop` is requested.
+  std::optional<HollowedModel> result(const std::stop_token& stop) {
     HollowedModel hollowed;
     hollowed.cell = Millimeters{grid_.cell_mm};
     hollowed.cavities = bodies_.bodies();
     for (const CavityRun& run : bodies_.runs())
       hollowed.volume_mm3 += (run.end - run.first) * cell_mm3();
-    find_drains(hollowed);
+    if (!open_cavities(hollowed, stop)) return std::nullopt;
     hollowed.least_carrying = least_carrying();
     hollowed.memory = bodies_.runs().size_bytes() + bodies_.starts().size_bytes();
     std::vector<SupportPrimitive> holes(request_.holes.begin(), request_.holes.end());
@@ -92,20 +94,26 @@ class CavitySearch {
     }
   }
 
-  void find_drains(HollowedModel& hollowed) const {
+  // Finds the holes; false if `stop` is requested.
+  bool open_cavities(HollowedModel& hollowed, const std::stop_token& stop) const {
     const bool stands = request_.model.elevation.above_plate() == Nanometers{};
     std::vector<bool> open;  // by body
-    for (std::uint32_t body = 0; body < bodies_.bodies(); ++body)
+    for (std::uint32_t body = 0; body < bodies_.bodies(); ++body) {
+      if (stop.stop_requested()) return false;
       open.push_back(is_opened(bodies_, body, grid_, request_.holes));
-    const std::vector<bool> opened_by_request = open;
-    for (const CavityBasin& basin : bodies_.basins()) {
-      if (opened_by_request[basin.body] || request_.settings.hole == Millimeters{}) continue;
-      const auto drain = find_drain(solid_, bodies_, basin, grid_, request_.settings.hole, stands);
-      if (!drain) continue;
-      hollowed.holes.push_back(*drain);
-      open[basin.body] = true;
+    }
+    std::vector<CavityBasin> closed;
+    if (request_.settings.hole > Millimeters{})
+      std::ranges::copy_if(bodies_.basins(), std::back_inserter(closed),
+                           [&](const CavityBasin& basin) { return !open[basin.body]; });
+    const auto drains = find_drains(solid_, bodies_, closed, grid_, request_.settings.hole, stands, stop);
+    if (!drains) return false;
+    for (const DrainHole& drain : *drains) {
+      hollowed.holes.push_back(drain.hole);
+      open[drain.body] = true;
     }
     hollowed.closed = static_cast<std::size_t>(std::ranges::count(open, false));
+    return true;
   }
 
   [[nodiscard]] double least_carrying() const {
@@ -153,7 +161,7 @@ std::optional<HollowedModel> hollow_model(const HollowRequest& request, const st
     CavitySearch search(request, grid);
     switch (search.run(stop)) {
       case CavitySearch::Outcome::Found:
-        return search.result();
+        return search.result(stop);
       case CavitySearch::Outcome::Stopped:
         return std::nullopt;
       case CavitySearch::Outcome::TooIntricate:

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/engine/contour_engine.hpp"
+#include "core/hollow/cavity_drains.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/engine_fixture.hpp"
 
@@ -275,6 +276,29 @@ TEST_CASE("A search for cavities stops when asked, and refuses walls thinner tha
   HollowRequest thin = request;
   thin.settings.wall = Millimeters{0.15};
   CHECK_THROWS_AS(hollow_model(thin), std::range_error);
+}
+
+TEST_CASE("A search for holes stops when asked") {
+  // A cube of 8 cells in the grid's middle, in a solid that leaves the grid's border empty.
+  const HollowRequest request = request_for(models::box({0, 0, 0}, {2, 2, 2}), {});
+  const CavityGrid grid = CavityGrid::around(request.model.model->bounds(), kCell, kCell, kMostCavityCells);
+  SolidColumns solid;
+  REQUIRE(solid.sample(request.model.model, grid, kMostCavityEnds, {}) == SolidColumns::Failure::None);
+  CavityBodies bodies(1);
+  for (std::int32_t slice = 0; slice < grid.slices; ++slice) {
+    std::vector<CavityRun> runs;
+    for (std::uint16_t row = 7; row < 15 && 6 <= slice && slice < 14; ++row)
+      runs.push_back({row, 7, 15});
+    bodies.add_slice(runs);
+  }
+  bodies.finish();
+  const auto find = [&](const std::stop_token& stop) {
+    return find_drains(solid, bodies, bodies.basins(), grid, Millimeters{0.5}, true, stop);
+  };
+  CHECK(find({}).value().size() == 1);
+  std::stop_source stop;
+  stop.request_stop();
+  CHECK_FALSE(find(stop.get_token()));
 }
 
 TEST_CASE("Cells grow until a thick wall and a large model fit") {
