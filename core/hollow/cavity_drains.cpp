@@ -203,12 +203,12 @@ bool is_opened(const CavityBodies& bodies, std::uint32_t body, const CavityGrid&
   });
 }
 
-std::optional<std::vector<DrainHole>> find_drains(const SolidColumns& solid, const CavityBodies& bodies,
-                                                  std::span<const CavityBasin> basins, const CavityGrid& grid,
-                                                  Millimeters diameter, bool stands_on_plate,
-                                                  const std::stop_token& stop) {
+std::optional<std::vector<BasinDrain>> find_drains(const SolidColumns& solid, const CavityBodies& bodies,
+                                                   std::span<const CavityBasin> basins,
+                                                   const CavityGrid& grid, Millimeters diameter,
+                                                   bool stands_on_plate, const std::stop_token& stop) {
   DrainSearch search(solid, bodies, grid, diameter.count() / 2, stands_on_plate);
-  std::vector<DrainHole> holes;
+  std::vector<BasinDrain> holes;
   for (const CavityBasin& basin : basins) {
     if (stop.stop_requested()) return std::nullopt;
     if (const auto hole = search.find(basin)) holes.push_back({basin.body, *hole});

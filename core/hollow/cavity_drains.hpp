@@ -18,8 +18,9 @@ namespace contourd {
 [[nodiscard]] bool is_opened(const CavityBodies& bodies, std::uint32_t body, const CavityGrid& grid,
                              std::span<const Frustum> holes);
 
-struct DrainHole {
-  std::uint32_t body;  // that it opens
+// A hole that opens a body.
+struct BasinDrain {
+  std::uint32_t body;  // number of the body
   Frustum hole;
 };
 
@@ -28,7 +29,7 @@ struct DrainHole {
 // hole reaches out by half its diameter, so that no skin is left, and a fifth of that below the basin's
 // floor, so that the floor drains. A basin has none for instance in a cavity around which another one lies.
 // Returns nullopt if `stop` is requested.
-[[nodiscard]] std::optional<std::vector<DrainHole>> find_drains(
+[[nodiscard]] std::optional<std::vector<BasinDrain>> find_drains(
     const SolidColumns& solid, const CavityBodies& bodies, std::span<const CavityBasin> basins,
     const CavityGrid& grid, Millimeters diameter, bool stands_on_plate, const std::stop_token& stop);
 

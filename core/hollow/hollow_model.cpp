@@ -108,7 +108,7 @@ class CavitySearch {
                            [&](const CavityBasin& basin) { return !open[basin.body]; });
     const auto drains = find_drains(solid_, bodies_, closed, grid_, request_.settings.hole, stands, stop);
     if (!drains) return false;
-    for (const DrainHole& drain : *drains) {
+    for (const BasinDrain& drain : *drains) {
       hollowed.holes.push_back(drain.hole);
       open[drain.body] = true;
     }
