@@ -21,6 +21,8 @@ namespace {
 
 // Walls have at least two cells.
 constexpr double kLeastWallCells = 2;
+// A narrower hole may lie between the pixels' centres, and stay closed.
+constexpr double kNarrowestHolePixels = 2;
 
 // One search, with cells of one size.
 class CavitySearch {
@@ -153,6 +155,9 @@ std::optional<HollowedModel> hollow_model(const HollowRequest& request, const st
   expects(!request.settings.infill || (request.settings.infill->strut.count() > 0 &&
                                        request.settings.infill->strut < request.settings.infill->cell),
           "the struts are thinner than their cells");
+  if (request.settings.hole > Millimeters{} && request.settings.hole < request.finest * kNarrowestHolePixels)
+    throw std::range_error(
+        "its holes (hole_mm) would be narrower than two pixels of the display, and could stay closed");
   const Millimeters least = request.settings.wall / WallDistance::kThickestCells;
   for (double cells = kMostCavityCells;; cells /= 8) {
     const CavityGrid grid = CavityGrid::around(request.model.model->bounds(), request.finest, least, cells);

@@ -56,7 +56,8 @@ struct HollowedModel {
 // Hollows the model. Returns nullopt if `stop` is requested. Blocks: about a second for 100 million cells,
 // and for a mask of each slice of cells. REQUIRES: positive lengths, but for a hole of 0; struts thinner than
 // their cells. Throws std::range_error if the model is so intricate that it has more ends than
-// kMostCavityEnds in cells of a quarter of the wall, or if the wall is thinner than two of the finest cells.
+// kMostCavityEnds in cells of a quarter of the wall, or if the wall is thinner or the holes are narrower than
+// two of the finest cells.
 [[nodiscard]] std::optional<HollowedModel> hollow_model(const HollowRequest& request,
                                                         const std::stop_token& stop = {});
 

@@ -268,7 +268,7 @@ TEST_CASE("Thin walls carry little of what is peeled off above them") {
   CHECK(hollow_model(request).value().least_carrying == Approx(39.0 / 400).epsilon(0.02));
 }
 
-TEST_CASE("A search for cavities stops when asked, and refuses walls thinner than two cells") {
+TEST_CASE("A search for cavities stops when asked, and refuses walls and holes thinner than two cells") {
   const HollowRequest request = request_for(models::sphere(6, 20), {.wall = Millimeters{1}});
   std::stop_source stop;
   stop.request_stop();
@@ -276,6 +276,9 @@ TEST_CASE("A search for cavities stops when asked, and refuses walls thinner tha
   HollowRequest thin = request;
   thin.settings.wall = Millimeters{0.15};
   CHECK_THROWS_AS(hollow_model(thin), std::range_error);
+  HollowRequest narrow = request;
+  narrow.settings.hole = kCell * 1.9;
+  CHECK_THROWS_AS(hollow_model(narrow), std::range_error);
 }
 
 TEST_CASE("A search for holes stops when asked") {
