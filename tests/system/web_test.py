@@ -493,6 +493,14 @@ class StrangersTest(WebTest):
 
 
 class PageTest(WebTest):
+    def test_the_fields_of_a_job_have_the_limits_of_its_ticket(self):
+        keys = json.loads(contents(os.path.join(SOURCE, "config", "ticket.schema.json")))["properties"]
+        fields = {"copies": keys["copies"], "wall": keys["hollow"]["properties"]["wall_mm"]}
+        page = contents(os.path.join(PAGE, "job.js")).decode()
+        for name, key in fields.items():
+            least, most = re.search(rf'this\.{name}, {{type: "number", min: ([\d.]+), max: ([\d.]+)', page).groups()
+            self.assertEqual((float(least), float(most)), (key["minimum"], key["maximum"]), name)
+
     def test_the_page_is_small_and_asks_for_nothing_from_elsewhere(self):
         browser = self.serve()
         files = [browser.get(path)[1] for path in PAGE_FILES]

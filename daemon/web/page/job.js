@@ -45,7 +45,7 @@ class TicketForm {
     this.up = choice(withKept([["", "as in the file"], ["auto", "the printer chooses"], ["fast", "low, for a fast print"], ["clean", "few supports"], ["safe", "little peel force"],
       ...Object.keys(AXES).map((axis) => [axis, `${axis} up`])], up), up);
     this.copies = element("input");
-    Object.assign(this.copies, {type: "number", min: 1, max: 1000, step: 1, value: this.ticket.copies ?? 1});
+    Object.assign(this.copies, {type: "number", min: 1, max: 100, step: 1, value: this.ticket.copies ?? 1});
     this.wall = element("input");
     Object.assign(this.wall, {type: "number", min: 0.2, max: 30, step: "any", placeholder: "solid", value: this.ticket.hollow ? this.ticket.hollow.wall_mm ?? 2 : ""});
     this.unit = choice([["", "as in the file"], ...["mm", "cm", "m", "um", "inch", "foot"].map((unit) => [unit, unit])], this.ticket.unit || "");
