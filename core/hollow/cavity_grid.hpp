@@ -25,8 +25,12 @@ struct CavityGrid {
   [[nodiscard]] static CavityGrid around(const Bounds& bounds, Millimeters finest, Millimeters least,
                                          double most_cells) {
     constexpr double kMostInRow = 16384, kFewest = 9;
-    double multiple = std::max(std::ceil(least / finest), 1.0);
-    for (;; ++multiple) {
+    // Bounds the steps for a model of any size; below a million they go through all multiples.
+    constexpr double kLeastGrowth = 1 + 1e-6;
+    const double longest = std::max({bounds.size_x(), bounds.size_y(), bounds.size_z()});
+    double multiple =
+        std::max({std::ceil(least / finest), std::floor(longest / kMostInRow / finest.count()), 1.0});
+    for (;; multiple = std::max(multiple + 1, std::floor(multiple * kLeastGrowth))) {
       const double cell = multiple * finest.count();
       const double columns = std::ceil(bounds.size_x() / cell) + 2;
       const double rows = std::ceil(bounds.size_y() / cell) + 2;

@@ -8,6 +8,7 @@
 
 #include "core/engine/contour_engine.hpp"
 #include "core/hollow/cavity_drains.hpp"
+#include "core/hollow/cavity_grid.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/engine_fixture.hpp"
 
@@ -260,6 +261,16 @@ TEST_CASE("A model without room for a cavity keeps its holes") {
   Contours section;
   hollow_model(request).value().removed->section_at(testing::mm(1), section);
   CHECK(section.loops.size() == 1);
+}
+
+TEST_CASE("The grid around a model of any size is found at once") {
+  for (const float size : {1e3F, 1e6F, 1e13F, 1e20F, 1e37F}) {
+    const models::Facets plate = models::box({0, 0, 0}, {size, size, 5});
+    const Bounds bounds = testing::shared_index(plate)->bounds();
+    const CavityGrid grid = CavityGrid::around(bounds, kCell, kCell, kMostCavityCells);
+    CHECK(static_cast<double>(grid.cells_in_slice()) * grid.slices <= kMostCavityCells);
+    CHECK(grid.columns * grid.cell_mm >= static_cast<double>(size));
+  }
 }
 
 TEST_CASE("Thin walls carry little of what is peeled off above them") {
