@@ -15,6 +15,7 @@
 #include "daemon/formats/byte_stream.hpp"
 #include "daemon/formats/gzip_stream.hpp"
 #include "daemon/formats/input_limits.hpp"
+#include "daemon/formats/model_names.hpp"
 #include "daemon/formats/threemf_package.hpp"
 #include "daemon/formats/zip_archive.hpp"
 #include "daemon/json/config_error.hpp"
@@ -238,6 +239,12 @@ OpenedModels open_models(ModelSource source) {
         fmt::format("the ticket names the model {} in an archive, and the file is no ZIP archive: "
                     "remove \"model\" from the ticket",
                     in_quotes(names.front())));
+  const std::string_view extension = model_extension(source.path.filename().string());
+  if (!plain && (extension == ".sl1" || extension == ".sl1s"))
+    throw ModelError(
+        "its name is that of a sliced archive, and it is no ZIP file, so it is damaged or something else: "
+        "slice "
+        "the model again");
   if (!plain && is_amf({source.bytes, start})) return only(open_amf(std::move(source)));
   if (!plain && is_gzip(start)) return only(open_gzip(std::move(source)));
   return only(std::make_unique<PlainInput>(std::move(source), std::move(start)));

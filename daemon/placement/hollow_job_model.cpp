@@ -43,7 +43,7 @@ std::vector<std::string> hollow_warnings(const HollowedModel& hollowed, const Ho
   std::vector<std::string> warnings;
   if (hollowed.cavities == 0)
     warnings.push_back(
-        fmt::format("printed solid: with walls of {:g} mm, there is no room for a cavity of {:g} mm3",
+        fmt::format("not made hollow: with walls of {:g} mm, there is no room for a cavity of {:g} mm3",
                     settings.wall.count(), kLeastCavityMm3));
   if (hollowed.closed > 0)
     warnings.push_back(fmt::format("no hole opens {}: {}", count_of(hollowed.closed, "cavity", "cavities"),

@@ -273,9 +273,13 @@ class Preparation {
   void hollow(const std::stop_token& stop) {
     for (std::size_t i = 0; i < models_.size() && !stop.stop_requested(); ++i) {
       const NamedModel& model = content_.models()[i];
-      if (!model.ticket.hollow) continue;
+      // A model that is wider than the plate is refused when it is placed.
+      const Bounds& bounds = models_[i].model->bounds();
+      if (!model.ticket.hollow || bounds.size_x() > 2 * volume_.width_mm() ||
+          bounds.size_y() > 2 * volume_.depth_mm())
+        continue;
       const Millimeters pixel = to_millimeters(printer_.pixel_pitch);
-      content_.require_room_to_hollow(models_[i].model->bounds(), pixel);
+      content_.require_room_to_hollow(bounds, pixel);
       const std::optional<HollowedModel> hollowed = hollow_job_model(
           {models_[i], *model.ticket.hollow, cylinders_[i], pixel, summary_.resin.supports}, stop);
       if (!hollowed) return;

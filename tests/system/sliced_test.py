@@ -124,6 +124,8 @@ class Sliced(SpoolTest):
 
     def test_damaged_and_hostile_files_are_refused_with_one_sentence(self):
         daemon = self.printer()
+        for number, content in enumerate((b"PNG\n", b"x" * 500, sl1(self.LAYERS)[4:])):
+            self.assert_words(daemon.refused(f"other-{number}.sl1", content), "name is that of a sliced archive", "no ZIP file", "slice the model again")
         rows = self.LAYERS[3]
         good = png(rows)
         noisy = bytes(WIDTH * 3)

@@ -296,7 +296,7 @@ TEST_CASE_METHOD(PrintJobFixture, "A model without room for a cavity is printed 
   CHECK(job.summary.models[0].hollow->cavities == 0);
   CHECK(job.summary.warnings ==
         std::vector<std::string>{
-            "printed solid: with walls of 1.5 mm, there is no room for a cavity of 50 mm3"});
+            "not made hollow: with walls of 1.5 mm, there is no room for a cavity of 50 mm3"});
   const PreparedJob closed = prepare(kCube, R"({"hollow": {"hole_mm": 0}})");
   CHECK(closed.summary.warnings ==
         std::vector<std::string>{
