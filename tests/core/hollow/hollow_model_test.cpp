@@ -155,7 +155,7 @@ TEST_CASE("Cavities are the cells farther from the outside than the wall, by all
   }
 }
 
-TEST_CASE("A hole at its lowest point opens every cavity") {
+TEST_CASE("A hole at its lowest point opens every cavity", "[long]") {
   struct Row {
     models::Facets facets;
     Elevation elevation;
@@ -226,7 +226,7 @@ TEST_CASE("A cavity that a hole of the job's opens gets no other") {
   CHECK(hollow_model(request).value().holes.size() == 1);
 }
 
-TEST_CASE("Struts fill a cavity and leave it open from end to end") {
+TEST_CASE("Struts fill a cavity and leave it open from end to end", "[long]") {
   HollowRequest request = request_for(models::box({0, 0, 0}, {20, 20, 20}), {.wall = Millimeters{1.5}});
   const double empty = hollow_model(request).value().volume_mm3;
   request.settings.infill = InfillLattice{Millimeters{6}, Millimeters{1}};
@@ -315,7 +315,7 @@ TEST_CASE("A search for holes stops when asked") {
   CHECK_FALSE(find(stop.get_token()));
 }
 
-TEST_CASE("Cells grow until a thick wall and a large model fit") {
+TEST_CASE("Cells grow until a thick wall and a large model fit", "[long]") {
   HollowRequest request = request_for(models::box({0, 0, 0}, {90, 90, 90}), {.wall = Millimeters{30}});
   const HollowedModel hollowed = hollow_model(request).value();
   CHECK(hollowed.cell.count() >= 30 / 250.0);
