@@ -273,21 +273,24 @@ TEST_CASE_METHOD(PrintJobFixture,
 }
 
 TEST_CASE_METHOD(PrintJobFixture, "A hollow job has its cavity, its hole and its figures in every copy") {
-  const PreparedJob job = prepare(kCube, R"({"copies": 2, "hollow": {"wall_mm": 3, "hole_mm": 2}})");
+  const PreparedJob job =
+      prepare(models::box({0, 0, 0}, {6, 6, 6}), R"({"copies": 2, "hollow": {"wall_mm": 1, "hole_mm": 1}})");
   REQUIRE(job.summary.models[0].hollow);
   const HollowSummary& hollow = *job.summary.models[0].hollow;
   CHECK(hollow.cavities == 1);
-  CHECK(hollow.volume_mm3 == testing::Approx(14 * 14 * 14));
+  CHECK(hollow.volume_mm3 == testing::Approx(4 * 4 * 4));
   CHECK(hollow.holes.size() == 1);
   CHECK(job.summary.warnings.empty());
+  // Two copies of 6 x 6 mm, in pixels of 50 um; a cavity has 4 x 4 mm.
+  constexpr double kWhole = 2 * 120 * 120, kCavities = 2 * 80 * 80;
   for (ContourEngine* engine : {job.plan.engine.get(), job.analysis_engine.get()}) {
-    // Two copies of 20 x 20 mm less 14 x 14 mm, in pixels of 50 um.
-    CHECK(engine->mask_at(Nanometers{10'000'000}).lit_area() == 320000 - 2 * 280 * 280);
-    CHECK(engine->mask_at(Nanometers{1'000'000}).lit_area() == 320000);
-    CHECK(engine->mask_at(Nanometers{19'000'000}).lit_area() == 320000);
-    // At its axis, the hole removes its width, 40 pixels, from a wall of 60 in each copy.
-    CHECK(320000 - 2 * 280 * 280 - engine->mask_at(Nanometers{3'800'000}).lit_area() ==
-          testing::Approx(2 * 60 * 40).epsilon(0.03));
+    CHECK(engine->mask_at(Nanometers{3'000'000}).lit_area() == kWhole - kCavities);
+    CHECK(engine->mask_at(Nanometers{500'000}).lit_area() == kWhole);
+    CHECK(engine->mask_at(Nanometers{5'500'000}).lit_area() == kWhole);
+    // At its axis, the hole removes its width, 20 pixels, from a wall of 20 in each copy; its edges may lie
+    // on pixels' centres.
+    CHECK(kWhole - kCavities - engine->mask_at(Nanometers{1'400'000}).lit_area() ==
+          testing::Approx(2 * 20 * 20).margin(2 * 20));
   }
 }
 
@@ -297,23 +300,21 @@ TEST_CASE_METHOD(PrintJobFixture, "A model without room for a cavity is printed 
   CHECK(job.summary.warnings ==
         std::vector<std::string>{
             "not made hollow: with walls of 1.5 mm, there is no room for a cavity of 50 mm3"});
-  const PreparedJob closed = prepare(kCube, R"({"hollow": {"hole_mm": 0}})");
+  const PreparedJob closed = prepare(models::box({0, 0, 0}, {8, 8, 8}), R"({"hollow": {"hole_mm": 0}})");
   CHECK(closed.summary.warnings ==
         std::vector<std::string>{
             "no hole opens 1 cavity: the ticket's hole_mm is 0, and none of its drain holes does"});
 }
 
 TEST_CASE_METHOD(PrintJobFixture, "Walls that would tear are refused with what they carry") {
-  // Walls of 0.2 mm around 20 x 20 mm have 15.84 mm2: 4 % of the roof. 1.1 % would do, so a weak resin is
-  // needed.
-  CHECK_NOTHROW(prepare(kCube, R"({"hollow": {"wall_mm": 0.2}})"));
-  resin.supports.tip_holds_mm2 = 2;
-  CHECK(refusal_of(kCube, R"({"hollow": {"wall_mm": 0.2}})") ==
+  // Walls of 0.2 mm around 6 x 6 mm have 4.6 of the roof's 36 mm2.
+  const models::Facets block = models::box({0, 0, 0}, {6, 6, 6});
+  CHECK_NOTHROW(prepare(block, R"({"hollow": {"wall_mm": 0.2}})"));
+  resin.supports.tip_holds_mm2 = 0.5;
+  CHECK(refusal_of(block, R"({"hollow": {"wall_mm": 0.2}})") ==
         "the walls of the model would tear when the layers above them are peeled off: where they are "
-        "weakest, they "
-        "have 4 % of the area of the largest layer above, and 6.3 % carry it; give \"hollow\" a greater "
-        "wall_mm than "
-        "0.2, or an infill");
+        "weakest, they have 13 % of the area of the largest layer above, and 25 % carry it; give "
+        "\"hollow\" a greater wall_mm than 0.2, or an infill");
 }
 
 TEST_CASE_METHOD(PrintJobFixture,
