@@ -139,7 +139,7 @@ class PageInABrowser(WebTest):
         self.assertIn("160 of 50 \u00b5m", self.browser.value("document.querySelector('#queue .panel').textContent"))
         self.assertIn("ml of standard", self.browser.value("document.querySelector('#queue .panel').textContent"))
         self.look("job", 390, "light")
-        # A refused value is told in the form, and changes nothing.
+        # The reason for a refusal stands in the form, and nothing changes.
         self.fill("Layer height", "2")
         self.submit()
         self.wait("document.querySelector('#queue .settings .error').textContent")

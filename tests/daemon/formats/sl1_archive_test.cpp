@@ -70,7 +70,7 @@ Mask first_layer(const Mask& picture, const std::string& slicer, const DisplayGe
 
 }  // namespace
 
-TEST_CASE("A sliced archive is told by its content and read in the order of its layers' numbers") {
+TEST_CASE("A sliced archive is recognised by its content and read in the order of its layers' numbers") {
   OpenedArchive opened(three_layers(numbered(12, 8), slicer_config()));
   const Sl1Archive& archive = opened.archive();
   CHECK(archive.layers() == 3);
