@@ -46,12 +46,13 @@ class OutsideCells {
   // Returns the shortest way from a cell inside, if it is not longer than a limit.
   [[nodiscard]] DrainWay way_from(Cell inside, double limit) const {
     DrainWay way;
-    for (std::int32_t ring = 1; ring <= std::min({way.cells, limit, std::hypot(columns_, rows_)}); ++ring) {
+    for (std::int32_t ring = 1;
+         ring <= std::min({way.cells, limit, std::sqrt(columns_ * columns_ + rows_ * rows_)}); ++ring) {
       for (std::int32_t along = -ring; along <= ring; ++along) {
         for (const Cell away :
              {Cell{along, -ring}, Cell{along, ring}, Cell{-ring, along}, Cell{ring, along}}) {
           const Cell outside{inside.column + away.column, inside.row + away.row};
-          const double length = std::hypot(away.column, away.row);
+          const double length = std::sqrt(away.column * away.column + away.row * away.row);
           if (length < std::min(way.cells, limit) && holds(outside)) way = {inside, outside, length};
         }
       }

@@ -1,7 +1,7 @@
 #include "core/hollow/solid_columns.hpp"
 
 #include <algorithm>
-#include <memory>
+#include <tuple>
 #include <utility>
 
 #include "core/engine/contour_engine.hpp"

@@ -273,10 +273,11 @@ class Preparation {
   void hollow(const std::stop_token& stop) {
     for (std::size_t i = 0; i < models_.size() && !stop.stop_requested(); ++i) {
       const NamedModel& model = content_.models()[i];
-      // A model that is wider than the plate is refused when it is placed.
+      // A model that is wider than the plate, and not only by rounding, is refused when it is placed.
+      constexpr double kRoundingMm = 1;
       const Bounds& bounds = models_[i].model->bounds();
-      if (!model.ticket.hollow || bounds.size_x() > 2 * volume_.width_mm() ||
-          bounds.size_y() > 2 * volume_.depth_mm())
+      if (!model.ticket.hollow || bounds.size_x() > volume_.width_mm() + kRoundingMm ||
+          bounds.size_y() > volume_.depth_mm() + kRoundingMm)
         continue;
       const Millimeters pixel = to_millimeters(printer_.pixel_pitch);
       content_.require_room_to_hollow(bounds, pixel);

@@ -53,8 +53,9 @@ enum class SafetyState : std::uint8_t {
   Unsafe,      // unsafe, or with edges, for the debounce time or longer
 };
 
-// The contact of a safety input, an emergency stop or a lid. It is unsafe from its first edge on, whatever
-// follows, and safe again only when it has been quiet at its safe level for the debounce time.
+// The contact of a safety input: an emergency stop, a lid or a power-fail signal. It is unsafe from its first
+// edge on, whatever follows, and safe again only when it has been quiet at its safe level for the debounce
+// time.
 class SafetyContact {
  public:
   SafetyContact() = default;
