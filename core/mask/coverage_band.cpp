@@ -99,6 +99,16 @@ void CoverageBand::paint(std::int32_t row, std::span<std::uint8_t> pixels, RowBl
   paint_row(static_cast<std::size_t>(row), pixels, blocks, 0, paint_block);
 }
 
+void CoverageBand::paint_shared(std::int32_t row, std::span<std::uint8_t> pixels, RowBlocks blocks,
+                                SharedPixels& shared) {
+  const std::uint32_t* const row_cells = cells_.data() + static_cast<std::size_t>(row) * stride_;
+  paint_row(static_cast<std::size_t>(row), pixels, blocks, 0,
+            [&](std::uint32_t* cells, std::uint32_t winding, std::uint8_t* block) {
+              shared.look_at_block(row, static_cast<std::size_t>(cells - row_cells), cells, winding);
+              return paint_block(cells, winding, block);
+            });
+}
+
 bool CoverageBand::paint_covered(std::int32_t row, std::span<std::uint8_t> pixels, RowBlocks blocks) {
   WindingRange range;
   paint_row(static_cast<std::size_t>(row), pixels, blocks, kNoWinding,

@@ -14,6 +14,7 @@
 
 #include "core/contract/expects.hpp"
 #include "core/mask/block_painter.hpp"
+#include "core/mask/shared_pixels.hpp"
 
 namespace contourd {
 
@@ -59,6 +60,11 @@ class CoverageBand {
       used_[column / kBlock] = 1;
       used_[(column + 2) / kBlock] = 1;
     }
+    // Has the blocks of columns `first` to `last` painted, though nothing was added to them.
+    void use(std::size_t first, std::size_t last) const {
+      for (std::size_t block = first / kBlock; block <= last / kBlock; ++block)
+        used_[block] = 1;
+    }
 
    private:
     friend class CoverageBand;
@@ -83,6 +89,11 @@ class CoverageBand {
   // Paints a row of contours that do not overlap. False if a pixel's winding number is not 0 to 1: the
   // contours do overlap, and the painted row is of no use.
   [[nodiscard]] bool paint_covered(std::int32_t row, std::span<std::uint8_t> pixels, RowBlocks blocks);
+  // Paints a row like paint(), and lets `shared` look at each of its blocks first.
+  void paint_shared(std::int32_t row, std::span<std::uint8_t> pixels, RowBlocks blocks, SharedPixels& shared);
+
+  // Returns the number of cells in a row.
+  [[nodiscard]] std::size_t stride() const { return stride_; }
 
  private:
   template <typename PaintBlock>

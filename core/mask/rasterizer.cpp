@@ -193,6 +193,7 @@ Rasterizer::Rasterizer(Pixels width, Pixels height, AntiAliasing anti_aliasing)
       anti_aliasing_(anti_aliasing),
       band_(width_),
       band_bits_(std::countr_zero(static_cast<std::uint32_t>(band_.rows()))),
+      shared_(width_, band_.stride(), band_.rows()),
       lit_rows_(width, height) {
   first_side_.assign(static_cast<std::size_t>((height_ - 1) >> band_bits_) + 1, kNone);
   band_lit_.assign(first_side_.size(), 0);
@@ -335,6 +336,10 @@ bool Rasterizer::paint(MaskBudget& budget) {
   Painted painted = Painted::Overrun;
   if (budget.can_hold(covered_sides_.size()) && budget.spend(covered_sides_.size())) {
     painted = paint_bands(budget, Overlaps::Searched);
+    if (painted == Painted::ToAnOverlap) {
+      begin_again();
+      painted = paint_bands(budget, Overlaps::Filled);
+    }
     if (painted == Painted::ToAnOverlap)
       painted = unite_sides(budget) ? paint_bands(budget, Overlaps::Gone) : Painted::Overrun;
   }
@@ -371,35 +376,115 @@ Rasterizer::Painted Rasterizer::paint_bands(MaskBudget& budget, Overlaps overlap
     if (!has_sides && lit == 0) continue;
     lit = has_sides;
     if (!budget.look_at_the_clock()) return Painted::Overrun;
-    if (!paint_band(first_row) && overlaps == Overlaps::Searched) return Painted::ToAnOverlap;
+    if (const Painted painted = paint_band(budget, first_row, overlaps); painted != Painted::All)
+      return painted;
   }
   return Painted::All;
 }
 
-// Paints the rows of a band. False if polygons overlap there.
-bool Rasterizer::paint_band(std::int32_t first_row) {
+Rasterizer::Painted Rasterizer::paint_band(MaskBudget& budget, std::int32_t first_row, Overlaps overlaps) {
   const std::int32_t end_row = std::min(first_row + band_.rows(), height_);
   if (anti_aliasing_ == AntiAliasing::Off) {
     work_off_center_sides(first_row, end_row);
     for (std::int32_t row = first_row; row < end_row; ++row)
       band_.paint(row - first_row, mask_.row(row), blocks_of(row));
-    return true;
+    return Painted::All;
   }
-  work_off_covered_sides(first_row, end_row);
+  if (overlaps == Overlaps::Filled) {
+    work_off_and_count(first_row, end_row);
+    for (std::int32_t row = first_row; row < end_row; ++row)
+      band_.paint_shared(row - first_row, mask_.row(row), blocks_of(row), shared_);
+    return fill_shared_pixels(budget, first_row);
+  }
+  work_off_covered_sides(first_row, end_row, [](std::uint32_t, double) {});
   bool sound = true;
   for (std::int32_t row = first_row; row < end_row; ++row)
     sound &= band_.paint_covered(row - first_row, mask_.row(row), blocks_of(row));
-  return sound;
+  return sound || overlaps == Overlaps::Gone ? Painted::All : Painted::ToAnOverlap;
+}
+
+// Gives the shared pixels of a band that has been painted their exact grey values.
+Rasterizer::Painted Rasterizer::fill_shared_pixels(MaskBudget& budget, std::int32_t first_row) {
+  shared_.collect(first_row, [this](std::uint32_t number) { return unit_side(number); });
+  Painted painted = shared_.too_dense() ? Painted::ToAnOverlap : Painted::All;
+  for (const SharedPixels::Pixel& pixel : shared_.pixels()) {
+    constexpr std::uint32_t kSidesAStep = 8;  // of the pairs of sides that may cross
+    if (painted != Painted::All) break;
+    if (!budget.spend(1 + pixel.sides * pixel.sides / kSidesAStep)) painted = Painted::Overrun;
+    const std::optional<double> filled = shared_.filled(pixel);
+    if (!filled) continue;
+    // Where nothing overlaps, the sum gives the same grey value, and is the one that counts.
+    const auto units = static_cast<std::int32_t>(*filled * kOne + 0.5);
+    const std::int32_t sum = std::min(std::abs(static_cast<std::int32_t>(pixel.winding)), kOne);
+    if (std::abs(units - sum) > kWindingSlack)
+      mask_.row(pixel.row + first_row)[static_cast<std::size_t>(pixel.column)] =
+          grey_of(static_cast<std::uint32_t>(units));
+  }
+  shared_.clear();
+  return painted;
+}
+
+// Lists all sides again, from their upper ends.
+void Rasterizer::begin_again() {
+  std::ranges::fill(first_side_, kNone);
+  for (std::uint32_t i = 0; i < covered_sides_.size(); ++i) {
+    CoveredSide& side = covered_sides_[i];
+    side.x += side.slope * (side.sign * (side.top_y - side.y));
+    side.y = side.top_y;
+    side.next = std::exchange(first_side_at(side.top_y >> kOneBits), i);
+  }
+  std::ranges::sort(level_sides_, {}, &LevelSide::y);
+  next_level_ = 0;
+}
+
+// Works off the band's part of all sides, and counts their pieces in the pixels. Level sides are counted
+// where they lie within a row; between two rows they bound nothing.
+void Rasterizer::work_off_and_count(std::int32_t first_row, std::int32_t end_row) {
+  constexpr std::int32_t kWithinRow = kOne - 1;
+  work_off_covered_sides(first_row, end_row, [this, first_row](std::uint32_t number, double next_x) {
+    const CoveredSide& side = covered_sides_[number];
+    const std::int32_t next_y = std::min((side.y | kWithinRow) + 1, side.end_y);
+    shared_.count(number, (side.y >> kOneBits) - first_row, column_in_units(side.x) >> kOneBits,
+                  column_in_units(next_x) >> kOneBits, (side.y & kWithinRow) == 0,
+                  (next_y & kWithinRow) == 0);
+  });
+  for (; next_level_ < level_sides_.size() && level_sides_[next_level_].y < end_row << kOneBits;
+       ++next_level_) {
+    const LevelSide& side = level_sides_[next_level_];
+    const std::int32_t row = (side.y >> kOneBits) - first_row;
+    if (row < 0 || (side.y & kWithinRow) == 0) continue;
+    const auto number = static_cast<std::uint32_t>(covered_sides_.size() + next_level_);
+    const std::int32_t from = column_in_units(side.from_x) >> kOneBits;
+    const std::int32_t to = column_in_units(side.to_x) >> kOneBits;
+    const auto [first, last] = std::minmax(from, to);
+    shared_.count_columns(number, row, first, last);
+    band_.row(row).use(static_cast<std::size_t>(first), static_cast<std::size_t>(last));
+  }
+}
+
+// Returns the side of a number, with its ends rounded to units; the level sides follow the others.
+UnitSide Rasterizer::unit_side(std::uint32_t number) const {
+  if (number >= covered_sides_.size()) {
+    const LevelSide& level = level_sides_[number - covered_sides_.size()];
+    return {column_in_units(level.from_x), level.y, column_in_units(level.to_x), level.y};
+  }
+  const CoveredSide& side = covered_sides_[number];
+  const auto x_at = [&side](std::int32_t y) {
+    return column_in_units(side.x + side.slope * (side.sign * (y - side.y)));
+  };
+  const UnitSide down{x_at(side.top_y), side.top_y, x_at(side.end_y), side.end_y};
+  return side.sign > 0 ? down : UnitSide{down.to_x, down.to_y, down.from_x, down.from_y};
 }
 
 // Replaces the sides by the outline of the area that they wind around. If two sides of the outline still
 // overlap, because a crossing was rounded, nothing more can be done.
 bool Rasterizer::unite_sides(MaskBudget& budget) {
   arranged_.reset(1);
-  for (const CoveredSide& side : covered_sides_)
-    arrange(side);
-  for (const LevelSide& side : level_sides_)
-    arranged_.add({column_in_units(side.from_x), side.y}, {column_in_units(side.to_x), side.y}, 0);
+  const std::size_t count = covered_sides_.size() + level_sides_.size();
+  for (std::uint32_t number = 0; number < count; ++number) {
+    const UnitSide side = unit_side(number);
+    arranged_.add({side.from_x, side.from_y}, {side.to_x, side.to_y}, 0);
+  }
   clear();
   if (!arranged_.arrange(budget)) return false;
   const auto to_pixels = [](ArrangedSides::GridPoint p) {
@@ -412,16 +497,6 @@ bool Rasterizer::unite_sides(MaskBudget& budget) {
     add_side(filled_right ? low : high, filled_right ? high : low);
   }
   return true;
-}
-
-// Adds the whole side to arranged_, including the part that has been worked off.
-void Rasterizer::arrange(const CoveredSide& side) {
-  const auto point_at = [&side](std::int32_t y) {
-    const double x = side.x + side.slope * (side.sign * (y - side.y));
-    return ArrangedSides::GridPoint{column_in_units(x), y};
-  };
-  const ArrangedSides::GridPoint top = point_at(side.top_y), bottom = point_at(side.end_y);
-  arranged_.add(side.sign > 0 ? top : bottom, side.sign > 0 ? bottom : top, 0);
 }
 
 RowBlocks Rasterizer::blocks_of(std::int32_t row) {
@@ -445,7 +520,10 @@ void Rasterizer::darken(const Contours& convex, const PixelMap& map) {
 }
 
 // Adds the band's part of all sides that reach into it; the rest of a side goes to the next band's list.
-void Rasterizer::work_off_covered_sides(std::int32_t first_row, std::int32_t end_row) {
+// `see`: called with the number of each side's piece and the column at its lower end, before the piece is
+// worked off.
+template <typename See>
+inline void Rasterizer::work_off_covered_sides(std::int32_t first_row, std::int32_t end_row, See&& see) {
   const std::int32_t band_end_y = end_row << kOneBits;
   // One row of one side at a time: the number of rows of a side cannot be predicted.
   for (std::uint32_t i = std::exchange(first_side_at(first_row), kNone); i != kNone;) {
@@ -454,6 +532,7 @@ void Rasterizer::work_off_covered_sides(std::int32_t first_row, std::int32_t end
     const std::int32_t next_y = std::min((side.y | (kOne - 1)) + 1, side.end_y);
     const std::int32_t cover = (next_y - side.y) * side.sign;
     const double next_x = side.x + side.slope * cover;
+    see(i, next_x);
     add_piece(band_.row((side.y >> kOneBits) - first_row),
               {std::min(side.x, next_x), std::max(side.x, next_x), cover, side.half_steepness});
     side.x = next_x;

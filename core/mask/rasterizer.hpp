@@ -6,9 +6,11 @@
 // painted in bands of rows; only rows and blocks that hold something, or held something before, are written.
 //
 // A pixel's mean winding number is its coverage only if the winding numbers are 0 or 1. If a pixel shows
-// others (polygons overlap, or one is wound the wrong way), all sides are cut where they meet, and sides that
-// are no outline of the non-zero set are dropped. If all overlaps in a mask are thinner than a pixel, no
-// pixel may show them: the parts add up there, to at most 1.
+// others (polygons overlap, or one is wound the wrong way), the mask is painted again: pixels that several
+// outlines share are filled by the sides themselves (SharedPixels). If one of them has too many sides for
+// that, all sides are cut where they meet, and sides that are no outline of the non-zero set are dropped. If
+// all overlaps in a mask are thinner than a pixel, no pixel may show them: the parts add up there, to at most
+// 1.
 //
 // Not thread-safe; allocates only while the number of sides grows.
 #pragma once
@@ -25,6 +27,7 @@
 #include "core/mask/coverage_band.hpp"
 #include "core/mask/mask.hpp"
 #include "core/mask/pixel_map.hpp"
+#include "core/mask/shared_pixels.hpp"
 
 namespace contourd {
 
@@ -89,7 +92,10 @@ class Rasterizer {
     std::uint32_t next;
   };
 
-  enum class Overlaps { Searched, Gone };
+  // Overlaps end the painting, are filled pixel by pixel, or are gone, since all sides have been united.
+  enum class Overlaps { Searched, Filled, Gone };
+  // A mask or a band was painted whole, to an overlap that cannot be painted this way, or until the budget
+  // was overrun.
   enum class Painted { All, ToAnOverlap, Overrun };
 
   void add_covered(PixelPoint from, PixelPoint to);
@@ -99,11 +105,15 @@ class Rasterizer {
   void add_centers(PixelPoint from, PixelPoint to);
   [[nodiscard]] static double first_column(const CenterSide& side);
   [[nodiscard]] Painted paint_bands(MaskBudget& budget, Overlaps overlaps);
-  [[nodiscard]] bool paint_band(std::int32_t first_row);
+  [[nodiscard]] Painted paint_band(MaskBudget& budget, std::int32_t first_row, Overlaps overlaps);
+  void work_off_and_count(std::int32_t first_row, std::int32_t end_row);
+  [[nodiscard]] Painted fill_shared_pixels(MaskBudget& budget, std::int32_t first_row);
+  void begin_again();
   [[nodiscard]] bool unite_sides(MaskBudget& budget);
-  void arrange(const CoveredSide& side);
   [[nodiscard]] RowBlocks blocks_of(std::int32_t row);
-  void work_off_covered_sides(std::int32_t first_row, std::int32_t end_row);
+  template <typename See>
+  void work_off_covered_sides(std::int32_t first_row, std::int32_t end_row, See&& see);
+  [[nodiscard]] UnitSide unit_side(std::uint32_t number) const;
   void work_off_center_sides(std::int32_t first_row, std::int32_t end_row);
   [[nodiscard]] std::uint32_t& first_side_at(std::int32_t row) {
     return first_side_[static_cast<std::size_t>(row >> band_bits_)];
@@ -120,7 +130,9 @@ class Rasterizer {
   std::vector<std::uint32_t> first_side_;   // by band: number of the first side in its list
   std::vector<std::uint8_t> band_lit_;      // by band: mask_ holds some light there
   std::vector<std::uint64_t> dark_, full_;  // contents of mask_, see RowBlocks
-  ArrangedSides arranged_;                  // sides of polygons that overlap
+  SharedPixels shared_;                     // pixels of a band in which polygons may overlap
+  std::size_t next_level_ = 0;              // the first level side that no band has counted
+  ArrangedSides arranged_;                  // sides of polygons that overlap in too many places of a pixel
   ConicRows lit_rows_;
 };
 

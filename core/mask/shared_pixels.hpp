@@ -1,0 +1,119 @@
+// Finds the pixels of a band of rows that more than one outline passes, and how much of each is filled.
+//
+// In a pixel that a single outline passes, the mean winding number gives the filled part, however many
+// polygons overlap there: the others cover all of the pixel or nothing of it. Only pixels that several
+// outlines share need the sides themselves. Every side therefore counts how often it crosses the edges of the
+// pixels that it passes: an outline that passes a pixel crosses two. The sides of shared pixels, which are
+// few, are collected afterwards (PixelFill).
+//
+// The ends of sides are rounded to units of 1 / 2^kWindingBits pixel, so that two sides that meet are cut
+// alike at every edge. A pixel contains its left and its upper edge. Not thread-safe; allocates only while
+// the number of sides grows.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/mask/pixel_fill.hpp"
+
+namespace contourd {
+
+// A directed side whose ends are whole units.
+struct UnitSide {
+  std::int32_t from_x, from_y, to_x, to_y;
+};
+
+class SharedPixels {
+ public:
+  // `width`: the display's columns. `stride`: the cells of a row in the band.
+  SharedPixels(std::int32_t width, std::size_t stride, std::int32_t rows);
+
+  // Counts the piece of a side within one row of the band, from the column of its upper end to that of its
+  // lower end. `above`, `below`: the side crosses the row's upper, or lower edge. `side`: the side's number
+  // for collect().
+  void count(std::uint32_t side, std::int32_t row, std::int32_t top, std::int32_t bottom, bool above,
+             bool below) {
+    std::uint32_t* const counts = counts_of(row);
+    counts[top] += above ? kEdge : 0;
+    counts[bottom] += below ? kEdge : 0;
+    count_columns(side, row, std::min(top, bottom), std::max(top, bottom));
+  }
+  // Counts a piece that crosses neither edge of the row, in columns `first` to `last`.
+  void count_columns(std::uint32_t side, std::int32_t row, std::int32_t first, std::int32_t last) {
+    std::uint32_t* const counts = counts_of(row);
+    for (std::int32_t column = first; column <= last; ++column)
+      counts[column] += kPiece + (column > first ? kEdge : 0) + (column < last ? kEdge : 0);
+    pieces_.push_back({side, row, first, last});
+  }
+
+  // Notes the shared pixels of a block, and forgets what was counted in it. `cells`: the block's cells before
+  // they are painted. `winding`: the winding number left of the block, in units.
+  void look_at_block(std::int32_t row, std::size_t first_column, const std::uint32_t* cells,
+                     std::uint32_t winding);
+
+  struct Pixel {
+    std::int32_t row, column;  // in the band
+    std::uint32_t winding;     // mean winding number, in units
+    bool has_one_outline;      // and so many sides that it may cross itself
+    std::uint32_t sides = 0, crossings = 0;
+    std::uint32_t last_side = kNone, last_crossing = kNone;
+  };
+  [[nodiscard]] std::span<const Pixel> pixels() const { return pixels_; }
+
+  // Collects the sides of the shared pixels. `first_row`: the band's first row in the mask. `side_of`:
+  // returns the UnitSide of a number.
+  template <typename SideOf>
+  void collect(std::int32_t first_row, SideOf&& side_of) {
+    if (!pixels_.empty()) {
+      for (const Piece& piece : pieces_)
+        if (is_near_shared(piece)) cut(side_of(piece.side), piece.row, piece.row + first_row);
+    }
+    pieces_.clear();
+  }
+  // True if a pixel has more than PixelFill::kMostSides sides.
+  [[nodiscard]] bool too_dense() const;
+  // Returns the filled part of a pixel, 0 to 1; nothing if its mean winding number gives it. REQUIRES: not
+  // too_dense().
+  [[nodiscard]] std::optional<double> filled(const Pixel& pixel);
+  // Forgets the band.
+  void clear();
+
+ private:
+  static constexpr std::uint32_t kEdge = 1, kPiece = 1 << 16, kNone = 0xFFFFFFFF;
+
+  struct Piece {
+    std::uint32_t side;
+    std::int32_t row, first, last;  // columns
+  };
+  template <typename Item>
+  struct Listed {
+    Item item;
+    std::uint32_t next;
+  };
+
+  [[nodiscard]] std::uint32_t* counts_of(std::int32_t row) {
+    return counts_.data() + static_cast<std::size_t>(row) * stride_;
+  }
+  [[nodiscard]] bool is_near_shared(const Piece& piece) const;
+  void cut(const UnitSide& side, std::int32_t row, std::int32_t mask_row);
+  void cut_level(const UnitSide& side, std::int32_t row, std::int32_t mask_row);
+  void add_side(std::int32_t row, std::int32_t column, const PixelSide& side);
+  void add_crossing(std::int32_t row, std::int32_t column, const EdgeCrossing& crossing);
+
+  std::int32_t width_;
+  std::size_t stride_;
+  // What was counted of each pixel of the band; after look_at_block() 0, or a shared pixel's number in
+  // pixels_ plus 1.
+  std::vector<std::uint32_t> counts_;
+  std::vector<Piece> pieces_;
+  std::vector<Pixel> pixels_;
+  std::vector<Listed<PixelSide>> sides_;
+  std::vector<Listed<EdgeCrossing>> crossings_;
+  PixelFill fill_;
+};
+
+}  // namespace contourd
