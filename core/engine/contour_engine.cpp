@@ -53,9 +53,11 @@ ContourEngine::ContourEngine(std::vector<PlateModel> models, const EngineSetting
   }
   if (!correction_.is_none()) masks_.corrected.emplace(mask.width(), mask.height());
   for (const PlateModel& each : models_) {
+    if (!each.has_finished_layers()) continue;
+    expects(models_.size() == 1 && each.copies.size() == 1 && !each.holes && !beside_.source &&
+                !(each.pictures && each.outlines),
+            "finished layers are of the whole plate");
     if (!each.pictures) continue;
-    expects(models_.size() == 1 && each.copies.size() == 1 && !each.holes && !beside_.source,
-            "pictures are of the whole plate");
     if (each.pictures->width() != mask.width() || each.pictures->height() != mask.height())
       throw std::invalid_argument("the pictures do not have the display's size");
     masks_.picture.emplace(mask.width(), mask.height());
@@ -121,6 +123,14 @@ void ContourEngine::link(std::size_t model, MaskBudget& budget) {
 }
 
 bool ContourEngine::add_to_mask(std::size_t model, Millimeters z, Millimeters offset, MaskBudget& budget) {
+  if (models_[model].outlines) {
+    models_[model].outlines->section_at(section_height_, contours_);
+    figures_.loops += static_cast<std::uint32_t>(contours_.loops.size());
+    if (!budget.spend(contours_.points.size()) || !budget.can_hold(contours_.points.size())) return false;
+    if (offset != Millimeters{}) return add_moved(model, offset, budget);
+    for_copies(model, [&](const PixelMap& copy) { rasterizer_.add_loops(contours_, copy); });
+    return true;
+  }
   slice(model, z);
   if (!cut_holes(model, z, budget)) return false;
   Section& section = cuts_[model].section;
@@ -220,8 +230,12 @@ const Contours& ContourEngine::contours_at(Nanometers height) {
   MaskBudget unlimited;
   if (masks_.picture) return plate_contours_;
   for (std::size_t i = 0; i < models_.size(); ++i) {
-    slice(i, models_[i].z_at(height));
-    link(i, unlimited);
+    if (models_[i].outlines) {
+      models_[i].outlines->section_at(height, contours_);
+    } else {
+      slice(i, models_[i].z_at(height));
+      link(i, unlimited);
+    }
     append(contours_, plate_contours_);
   }
   return plate_contours_;

@@ -16,6 +16,7 @@
 #include "core/contour/contour_loops.hpp"
 #include "core/contour/contour_offset.hpp"
 #include "core/contour/layer_cracks.hpp"
+#include "core/contour/outline_stack.hpp"
 #include "core/contour/slicer.hpp"
 #include "core/contract/expects.hpp"
 #include "core/engine/compensation.hpp"
@@ -39,6 +40,12 @@ struct PlateModel : StandingModel {
   // Pictures that are exposed instead of the model's sections; the model is the box around them, which stands
   // on the plate (see box_of()). Null: the model is exposed.
   std::shared_ptr<const PictureStack> pictures{};
+  // Outlines that are exposed instead of the model's sections, as sections are; the model is the box around
+  // them. Null: no such outlines.
+  std::shared_ptr<const OutlineStack> outlines{};
+
+  // True if finished layers are exposed, not sections of the model.
+  [[nodiscard]] bool has_finished_layers() const { return pictures || outlines; }
 };
 
 struct EngineSettings {
@@ -55,8 +62,8 @@ class ContourEngine {
   // anti-aliasing: a pixel has the greater value of the two. Compensation, threshold, contours and cracks
   // concern the models only; the uniformity mask corrects both. Throws std::invalid_argument unless the
   // display is 1 to 16384 pixels wide and high, and the uniformity mask and the pictures, if there are any,
-  // have the display's size. REQUIRES: no null pointers; a model with pictures is the only one, stands there
-  // once and has no holes and nothing beside it.
+  // have the display's size. REQUIRES: no null pointers; a model with finished layers is the only one, has
+  // either pictures or outlines, stands there once and has no holes and nothing beside it.
   ContourEngine(std::vector<PlateModel> models, const EngineSettings& settings,
                 std::shared_ptr<const SectionSource> beside = nullptr);
   // Makes an engine for one model that is not shared.
@@ -158,8 +165,8 @@ class ContourEngine {
   // Slice or link a model, by its number.
   void slice(std::size_t model, Millimeters z);
   void link(std::size_t model, MaskBudget& budget);
-  // Cuts a model at its z, moves the contours outwards and adds them to the mask. False if the budget was
-  // overrun.
+  // Cuts a model at its z, or takes its finished outlines, moves the contours outwards and adds them to the
+  // mask. False if the budget was overrun.
   [[nodiscard]] bool add_to_mask(std::size_t model, Millimeters z, Millimeters offset, MaskBudget& budget);
   [[nodiscard]] bool add_moved(std::size_t model, Millimeters offset, MaskBudget& budget);
   // Cuts the sections beside the models, for paint(). False if the budget was overrun.

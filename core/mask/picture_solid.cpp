@@ -13,6 +13,13 @@ struct Corners {
   Vertex low, high;
 };
 
+// A rectangle on the plate, and the layers that stand on it.
+struct LayeredBox {
+  Point low, high;
+  Nanometers thickness;
+  std::size_t layers;
+};
+
 // Appends the twelve facets of a box, seen from outside counter-clockwise.
 void append_box(const Corners& box, std::vector<Facet>& facets) {
   const auto corner = [&box](unsigned bits) {
@@ -28,24 +35,34 @@ void append_box(const Corners& box, std::vector<Facet>& facets) {
   }
 }
 
+std::vector<Facet> facets_of(const LayeredBox& box) {
+  const double top_mm = to_millimeters(box.thickness).count() * static_cast<double>(box.layers);
+  const auto vertex = [](const Point& at, double z) {
+    return Vertex{static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(z)};
+  };
+  std::vector<Facet> facets;
+  append_box({vertex(box.low, 0), vertex(box.high, top_mm)}, facets);
+  return facets;
+}
+
 }  // namespace
 
 std::vector<Facet> box_of(const PictureStack& pictures, const DisplayGeometry& display) {
   expects(display.width == pictures.width() && display.height == pictures.height(),
           "the display has the pictures' size");
-  std::vector<Facet> facets;
-  if (!pictures.lit()) return facets;
+  if (!pictures.lit()) return {};
   const PixelBox lit = *pictures.lit();
   const Point a = on_plate(display, {static_cast<double>(lit.left), static_cast<double>(lit.top)});
   const Point b = on_plate(display, {static_cast<double>(lit.right), static_cast<double>(lit.bottom)});
-  const double top_mm = to_millimeters(pictures.thickness()).count() * static_cast<double>(pictures.layers());
-  const auto vertex = [](double x, double y, double z) {
-    return Vertex{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
-  };
-  append_box({vertex(std::min(a.x, b.x), std::min(a.y, b.y), 0),
-              vertex(std::max(a.x, b.x), std::max(a.y, b.y), top_mm)},
-             facets);
-  return facets;
+  return facets_of({{std::min(a.x, b.x), std::min(a.y, b.y)},
+                    {std::max(a.x, b.x), std::max(a.y, b.y)},
+                    pictures.thickness(),
+                    pictures.layers()});
+}
+
+std::vector<Facet> box_of(const OutlineStack& outlines) {
+  if (!outlines.box()) return {};
+  return facets_of({outlines.box()->low, outlines.box()->high, outlines.thickness(), outlines.layers()});
 }
 
 }  // namespace contourd

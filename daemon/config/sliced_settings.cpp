@@ -12,7 +12,7 @@
 namespace contourd {
 namespace {
 
-// Returns the ticket's keys that pictures cannot have.
+// Returns the ticket's keys that finished layers cannot have.
 std::vector<std::string_view> keys_for_models(const JobTicket& ticket) {
   const ModelTicket& model = ticket.models.front();
   std::vector<std::string_view> keys;
@@ -104,18 +104,24 @@ std::string take_exposures(const FileLayers& layers, double irradiance_mw_cm2, R
 
 }  // namespace
 
-std::string settle_for_pictures(const FileLayers& layers, double irradiance_mw_cm2, JobTicket& ticket,
-                                ResinProfile& resin, OverriddenSettings& overridden) {
+std::string refusal_for_layers(const JobTicket& ticket) {
+  const auto keys = keys_for_models(ticket);
+  if (keys.empty()) return "";
+  return fmt::format(
+      "the file holds finished layers, and the ticket asks for {}, which need{} a model: leave {} out, or "
+      "print "
+      "the model itself",
+      fmt::join(keys, ", "), keys.size() == 1 ? "s" : "", keys.size() == 1 ? "it" : "them");
+}
+
+std::string settle_for_layers(const FileLayers& layers, double irradiance_mw_cm2, JobTicket& ticket,
+                              ResinProfile& resin, OverriddenSettings& overridden) {
   expects(irradiance_mw_cm2 > 0, "there is light");
-  if (const auto keys = keys_for_models(ticket); !keys.empty())
-    return fmt::format(
-        "the file holds finished pictures of layers, and the ticket asks for {}, which need{} a "
-        "model: leave {} out, or print the model itself",
-        fmt::join(keys, ", "), keys.size() == 1 ? "s" : "", keys.size() == 1 ? "it" : "them");
+  if (std::string refusal = refusal_for_layers(ticket); !refusal.empty()) return refusal;
   if (std::string refusal = refuse_layer_height(layers.thickness, ticket, resin); !refusal.empty())
     return refusal;
   ticket.layer_height = layers.thickness;
-  resin.compensation = {};
+  if (!layers.outlines) resin.compensation = {};
   resin.shrinkage_factors = {};
   resin.undersides = Undersides::Plain;
   resin.mode = PrintWay::Layered;

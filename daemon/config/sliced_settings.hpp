@@ -1,4 +1,5 @@
-// The settings of a job whose file holds finished pictures of layers. Thread-safe (no shared state).
+// The settings of a job whose file holds finished layers: pictures or outlines. Thread-safe (no shared
+// state).
 #pragma once
 
 #include <optional>
@@ -18,15 +19,20 @@ struct FileExposures {
 struct FileLayers {
   Nanometers thickness{};
   std::optional<FileExposures> exposures{};  // nullopt: the file names none
+  bool outlines = false;                     // the layers are no pictures
 };
 
-// Changes ticket and profile to those of pictures: the layer height is the file's, outlines are not
-// compensated for the resin, undersides are plain and layers are printed one by one. With
-// `exposure_from` the exposures are the file's, too, and are added to `overridden`. Returns a refusal, a
+// Returns a refusal, a sentence, if the ticket asks for what finished layers cannot have; empty if it does
+// not.
+[[nodiscard]] std::string refusal_for_layers(const JobTicket& ticket);
+
+// Changes ticket and profile to those of finished layers: the layer height is the file's, the part does not
+// shrink, pictures are not compensated for the resin, undersides are plain and layers are printed one by one.
+// With `exposure_from` the exposures are the file's, too, and are added to `overridden`. Returns a refusal, a
 // sentence, if the ticket asks for what needs a model, or for exposures that the profile does not allow;
 // empty if it does not. REQUIRES: irradiance > 0.
-[[nodiscard]] std::string settle_for_pictures(const FileLayers& layers, double irradiance_mw_cm2,
-                                              JobTicket& ticket, ResinProfile& resin,
-                                              OverriddenSettings& overridden);
+[[nodiscard]] std::string settle_for_layers(const FileLayers& layers, double irradiance_mw_cm2,
+                                            JobTicket& ticket, ResinProfile& resin,
+                                            OverriddenSettings& overridden);
 
 }  // namespace contourd

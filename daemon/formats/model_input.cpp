@@ -129,24 +129,28 @@ class ThreeMfInput : public ModelInput {
   ModelOutline outline_;
 };
 
-// Pictures of layers.
+// Finished layers.
 class SlicedInput : public ModelInput {
  public:
-  explicit SlicedInput(std::shared_ptr<const ZipArchive> archive) : archive_(std::move(archive)) {}
+  explicit SlicedInput(std::shared_ptr<const ZipArchive> archive)
+      : archive_(std::move(archive)),
+        outline_{
+            .format = archive_.has_outlines() ? "sl1_svg" : "sl1", .most_facets = kBoxFacets, .exact = true} {
+  }
 
   [[nodiscard]] const ModelOutline& outline() const override { return outline_; }
   [[nodiscard]] const Sl1Archive* sliced() const override { return &archive_; }
   [[nodiscard]] Model read(std::uint64_t /*most_facets*/) override {
     throw ModelError(
-        "the file holds pictures of layers for a printer's display and no model: name the printer's "
+        "the file holds finished layers for a printer's display and no model: name the printer's "
         "configuration by --printer, or give the model that the file was made from");
   }
 
  private:
-  static constexpr std::uint64_t kBoxFacets = 12;  // facets of the box that stands for the pictures
+  static constexpr std::uint64_t kBoxFacets = 12;  // facets of the box that stands for the layers
 
   Sl1Archive archive_;
-  ModelOutline outline_{.format = "sl1", .most_facets = kBoxFacets, .exact = true};
+  ModelOutline outline_;
 };
 
 // Writes the rest of the stream into a file in memory, and returns it at its beginning.
@@ -240,7 +244,7 @@ OpenedModels open_models(ModelSource source) {
                     "remove \"model\" from the ticket",
                     in_quotes(names.front())));
   const std::string_view extension = model_extension(source.path.filename().string());
-  if (!plain && (extension == ".sl1" || extension == ".sl1s"))
+  if (!plain && (extension == ".sl1" || extension == ".sl1s" || extension == ".sl1_svg"))
     throw ModelError(
         "its name is that of a sliced archive, and it is no ZIP file, so it is damaged or something else: "
         "slice "

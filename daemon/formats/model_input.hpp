@@ -35,10 +35,10 @@ class ModelInput {
   virtual ~ModelInput() = default;
 
   [[nodiscard]] virtual const ModelOutline& outline() const = 0;
-  // Returns the archive if the file holds pictures of layers instead of a model; null for a model.
+  // Returns the archive if the file holds finished layers instead of a model; null for a model.
   [[nodiscard]] virtual const Sl1Archive* sliced() const { return nullptr; }
   // Reads the model. Call it once. Blocks for a time in proportion to the file, and to what it becomes when
-  // it is unpacked, which input_limits.hpp bounds. Throws ModelError for bad data, for pictures of layers
+  // it is unpacked, which input_limits.hpp bounds. Throws ModelError for bad data, for finished layers
   // and for a model that consists of more than `most_facets` copies of facets, std::system_error if the file
   // cannot be read.
   [[nodiscard]] virtual Model read(std::uint64_t most_facets) = 0;

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "core/model/model.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/system/readable.hpp"
@@ -19,7 +20,9 @@
 namespace contourd {
 namespace {
 
-constexpr std::string_view kConfig = "config.ini", kSlicerConfig = "prusaslicer.ini", kPicture = ".png";
+constexpr std::string_view kConfig = "config.ini", kSlicerConfig = "prusaslicer.ini", kPicture = ".png",
+                           kOutlines = ".svg";
+static_assert(kPicture.size() == kOutlines.size());
 constexpr std::size_t kDigits = 5;
 constexpr std::uint64_t kMostConfigBytes = std::uint64_t{1} << 20U;
 // Bytes that a PNG picture may have besides its pixels: rows' filters are a byte each.
@@ -32,9 +35,18 @@ constexpr std::chrono::minutes kLongestReading{20};
 constexpr std::string_view kSliceForDisplay =
     "slice the model for this printer's display, or print the model itself";
 
-// Returns the number of the picture's layer; nullopt if the file is no layer's picture.
-std::optional<std::size_t> layer_of(std::string_view name) {
-  if (name.find_first_of("/\\") != std::string_view::npos || !name.ends_with(kPicture)) return std::nullopt;
+// The name of a layer's file: "part00012.png".
+struct LayerName {
+  std::string_view stem;  // beginning, before the number
+  std::size_t number;
+  bool is_outlines;
+};
+
+// Returns the parts of the name; nullopt if the file is no layer's.
+std::optional<LayerName> layer_name(std::string_view name) {
+  const bool is_outlines = name.ends_with(kOutlines);
+  if (name.find_first_of("/\\") != std::string_view::npos || (!is_outlines && !name.ends_with(kPicture)))
+    return std::nullopt;
   name.remove_suffix(kPicture.size());
   if (name.size() < kDigits) return std::nullopt;
   std::size_t number = 0;
@@ -42,12 +54,7 @@ std::optional<std::size_t> layer_of(std::string_view name) {
     if (digit < '0' || digit > '9') return std::nullopt;
     number = 10 * number + static_cast<std::size_t>(digit - '0');
   }
-  return number;
-}
-
-// Returns the beginning of the picture's name, before the number.
-std::string_view stem_of(std::string_view name) {
-  return name.substr(0, name.size() - kPicture.size() - kDigits);
+  return LayerName{name.substr(0, name.size() - kDigits), number, is_outlines};
 }
 
 struct PictureSize {
@@ -174,7 +181,7 @@ Mask decode(std::span<const std::uint8_t> bytes, const PictureSize& size, const 
 bool is_sl1(const ZipArchive& archive) {
   return archive.find(kConfig) != nullptr &&
          std::ranges::any_of(archive.entries(),
-                             [](const ZipEntry& entry) { return layer_of(entry.name).has_value(); });
+                             [](const ZipEntry& entry) { return layer_name(entry.name).has_value(); });
 }
 
 Sl1Archive::Sl1Archive(std::shared_ptr<const ZipArchive> archive) : archive_(std::move(archive)) {
@@ -185,7 +192,7 @@ Sl1Archive::Sl1Archive(std::shared_ptr<const ZipArchive> archive) : archive_(std
     return parse_ini({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   };
   settings_ = read_sliced_settings(ini(kConfig), ini(kSlicerConfig));
-  list_pictures();
+  list_layers();
 }
 
 std::vector<std::uint8_t> Sl1Archive::bytes_of(const ZipEntry& entry, std::uint64_t most) const {
@@ -207,46 +214,52 @@ std::vector<std::uint8_t> Sl1Archive::bytes_of(const ZipEntry& entry, std::uint6
   return bytes;
 }
 
-void Sl1Archive::list_pictures() {
+void Sl1Archive::list_layers() {
   std::vector<const ZipEntry*> found;
   for (const ZipEntry& entry : archive_->entries())
-    if (layer_of(entry.name)) found.push_back(&entry);
+    if (layer_name(entry.name)) found.push_back(&entry);
   // Other pictures may lie beside the layers, if config.ini says how the layers are called.
-  const auto is_named = [this](const ZipEntry* entry) { return stem_of(entry->name) == settings_.name; };
+  const auto is_named = [this](const ZipEntry* entry) {
+    return layer_name(entry->name)->stem == settings_.name;
+  };
   if (std::ranges::any_of(found, is_named)) std::erase_if(found, std::not_fn(is_named));
-  std::ranges::sort(found, {}, [](const ZipEntry* entry) { return *layer_of(entry->name); });
+  std::ranges::sort(found, {}, [](const ZipEntry* entry) { return layer_name(entry->name)->number; });
+  const LayerName first = *layer_name(found.front()->name);
+  has_outlines_ = first.is_outlines;
+  const std::string_view kind = has_outlines_ ? "outline" : "picture";
   for (std::size_t i = 0; i < found.size(); ++i) {
     const std::string& name = found[i]->name;
-    const std::size_t layer = *layer_of(name);
-    if (stem_of(name) != stem_of(found.front()->name) || layer < i)
-      throw ModelError(fmt::format("two pictures, {} and {}, may be those of a layer: slice the model again",
+    const auto [stem, layer, is_outlines] = *layer_name(name);
+    if (stem != first.stem || is_outlines != has_outlines_ || layer < i)
+      throw ModelError(fmt::format("two files, {} and {}, may be those of a layer: slice the model again",
                                    in_quotes(found[i == 0 ? 0 : i - 1]->name), in_quotes(name)));
     if (layer > i)
       throw ModelError(
-          fmt::format("the picture of layer {}, {}{:05}.png, is missing: copy the archive again, or "
-                      "slice the model again",
-                      i + 1, printable(stem_of(name)), i));
+          fmt::format("the {} of layer {}, {}{:05}{}, is missing: copy the archive again, or slice the model "
+                      "again",
+                      kind, i + 1, printable(stem), i, has_outlines_ ? kOutlines : kPicture));
   }
   if (static_cast<std::int64_t>(found.size()) < settings_.layers)
-    throw ModelError(fmt::format(
-        "config.ini names {} layers (numFast and numSlow), and pictures of {} are there: copy the "
-        "archive again, or slice the model again",
-        settings_.layers, found.size()));
-  pictures_ = std::move(found);
+    throw ModelError(
+        fmt::format("config.ini names {} layers (numFast and numSlow), and {}s of {} are there: copy the "
+                    "archive again, or slice the model again",
+                    settings_.layers, kind, found.size()));
+  files_ = std::move(found);
 }
 
 std::shared_ptr<const PictureStack> Sl1Archive::read(const DisplayGeometry& display, std::uint64_t most_bytes,
                                                      const std::stop_token& stop) const {
+  expects(!has_outlines_, "the archive has pictures");
   const auto end = std::chrono::steady_clock::now() + kLongestReading;
   const auto pixels =
       static_cast<std::uint64_t>(display.width.count()) * static_cast<std::uint64_t>(display.height.count());
   const std::uint64_t most = pixels + kMostBeside;
-  const PictureSize size = size_of_png(bytes_of(*pictures_.front(), most), pictures_.front()->name);
+  const PictureSize size = size_of_png(bytes_of(*files_.front(), most), files_.front()->name);
   const Turn turn = turn_for(settings_.display, size, display);
   auto stack = std::make_shared<PictureStack>(display.width, display.height, settings_.layer_height);
   std::vector<std::uint8_t> bytes, bytes_beneath;
   Mask picture;
-  for (const ZipEntry* const entry : pictures_) {
+  for (const ZipEntry* const entry : files_) {
     if (stop.stop_requested()) return stack;
     bytes = bytes_of(*entry, most);
     // Layers of upright walls are equal, and comparing their files takes a hundredth of decoding them.

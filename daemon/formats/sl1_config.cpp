@@ -95,7 +95,7 @@ IniFile parse_ini(std::string_view text) {
 }
 
 SlicedSettings read_sliced_settings(const IniFile& config, const IniFile& prusaslicer) {
-  constexpr Range kLayerMm{0.001, 1}, kLayers{0, 1e6};
+  constexpr Range kLayerMm{0.001, 1}, kLayers{0, 1e6}, kGamma{0, 10};
   const Figures figures(config, "config.ini");
   const std::optional<double> layer_mm = figures.number("layerHeight", kLayerMm);
   if (!layer_mm)
@@ -109,6 +109,7 @@ SlicedSettings read_sliced_settings(const IniFile& config, const IniFile& prusas
   const double first_mm = slicer.number("initial_layer_height", kLayerMm).value_or(*layer_mm);
   settings.first_layer = Nanometers{std::llround(first_mm * 1e6)};
   settings.display = display_of_slicer(slicer);
+  settings.gamma = slicer.number("gamma_correction", kGamma).value_or(1);
   settings.name = figures.text("jobDir").value_or("");
   settings.layers = std::llround(figures.number("numFast", kLayers).value_or(0) +
                                  figures.number("numSlow", kLayers).value_or(0));

@@ -42,6 +42,7 @@ struct SlicedSettings {
   std::optional<SlicedDisplay> display{};      // nullopt: the file does not tell
   std::string name{};                          // with which the names of pictures begin; empty: not told
   std::int64_t layers = 0;                     // number that the file names; 0: none
+  double gamma = 1;                            // gamma correction of its pictures
 };
 
 // Reads the settings. Throws ModelError, a sentence, for a setting that is missing or wrong.

@@ -71,6 +71,7 @@ class Reading {
     XML_SetElementHandler(parser_.get(), opened, closed);
     XML_SetStartNamespaceDeclHandler(parser_.get(), declared);
     XML_SetStartDoctypeDeclHandler(parser_.get(), doctype);
+    XML_SetNotStandaloneHandler(parser_.get(), not_standalone);
     if (handler.wants_text()) XML_SetCharacterDataHandler(parser_.get(), characters);
   }
 
@@ -126,9 +127,20 @@ class Reading {
         [&] { reading.handler_.name_space(prefix == nullptr ? "" : prefix, uri == nullptr ? "" : uri); });
   }
   static void doctype(void* self, const char* /*name*/, const char* /*system*/, const char* /*public*/,
-                      int /*has_internal_subset*/) {
-    static_cast<Reading*>(self)->guarded(
+                      int has_internal_subset) {
+    auto& reading = *static_cast<Reading*>(self);
+    if (has_internal_subset == 0 && reading.handler_.may_name_type()) return;
+    reading.guarded(
         [] { throw ModelError("it has a document type declaration, which such files must not have"); });
+  }
+
+  // Without "standalone", the parser would leave out what a document type that is not read could define.
+  static int not_standalone(void* self) {
+    static_cast<Reading*>(self)->guarded([] {
+      throw ModelError(
+          "it names a document type, and does not say standalone=\"yes\": slice the model again");
+    });
+    return XML_STATUS_ERROR;
   }
 
   [[noreturn]] void refuse() const {

@@ -44,11 +44,14 @@ class XmlHandler {
   // Called with the text between elements, in any number of pieces, if wants_text().
   virtual void text(std::string_view /*text*/) {}
   [[nodiscard]] virtual bool wants_text() const { return false; }
+  // True if the document may name a document type. It is never read, must not define anything itself, and the
+  // document must say that it stands alone.
+  [[nodiscard]] virtual bool may_name_type() const { return false; }
 };
 
 // Reads a whole document; blocks. `name` begins messages. Throws ModelError for anything but well-formed XML
-// without a document type declaration, with at most 64 levels, whose names fit into 32 MB and whose tags into
-// 1 MB; what the handler throws; and what the stream throws.
+// without a document type declaration (but see may_name_type()), with at most 64 levels, whose names fit into
+// 32 MB and whose tags into 1 MB; what the handler throws; and what the stream throws.
 void read_xml(ByteStream& stream, XmlHandler& handler, const std::string& name);
 
 }  // namespace contourd

@@ -25,7 +25,8 @@ constexpr std::size_t kMostFolders = 16;    // folders around a model
 constexpr std::size_t kMostNamed = 6;       // models in a message
 constexpr std::size_t kLongestNamed = 200;  // bytes of a path in a list
 
-constexpr std::array<std::string_view, 7> kArchives{".zip", ".gz", ".rar", ".7z", ".tar", ".sl1", ".sl1s"};
+constexpr std::array<std::string_view, 8> kArchives{".zip", ".gz",  ".rar",  ".7z",
+                                                    ".tar", ".sl1", ".sl1s", ".sl1_svg"};
 // Projects of Lychee Slicer and of CHITUBOX.
 constexpr std::array<std::string_view, 2> kProjects{".lys", ".chitubox"};
 // Formats in the order of preference, for a model that is there in several.
@@ -75,9 +76,9 @@ std::string names_of(const std::vector<const ZipEntry*>& entries) {
 [[noreturn]] void refuse_no_model(const ZipArchive& archive) {
   if (archive.find("prusaslicer.ini") != nullptr || archive.find("config.ini") != nullptr)
     throw ModelError(
-        "the file is a sliced file for SL1 printers without a PNG picture for each layer: slice the model "
-        "again "
-        "with the archive format SL1, or print the model itself");
+        "the file is a sliced file for SL1 printers without a PNG picture or SVG outlines for each layer: "
+        "slice "
+        "the model again with the archive format SL1 or SL1SVG, or print the model itself");
   if (archive.find("Document.xml") != nullptr)
     throw ModelError("the file is a FreeCAD project: export the model as STL from FreeCAD");
   if (const auto projects = entries_ending_in(archive, kProjects); !projects.empty())

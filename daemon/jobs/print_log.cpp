@@ -20,8 +20,7 @@ constexpr std::size_t kMaxWarnings = 20;
 std::string content_of(const JobSummary& summary) {
   if (!summary.plate) {
     const ModelSummary& model = summary.models.front();
-    const std::string of =
-        summary.sliced ? "pictures of layers" : fmt::format("{} facets", model.mesh.facets);
+    const std::string of = summary.sliced ? layers_text(model) : fmt::format("{} facets", model.mesh.facets);
     return fmt::format("{}, {:.2f} x {:.2f} x {:.2f} mm", of, model.size_x_mm, model.size_y_mm,
                        model.size_z_mm);
   }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/contour/outline_stack.hpp"
 #include "core/engine/section_source.hpp"
 #include "core/mask/picture_stack.hpp"
 #include "core/mask/pixel_map.hpp"
@@ -40,8 +41,9 @@ struct ModelToPlace {
   OwnSupports own_supports = OwnSupports::None;
   // Drain holes in each copy (see PlateModel); null if there are none.
   std::shared_ptr<const SectionSource> holes{};
-  // Pictures that are exposed instead (see PlateModel); null for a model.
+  // Finished layers that are exposed instead (see PlateModel); null for a model.
   std::shared_ptr<const PictureStack> pictures{};
+  std::shared_ptr<const OutlineStack> outlines{};
 
   [[nodiscard]] StandingModel standing() const { return {model, elevation}; }
 };

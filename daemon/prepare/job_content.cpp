@@ -54,7 +54,7 @@ JobContent::OpenedFile JobContent::open(const ModelTicket& ticket, bool unsuppor
                                        printable(ticket.file));
   if (plate && opened.files.front().sliced() != nullptr)
     throw JobRefused(
-        fmt::format("{} holds pictures of layers, which are those of a whole plate: print it by itself",
+        fmt::format("{} holds finished layers, which are those of a whole plate: print it by itself",
                     printable(ticket.file)));
   for (std::string& note : opened.notes)
     notes_.push_back(plate ? printable(ticket.file) + ": " + note : std::move(note));
@@ -88,12 +88,12 @@ bool JobContent::is_first_of_file(std::size_t model) const {
                       [&](const NamedModel& other) { return other.file == models_[model].file; });
 }
 
-Model JobContent::read_pictures(const DisplayGeometry& display, const std::stop_token& stop) {
+Model JobContent::read_layers(const DisplayGeometry& display, const std::stop_token& stop) {
   // Half a gigabyte is twenty times what a print of 4000 dense layers takes.
   constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 29U;
-  pictures_ = files_.front().read_pictures(display, std::min(kMostBytes, room_.bytes - needed_), stop);
+  finished_ = files_.front().read_layers(display, std::min(kMostBytes, room_.bytes - needed_), stop);
   Model box;
-  box.facets = box_of(*pictures_, display);
+  box.facets = finished_.outlines ? box_of(*finished_.outlines) : box_of(*finished_.pictures, display);
   const Point middle = bounds_of(box.facets).center();
   ModelTicket& ticket = models_.front().ticket;
   ticket.scale = Scale{1};
@@ -110,12 +110,12 @@ void JobContent::read(const DisplayGeometry& display, const MemoryRoom& room, co
   room_ = room;
   if (needed_ > room_.bytes) throw JobTooLarge(to_read_, "", needed_, room_);
   for (std::size_t i = 0; i < files_.size(); ++i) {
-    read_.push_back(sliced() != nullptr ? read_pictures(display, stop)
+    read_.push_back(sliced() != nullptr ? read_layers(display, stop)
                                         : files_[i].read(most_facets_to_read(to_read_, i, display, room_)));
     // The facets that there are, instead of those that the file's beginning promised.
     to_read_[i].outline.most_facets = read_[i].facets.size();
     to_read_[i].outline.exact = true;
-    if (pictures_) to_read_[i].outline.buffered_bytes = pictures_->bytes();
+    to_read_[i].outline.buffered_bytes += finished_.bytes();
   }
   needed_ = memory_to_prepare(to_read_, display);
 }

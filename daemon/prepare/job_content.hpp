@@ -46,18 +46,18 @@ class JobContent {
   [[nodiscard]] bool is_archive_plate() const { return is_plate_ && !files_of_job_.plate; }
   // Returns the choices made in archives, a sentence each.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
-  // Returns the archive if the job's only file holds pictures of layers; null for models.
+  // Returns the archive if the job's only file holds finished layers; null for models.
   [[nodiscard]] const Sl1Archive* sliced() const { return files_.front().sliced(); }
-  // Returns these pictures. Valid after read(); null for models.
-  [[nodiscard]] const std::shared_ptr<const PictureStack>& pictures() const { return pictures_; }
+  // Returns these layers. Valid after read().
+  [[nodiscard]] const FinishedLayers& finished_layers() const { return finished_; }
   // Removes a model, whose facets are taken already. REQUIRES: is_archive_plate(); it is not the only one.
   void leave_out(std::size_t model);
   // True if no earlier model is made from the same file.
   [[nodiscard]] bool is_first_of_file(std::size_t model) const;
 
   // Reads all files. Blocks. Throws JobRefused; JobTooLarge if there is not enough memory for the job, before
-  // any file is read. The box around pictures becomes the job's only model, where they light the plate. Reads
-  // only a part of the pictures if a stop was requested.
+  // any file is read. The box around finished layers becomes the job's only model, where they light the
+  // plate. Reads only a part of these layers if a stop was requested.
   void read(const DisplayGeometry& display, const MemoryRoom& room, const std::stop_token& stop);
   // True if there is memory to repair this many facets beside the job.
   [[nodiscard]] bool has_room_to_repair(std::size_t facets) const;
@@ -99,7 +99,7 @@ class JobContent {
   void add(const ModelTicket& ticket, bool unsupported);
   [[nodiscard]] OpenedFile open(const ModelTicket& ticket, bool unsupported);
   void add_model(const ModelTicket& ticket, std::size_t file);
-  [[nodiscard]] Model read_pictures(const DisplayGeometry& display, const std::stop_token& stop);
+  [[nodiscard]] Model read_layers(const DisplayGeometry& display, const std::stop_token& stop);
 
   JobFiles files_of_job_;
   bool is_plate_;
@@ -109,7 +109,7 @@ class JobContent {
   std::vector<ModelFile> files_;
   std::vector<FileToRead> to_read_;  // outlines, by file
   std::vector<Model> read_;          // by file
-  std::shared_ptr<const PictureStack> pictures_;
+  FinishedLayers finished_;
   std::uint64_t needed_ = 0;     // bytes
   std::uint64_t repairing_ = 0;  // bytes in addition, for the largest repair
   MemoryRoom room_;              // before reading

@@ -67,7 +67,7 @@ std::uint64_t memory_for(std::span<const PlateModel> models, bool moved, Crossed
   const std::uint64_t kept = models.size() > 1 ? kKept : 0;
   std::uint64_t cut = 0, painted = 0;
   for (const PlateModel& model : models) {
-    const std::uint64_t facets = crossed(*model.model);
+    const std::uint64_t facets = model.outlines ? model.outlines->most_points() : crossed(*model.model);
     cut = std::max(cut, facets * (kCrossed + (moved ? kMoved : 0)));
     painted += facets * (model.copies.size() * kPainted + kept);
   }

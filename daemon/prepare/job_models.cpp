@@ -121,7 +121,8 @@ std::vector<ModelToPlace> make_models(JobContent& content, const JobSettings& se
     const std::optional<PlateOffset> position =
         summary.plate ? ticket.position : ticket.position.value_or(PlateOffset{});
     models.push_back({name, nullptr, position, ticket.copies});
-    models.back().pictures = content.pictures();
+    models.back().pictures = content.finished_layers().pictures;
+    models.back().outlines = content.finished_layers().outlines;
     if (made_as == i) {
       summary.models.push_back(make_model(content, i, making, summary, models[i].model));
     } else {

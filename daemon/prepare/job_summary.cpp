@@ -32,6 +32,10 @@ std::string describe_exposure_steps(const ResinProfile& resin) {
 
 }  // namespace
 
+std::string layers_text(const ModelSummary& model) {
+  return model.format == "sl1_svg" ? "outlines of layers" : "pictures of layers";
+}
+
 std::string describe_correction(const JobSummary& summary) {
   const Compensation& c = summary.resin.compensation;
   std::string text;

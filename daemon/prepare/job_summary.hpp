@@ -68,7 +68,7 @@ struct FollowedTemperature {
 struct JobSummary {
   std::vector<ModelSummary> models;  // at least one
   bool plate = false;
-  bool sliced = false;            // the file holds pictures of layers; the model is the box around them
+  bool sliced = false;            // the file holds finished layers; the model is the box around them
   bool dry = false;               // printed without light
   bool confirm = false;           // the ticket has it wait until a user accepts it
   double height_mm = 0;           // top of the highest model above the plate
@@ -97,6 +97,9 @@ struct JobSummary {
   std::string left_out;   // a sentence about an archive's models without room on the plate; a warning, too
   std::string wide_gaps;  // a sentence about the first model with gaps far wider than a pixel; a warning, too
 };
+
+// Returns what the layers of a sliced file are: "pictures of layers".
+[[nodiscard]] std::string layers_text(const ModelSummary& model);
 
 // Returns the corrections of contours and masks, for a person: "contours moved outwards by 50 um, ...". Empty
 // if there are none.

@@ -87,8 +87,8 @@ std::vector<PlateModel> stand_on_plate(const std::vector<ModelToPlace>& models,
                                        const Arrangement& arrangement, const DisplayGeometry& display) {
   std::vector<PlateModel> standing;
   for (std::size_t i = 0; i < models.size(); ++i) {
-    PlateModel& model =
-        standing.emplace_back(PlateModel{models[i].standing(), {}, models[i].holes, models[i].pictures});
+    PlateModel& model = standing.emplace_back(
+        PlateModel{models[i].standing(), {}, models[i].holes, models[i].pictures, models[i].outlines});
     const Point middle = model.model->bounds().center();
     for (const Point& center : arrangement[i]) {
       // The point of the model that lies at the display's centre.

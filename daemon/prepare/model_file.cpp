@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
+#include "daemon/formats/sl1_outlines.hpp"
 #include "daemon/placement/plate_arrangement.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -59,12 +60,12 @@ Model ModelFile::read(std::uint64_t most_facets) {
   });
 }
 
-std::shared_ptr<const PictureStack> ModelFile::read_pictures(const DisplayGeometry& display,
-                                                             std::uint64_t most_bytes,
-                                                             const std::stop_token& stop) const {
-  expects(sliced() != nullptr, "the file holds pictures");
+FinishedLayers ModelFile::read_layers(const DisplayGeometry& display, std::uint64_t most_bytes,
+                                      const std::stop_token& stop) const {
+  expects(sliced() != nullptr, "the file holds finished layers");
   try {
-    return sliced()->read(display, most_bytes, stop);
+    if (sliced()->has_outlines()) return {nullptr, read_outlines(*sliced(), display, most_bytes, stop)};
+    return {sliced()->read(display, most_bytes, stop), nullptr};
   } catch (const ModelError& error) {
     throw JobRefused(fmt::format("the file's layers cannot be printed: {}", error.what()));
   }

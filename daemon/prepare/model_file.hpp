@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "core/contour/outline_stack.hpp"
+#include "core/mask/picture_stack.hpp"
 #include "daemon/formats/model_input.hpp"
 #include "daemon/system/regular_file.hpp"
 
@@ -19,6 +21,17 @@ struct ModelPlace {
   std::filesystem::path path;
   ArchiveChoice choice{};
   Links links = Links::Follow;
+};
+
+// The layers that a file holds instead of a model: one of both, or none for a model.
+struct FinishedLayers {
+  std::shared_ptr<const PictureStack> pictures{};
+  std::shared_ptr<const OutlineStack> outlines{};
+
+  // Returns the memory that they take.
+  [[nodiscard]] std::uint64_t bytes() const {
+    return (pictures ? pictures->bytes() : 0) + (outlines ? outlines->bytes() : 0);
+  }
 };
 
 class ModelFile {
@@ -35,12 +48,12 @@ class ModelFile {
   // Reads the model, up to the length that the file had when it was opened. Call it once. Blocks. Throws
   // JobRefused, also if the file says how to make more than `most_facets` of what it holds.
   [[nodiscard]] Model read(std::uint64_t most_facets);
-  // Returns the archive if the file holds pictures of layers; null for a model.
+  // Returns the archive if the file holds finished layers; null for a model.
   [[nodiscard]] const Sl1Archive* sliced() const { return opened_.input->sliced(); }
-  // Reads the pictures for a display: see Sl1Archive::read(). Throws JobRefused. REQUIRES: sliced().
-  [[nodiscard]] std::shared_ptr<const PictureStack> read_pictures(const DisplayGeometry& display,
-                                                                  std::uint64_t most_bytes,
-                                                                  const std::stop_token& stop) const;
+  // Reads the finished layers for a display: see Sl1Archive::read() and read_outlines(). Throws JobRefused.
+  // REQUIRES: sliced().
+  [[nodiscard]] FinishedLayers read_layers(const DisplayGeometry& display, std::uint64_t most_bytes,
+                                           const std::stop_token& stop) const;
 
  private:
   std::filesystem::path file_;

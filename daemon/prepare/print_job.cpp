@@ -87,7 +87,7 @@ class Preparation {
         volume_(build_volume(printer, settings.resin)),
         content_(files, settings.ticket, settings.supports == SupportPolicy::On) {
     job_.settings = settings;
-    take_pictures();
+    take_finished_layers();
   }
 
   // Returns the prepared job, or nullopt if a stop was requested.
@@ -140,8 +140,8 @@ class Preparation {
     return std::move(job_);
   }
 
-  // Settles what pictures of layers cannot have, if the file holds them. Throws JobRefused.
-  void take_pictures() {
+  // Settles what finished layers cannot have, if the file holds them. Throws JobRefused.
+  void take_finished_layers() {
     const Sl1Archive* const sliced = content_.sliced();
     if (sliced == nullptr) {
       if (!settings_.ticket.exposures_of_file) return;
@@ -150,12 +150,12 @@ class Preparation {
           "exposure_from");
     }
     const SlicedSettings& file = sliced->settings();
-    FileLayers layers{file.layer_height};
+    FileLayers layers{.thickness = file.layer_height, .outlines = sliced->has_outlines()};
     if (file.exposures)
       layers.exposures = {file.exposures->normal, file.exposures->first, kFirstSlicedLayers,
                           file.exposures->fading};
-    const std::string refusal = settle_for_pictures(layers, printer_.irradiance_mw_cm2, settings_.ticket,
-                                                    settings_.resin, settings_.overridden);
+    const std::string refusal = settle_for_layers(layers, printer_.irradiance_mw_cm2, settings_.ticket,
+                                                  settings_.resin, settings_.overridden);
     if (!refusal.empty()) throw JobRefused(refusal);
     settings_.supports = SupportPolicy::Off;
     summary_.sliced = true;
@@ -166,10 +166,12 @@ class Preparation {
           fmt::format("the file's {} layers are {:.2f} mm high, and the machine can print {:.2f} mm (its "
                       "travel less the lift)",
                       sliced->layers(), height.count(), volume_.height_mm));
-    warn(
-        "the file holds finished pictures of layers, which are printed as they are: without the measured "
-        "height, compensation for the resin, supports, undersides by dose, a continuous rise, and a "
-        "comparison of the cured part with a model");
+    warn(fmt::format(
+        "the file holds finished {} of layers, which are printed as they are: without the measured "
+        "height, {}, supports, undersides by dose, a continuous rise, and a comparison of the cured "
+        "part with a model",
+        layers.outlines ? "outlines" : "pictures",
+        layers.outlines ? "shrinkage" : "compensation for the resin"));
     if (file.first_layer != file.layer_height)
       warn(fmt::format(
           "the first layer of the file is {:g} um thick, and is printed like the others, which are "
@@ -177,9 +179,14 @@ class Preparation {
           in_mm(file.first_layer) * 1000, in_mm(file.layer_height) * 1000,
           std::abs(in_mm(file.first_layer - file.layer_height)) * 1000,
           file.first_layer > file.layer_height ? "low" : "high"));
+    if (file.gamma != 1 && !layers.outlines)
+      warn(fmt::format(
+          "the slicer corrected the pictures by a gamma of {:g}, and this printer's own gamma applies, too: "
+          "grey edges get another light than is meant; slice with a gamma correction of 1",
+          file.gamma));
     if (!file.display)
       warn(
-          "the file does not say for which display its pictures are (prusaslicer.ini): check that the part "
+          "the file does not say for which display its layers are (prusaslicer.ini): check that the part "
           "is not mirrored, and measure it");
   }
 
@@ -476,7 +483,7 @@ class Preparation {
 
   const SteadyClock::time_point start_ = SteadyClock::now();
   const JobFiles& files_;
-  JobSettings settings_;  // settings for pictures if the file holds them
+  JobSettings settings_;  // settings for finished layers if the file holds them
   const PrinterConfig& printer_;
   BuildVolume volume_;
   JobContent content_;

@@ -629,12 +629,12 @@ void LayeredPrint::judge_exposure() {
 
 void LayeredPrint::show_mask() {
   // The mask belongs to the plate's actual height, not to its planned height. The new layer lies below the
-  // plate's height and is cut at its middle. Finished pictures belong to layers: no layer's picture is left
-  // out, and none is shown twice, however far the plate is from its planned height.
+  // plate's height and is cut at its middle. Finished layers belong to their numbers: none is left out, and
+  // none is shown twice, however far the plate is from its planned height.
   record_.plate_height = current_height();
   const auto models = plan_->engine->models();
-  const bool is_pictured = !models.empty() && models.front().pictures;
-  record_.mask_height = (is_pictured ? layer_top() : record_.plate_height) - thickness_ / 2;
+  const bool is_finished = !models.empty() && models.front().has_finished_layers();
+  record_.mask_height = (is_finished ? layer_top() : record_.plate_height) - thickness_ / 2;
   shown_.mask = nullptr;
   const auto start = MaskBudget::Clock::now();
   MaskBudget budget(start + plan_->mask_budget);

@@ -20,11 +20,17 @@ Duration processor_time() {
   return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
-// Returns the number of facets that each layer cuts.
+// Returns the number of facets that each layer cuts, or of the points that its finished outlines have.
 std::vector<std::int64_t> facets_cut(std::span<const PlateModel> models,
                                      std::span<const Nanometers> middles) {
   std::vector<std::int64_t> changes(middles.size() + 1, 0);
   for (const PlateModel& each : models) {
+    if (each.outlines) {
+      std::vector<std::int64_t> points;
+      for (const Nanometers middle : middles)
+        points.push_back(static_cast<std::int64_t>(each.outlines->points_at(middle)));
+      return points;  // outlines are those of the whole plate
+    }
     const auto first_above = [&](float z) {
       const auto lies_below = [&each](Nanometers middle, double height) {
         return each.z_at(middle).count() < height;

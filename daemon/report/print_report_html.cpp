@@ -79,7 +79,7 @@ std::string model_rows(const ModelSummary& model) {
   const bool is_mesh = model.mesh.facets > 0;
   rows += is_mesh ? table_row("Model", fmt::format("{} facets, {}, {}", model.mesh.facets, model.format,
                                                    model.mesh.watertight ? "watertight" : "not watertight"))
-                  : table_row("Model", fmt::format("pictures of layers, {}", model.format));
+                  : table_row("Model", fmt::format("{}, {}", layers_text(model), model.format));
   if (model.centers.size() != 1) rows += table_row("Copies", std::to_string(model.centers.size()));
   if (model.drain_holes > 0) rows += table_row("Drain holes", std::to_string(model.drain_holes));
   if (model.hollow) rows += table_row("Hollow", hollow_text(*model.hollow));

@@ -14,9 +14,9 @@ constexpr std::array<std::string_view, 14> kUnfinished{
     ".upload", ".swp",     ".opdownload", ".aria2", ".!ut",        ".bak",      ".new"};
 constexpr std::array<std::string_view, 11> kModels{".ply", ".step", ".stp", ".iges", ".igs", ".blend",
                                                    ".glb", ".gltf", ".fbx", ".f3d",  ".scad"};
-constexpr std::array<std::string_view, 19> kSliced{
-    ".gcode", ".gco",  ".g",    ".sl1_svg", ".ctb", ".cbddlp", ".photon", ".photons", ".pws", ".pw0",
-    ".pwmx",  ".pwmo", ".pwmb", ".phz",     ".lgs", ".zcodex", ".cws",    ".goo",     ".prz"};
+constexpr std::array<std::string_view, 18> kSliced{
+    ".gcode", ".gco",  ".g",    ".ctb", ".cbddlp", ".photon", ".photons", ".pws", ".pw0",
+    ".pwmx",  ".pwmo", ".pwmb", ".phz", ".lgs",    ".zcodex", ".cws",     ".goo", ".prz"};
 constexpr std::array<std::string_view, 6> kArchives{".gz", ".7z", ".rar", ".tar", ".xz", ".bz2"};
 
 bool is_one_of(std::string_view word, const auto& words) {

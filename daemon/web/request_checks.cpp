@@ -84,7 +84,6 @@ std::string cookie_of(std::string_view header, std::string_view name) {
 }
 
 std::string why_bad_file_name(const std::string& name) {
-  constexpr std::array<std::string_view, 1> kLayers{".sl1_svg"};
   if (name.empty()) return "the file has no name";
   const std::string shown = printable(shortened(name, kLongestName));
   if (name.size() > kLongestName)
@@ -93,15 +92,6 @@ std::string why_bad_file_name(const std::string& name) {
     return fmt::format("{}: a file's name has no slash, and does not begin with a dot", shown);
   if (printable(name) != name)
     return fmt::format("{}: the file's name has characters that cannot be shown; rename the file", shown);
-  const std::string small = lower(name);
-  if (std::ranges::any_of(kLayers, [&small](std::string_view end) { return small.ends_with(end); }))
-    return fmt::format(
-        "{}: this printer cannot print layers that are SVG outlines. Choose the archive format SL1 in "
-        "PrusaSlicer's "
-        "printer settings, or export the model (File > Export > Export plate as STL), and drop the STL file "
-        "on the "
-        "printer's page",
-        shown);
   return is_model_name(name)
              ? ""
              : fmt::format("{}: this is no model that the printer can print, such as an STL file", shown);

@@ -107,6 +107,15 @@ void write_packed_inputs(const fs::path& folder) {
                           "0.3\ndisplay_mirror_x = 1\n"},
                          {"a00000.png", text},
                          {"a00001.png", text}}));
+  const std::string outlines =
+      "<?xml version=\"1.0\" standalone=\"yes\"?><!DOCTYPE svg PUBLIC \"a\" \"b\"><svg width=\"0.4mm\" "
+      "height=\"0.3mm\" "
+      "viewBox=\"0 "
+      "0 400 300\" xmlns=\"http://www.w3.org/2000/svg\"><path d=\"M 10 20 l 200 0 0 200 -200 0 z\"/>"
+      "<path d=\"M 300 10 H 390 V 90 L 20 30 Z\"/></svg>";
+  write(folder / "layers.sl1_svg", testing::zipped({{"config.ini", "layerHeight = 0.05\njobDir = a\n"},
+                                                    {"a00000.svg", outlines},
+                                                    {"a00001.svg", outlines}}));
   write(folder / "nested.zip", testing::zipped({{"a.3mf", testing::threemf_of(box)}, {"b\\c.stl", stl}}));
   write(folder / "locked.zip", testing::zipped({{"a.stl", stl, false, "secret"}, {"l.stl", "a.stl", true}}));
   write(folder / "box.3mf", testing::threemf_of(box));

@@ -1,15 +1,20 @@
 // Fuzz target: any bytes as a file of a model, whatever archive or package it is. The file is refused with
-// one readable sentence, or gives finite facets, at most as many as were allowed, or pictures of layers
-// within the memory that was allowed.
+// one readable sentence, or gives finite facets, at most as many as were allowed, or pictures or outlines of
+// layers within the memory that was allowed, and masks of the outlines.
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <system_error>
 #include <utility>
 
+#include "core/engine/contour_engine.hpp"
+#include "core/mask/picture_solid.hpp"
 #include "daemon/formats/model_input.hpp"
+#include "daemon/formats/sl1_outlines.hpp"
 #include "tests/fuzz/demand.hpp"
 #include "tests/fuzz/told.hpp"
 
@@ -28,16 +33,32 @@ OpenFile file_of(const std::uint8_t* data, std::size_t size) {
   return file;
 }
 
-void read_pictures(const Sl1Archive& archive) {
-  constexpr std::uint64_t kAllowedBytes = 1'000'000;
+constexpr std::uint64_t kAllowedBytes = 1'000'000;
+
+void show_outlines(const Sl1Archive& archive, const DisplayGeometry& display) {
+  const auto outlines = read_outlines(archive, display, kAllowedBytes, {});
+  demand(outlines->layers() == archive.layers() && outlines->bytes() <= kAllowedBytes && outlines->box(),
+         "the outlines are not those of the archive");
+  PlateModel model{{std::make_shared<const HeightIndex>(box_of(*outlines))},
+                   {PixelMap::true_scale(display, {0, 0})}};
+  model.outlines = outlines;
+  ContourEngine engine({model}, {display});
+  for (const std::size_t layer : {std::size_t{0}, outlines->layers() - 1}) {
+    MaskBudget budget(MaskBudget::Clock::now() + std::chrono::seconds(1));
+    (void)engine.mask_within(outlines->thickness() * static_cast<std::int64_t>(layer), budget);
+  }
+}
+
+void read_layers(const Sl1Archive& archive) {
   const DisplayGeometry display{Pixels{8}, Pixels{6}, Micrometers{50}};
+  if (archive.has_outlines()) return show_outlines(archive, display);
   const auto pictures = archive.read(display, kAllowedBytes, {});
   demand(pictures->layers() == archive.layers() && pictures->bytes() <= kAllowedBytes && pictures->lit(),
          "the pictures are not those of the archive");
 }
 
 void read_all(ModelInput& input) {
-  if (input.sliced() != nullptr) return read_pictures(*input.sliced());
+  if (input.sliced() != nullptr) return read_layers(*input.sliced());
   const bool is_package = input.outline().format == "3mf";
   const Model model = input.read(kAllowedFacets);
   demand(!is_package || model.facets.size() <= kAllowedFacets, "more facets than were allowed");

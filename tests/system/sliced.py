@@ -46,15 +46,42 @@ def ini(values):
     return "".join(f"{key} = {value}\n" for key, value in values.items() if value is not None)
 
 
+def svg(rings, width_mm, height_mm, precision_mm=0.001):
+    """Returns a layer as PrusaSlicer's format SL1SVG has it: rings of points in millimetres from the plate's middle, seen from above."""
+
+    def path(ring):
+        points = [(round((width_mm / 2 + x) / precision_mm), round((height_mm / 2 - y) / precision_mm)) for x, y in ring]
+        sides = "".join(f" {x - px} {y - py}" for (px, py), (x, y) in zip(points, points[1:]))
+        return f'<path d="M {points[0][0]} {points[0][1]} l {sides} z" />\n'
+
+    head = (
+        '<?xml version="1.0" encoding="UTF-8" standalone="yes"?>\n'
+        '<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.0//EN" "http://www.w3.org/TR/2001/REC-SVG-20010904/DTD/svg10.dtd">\n'
+        f'<svg height="{height_mm}mm" width="{width_mm}mm" viewBox="0 0 {round(width_mm / precision_mm)} {round(height_mm / precision_mm)}" '
+        'style="fill: white; stroke: none; fill-rule: nonzero" xmlns="http://www.w3.org/2000/svg">\n'
+    )
+    return head + "".join(path(ring) for ring in rings) + "</svg>"
+
+
+def sl1_svg(layers, config=None, slicer="", more=()):
+    """Returns an archive of outlines; `layers` are the texts of svg()."""
+    files = {"config.ini": config or config_ini(len(layers)), "prusaslicer.ini": slicer}
+    files |= {f"part{number:05}.svg": text for number, text in enumerate(layers)}
+    return archive(files | dict(more))
+
+
+def archive(files):
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as made:
+        for name, content in files.items():
+            if content is not None:
+                made.writestr(name, content)
+    return packed.getvalue()
+
+
 def sl1(layers, config=None, slicer=None, more=()):
     """Returns an archive; `layers` are the pictures' rows, `more` are files that are added, or replace others; None removes one."""
     width, height = len(layers[0][0]), len(layers[0])
     files = {"config.ini": config or config_ini(len(layers)), "prusaslicer.ini": slicer or slicer_ini(width, height), "thumbnail/thumbnail400x400.png": b"x"}
     files |= {f"part{number:05}.png": png(rows) for number, rows in enumerate(layers)}
-    files |= dict(more)
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in files.items():
-            if content is not None:
-                archive.writestr(name, content)
-    return packed.getvalue()
+    return archive(files | dict(more))

@@ -1,4 +1,4 @@
-"""Sliced archives (.sl1, .sl1s): pictures of layers that are printed as they are."""
+"""Sliced archives (.sl1, .sl1s, .sl1_svg): finished layers that are printed as they are, pictures or outlines."""
 
 import os
 import shutil
@@ -6,8 +6,8 @@ import struct
 import subprocess
 import zlib
 
-from harness import BAD_DATA, OK, SLAB, SpoolTest, binary_stl, box, contents, contourctl, read_png
-from sliced import config_ini, pictures, png, sl1, slicer_ini
+from harness import BAD_DATA, OK, SLAB, SpoolTest, binary_stl, box, contents, contourctl, read_png, wedge
+from sliced import config_ini, pictures, png, sl1, sl1_svg, slicer_ini, svg
 
 WIDTH, HEIGHT = 64, 40
 DISPLAY = {"display": {"width_px": WIDTH, "height_px": HEIGHT}}
@@ -109,7 +109,7 @@ class Sliced(SpoolTest):
     def test_what_needs_a_model_is_refused_by_name(self):
         daemon = self.printer()
         ticket = {"copies": 2, "scale": 2, "supports": "on", "up": "auto"}
-        self.assert_words(daemon.refused("part.sl1", sl1(self.LAYERS), ticket), "finished pictures", "supports, up, scale, copies", "leave them out")
+        self.assert_words(daemon.refused("part.sl1", sl1(self.LAYERS), ticket), "finished layers", "supports, up, scale, copies", "leave them out")
         self.assert_words(daemon.refused("named.sl1", sl1(self.LAYERS), {"model": "x.stl"}), "no model", "x.stl")
 
     def test_pictures_for_another_display_are_refused_with_what_differs(self):
@@ -150,7 +150,7 @@ class Sliced(SpoolTest):
             "nan": ({"config.ini": config_ini(6, expTime="nan")}, ("expTime", "nan")),
             "dark": ({f"part{n:05}.png": png([bytes(WIDTH)] * HEIGHT) for n in range(6)}, ("dark",)),
             "none": ({f"part{n:05}.png": None for n in range(6)}, ("without a PNG picture",)),
-            "outlines": ({**{f"part{n:05}.png": None for n in range(6)}, "part00000.svg": "<svg/>"}, ("without a PNG picture",)),
+            "both": ({"part00006.svg": "<svg/>"}, ("two files", "part00005.png", "part00006.svg")),
         }  # fmt: skip
         for name, (more, words) in cases.items():
             with self.subTest(name):
@@ -163,10 +163,24 @@ class Sliced(SpoolTest):
         many = {f"part{n:05}.png": b"" for n in range(10_001)}
         self.assert_words(daemon.refused("many.sl1", sl1(self.LAYERS, more=many)), "entries, and the limit is 10000")
 
+    def test_submit_refuses_settings_for_models_at_once(self):
+        path = self.write("part.sl1", sl1(self.LAYERS))
+        os.makedirs(self.path("spool", "incoming"))
+        # The spool has no contourd and no configuration, which could refuse the job.
+        result = contourctl("submit", path, "--hollow", "2", "--spool", self.path("spool"), "--yes")
+        self.assert_refusal(result, BAD_DATA, "part.sl1", "finished layers", "hollow")
+        self.assertEqual(os.listdir(self.path("spool", "incoming")), [])
+
+    def test_a_gamma_correction_by_the_slicer_is_warned_of(self):
+        daemon = self.printer()
+        for gamma, is_warned in ((1, False), (2.2, True)):
+            report = daemon.printed(f"gamma {gamma}.sl1", sl1(self.LAYERS, slicer=slicer_ini(WIDTH, HEIGHT, gamma_correction=gamma)))
+            self.assertEqual(any("gamma of 2.2" in warning for warning in report["model"]["warnings"]), is_warned)
+
     def test_pictures_are_part_of_no_plate(self):
         daemon = self.printer()
         daemon.drop_plate("plate", {"models": [{"file": "part.sl1"}, {"file": "slab.stl"}]}, {"part.sl1": sl1(self.LAYERS), "slab.stl": SLAB})
-        self.assert_words(daemon.wait_refused("plate"), "part.sl1 holds pictures of layers", "by itself")
+        self.assert_words(daemon.wait_refused("plate"), "part.sl1 holds finished layers", "by itself")
 
     def test_submit_takes_an_archive_and_the_tools_say_what_they_cannot_do_with_it(self):
         daemon = self.printer()
@@ -179,10 +193,96 @@ class Sliced(SpoolTest):
         analysis = contourctl("analyze", path, "--printer", daemon.config_path, expect=OK)
         self.assert_words((analysis.stdout + analysis.stderr).decode(), "finished pictures")
         contourctl("preview", path, "--printer", daemon.config_path, "--layer", "3", "-o", self.path("layer.png"), expect=OK)
-        self.assert_refusal(contourctl("slice", path, "--z", "1"), BAD_DATA, "pictures of layers", "--printer")
-        self.assert_refusal(contourctl("cure", path, "--printer", daemon.config_path), BAD_DATA, "pictures of layers")
-        self.assert_refusal(contourctl("inspect", path), BAD_DATA, "pictures of layers")
+        self.assert_refusal(contourctl("slice", path, "--z", "1"), BAD_DATA, "finished layers", "--printer")
+        self.assert_refusal(contourctl("cure", path, "--printer", daemon.config_path), BAD_DATA, "finished layers")
+        self.assert_refusal(contourctl("inspect", path), BAD_DATA, "finished layers")
         self.assert_refusal(contourctl("submit", self.write("bad.sl1", sl1(self.LAYERS, more={"part00002.png": None})), "--spool", daemon.spool, "--yes"), BAD_DATA, "part00002.png")
+
+
+class Outlines(SpoolTest):
+    """Archives whose layers are outlines, of a wedge on a display of 3.2 x 2 mm with pixels of 50 um."""
+
+    SIZE_MM = (WIDTH * 0.05, HEIGHT * 0.05)
+    WEDGE = (2.0137, 1.0071, 0.3)
+    # A grey level is a 255th of a pixel's area. Rounding to 1 um moves a side by 0.5 um, a hundredth of a pixel: 2.55 levels; a
+    # pixel in a corner has two sides.
+    ROUNDING = 6
+
+    def layers(self, mirror=1):
+        width, depth, height = self.WEDGE
+        layers = []
+        for number in range(6):
+            right = width * (1 - (0.025 + 0.05 * number) / height) - width / 2
+            ring = [(-width / 2, -depth / 2), (right, -depth / 2), (right, depth / 2), (-width / 2, depth / 2)]
+            layers.append(svg([[(mirror * x, y) for x, y in ring]], *self.SIZE_MM))
+        return layers
+
+    def masks(self, *folder):
+        names = sorted(name for name in os.listdir(self.path(*folder)) if name.endswith(".png"))
+        return [read_png(self.path(*folder, name)).rows for name in names]
+
+    def assert_alike(self, masks, expected):
+        self.assertEqual(len(masks), len(expected))
+        for rows, others in zip(masks, expected):
+            self.assertLessEqual(max(abs(a - b) for row, other in zip(rows, others) for a, b in zip(row, other)), self.ROUNDING)
+            self.assertGreater(sum(map(sum, rows)), 0)
+
+    def printer(self, **resin):
+        return self.daemon(DISPLAY, resin, masks=True).start()
+
+    def test_the_masks_of_outlines_are_those_of_the_model_with_the_resins_growth(self):
+        model = self.write("wedge.stl", binary_stl(wedge(*self.WEDGE)))
+        for case, resin in {"plain": {}, "grown": {"growth_um": 130, "elephant_foot_um": 60, "elephant_foot_height_um": 200}}.items():
+            with self.subTest(case):
+                daemon = self.printer(**resin)
+                slicer = slicer_ini(WIDTH, HEIGHT)
+                report = daemon.printed(f"{case}.sl1_svg", sl1_svg(self.layers(), slicer=slicer))
+                mirrored_slicer = slicer_ini(WIDTH, HEIGHT, display_mirror_x=1)
+                daemon.printed(f"{case} mirrored.sl1", sl1_svg(self.layers(-1), slicer=mirrored_slicer))
+                contourctl("slice", model, "--printer", daemon.config_path, "--masks", self.path(case), expect=OK)
+                own = self.masks(case)
+                self.assert_alike(self.masks("masks", case), own)
+                self.assert_alike(self.masks("masks", f"{case} mirrored"), own)
+                self.assertEqual((report["layers"], report["layer_height_um"], report["model"]["format"]), (6, 50, "sl1_svg"))
+                self.assertTrue(any("finished outlines of layers" in warning for warning in report["model"]["warnings"]))
+                self.assertIn("outlines of layers", daemon.read("done", f"{case}.report.html"))
+                daemon.stop()
+        self.assertNotEqual(self.masks("plain"), self.masks("grown"))
+
+    def test_outlines_are_printed_on_a_display_of_another_resolution(self):
+        daemon = self.daemon({"display": {"width_px": WIDTH // 2, "height_px": HEIGHT // 2, "pixel_pitch_um": 100}}, masks=True).start()
+        report = daemon.printed("part.sl1_svg", sl1_svg(self.layers(), slicer=slicer_ini(WIDTH, HEIGHT)))
+        width, depth, _ = self.WEDGE
+        self.assertAlmostEqual(report["layer_records"][0]["area_mm2"], width * depth * (1 - 0.025 / 0.3), delta=0.01)
+
+    def test_outlines_beside_the_plate_are_refused_by_how_much_they_reach_over_it(self):
+        daemon = self.daemon({"display": {"width_px": 40, "height_px": 39}}).start()
+        reason = daemon.refused("part.sl1_svg", sl1_svg(self.layers(), slicer=slicer_ini(WIDTH, HEIGHT)))
+        self.assert_words(reason, "over the left edge", "2.00 x 1.95 mm")
+
+    def test_hostile_outlines_are_refused_with_one_sentence(self):
+        daemon = self.printer()
+        layers = self.layers()
+        bomb = layers[0].replace("</svg>", " " * 100_000_000 + "</svg>")
+        entities = layers[0].replace("svg10.dtd\">", 'svg10.dtd" [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;">]>')
+        cases = {
+            "entities": ({"part00001.svg": entities}, ("document type",)),
+            "outside": ({"part00001.svg": layers[0].replace(' standalone="yes"', "").replace(" l ", " l &nbsp; ")}, ("part00001.svg", "standalone")),
+            "bomb": ({"part00001.svg": bomb}, ("part00001.svg", "bytes")),
+            "cut": ({"part00001.svg": layers[0][:-20]}, ("part00001.svg", "XML")),
+            "open": ({"part00001.svg": layers[0].replace(" z", "")}, ("part00001.svg", "not closed")),
+            "infinite": ({"part00001.svg": layers[0].replace(" l ", " l 1e300 0 ")}, ("part00001.svg", "beside the viewBox")),
+            "missing": ({"part00002.svg": None}, ("outline of layer 3, part00002.svg, is missing",)),
+            "million": ({"config.ini": config_ini(1_000_000)}, ("names 1000000 layers", "of 6")),
+            "empty": ({f"part{n:05}.svg": svg([], *self.SIZE_MM) for n in range(6)}, ("none of its layers",)),
+        }  # fmt: skip
+        for name, (more, words) in cases.items():
+            with self.subTest(name):
+                reason = daemon.refused(f"{name}.sl1_svg", sl1_svg(layers, slicer=slicer_ini(WIDTH, HEIGHT), more=more))
+                self.assertEqual(len(reason.splitlines()), 1)
+                self.assert_words(reason, *words)
+        self.assert_words(daemon.refused("words.sl1_svg", b"no archive"), "sliced archive", "no ZIP file")
+        daemon.printed("part.sl1_svg", sl1_svg(layers, slicer=slicer_ini(WIDTH, HEIGHT)))
 
 
 class FromPrusaSlicer(SpoolTest):

@@ -112,11 +112,11 @@ class PageInABrowser(WebTest):
         self.browser.value("""(() => {
           const data = new DataTransfer();
           data.items.add(new File([new Uint8Array(684)], "empty part.stl"));
-          data.items.add(new File(["PK"], "<img src=x onerror=alert(1)>.sl1_svg"));
+          data.items.add(new File(["PK"], "<img src=x onerror=alert(1)>.ctb"));
           document.getElementById("drop").dispatchEvent(new DragEvent("drop", {dataTransfer: data, bubbles: true, cancelable: true}));
         })()""")
         self.wait("document.querySelector('#uploads .error')")
-        self.assertIn("Export plate as STL", self.text("uploads"))
+        self.assertIn("such as an STL file", self.text("uploads"))
         self.assertEqual(self.browser.value("document.querySelectorAll('#uploads img').length"), 0)
         self.look("upload", 390, "light")
         # A file of zeros has no facet, and is refused by contourd.

@@ -721,7 +721,7 @@ class UploadTest(WebTest):
     def test_names_that_lead_elsewhere_or_are_no_models_are_refused(self):
         browser = self.logged_in()
         for name in ("..%2f..%2fetc%2fpasswd.stl", "%2Fetc%2Fx.stl", "..%5Cx.stl", ".hidden.stl", "..", ".stl", "a%00.stl", "a%0A.stl", "a%1b[2J.stl", "%ff%fe.stl",
-                     "x" * 300 + ".stl", "part.exe", "part", "part.json", "plate.sl1_svg"):  # fmt: skip
+                     "x" * 300 + ".stl", "part.exe", "part", "part.json", "plate.ctb"):  # fmt: skip
             with self.subTest(name[:40]):
                 status, body, _ = browser.upload(name, SMALL)
                 # A C string ends at a NUL, which leaves a name without extension.
@@ -730,11 +730,11 @@ class UploadTest(WebTest):
         self.assertEqual(self.incoming(), [])
         self.assertEqual(sorted(os.listdir(self.daemon.spool)), [".lock", "done", "failed", "incoming", "printing"])
 
-    def test_a_file_of_outlines_is_refused_with_the_way_out(self):
+    def test_a_file_for_another_printer_is_refused_with_what_is_possible(self):
         browser = self.logged_in()
-        status, body, _ = browser.upload("plate.sl1_svg", b"PK\3\4" + b"x" * 200_000)
+        status, body, _ = browser.upload("plate.ctb", b"PK\3\4" + b"x" * 200_000)
         self.assertEqual(status, 415)
-        self.assert_one_line(body, b"plate.sl1_svg", b"Export plate as STL")
+        self.assert_one_line(body, b"plate.ctb", b"such as an STL file")
 
     def test_a_model_beyond_the_limit_is_refused(self):
         browser = self.logged_in(largest_upload_mb=1)
@@ -984,10 +984,10 @@ class SlicerTest(WebTest):
             self.assertEqual(contents(os.path.join(self.daemon.spool, "done", name)), data)
             self.assertEqual(self.daemon.report(job)["model"]["format"], "sl1")
 
-    def test_layers_as_outlines_are_refused_with_the_sentence_that_says_what_to_do(self):
-        status, sentence = self.send(self.form("plate.sl1_svg", b"PK\3\4" + bytes(300_000)))
+    def test_a_file_for_another_printer_is_refused_with_a_sentence_that_the_slicer_shows(self):
+        status, sentence = self.send(self.form("plate.ctb", b"PK\3\4" + bytes(300_000)))
         self.assertEqual(status, 415)
-        self.assert_one_line(sentence, "plate.sl1_svg", b"archive format SL1", b"Export plate as STL")
+        self.assert_one_line(sentence, "plate.ctb", b"such as an STL file")
         self.assertEqual(self.incoming(), [])
 
     def test_a_wrong_key_is_refused_before_the_body(self):

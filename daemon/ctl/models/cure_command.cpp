@@ -201,9 +201,9 @@ int cure(const CureOptions& options) {
   std::optional<RecordedPrint> recorded;
   if (options.report) recorded = read_recorded_print(*options.report);
   const PrintSubject subject = subject_of(options, recorded);
-  if (subject.engine->models().front().pictures)
+  if (subject.engine->models().front().has_finished_layers())
     throw ModelError(
-        fmt::format("{}: the file holds finished pictures of layers and no model to compare the cured part "
+        fmt::format("{}: the file holds finished layers and no model to compare the cured part "
                     "with: give the "
                     "model that it was made from",
                     options.print.model.string()));

@@ -265,10 +265,10 @@ NotedPicture draw(const PreviewSubject& subject, const PreviewOptions& options) 
   const JobFiles& files = subject.files;
   if (options.layer)
     return mask_of_layer(subject, prepare_model(files, printer_for(options, "--layer")), *options.layer);
-  const bool pictured = !files.plate && holds_pictures(files.model, models_named_in(files.ticket));
+  const bool pictured = !files.plate && holds_layers(files.model, models_named_in(files.ticket));
   if (!options.printer && !files.ticket && !files.plate && !pictured) return shaded_model(subject);
   const PrinterConfig printer = printer_for(options, files.plate ? "a plate"
-                                                     : pictured  ? "a file with pictures of layers"
+                                                     : pictured  ? "a file with finished layers"
                                                                  : "a ticket");
   try {
     return shaded_job(subject, prepare_model(files, printer));

@@ -134,7 +134,7 @@ PrintSubject subject_of_printer(const PrintArgs& args) {
   const PrinterConfig printer = load_printer_config(*args.printer, Places::Elsewhere);
   // Reads the model first, so that a bad file gives the same message as with other commands.
   const std::vector<std::string> names = models_named_in(args.ticket);
-  if (!holds_pictures(args.model, names)) (void)read_model(args.model, names);
+  if (!holds_layers(args.model, names)) (void)read_model(args.model, names);
   AskedOfJob asked{.supports = {}, .undersides = {}, .scale = parse_size(args.size)};
   if (args.supports) asked.supports = support_policy(*args.supports);
   if (args.undersides) asked.undersides = undersides_of(*args.undersides);

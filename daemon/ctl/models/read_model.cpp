@@ -33,10 +33,10 @@ ModelOfFile read_model(const std::filesystem::path& path, const std::vector<std:
 }
 
 void look_at_models(const std::filesystem::path& path, const std::vector<std::string>& names) {
-  (void)holds_pictures(path, names);
+  (void)holds_layers(path, names);
 }
 
-bool holds_pictures(const std::filesystem::path& path, const std::vector<std::string>& names) {
+bool holds_layers(const std::filesystem::path& path, const std::vector<std::string>& names) {
   try {
     return open_models(path, {names}).models.front().input->sliced() != nullptr;
   } catch (const ModelError& error) {

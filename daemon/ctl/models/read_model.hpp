@@ -25,8 +25,8 @@ struct ModelOfFile {
 // Throws the exceptions of read_model() for defects that the beginning of the file shows.
 // A ZIP archive may hold several models.
 void look_at_models(const std::filesystem::path& path, const std::vector<std::string>& names);
-// True if the file holds pictures of layers instead of a model. Throws what look_at_models() throws.
-[[nodiscard]] bool holds_pictures(const std::filesystem::path& path, const std::vector<std::string>& names);
+// True if the file holds finished layers instead of a model. Throws what look_at_models() throws.
+[[nodiscard]] bool holds_layers(const std::filesystem::path& path, const std::vector<std::string>& names);
 // Returns the names of models in a ZIP archive that the text of a ticket has; empty if there are none, or if
 // the ticket is wrong.
 [[nodiscard]] std::vector<std::string> models_named_by(std::string_view ticket);

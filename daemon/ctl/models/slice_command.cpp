@@ -341,9 +341,9 @@ int slice_layers(const SliceOptions& options, const LayersToSlice& layers) {
                                  options.print.model.string(), layers.model.model->bounds().size_z()));
   }
   const bool is_measured = options.csv || options.contours || options.json || !options.masks;
-  if (layers.model.pictures && is_measured)
+  if (layers.model.has_finished_layers() && is_measured)
     throw ModelError(
-        fmt::format("{}: the file holds finished pictures of layers, which have no contours to measure: "
+        fmt::format("{}: the file holds finished layers and no model that could be measured: "
                     "use --masks without --csv, --contours and --json",
                     options.print.model.string()));
   const Earlier earlier = options.force ? Earlier::Replace : Earlier::Refuse;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "daemon/config/job_ticket.hpp"
+#include "daemon/config/sliced_settings.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/submit/spool_submission.hpp"
@@ -96,9 +97,14 @@ std::string ticket_of(const SubmitOptions& options) {
   return text;
 }
 
+// Returns the ticket's name in messages.
+std::string ticket_name(const SubmitOptions& options) {
+  return options.ticket ? options.ticket->string() : "the options";
+}
+
 // Throws UsageError or ConfigError if the ticket sets a value that the resin's profile does not allow.
 void check_overrides(const SubmitOptions& options, const std::string& text, const SpoolPrinter& printer) {
-  const std::string file = options.ticket ? options.ticket->string() : "the options";
+  const std::string file = ticket_name(options);
   JobTicket ticket = text.empty() ? JobTicket{} : parse_job_ticket(text, file);
   if (ticket.overrides == TicketOverrides{}) return;
   // Without a configuration the check is left to contourd, which checks every ticket.
@@ -119,6 +125,16 @@ void check_model(const fs::path& path, const std::vector<std::string>& names) {
     throw ModelError(fmt::format("{}: not a model's name: it must end in {} and not begin with a dot",
                                  path.string(), model_extensions_text()));
   look_at_models(path, names);
+}
+
+// Throws ModelError if the ticket asks for what finished layers cannot have, and a file holds such layers.
+void check_layers(const SubmitOptions& options, const std::string& text,
+                  const std::vector<std::string>& names) {
+  if (text.empty()) return;
+  const std::string refusal = refusal_for_layers(parse_job_ticket(text, ticket_name(options)));
+  if (refusal.empty()) return;
+  for (const fs::path& model : options.models)
+    if (holds_layers(model, names)) throw ModelError(fmt::format("{}: {}", model.string(), refusal));
 }
 
 // Puts the model into the spool. Returns the job's name.
@@ -158,6 +174,7 @@ int submit(const ClientOptions& client, const SubmitOptions& options) {
   const std::vector<std::string> names = models_named_by(ticket);
   for (const fs::path& model : options.models)
     check_model(model, names);
+  check_layers(options, ticket, names);
   const fs::path spool = find_spool(client, options.spool);
   const SpoolPrinter printer = printer_of(spool, options.printer);
   check_overrides(options, ticket, printer);

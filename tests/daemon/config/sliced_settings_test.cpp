@@ -19,7 +19,7 @@ struct Settled {
   }
 
   Settled& with(const FileLayers& layers) {
-    refusal = settle_for_pictures(layers, testing::kIrradianceMwCm2, ticket, resin, overridden);
+    refusal = settle_for_layers(layers, testing::kIrradianceMwCm2, ticket, resin, overridden);
     return *this;
   }
 };
@@ -42,6 +42,17 @@ TEST_CASE("Pictures take their layer height and no correction for the resin, whi
   CHECK(settled.resin.mode == PrintWay::Layered);
   CHECK(settled.resin.exposure == Settled::limited().exposure);
   CHECK(settled.overridden.empty());
+}
+
+TEST_CASE("Outlines keep the resin's compensation, and lose its shrinkage as pictures do") {
+  Settled settled;
+  const Compensation compensation = settled.resin.compensation;
+  REQUIRE(compensation != Compensation{});
+  FileLayers outlines = kLayers;
+  outlines.outlines = true;
+  CHECK(settled.with(outlines).refusal.empty());
+  CHECK(settled.resin.compensation == compensation);
+  CHECK(settled.resin.shrinkage_factors == Scale{});
 }
 
 TEST_CASE("A ticket takes the exposures from the file, within the profile's limits") {

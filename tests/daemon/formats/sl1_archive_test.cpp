@@ -166,7 +166,7 @@ TEST_CASE("A file that holds pictures is no model for those who need one") {
       open_model(folder.write("a", testing::zipped(three_layers(numbered(12, 8), slicer_config()))));
   CHECK(input->sliced() != nullptr);
   CHECK(testing::lacking(testing::message_of<ModelError>([&] { (void)input->read(100); }),
-                         {"pictures of layers", "--printer"})
+                         {"finished layers", "--printer"})
             .empty());
   const auto model = open_model(folder.write("b", testing::stl_text(models::sphere(4, 12))));
   CHECK(model->sliced() == nullptr);

@@ -13,7 +13,6 @@ TEST_CASE("A file in incoming that will never be printed is ignored with the rea
   CHECK(why("part.step") == WhyIgnored::Model);
   CHECK(why("part.PLY") == WhyIgnored::Model);
   CHECK(why("part.gcode") == WhyIgnored::Sliced);
-  CHECK(why("part.sl1_svg") == WhyIgnored::Sliced);
   CHECK(why("part.ctb") == WhyIgnored::Sliced);
   CHECK(why("part.7z") == WhyIgnored::Archive);
   CHECK(why("part.tar.gz") == WhyIgnored::Archive);
