@@ -148,6 +148,12 @@ PrintSubject subject_of_printer(const PrintArgs& args) {
   subject.copies = copies_of(job.summary, "");
   subject.layers = job.plan.expected_layers;
   subject.doses = layer_doses(job.summary.resin, subject.layers, printer.irradiance_mw_cm2);
+  if (!subject.layers.empty()) {
+    const ResinProfile& resin = job.summary.resin;
+    const Nanometers layer = subject.layers.front();
+    subject.exposures = {job.plan.exposure(0, layer),
+                         job.plan.exposure(resin.bottom_layers + resin.fade_layers, layer)};
+  }
   subject.split = split_of(job, printer);
   subject.layer_durations = layer_durations(job.plan, printer);
   if (!subject.layers.empty()) subject.forecast = forecast_of(job.plan, printer);

@@ -58,6 +58,11 @@ struct SplitPrint {
   std::vector<double> shortest;  // by layer, the share of its exposure that a picture lasts at least
 };
 
+// The exposures of a print's lowest layer, and of its layers above the fade.
+struct LayerExposures {
+  Duration first{}, normal{};
+};
+
 struct PrintSubject {
   std::unique_ptr<ContourEngine> engine;
   EngineSettings settings;
@@ -69,6 +74,7 @@ struct PrintSubject {
   std::optional<Supports> supports;
   std::vector<PlateCopy> copies{1};  // places of the model
   AnalysisOptions analysis;
+  std::optional<LayerExposures> exposures;               // nullopt without a printer's configuration
   std::optional<std::vector<Duration>> layer_durations;  // nullopt without a printer's configuration
   std::optional<PrintForecast> forecast;                 // nullopt without a printer's configuration
   std::optional<ContinuousForecast> continuous;          // nullopt: the print is layered

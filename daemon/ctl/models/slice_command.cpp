@@ -25,6 +25,7 @@
 #include "daemon/ctl/models/layer_measurements.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/print_subject.hpp"
+#include "daemon/ctl/models/sl1_file.hpp"
 #include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/prepare/mesh_repair_text.hpp"
@@ -57,6 +58,7 @@ struct SliceOptions {
   std::optional<std::filesystem::path> mask;      // one PNG, with z
   std::optional<std::filesystem::path> masks;     // a folder of PNGs, with layers
   std::optional<std::filesystem::path> csv;       // with layers
+  std::optional<std::filesystem::path> sl1;       // a sliced archive, of a print
   std::optional<std::filesystem::path> contours;  // a folder of CSVs, with layers
   bool force = false;                             // replace the files of an earlier slice in these folders
 
@@ -146,6 +148,7 @@ SliceOptions parse_slice(const SliceArgs& args) {
   parse_corrections(options.engine, args);
   refuse_to_overwrite_model(print.model, "--mask", options.mask);
   refuse_to_overwrite_model(print.model, "--csv", options.csv);
+  refuse_to_overwrite_model(print.model, "--sl1", options.sl1);
   parse_layers(args, options);
   if (options.force && !options.masks && !options.contours)
     throw UsageError("--force needs --masks or --contours");
@@ -256,6 +259,7 @@ struct LayersToSlice {
   std::vector<Nanometers> middles;  // heights above the plate at which the layers are cut
   const std::optional<Supports>& supports;
   std::function<MaskMaker()> make_masks;
+  std::function<std::vector<LayerCracks>()> write_sl1{};  // empty: no archive is written
 };
 
 struct MeasuredLayers {
@@ -340,11 +344,12 @@ int slice_layers(const SliceOptions& options, const LayersToSlice& layers) {
     throw ModelError(fmt::format("{}: the model is {:.6g} mm high, too thin for a layer",
                                  options.print.model.string(), layers.model.model->bounds().size_z()));
   }
-  const bool is_measured = options.csv || options.contours || options.json || !options.masks;
+  const bool is_measured =
+      options.csv || options.contours || options.json || (!options.masks && !options.sl1);
   if (layers.model.has_finished_layers() && is_measured)
     throw ModelError(
         fmt::format("{}: the file holds finished layers and no model that could be measured: "
-                    "use --masks without --csv, --contours and --json",
+                    "use --masks or --sl1 without --csv, --contours and --json",
                     options.print.model.string()));
   const Earlier earlier = options.force ? Earlier::Replace : Earlier::Refuse;
   if (options.masks) open_layer_folder(*options.masks, ".png", earlier);
@@ -361,6 +366,7 @@ int slice_layers(const SliceOptions& options, const LayersToSlice& layers) {
     if (!options.json)
       fmt::print("{} in {}\n", count_of(layers.middles.size(), "mask", "masks"), options.masks->string());
   }
+  if (layers.write_sl1) cracks = layers.write_sl1();
   warn_if_cracked(cracks);
   return kOk;
 }
@@ -373,10 +379,17 @@ int slice_print(SliceOptions options) {
   options.engine = subject.settings;
   for (const std::string& warning : subject.warnings)
     fmt::print(stderr, "contourctl: warning: {}\n", printable(warning));
-  return slice_layers(options,
-                      {subject.engine->models().front(), middles_of(subject.layers), subject.supports, [&] {
+  LayersToSlice layers{subject.engine->models().front(), middles_of(subject.layers), subject.supports, [&] {
                          return MaskMaker{*subject.engine, subject.dimmed_masks(), subject.given_light()};
-                       }});
+                       }};
+  if (options.sl1)
+    layers.write_sl1 = [&] {
+      std::vector<LayerCracks> cracks = write_sl1(*options.sl1, options.print.model, subject);
+      if (!options.json)
+        fmt::print("{} in {}\n", count_of(cracks.size(), "layer", "layers"), options.sl1->string());
+      return cracks;
+    };
+  return slice_layers(options, layers);
 }
 
 // Warns if the corrections of the masks erase walls or pins.
@@ -450,6 +463,7 @@ void add_slice(Command& program) {
     of_model->excludes(printer).excludes(resin);
   add("--mask", options.mask, "Write the mask at --z to this PNG file");
   add("--masks", options.masks, "Write one PNG file per layer to this folder: 0001.png ...");
+  add("--sl1", options.sl1, "Write the layers as a sliced archive (.sl1) for other tools").needs(printer);
   add("--csv", options.csv, "Write layer measurements to this file, totals to FILE-summary.csv");
   add("--contours", options.contours, "Write one CSV file of contour points per layer to this folder");
   add("--force", options.force, "Replace the files of an earlier slice");

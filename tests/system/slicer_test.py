@@ -1,0 +1,91 @@
+"""Sliced archives that contourctl writes (slice --sl1)."""
+
+import os
+import resource
+import struct
+import zipfile
+
+from harness import BAD_USAGE, CANNOT_CREATE, OK, SpoolTest, binary_stl, box, contents, contourctl, read_png, source_json, wedge
+
+# An asymmetric part with grey edges.
+PART = wedge(2.013, 1.007, 0.4) + box((-0.41, -0.31, 0), (0.117, 0.52, 0.2))
+CURVE = {"penetration_depth_um": 150, "critical_energy_mj_cm2": 8, "overcure_um": 50, "bottom_overcure_um": 150}
+DISPLAY = {"display": {"width_px": 96, "height_px": 64, "mirror_x": True, "gamma": 1.6, "threshold": 20}}
+
+
+def ini_of(text):
+    return dict(line.split(" = ", 1) if " = " in line else (line.split(" =")[0], "") for line in text.splitlines() if "=" in line)
+
+
+class SlicedArchive(SpoolTest):
+    def masks(self, *folder):
+        names = sorted(name for name in os.listdir(self.path(*folder)) if name.endswith(".png"))
+        return [read_png(self.path(*folder, name)).rows for name in names]
+
+    def printer(self, **resin):
+        return self.daemon(DISPLAY, {"growth_um": 40, **resin}, masks=True).start()
+
+    def slice(self, model, daemon, out, *options, **expected):
+        return contourctl("slice", model, "--printer", daemon.config_path, "--sl1", out, *options, **(expected or {"expect": OK}))
+
+    def test_the_archive_printed_by_contourd_gives_the_masks_of_the_model_to_the_byte(self):
+        daemon = self.printer()
+        model = self.write("part.stl", binary_stl(PART))
+        daemon.printed("part.stl", binary_stl(PART))
+        result = self.slice(model, daemon, self.path("sliced.sl1"), "--masks", self.path("own"))
+        self.assertIn(f"8 layers in {self.path('sliced.sl1')}", result.stdout.decode())
+        daemon.printed("sliced.sl1", contents(self.path("sliced.sl1")))
+        expected = self.masks("masks", "part")
+        self.assertEqual(len(expected), 8)
+        self.assertTrue(any(0 < pixel < 255 for row in expected[0] for pixel in row))
+        self.assertEqual(self.masks("masks", "sliced"), expected)
+        self.assertEqual(self.masks("own"), expected)
+
+    def test_the_archive_has_the_files_and_settings_that_other_tools_read(self):
+        daemon = self.printer()
+        self.slice(self.write("my part.stl", binary_stl(PART)), daemon, self.path("a.sl1"))
+        with zipfile.ZipFile(self.path("a.sl1")) as archive:
+            self.assertIsNone(archive.testzip())
+            names = archive.namelist()
+            self.assertEqual(names, [f"my_part{n:05}.png" for n in range(8)] + ["thumbnail/thumbnail400x400.png", "thumbnail/thumbnail800x480.png", "prusaslicer.ini", "config.ini"])
+            config, slicer = (ini_of(archive.read(name).decode()) for name in ("config.ini", "prusaslicer.ini"))
+            for name, size in (("thumbnail/thumbnail400x400.png", (400, 400)), ("thumbnail/thumbnail800x480.png", (800, 480)), (names[0], (96, 64))):
+                self.assertEqual(struct.unpack(">II", archive.read(name)[16:24]), size)
+        self.assertEqual((config["jobDir"], config["layerHeight"], config["numFast"], config["numSlow"]), ("my_part", "0.05", "8", "0"))
+        resin = source_json("resins", "standard.json")
+        self.assertEqual((float(config["expTime"]), float(config["expTimeFirst"])), (resin["exposure_ms"] / 1000, resin["bottom_exposure_ms"] / 1000))
+        self.assertGreater(float(config["usedMaterial"]), 0)
+        self.assertGreater(float(config["printTime"]), float(config["expTimeFirst"]))
+        self.assertEqual((slicer["display_pixels_x"], slicer["display_pixels_y"], slicer["display_width"], slicer["display_height"]), ("96", "64", "4.8", "3.2"))
+        self.assertEqual((slicer["display_mirror_x"], slicer["display_mirror_y"], slicer["display_orientation"]), ("1", "0", "landscape"))
+        self.assertEqual((slicer["layer_height"], slicer["exposure_time"], slicer["initial_exposure_time"]), (config["layerHeight"], config["expTime"], config["expTimeFirst"]))
+
+    def test_a_disk_that_is_full_leaves_no_archive_and_keeps_an_earlier_one(self):
+        daemon = self.printer()
+        model = self.write("part.stl", binary_stl(PART))
+        self.write("earlier.sl1", b"an earlier archive")
+
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+
+        before = sorted(os.listdir(self.folder))
+        for name in ("earlier.sl1", "new.sl1"):
+            with self.subTest(name):
+                # SIGXFSZ stays ignored, as Python has it, so that a write beyond the limit fails as on a full disk.
+                result = self.slice(model, daemon, self.path(name), expect=CANNOT_CREATE, preexec_fn=limit, restore_signals=False)
+                self.assert_refusal(result, CANNOT_CREATE, "cannot write", name)
+                self.assertEqual(sorted(os.listdir(self.folder)), before)
+        self.assertEqual(contents(self.path("earlier.sl1")), b"an earlier archive")
+        self.assert_refusal(self.slice(model, daemon, "/dev/full", expect=CANNOT_CREATE), CANNOT_CREATE, "/dev/full", "not a regular file")
+        self.assert_refusal(self.slice(model, daemon, self.path("none", "a.sl1"), expect=CANNOT_CREATE), CANNOT_CREATE, "none/a.sl1")
+
+    def test_what_an_archive_cannot_have_is_refused(self):
+        daemon = self.printer()
+        # Upright walls take thick layers, and a slope takes thin ones.
+        slope = [tuple((x, y, z + 1) for x, y, z in facet) for facet in wedge(1, 1, 0.4)]
+        model = self.write("part.stl", binary_stl(box((0, 0, 0), (1, 1, 1)) + slope))
+        daemon.write_resin("curve", {"exposure_ms": None, "bottom_exposure_ms": None, "working_curve": CURVE})
+        ticket = self.write("part.json", b'{"resin": "curve", "adaptive_layers": {"min_um": 25, "max_um": 100, "cusp_um": 5}}')
+        self.assert_refusal(self.slice(model, daemon, self.path("a.sl1"), "--ticket", ticket, expect=BAD_USAGE), BAD_USAGE, "one thickness")
+        self.assertEqual(contourctl("slice", model, "--layer-height-um", "50", "--sl1", self.path("a.sl1")).returncode, BAD_USAGE)
+        self.assertFalse(os.path.exists(self.path("a.sl1")))
