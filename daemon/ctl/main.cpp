@@ -42,7 +42,8 @@ void add_commands(Command& program) {
       {"Calibration", {add_calibrate, add_fit}},
       {"History and wear", {add_history, add_vat}},
       {"By hand", {add_manual, add_jog, add_switches}},
-      {"Setup and diagnosis", {add_setup, add_level, add_config, add_web, add_diagnose, add_logs}},
+      {"Setup and diagnosis",
+       {add_setup, add_level, add_config, add_export, add_web, add_diagnose, add_logs}},
       {"Help", {add_help, add_description}}};
   for (const auto& [heading, add] : groups) {
     for (const auto add_command : add)

@@ -135,7 +135,7 @@ class DocsTest(unittest.TestCase):
                 if name not in ("contourd", "contourctl", "contourd-bench", "print-rig"):
                     continue
                 # A command has one word, or two.
-                length = 2 if words[1:2] and words[1] in ("motor", "light", "projector", "config", "calibrate", "fit", "web") else 1
+                length = 2 if words[1:2] and words[1] in ("motor", "light", "projector", "config", "calibrate", "export", "fit", "web") else 1
                 if words[1:2] == ["queue"] and re.match("[a-z]", " ".join(words[2:])):
                     length = 2
                 command = [BIN / name, *(words[1:1 + length] if name == "contourctl" and words[1:2] else []), "--help"]

@@ -1,11 +1,14 @@
-"""Sliced archives that contourctl writes (slice --sl1)."""
+"""What contourctl writes for slicers: sliced archives (slice --sl1) and PrusaSlicer's profiles (export prusaslicer)."""
 
+import configparser
 import os
 import resource
+import shutil
 import struct
+import subprocess
 import zipfile
 
-from harness import BAD_USAGE, CANNOT_CREATE, OK, SpoolTest, binary_stl, box, contents, contourctl, read_png, source_json, wedge
+from harness import BAD_CONFIG, BAD_USAGE, CANNOT_CREATE, OK, SpoolTest, binary_stl, box, contents, contourctl, read_png, source_json, text_of, wedge
 
 # An asymmetric part with grey edges.
 PART = wedge(2.013, 1.007, 0.4) + box((-0.41, -0.31, 0), (0.117, 0.52, 0.2))
@@ -89,3 +92,78 @@ class SlicedArchive(SpoolTest):
         self.assert_refusal(self.slice(model, daemon, self.path("a.sl1"), "--ticket", ticket, expect=BAD_USAGE), BAD_USAGE, "one thickness")
         self.assertEqual(contourctl("slice", model, "--layer-height-um", "50", "--sl1", self.path("a.sl1")).returncode, BAD_USAGE)
         self.assertFalse(os.path.exists(self.path("a.sl1")))
+
+
+class Profiles(SpoolTest):
+    """The bundle of profiles, read as PrusaSlicer's INI files are."""
+
+    SHRINKAGE = {"shrinkage_percent": {"x": 0.5, "y": 1, "z": 2}}
+
+    def bundle(self, path):
+        parser = configparser.ConfigParser(delimiters=("=",), interpolation=None, strict=True)
+        parser.read_string(text_of(path))
+        return parser
+
+    def export(self, daemon, *options):
+        contourctl("export", "prusaslicer", daemon.config_path, "-o", self.path("bundle.ini"), *options, expect=OK)
+        return self.bundle(self.path("bundle.ini"))
+
+    def test_the_bundle_has_the_display_and_a_material_for_each_resin(self):
+        daemon = self.daemon({"name": "my [printer]", "display": {"width_px": 800, "height_px": 600, "pixel_pitch_um": 47.5, "mirror_y": True}})
+        daemon.write_resin("grey", {"layer_height_um": 25, "exposure_ms": 2200, "bottom_exposure_ms": 25500, "fade_layers": 7, **self.SHRINKAGE})
+        daemon.write_resin("broken", {"exposure_ms": -1})
+        result = contourctl("export", "prusaslicer", daemon.config_path, expect=OK)
+        self.assert_words(result.stderr.decode(), "broken", "is left out", "exposure_ms")
+        bundle = configparser.ConfigParser(delimiters=("=",), interpolation=None)
+        bundle.read_string(result.stdout.decode())
+        self.assertEqual([name for name in bundle.sections() if name.startswith("printer:")], ["printer:my _printer_"])
+        printer = bundle["printer:my _printer_"]
+        self.assertEqual([printer[f"display_{key}"] for key in ("pixels_x", "pixels_y", "width", "height", "mirror_x", "mirror_y")], ["800", "600", "38", "28.5", "0", "1"])
+        self.assertEqual((printer["sla_archive_format"], printer["gamma_correction"], printer["elefant_foot_compensation"]), ("SL1SVG", "1", "0"))
+        materials = {name.split(":")[1]: bundle[name] for name in bundle.sections() if name.startswith("sla_material:")}
+        self.assertEqual(sorted(materials), ["grey", "standard"])
+        self.assertEqual([materials["grey"][key] for key in ("exposure_time", "initial_exposure_time", "initial_layer_height")], ["2.2", "25.5", "0.025"])
+        print_profile = bundle["sla_print:" + materials["grey"]["compatible_prints"].strip('"')]
+        self.assertEqual((print_profile["layer_height"], print_profile["faded_layers"]), ("0.025", "7"))
+        factors = [float(materials["grey"][f"material_correction_{axis}"]) for axis in "xyz"]
+        for factor, percent in zip(factors, self.SHRINKAGE["shrinkage_percent"].values()):
+            self.assertAlmostEqual(factor, 1 / (1 - percent / 100), places=6)
+        self.assertEqual(bundle["presets"]["sla_material"], "standard")
+        self.assertFalse(any(name.startswith("physical_printer:") for name in bundle.sections()))
+
+    def test_a_host_makes_a_physical_printer_and_mistakes_are_one_line(self):
+        daemon = self.daemon()
+        bundle = self.export(daemon, "--host", "192.168.1.20:8080")
+        physical = bundle[next(name for name in bundle.sections() if name.startswith("physical_printer:"))]
+        self.assertEqual(physical["print_host"], "192.168.1.20:8080")
+        self.assertIn(f"printer:{physical['preset_names'].strip(chr(34))}", bundle.sections())
+        self.assertEqual(contourctl("export", "prusaslicer", daemon.config_path, "--host", "a\nb").returncode, BAD_USAGE)
+        self.assertEqual(contourctl("export", "prusaslicer", self.write("bad.json", b"{}")).returncode, BAD_CONFIG)
+        self.assert_refusal(contourctl("export", "prusaslicer", daemon.config_path, "-o", "/dev/full"), CANNOT_CREATE, "/dev/full")
+
+    def test_a_file_that_the_real_prusaslicer_slices_with_the_profiles_is_printed_as_the_model_itself(self):
+        if not shutil.which("prusa-slicer"):
+            self.skipTest("there is no prusa-slicer")
+        daemon = self.daemon({"display": {"mirror_x": True, "mirror_y": True}}, masks=True)
+        bundle = self.export(daemon)
+        daemon.start()
+        # Its command line takes one profile: the three of the bundle in one.
+        settings = {"supports_enable": "0", "pad_enable": "0"}
+        for section in bundle.sections():
+            if section != "presets":
+                settings |= bundle[section]
+        flat = self.write("flat.ini", "".join(f"{key} = {value}\n" for key, value in settings.items()).encode())
+        model = self.write("part.stl", binary_stl(box((0, 0, 0), (20, 4, 2)) + box((0, 4, 0), (4, 10, 1))))
+        result = subprocess.run(["prusa-slicer", "--export-sla", "--load", flat, "--output", self.path("part.sl1"), model],
+                                capture_output=True, text=True, timeout=300, check=False, env={**os.environ, "HOME": self.folder})  # fmt: skip
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        report = daemon.printed("part.sl1", contents(self.path("part.sl1")))
+        self.assertEqual(report["layer_height_um"], source_json("resins", "standard.json")["layer_height_um"])
+        self.assertFalse([warning for warning in report["model"]["warnings"] if "first layer" in warning or "display" in warning])
+        contourctl("slice", model, "--printer", daemon.config_path, "--masks", self.path("own"), expect=OK)
+        names = sorted(os.listdir(self.path("own")))
+        self.assertEqual(sorted(os.listdir(self.path("masks", "part"))), names)
+        for name in names:
+            own, sliced = read_png(self.path("own", name)).rows, read_png(self.path("masks", "part", name)).rows
+            # PrusaSlicer centres the part on the plate to a micrometre.
+            self.assertLessEqual(max(abs(a - b) for row, other in zip(own, sliced) for a, b in zip(row, other)), 6, name)

@@ -27,6 +27,8 @@ void add_vat(Command& program);
 void add_logs(Command& program);
 // Adds the commands that check and show a printer's configuration.
 void add_config(Command& program);
+// Adds export prusaslicer, which writes profiles of the printer for a slicer.
+void add_export(Command& program);
 // Collects the facts for a bug report in one small archive without secrets.
 void add_diagnose(Command& program);
 // Adds home, move, stop, motor, light, show and projector, which work only while no job is printed.
