@@ -196,9 +196,9 @@ Rasterizer::Rasterizer(Pixels width, Pixels height, AntiAliasing anti_aliasing)
       shared_(width_, band_.stride(), band_.rows()),
       lit_rows_(width, height) {
   first_side_.assign(static_cast<std::size_t>((height_ - 1) >> band_bits_) + 1, kNone);
-  band_lit_.assign(first_side_.size(), 0);
-  dark_.assign(band_.chunks() * static_cast<std::size_t>(height_), ~std::uint64_t{0});
-  full_.assign(dark_.size(), 0);
+  content_.band_lit.assign(first_side_.size(), 0);
+  content_.dark.assign(band_.chunks() * static_cast<std::size_t>(height_), ~std::uint64_t{0});
+  content_.full.assign(content_.dark.size(), 0);
 }
 
 inline void Rasterizer::add_covered(PixelPoint from, PixelPoint to) {
@@ -249,7 +249,8 @@ void Rasterizer::add_cut(PixelPoint from, PixelPoint to) {
   const std::int32_t from_y = rounded(from.y * kOne);
   const std::int32_t to_y = rounded(to.y * kOne);
   if (from_y == to_y) {
-    return add_level(from_y, from.x, to.x);
+    level_sides_.push_back({from_y, from.x, to.x});
+    return;
   }
   // Numbers are chosen instead of branches taken: the direction of a side cannot be predicted.
   const auto down = static_cast<std::size_t>(from_y < to_y);
@@ -262,10 +263,6 @@ void Rasterizer::add_cut(PixelPoint from, PixelPoint to) {
                             0.5 * height / std::max(kMinWidth, std::fabs(width)), top_y,
                             std::max(from_y, to_y), static_cast<std::int32_t>(2 * down) - 1,
                             std::exchange(first_side_at(top_y >> kOneBits), number), top_y});
-}
-
-void Rasterizer::add_level(std::int32_t y, double from_x, double to_x) {
-  level_sides_.push_back({y, from_x, to_x});
 }
 
 inline void Rasterizer::add_centers(PixelPoint from, PixelPoint to) {
@@ -348,7 +345,7 @@ bool Rasterizer::paint(MaskBudget& budget) {
 }
 
 void Rasterizer::light(const Contours& convex, const PixelMap& map) {
-  const FullLight light(mask_, dark_, band_lit_, band_bits_);
+  const FullLight light(mask_, content_.dark, content_.band_lit, band_bits_);
   for (const ContourLoop& loop : convex.loops)
     lit_rows_.visit(convex.points_of(loop), map,
                     [&light](std::int32_t row, std::int32_t first, std::int32_t end) {
@@ -357,7 +354,7 @@ void Rasterizer::light(const Contours& convex, const PixelMap& map) {
 }
 
 void Rasterizer::light(std::span<const ConicCut> cuts, const PixelMap& map) {
-  const FullLight light(mask_, dark_, band_lit_, band_bits_);
+  const FullLight light(mask_, content_.dark, content_.band_lit, band_bits_);
   for (const ConicCut& cut : cuts) {
     if (cut.whole) {
       light.light_ellipse(lit_rows_.ellipse(cut, map));
@@ -371,7 +368,7 @@ void Rasterizer::light(std::span<const ConicCut> cuts, const PixelMap& map) {
 
 Rasterizer::Painted Rasterizer::paint_bands(MaskBudget& budget, Overlaps overlaps) {
   for (std::int32_t first_row = 0; first_row < height_; first_row += band_.rows()) {
-    std::uint8_t& lit = band_lit_[static_cast<std::size_t>(first_row >> band_bits_)];
+    std::uint8_t& lit = content_.band_lit[static_cast<std::size_t>(first_row >> band_bits_)];
     const bool has_sides = first_side_at(first_row) != kNone;
     if (!has_sides && lit == 0) continue;
     lit = has_sides;
@@ -501,7 +498,7 @@ bool Rasterizer::unite_sides(MaskBudget& budget) {
 
 RowBlocks Rasterizer::blocks_of(std::int32_t row) {
   const std::size_t chunks = band_.chunks(), at = static_cast<std::size_t>(row) * chunks;
-  return {std::span(dark_).subspan(at, chunks), std::span(full_).subspan(at, chunks)};
+  return {std::span(content_.dark).subspan(at, chunks), std::span(content_.full).subspan(at, chunks)};
 }
 
 // Makes the pixels of convex loops dark. Dark blocks stay dark; the next picture finds a run's blocks no

@@ -84,6 +84,11 @@ class Rasterizer {
     std::int32_t y;  // in units of 1 / CoverageBand::kOne
     double from_x, to_x;
   };
+  // What the mask shows.
+  struct Content {
+    std::vector<std::uint64_t> dark, full;  // see RowBlocks
+    std::vector<std::uint8_t> band_lit;     // by band: there is some light
+  };
   struct CenterSide {
     PixelPoint from, to;        // running downwards
     double slope;               // columns for each row
@@ -101,7 +106,6 @@ class Rasterizer {
   void add_covered(PixelPoint from, PixelPoint to);
   void add_cut(PixelPoint from, PixelPoint to);
   void add_covered_within(PixelPoint from, PixelPoint to);
-  void add_level(std::int32_t y, double from_x, double to_x);
   void add_centers(PixelPoint from, PixelPoint to);
   [[nodiscard]] static double first_column(const CenterSide& side);
   [[nodiscard]] Painted paint_bands(MaskBudget& budget, Overlaps overlaps);
@@ -128,8 +132,7 @@ class Rasterizer {
   std::vector<LevelSide> level_sides_;      // with anti-aliasing
   std::vector<CenterSide> center_sides_;    // without anti-aliasing
   std::vector<std::uint32_t> first_side_;   // by band: number of the first side in its list
-  std::vector<std::uint8_t> band_lit_;      // by band: mask_ holds some light there
-  std::vector<std::uint64_t> dark_, full_;  // contents of mask_, see RowBlocks
+  Content content_;                         // of mask_
   SharedPixels shared_;                     // pixels of a band in which polygons may overlap
   std::size_t next_level_ = 0;              // the first level side that no band has counted
   ArrangedSides arranged_;                  // sides of polygons that overlap in too many places of a pixel

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/contract/expects.hpp"
 #include "core/mask/block_painter.hpp"
 
 namespace contourd {
@@ -136,6 +137,7 @@ bool SharedPixels::too_dense() const {
 }
 
 std::optional<double> SharedPixels::filled(const Pixel& pixel) {
+  expects(std::max(pixel.sides, pixel.crossings) <= PixelFill::kMostSides, "the pixel is not too dense");
   std::array<PixelSide, PixelFill::kMostSides> sides;
   std::array<EdgeCrossing, PixelFill::kMostSides> crossings;
   std::size_t count = 0;
