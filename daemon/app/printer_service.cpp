@@ -41,10 +41,11 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       scheduler_(context_, spool_, claims_, queue_, hold_, *this),
       notices_(loop, log, config.job_ended_socket, config.name,
                [this](std::int64_t key) { notice_sent(key); }),
+      camera_(loop, log, config),
       manual_(machine, clock, [this] { manual_changed(); }),
       stop_(context_, {spool_, reader_, job_, scheduler_, manual_}),
       reminders_(config.reminders),
-      status_(context_, {spool_, queue_, scheduler_, hold_, job_, history_, manual_, reminders_}),
+      status_(context_, {spool_, queue_, scheduler_, hold_, job_, history_, manual_, reminders_, camera_}),
       control_(context_, hold_, job_, scheduler_, status_),
       queue_control_(queue_, job_, status_),
       picture_worker_(loop, "contourd-picture", kPictureNiceness),
@@ -56,7 +57,8 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       interrupted_control_(context_, {spool_, hold_, *this, manual_, status_}),
       waiting_job_control_(config, {spool_, reader_, queue_, queue_control_}),
       resin_control_(config, spool_),
-      report_control_(spool_) {}
+      report_control_(spool_),
+      picture_control_(spool_, config.spool_folder) {}
 
 // --- the use of the printer
 
@@ -76,6 +78,7 @@ void PrinterService::start() {
   vat_.load();
   if (const std::string trouble = spool_.trouble(); !trouble.empty()) log.error("spool", printable(trouble));
   adopt_left_jobs();
+  camera_.job_filed("");
   if (hold_.reason()) log.warning("held", hold_.sentence());
   server_ = std::make_unique<ControlServer>(context_.loop, context_.config.control_socket, control_methods());
   server_->set_service_group(find_group("contourd-service"));
@@ -107,6 +110,7 @@ ControlMethods PrinterService::control_methods() {
   methods.merge(waiting_job_control_.methods());
   methods.merge(resin_control_.methods());
   methods.merge(report_control_.methods());
+  methods.merge(picture_control_.methods());
   return methods;
 }
 
@@ -189,10 +193,22 @@ void PrinterService::manual_changed() {
 
 void PrinterService::print_state_changed(const PrintState& state) {
   if (printing_) printing_(state != kIdle);
+  const bool lifted =
+      std::exchange(lifting_, state.cause == TimeCause::Lifting) && state.activity != PrintActivity::Moving;
+  if (lifted && !state.ending) look();
+}
+
+void PrinterService::look() {
+  const CurrentJob::State* const job = job_.job();
+  if (job == nullptr || !job->prepared || !job_.print().under_way()) return;
+  const PrintMode& print = job_.print();
+  camera_.look({job_.name(), print.layer(), static_cast<std::int32_t>(job->prepared->summary.layers.count),
+                print.layer_top()});
 }
 
 void PrinterService::job_changed(const std::string& what) {
   if (what == "analysis") compare_with_vat();
+  if (what == "layer" && job_.job()->record->layers().back().rises) look();
   notify(what, ControlServer::Delivery::Lossy);
 }
 
@@ -219,6 +235,7 @@ void PrinterService::resin_used(double ml) {
 void PrinterService::job_ended(EndedJob job) {
   vat_.save();
   queue_.questions().ended();
+  camera_.job_filed(job.name);
   const bool was_printed = job.figures.layers > 0;
   if (was_printed) queue_.check_postponed();
   note_end(std::move(job));

@@ -11,10 +11,12 @@
 #include <string>
 
 #include "daemon/app/service_stop.hpp"
+#include "daemon/camera/camera.hpp"
 #include "daemon/control/control_server.hpp"
 #include "daemon/control/history_control.hpp"
 #include "daemon/control/interrupted_control.hpp"
 #include "daemon/control/manual_control.hpp"
+#include "daemon/control/picture_control.hpp"
 #include "daemon/control/preflight_control.hpp"
 #include "daemon/control/printer_control.hpp"
 #include "daemon/control/printer_metrics.hpp"
@@ -84,6 +86,8 @@ class PrinterService final : private JobObserver, private QueueObserver, private
 
   [[nodiscard]] ControlMethods control_methods();
   void manual_changed();
+  // Lets the camera take a picture, if a layer of the print has been lifted or has risen.
+  void look();
   // Warns if the analyzed print needs more resin than the vat holds.
   void compare_with_vat();
   // Returns the text of the service manager's status line.
@@ -112,6 +116,7 @@ class PrinterService final : private JobObserver, private QueueObserver, private
   JobScheduler scheduler_;
   JobHistory history_;
   EndedJobNotices notices_;
+  Camera camera_;
   ManualProcess manual_;
   ServiceStop stop_;
   Reminders reminders_;
@@ -127,10 +132,12 @@ class PrinterService final : private JobObserver, private QueueObserver, private
   WaitingJobControl waiting_job_control_;
   ResinControl resin_control_;
   ReportControl report_control_;
+  PictureControl picture_control_;
   std::unique_ptr<ControlServer> server_;
   std::optional<MetricsFile> metrics_file_;
   std::uint64_t manual_operations_logged_ = 0;
   std::function<void(bool)> printing_;
+  bool lifting_ = false;  // the plate moves up after a layer
   EventLoop::SourcePtr low_resin_timer_;
 };
 

@@ -79,7 +79,7 @@ void check_rules(JsonDocument& document, const fs::path& folder) {
         "\"resume\" needs z_axis/homes_upwards: an axis whose limit switch is at the bottom "
         "would crush the part that hangs on the plate");
   check_memory_limit(document);
-  for (const char* key : {"/control_socket", "/job_ended_socket"})
+  for (const char* key : {"/control_socket", "/job_ended_socket", "/camera/socket"})
     check_socket_path(document, folder, key);
 }
 
@@ -140,6 +140,14 @@ SimulatedAxisConfig::Switch read_limit_switch(const std::string& word) {
 
 std::optional<fs::path> read_path(const JsonSection& section, std::string_view key, const fs::path& folder) {
   return section.has(key) ? std::optional(resolved(folder, section.text(key))) : std::nullopt;
+}
+
+std::optional<CameraConfig> read_camera(const JsonSection& root, const fs::path& folder) {
+  if (!root.has("camera")) return std::nullopt;
+  const JsonSection camera = root.section("camera");
+  return CameraConfig{.socket = resolved(folder, camera.text("socket")),
+                      .every_layers = camera.integer<std::int32_t>("every_layers"),
+                      .time_limit = camera.duration("time_limit_s")};
 }
 
 SimulatedPrinterConfig read_simulated(const JsonSection& root, const fs::path& folder) {
@@ -256,6 +264,7 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .control_socket = resolved(folder, root.text("control_socket")),
       .job_ended_socket = resolved(folder, root.text("job_ended_socket")),
       .metrics_file = read_path(root, "metrics_file", folder),
+      .camera = read_camera(root, folder),
       .resins_folder = resolved(folder, root.text("resins_folder")),
       .wait_for_plate_cleared = root.boolean("wait_for_plate_cleared"),
       .resumes_after_power_cut = root.text("after_power_cut") == "resume",

@@ -36,6 +36,13 @@ struct ManualConfig {
 // thousandths of a degree (kernel: hwmon/sysfs-interface.rst, w1/slaves/w1_therm.rst).
 using ResinTemperature = std::variant<double, std::filesystem::path>;
 
+// The user's camera: see daemon/camera/camera.hpp.
+struct CameraConfig {
+  std::filesystem::path socket;
+  std::int32_t every_layers = 1;
+  Duration time_limit{};  // of the command that takes a picture
+};
+
 // The content of a printer's file. Paths are absolute. Omitted keys have the schema's defaults; these are
 // defined only in config/contourd.schema.json.
 struct PrinterConfig {
@@ -44,6 +51,7 @@ struct PrinterConfig {
   std::filesystem::path control_socket;
   std::filesystem::path job_ended_socket;
   std::optional<std::filesystem::path> metrics_file{};
+  std::optional<CameraConfig> camera{};
   std::filesystem::path resins_folder;
   bool wait_for_plate_cleared = true;
   bool resumes_after_power_cut = false;  // without a user; only with a limit switch at the top

@@ -161,6 +161,7 @@ Json PrinterStatus::status() const {
   status["last"] = ended.empty() ? Json() : ended_json(ended.back());
   status["dark"] = dark();
   status["manual"] = manual();
+  status["camera"] = camera();
   return status;
 }
 
@@ -204,6 +205,17 @@ void PrinterStatus::add_print(Json& job) const {
   for_first(record.exclusions(), kMaxDetailed,
             [&](const Exclusion& each) { job["excluded"].push_back(each.copy); });
   job["interruption"] = or_null(print.interruption());
+}
+
+Json PrinterStatus::camera() const {
+  if (!parts_.camera.exists()) return nullptr;
+  const CameraFigures figures = parts_.camera.figures().value_or(CameraFigures());
+  return {{"job", or_null(figures.job)},
+          {"pictures", figures.pictures},
+          {"last_layer", figures.last ? Json(*figures.last + 1) : Json()},
+          {"failed", figures.failed},
+          {"skipped", figures.skipped},
+          {"trouble", or_null(figures.trouble)}};
 }
 
 bool PrinterStatus::dark() const {

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "daemon/camera/camera.hpp"
 #include "daemon/control/printer_metrics.hpp"
 #include "daemon/history/job_history.hpp"
 #include "daemon/history/reminders.hpp"
@@ -34,6 +35,7 @@ class PrinterStatus {
     const JobHistory& history;
     const ManualProcess& manual;
     const Reminders& reminders;
+    const Camera& camera;
   };
   // All arguments must outlive the status.
   PrinterStatus(const PrinterContext& context, const Parts& parts) : context_(context), parts_(parts) {}
@@ -48,6 +50,7 @@ class PrinterStatus {
   [[nodiscard]] std::string_view state() const;
   [[nodiscard]] Json job() const;
   void add_print(Json& job) const;
+  [[nodiscard]] Json camera() const;
   [[nodiscard]] bool dark() const;
   [[nodiscard]] Json manual() const;
   [[nodiscard]] Json waiting_job(std::size_t number) const;

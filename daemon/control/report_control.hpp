@@ -2,8 +2,6 @@
 // Event loop's thread only.
 #pragma once
 
-#include <cstddef>
-
 #include "daemon/control/control_method.hpp"
 #include "daemon/spool/spool.hpp"
 
@@ -12,8 +10,6 @@ namespace contourd {
 class ReportControl {
  public:
   using Json = ControlMethod::Json;
-  // Maximum number of a file's bytes in one reply.
-  static constexpr std::size_t kPieceBytes = 49'152;
 
   // The spool must outlive the control. The files are read on its thread.
   explicit ReportControl(Spool& spool) : spool_(spool) {}

@@ -2,13 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
-#include <span>
 #include <string>
 #include <utility>
 
-#include "daemon/system/base64.hpp"
+#include "daemon/control/file_pieces.hpp"
 
 namespace contourd {
 
@@ -19,15 +17,11 @@ ScreenControl::ScreenControl(EventLoop& loop, Worker& worker, const CurrentJob& 
     : job_(job), manual_(manual), copy_(loop, worker, [this] { return subject().shown; }) {}
 
 ControlMethods ScreenControl::methods() {
-  const auto number = [](const char* name, const char* meaning) {
-    return ControlParameter::whole_number(name, 0, ControlParameter::kMost, meaning)
-        .described_as("a whole number, taken from the previous reply");
-  };
   return {
       {"mask",
        {.description = "Returns the picture that the display shows or showed last, in pieces of a PNG file.",
-        .parameters = {number("picture", "the picture, for the next piece"),
-                       number("from", "position of the piece: the number of bytes received")},
+        .parameters = {piece_parameter("picture", "the picture, for the next piece"),
+                       piece_parameter("from", "position of the piece: the number of bytes received")},
         .call_later = [this](const Json& given, const ControlCaller&, ControlMethod::Later later) {
           return mask(given, std::move(later));
         }}}};
@@ -48,18 +42,15 @@ ScreenControl::Subject ScreenControl::subject() const {
 Json ScreenControl::reply(const ScreenCopy::Picture& picture, std::size_t from) const {
   const Subject now = subject();
   const bool is_current = now.shown.mask != nullptr && now.shown.number == picture.number;
-  const std::span<const std::uint8_t> piece =
-      std::span(picture.png).subspan(from, std::min(kPieceBytes, picture.png.size() - from));
-  return {{"picture", picture.number},
-          {"name", picture.name},
-          {"layer", picture.layer ? Json(*picture.layer + 1) : Json()},
-          {"cut_at_mm", picture.layer ? Json(to_millimeters(picture.cut_at).count()) : Json()},
-          {"on_screen", is_current && now.on_screen},
-          {"width", picture.width.count()},
-          {"height", picture.height.count()},
-          {"bytes", picture.png.size()},
-          {"from", from},
-          {"data", base64(piece)}};
+  Json reply{{"picture", picture.number},
+             {"name", picture.name},
+             {"layer", picture.layer ? Json(*picture.layer + 1) : Json()},
+             {"cut_at_mm", picture.layer ? Json(to_millimeters(picture.cut_at).count()) : Json()},
+             {"on_screen", is_current && now.on_screen},
+             {"width", picture.width.count()},
+             {"height", picture.height.count()}};
+  add_piece(reply, picture.png, from);
+  return reply;
 }
 
 void ScreenControl::mask(const Json& given, ControlMethod::Later later) {

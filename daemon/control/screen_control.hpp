@@ -15,8 +15,6 @@ namespace contourd {
 class ScreenControl {
  public:
   using Json = ControlMethod::Json;
-  // Maximum number of a file's bytes in one reply.
-  static constexpr std::size_t kPieceBytes = 49'152;
 
   // All arguments must outlive the control.
   ScreenControl(EventLoop& loop, Worker& worker, const CurrentJob& job, const ManualProcess& manual);

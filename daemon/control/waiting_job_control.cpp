@@ -3,16 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <span>
 #include <system_error>
 #include <utility>
 
 #include "daemon/config/job_ticket.hpp"
+#include "daemon/control/file_pieces.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/json/json_document.hpp"
 #include "daemon/placement/job_settings.hpp"
 #include "daemon/spool/spool_folders.hpp"
-#include "daemon/system/base64.hpp"
 #include "daemon/system/durable_file.hpp"
 #include "daemon/system/readable.hpp"
 
@@ -113,10 +112,6 @@ ControlMethods WaitingJobControl::methods() {
                              "the job: its file in `incoming/`, its name, or the printable form of either")
           .described_as("the name of a waiting job")
           .needed();
-  const auto number = [](const char* name, const char* meaning) {
-    return ControlParameter::whole_number(name, 0, ControlParameter::kMost, meaning)
-        .described_as("a whole number, taken from the previous reply");
-  };
   return {{"ticket",
            {.description = "Reports the ticket of a waiting job.",
             .parameters = {job},
@@ -131,8 +126,8 @@ ControlMethods WaitingJobControl::methods() {
           {"preview",
            {.description = "Draws a waiting job with its supports, and returns the picture in pieces of a "
                            "PNG file.",
-            .parameters = {job, number("picture", "the picture, for the next piece"),
-                           number("from", "position of the piece: the number of bytes received")},
+            .parameters = {job, piece_parameter("picture", "the picture, for the next piece"),
+                           piece_parameter("from", "position of the piece: the number of bytes received")},
             .call_later = [this](const Json& given, const ControlCaller&, ControlMethod::Later later) {
               preview(given, std::move(later));
             }}}};
@@ -188,10 +183,9 @@ namespace {
 
 Json piece_of(const std::string& file, std::uint64_t number, const std::vector<std::uint8_t>& png,
               std::size_t from) {
-  const auto piece =
-      std::span(png).subspan(from, std::min(WaitingJobControl::kPieceBytes, png.size() - from));
-  return {
-      {"picture", number}, {"file", file}, {"bytes", png.size()}, {"from", from}, {"data", base64(piece)}};
+  Json reply{{"picture", number}, {"file", file}};
+  add_piece(reply, png, from);
+  return reply;
 }
 
 }  // namespace

@@ -21,8 +21,6 @@ namespace contourd {
 class WaitingJobControl {
  public:
   using Json = ControlMethod::Json;
-  // Maximum number of a file's bytes in one reply.
-  static constexpr std::size_t kPieceBytes = 49'152;
   // Largest ticket that a request, of which a message has to have room for more, can contain.
   static constexpr std::size_t kMostTicketBytes = 7'168;
   // Pictures that are kept; the oldest goes first.

@@ -12,6 +12,7 @@
 //   printing/NAME.stl (+ NAME.json)     the job that is being printed; or printing/NAME/
 //   done/NAME.stl ... NAME.report.json NAME.report.html; or done/NAME/ ...
 //   failed/NAME.stl ... NAME.reason.txt; or failed/NAME/ ...
+//   pictures/NAME/                      pictures of the camera (daemon/camera/picture_folders.hpp)
 //
 // State that survives a restart is in a folder that no other user may write: see state_records.hpp and, for
 // jobs in incoming/ that were copied, copied_originals.hpp.

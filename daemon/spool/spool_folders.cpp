@@ -108,7 +108,7 @@ JobFiles SpoolFolders::named(SpoolFolder where, const std::string& name, const J
 bool SpoolFolders::is_name_used(const std::string& name) const {
   // A reason file alone does not take a name: a power cut can leave it without its job, which is then filed
   // again.
-  std::vector<std::string_view> suffixes{"", ".json", ".report.json", ".frames.bin"};
+  std::vector<std::string_view> suffixes{"", ".json", ".report.json", ".frames.bin", ".pictures"};
   std::ranges::copy(model_extensions(), std::back_inserter(suffixes));
   constexpr std::array kTaken{SpoolFolder::Printing, SpoolFolder::Done, SpoolFolder::Failed};
   return std::ranges::any_of(kTaken, [&](SpoolFolder where) {

@@ -8,7 +8,6 @@
 #include "daemon/system/readable.hpp"
 #include "daemon/web/page/page_files.hpp"
 #include "daemon/web/page/page_methods.hpp"
-#include "daemon/web/printer/fetched_file.hpp"
 #include "daemon/web/printer_answer.hpp"
 #include "daemon/web/request_checks.hpp"
 
@@ -159,6 +158,8 @@ void WebService::serve_user(const RequestPtr& request, Role role) {
     if (path == "/api/mask") return serve_mask(request);
     if (path == "/api/preview") return serve_preview(request);
     if (path == "/api/report") return serve_report(request);
+    if (path == "/api/picture") return serve_picture(request);
+    if (path == "/api/time_lapse") return serve_film(request);
     if (path == "/api/events") return serve_events(request);
     if (path == "/api/session") {
       const Json session{{"role", name_of(role)}};
@@ -222,19 +223,43 @@ void WebService::serve_report(const RequestPtr& request) {
   constexpr const char* kPolicy =
       "sandbox; default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; form-action "
       "'none'; frame-ancestors 'none'";
+  serve_file(request,
+             {.method = "report",
+              .parameters = {{"job", request->parameter("job").value_or("")}},
+              .version = "version"},
+             {.type = "text/html; charset=utf-8", .policy = kPolicy});
+}
+
+void WebService::serve_picture(const RequestPtr& request) {
+  FileQuestion question{.method = "picture",
+                        .parameters = {{"job", request->parameter("job").value_or("")}},
+                        .version = "version"};
+  if (const std::optional<std::string> layer = request->parameter("layer")) {
+    const Json number = Json::parse(*layer, nullptr, false);
+    question.parameters["layer"] = number.is_number_integer() ? number : Json(*layer);
+  }
+  serve_file(request, std::move(question), {.type = "image/jpeg"});
+}
+
+void WebService::serve_film(const RequestPtr& request) {
+  serve_file(request,
+             {.method = "time_lapse",
+              .parameters = {{"job", request->parameter("job").value_or("")}},
+              .version = "version"},
+             {.type = "video/mp4"});
+}
+
+void WebService::serve_file(const RequestPtr& request, FileQuestion question, HttpReply reply) {
   // use_count() includes the service's own reference.
-  if (report_place_.use_count() > kMostReports)
-    return request->answer({.status = 503, .body = "too many reports are being read; try again\n"});
-  fetch_file(
-      slow_,
-      {.method = "report",
-       .parameters = {{"job", request->parameter("job").value_or("")}},
-       .version = "version"},
-      [request, place = report_place_](std::string html, const Json& error) {
-        if (html.empty()) return request->answer(reply_of({{"error", error}}));
-        request->answer(
-            {.type = "text/html; charset=utf-8", .body = std::move(html), .policy = kPolicy, .place = place});
-      });
+  if (file_place_.use_count() > kMostFiles)
+    return request->answer({.status = 503, .body = "too many files are being read; try again\n"});
+  reply.place = file_place_;
+  fetch_file(slow_, std::move(question),
+             [request, reply = std::move(reply)](std::string bytes, const Json& error) mutable {
+               if (bytes.empty()) return request->answer(reply_of({{"error", error}}));
+               reply.body = std::move(bytes);
+               request->answer(part_of(std::move(reply), request->header("Range")));
+             });
 }
 
 void WebService::pass_on(const RequestPtr& request, const PageMethod& method, const std::string& parameters) {

@@ -16,6 +16,7 @@
 #include "daemon/web/http_server.hpp"
 #include "daemon/web/page/page_methods.hpp"
 #include "daemon/web/printer/control_link.hpp"
+#include "daemon/web/printer/fetched_file.hpp"
 #include "daemon/web/printer/mask_picture.hpp"
 #include "daemon/web/status_feed.hpp"
 #include "daemon/web/upload_body.hpp"
@@ -28,8 +29,8 @@ class WebService {
  public:
   // Uploads at the same time.
   static constexpr int kMostUploads = 4;
-  // Reports that are read or sent at the same time, each of up to 8 MiB.
-  static constexpr int kMostReports = 4;
+  // Reports, pictures and films that are read or sent at the same time, each of up to 8 MiB.
+  static constexpr int kMostFiles = 4;
   // Bytes of a body that is not a model.
   static constexpr std::size_t kMostBodyBytes = 8192;
 
@@ -54,6 +55,10 @@ class WebService {
   void serve_query(const RequestPtr& request, Role role);
   void serve_preview(const RequestPtr& request);
   void serve_report(const RequestPtr& request);
+  void serve_picture(const RequestPtr& request);
+  void serve_film(const RequestPtr& request);
+  // Answers with a file of contourd, of which `reply` says the rest.
+  void serve_file(const RequestPtr& request, FileQuestion question, HttpReply reply);
   void pass_on(const RequestPtr& request, const PageMethod& method, const std::string& parameters);
   void ask(ControlLink& link, const RequestPtr& request, Request question);
   void serve_mask(const RequestPtr& request);
@@ -75,7 +80,7 @@ class WebService {
   ControlLink printer_, slow_;  // `slow_` is for methods that wait for a disk
   MaskPicture mask_;
   StatusFeed feed_;
-  std::shared_ptr<const int> report_place_ = std::make_shared<const int>(0);  // a reference for each report
+  std::shared_ptr<const int> file_place_ = std::make_shared<const int>(0);  // a reference for each file
   Worker disk_;
   UploadPlaces uploads_;
   HttpServer server_;  // last: its requests refer to the others

@@ -105,6 +105,8 @@ class ControlApiTest(FolderTest):
             if status["job"]["analysis"] is not None:
                 self.assert_fields(status["job"]["analysis"], ANALYSIS)
         self.assert_fields(status["manual"], MANUAL)
+        if status["camera"] is not None:
+            self.assert_fields(status["camera"], rows("### A camera"))
         if status["last"] is not None:
             self.assert_fields(status["last"], ENDED_JOB)
 
@@ -188,6 +190,10 @@ class ControlApiTest(FolderTest):
         daemon.rpc("queue_remove", job="two")
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
         answers["report"] = daemon.rpc("report", job="part")
+        os.mkdir(daemon.file("failed", "part.pictures"))
+        for method, name in (("picture", "00001.jpg"), ("time_lapse", "time-lapse.mp4"), ("pictures", "00002.jpg")):
+            self.write(daemon.file("failed", "part.pictures", name), b"content")
+            answers[method] = daemon.rpc(method, job="part")
         answers["plate_cleared"] = daemon.rpc("plate_cleared")
         manual = {"home": {}, "stop": {}, "light_off": {}, "show": {"pattern": "grid"}, "mask": {}, "upload": {"from": 0, "data": "AAAA"}, "light_on": {"seconds": 0.01, "in_resin": True},
                    "projector": {}, "motor_off": {}, "inputs": {}, "move": {"to_mm": 1}}  # fmt: skip

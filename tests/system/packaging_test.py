@@ -98,7 +98,7 @@ class UnitsTest(unittest.TestCase):
     @unittest.skipUnless(shutil.which("systemd-analyze"), "systemd-analyze is not installed")
     def test_systemd_rates_the_exposure_of_the_units_as_low(self):
         folder = os.path.join(SOURCE, "systemd")
-        for unit in ("contourd.service", "contourd-job-ended@.service", "contourd-web.service"):
+        for unit in ("contourd.service", "contourd-job-ended@.service", "contourd-camera@.service", "contourd-web.service"):
             command = ["systemd-analyze", "security", "--no-pager", "--offline=true", "--threshold=15", os.path.join(folder, unit)]
             # The unit's own folder, so that its drop-ins are found.
             looked = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, "SYSTEMD_UNIT_PATH": folder})

@@ -5,7 +5,8 @@ import json
 import os
 
 from browser import CHROMIUM, Browser
-from harness import CONTOURD_WEB, SLAB, Daemon, binary_stl, box, contents, realtime, run, skip_file, wait_until
+from camera_test import CameraService
+from harness import CONTOURD_WEB, NIMBLE_RESIN, SLAB, Daemon, binary_stl, box, contents, realtime, run, skip_file, wait_until
 from web_test import PASSWORD, WebTest
 
 LONG = "a very long name of a part that somebody has exported again and again " * 2
@@ -246,6 +247,41 @@ class PageInABrowser(WebTest):
         self.assertEqual(json.loads(self.daemon.read("incoming", "tiny.json")), {"unit": "inch", "confirm": True})
         self.browser.value("document.querySelector('#queue .row button').click()")
         self.wait("document.getElementById('state').textContent == 'exposing'")
+
+    def test_the_pictures_of_the_camera_stand_beside_the_mask_and_in_the_history(self):
+        self.browser.open(self.url, 390, "light")
+        picture = self.browser.value("(() => { const c = document.createElement('canvas'); c.getContext('2d').fillRect(0, 0, 300, 150); return c.toDataURL('image/jpeg'); })()")
+        self.write("picture.jpg", base64.b64decode(picture.partition(",")[2]))
+        commands = (("snapshot", f"cp {self.path('picture.jpg')} $CONTOURD_FILE"), ("time-lapse", r"printf '\000\000\000\020ftypisom' >$CONTOURD_FILE"))
+        for name, body in commands:
+            os.chmod(self.write(f"camera-{name}", f"#!/bin/sh\n{body}\n"), 0o755)
+        CameraService(self, self.path("camera.socket"), self.path("camera"))
+        self.web.kill()
+        self.web.wait()
+        self.daemon.stop()
+        daemon = Daemon(self, realtime(camera={"socket": "camera.socket", "every_layers": 1}), {**NIMBLE_RESIN, "exposure_ms": 500, "bottom_exposure_ms": 500}).start()
+        run(CONTOURD_WEB, "--set-password", "--role", "watch", *self.files(), input=b"only watch\n" * 2)
+        self.serve(daemon)
+        self.url = f"http://127.0.0.1:{self.port}/"
+        self.browser.open(self.url, 390, "light")
+        self.log_in("only watch")
+        self.daemon.drop("part.stl", SLAB)
+        self.wait("!document.getElementById('picture').hidden && document.getElementById('picture').naturalWidth == 300")
+        self.assertRegex(self.browser.value("document.getElementById('picture').alt"), r"Picture after layer \d+")
+        self.look("camera", 390, "light")
+        self.daemon.wait_done("part")
+        wait_until(lambda: self.daemon.has("done", "part.pictures", "time-lapse.mp4"), "the time lapse")
+        self.wait("document.querySelectorAll('#history li').length == 1")
+        self.assertFalse(self.browser.value("document.getElementById('picture').checkVisibility()"))
+        self.browser.value("document.querySelector('#history li button').click()")
+        self.wait("document.querySelector('.shots img') && document.querySelector('.shots img').naturalWidth == 300")
+        self.assertEqual(self.browser.value("new URL(document.querySelector('.shots video').src).search"), "?job=part")
+        self.assertEqual(self.browser.value("document.querySelector('.shots img').alt"), "After layer 20")
+        self.browser.value("(() => { const slider = document.querySelector('.shots input'); slider.value = 0; slider.dispatchEvent(new Event('change')); })()")
+        self.wait("/After layer [1-5]$/.test(document.querySelector('.shots img').alt)")
+        self.look("camera-history", 390, "light")
+        self.browser.value("document.querySelector('#history li button').click()")
+        self.assertFalse(self.browser.value("Boolean(document.querySelector('.shots'))"))
 
     def test_each_role_sees_what_it_may_do(self):
         for role in ("watch", "service"):

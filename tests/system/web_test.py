@@ -644,6 +644,29 @@ class PageTest(WebTest):
         self.assertEqual(self.web.wait(DEADLINE_S), 0)
         self.assertEqual(self.incoming(), [])
 
+    def test_pictures_and_a_part_of_the_time_lapse_are_served(self):
+        browser = self.logged_in()
+        folder = self.daemon.file("done", "part.pictures")
+        os.mkdir(folder)
+        picture, film = b"\xff\xd8\xff" + os.urandom(200_000), b"0123456789" * 10_000
+        for name, content in (("00003.jpg", picture), ("time-lapse.mp4", film)):
+            self.write(os.path.join(folder, name), content)
+        self.assertEqual(browser.json("/api/pictures?job=part"), {"job": "part", "layers": [3], "time_lapse": True})
+        for path in ("/api/picture?job=part&layer=3", "/api/picture?job=part"):
+            status, body, headers = browser.get(path)
+            self.assertEqual((status, body, headers["Content-Type"]), (200, picture, "image/jpeg"))
+        status, body, headers = browser.get("/api/time_lapse?job=part")
+        self.assertEqual((status, body, headers["Content-Type"], headers["Accept-Ranges"]), (200, film, "video/mp4", "bytes"))
+        status, body, headers = browser.get("/api/time_lapse?job=part", Range="bytes=50001-50003")
+        self.assertEqual((status, body, headers["Content-Range"], headers["Content-Length"]), (206, b"123", "bytes 50001-50003/100000", "3"))
+        status, body, headers = browser.get("/api/time_lapse?job=part", Range="bytes=100000-")
+        self.assertEqual((status, headers["Content-Range"]), (416, "bytes */100000"))
+        for path, status in (("/api/picture?job=part&layer=4", 409), ("/api/picture?job=../done/part", 409), ("/api/picture?job=part&layer=x", 400), ("/api/picture", 400), ("/api/time_lapse?job=no", 409)):
+            refused = browser.get(path)
+            self.assertEqual(refused[0], status, path)
+            self.assert_one_line(refused[1])
+        self.assertEqual(Browser(self.port).get("/api/picture?job=part")[0], 401)
+
 
 class UploadTest(WebTest):
     def test_an_uploaded_model_is_printed(self):

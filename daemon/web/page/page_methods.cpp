@@ -24,6 +24,7 @@ constexpr std::array kMethods{PageMethod{"accept"},
 
 constexpr std::array kQueries{PageQuery{"copies"},
                               PageQuery{"inputs", nullptr, false, Role::Service},
+                              PageQuery{"pictures", "job", true},
                               PageQuery{"queue"},
                               PageQuery{"resins", nullptr, true},
                               PageQuery{"status"},

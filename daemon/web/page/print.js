@@ -3,7 +3,7 @@ import {$, call, confirmed, duration, element, live, setText, withoutCommand} fr
 import {showChanges} from "./change.js";
 import {refreshQueue} from "./queue.js";
 
-let maskOf = null, maskAt = 0;
+let maskOf = null, maskAt = 0, pictureOf = null;
 
 export const printing = () => live.status && live.status.job && live.status.job.layers !== undefined;
 
@@ -15,6 +15,7 @@ export function showNow() {
   showPrint(status);
   showLight(status);
   showMask(status);
+  showPicture(status);
   showChanges(printing());
 }
 
@@ -79,6 +80,25 @@ function showMask(status) {
 }
 $("mask").addEventListener("load", () => { $("mask").hidden = !printing(); });
 $("mask").addEventListener("error", () => { maskOf = null; });
+
+// Shows the last picture of the user's camera.
+function showPicture(status) {
+  const camera = printing() && status.camera && status.camera.job === status.job.name ? status.camera : null, layer = camera && camera.last_layer;
+  $("picture-told").hidden = !(camera && camera.trouble);
+  if (camera && camera.trouble) setText("picture-told", `The camera has failed ${camera.failed === 1 ? "once" : `${camera.failed} times`}, at first because ${camera.trouble}.`);
+  if (!layer) {
+    $("picture").hidden = true;
+    pictureOf = null;
+    return;
+  }
+  const wanted = `/api/picture?job=${encodeURIComponent(status.job.name)}&layer=${layer}`;
+  if (wanted === pictureOf) return;
+  pictureOf = wanted;
+  $("picture").alt = `Picture after layer ${layer}`;
+  $("picture").src = wanted;
+}
+$("picture").addEventListener("load", () => { $("picture").hidden = !printing(); });
+$("picture").addEventListener("error", () => { $("picture").hidden = true; });
 
 async function control(method) {
   $("control-error").textContent = "";

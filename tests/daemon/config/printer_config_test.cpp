@@ -96,6 +96,7 @@ TEST_CASE("every key of a printer file is read with its unit") {
   printer["min_free_disk_mb"] = 7;
   printer["mask_budget_ms"] = 250;
   printer["manual"] = {{"light_limit_s", 12.5}, {"vat_depth_mm", 45}};
+  printer["camera"] = {{"every_layers", 7}, {"time_limit_s", 30}, {"socket", "/run/camera"}};
   printer["reminders"] = {{"lamp", {{"lamp_h", 0.5}}}, {"film", {{"layers", 30'000}, {"prints", 60}}}};
   printer["z_axis"] = {{"travel_mm", 150.5},
                        {"microsteps_per_mm", 400.5},
@@ -118,6 +119,10 @@ TEST_CASE("every key of a printer file is read with its unit") {
                            {"projector_silent_after_commands", 4}};
   const PrinterConfig config = PrinterFolder(printer).load();
   CHECK(config.name == "test");
+  REQUIRE(config.camera);
+  CHECK(config.camera->every_layers == 7);
+  CHECK(config.camera->time_limit == 30s);
+  CHECK(config.camera->socket == "/run/camera");
   CHECK_FALSE(config.wait_for_plate_cleared);
   CHECK(config.ask_before == std::vector<std::string>{"islands", "cracks"});
   CHECK(config.tiny_first_layer_percent == 2.5);
@@ -206,6 +211,7 @@ TEST_CASE("relative paths start from the file's folder, whatever the working dir
   CHECK(config.control_socket == folder.path() / "control.sock");
   CHECK(config.job_ended_socket == "/run/contourd-job-ended.socket");
   CHECK_FALSE(config.metrics_file);
+  CHECK_FALSE(config.camera);
   const auto relative = std::filesystem::relative(folder.path() / "printer.json");
   CHECK(load_printer_config(relative).spool_folder.is_absolute());
   json printer = smallest_printer();
@@ -338,6 +344,10 @@ TEST_CASE("a control socket whose absolute path is too long for a socket is refu
   CHECK(printer_complaints_with("/control_socket", "/" + std::string(106, 'x')).empty());
   CHECK(printer_complaints_with("/control_socket", "/" + std::string(107, 'x')) ==
         Complaints{"/control_socket: the absolute path is 108 bytes long; the limit for a socket is 107"});
+  CHECK(printer_complaints_with("/camera", {{"socket", "/" + std::string(107, 'x')}}) ==
+        Complaints{"/camera/socket: the absolute path is 108 bytes long; the limit for a socket is 107"});
+  CHECK(printer_complaints_with("/camera", {{"every_layers", 0}}) ==
+        Complaints{"/camera/every_layers: must be at least 1, but is 0"});
   CHECK(printer_complaints_with("/job_ended_socket", "/" + std::string(107, 'x')) ==
         Complaints{"/job_ended_socket: the absolute path is 108 bytes long; the limit for a socket is 107"});
 }

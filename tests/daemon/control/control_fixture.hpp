@@ -21,7 +21,8 @@ class ControlFixture : public CurrentJobFixture {
   ManualProcess manual{machine, clock, [] {}};
   ReminderConfig reminder_config;
   Reminders reminders{reminder_config};
-  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history, manual, reminders}};
+  Camera camera{loop, log.log, config};
+  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history, manual, reminders, camera}};
 };
 
 }  // namespace contourd::testing

@@ -56,7 +56,6 @@ class JobSettingsFixture {
 };
 
 using Fault = ProfileTrouble::Fault;
-using std::chrono::milliseconds;
 
 constexpr const char* kTough = R"({"resin": "tough"})";
 constexpr const char* kStandard = R"({"resin": "standard"})";
@@ -65,13 +64,13 @@ constexpr const char* kStandard = R"({"resin": "standard"})";
 
 TEST_CASE("A profile's current file counts, with and without a ticket that names it") {
   const JobSettingsFixture fixture;
-  CHECK(fixture.exposure() == milliseconds{3000});
+  CHECK(fixture.exposure() == std::chrono::milliseconds{3000});
   fixture.write_resin("standard", 3500);
   fixture.write_resin("tough", 4500);
-  CHECK(fixture.exposure() == milliseconds{3500});
-  CHECK(fixture.exposure(kStandard) == milliseconds{3500});
-  CHECK(fixture.exposure(R"({"copies": 2})") == milliseconds{3500});
-  CHECK(fixture.exposure(kTough) == milliseconds{4500});
+  CHECK(fixture.exposure() == std::chrono::milliseconds{3500});
+  CHECK(fixture.exposure(kStandard) == std::chrono::milliseconds{3500});
+  CHECK(fixture.exposure(R"({"copies": 2})") == std::chrono::milliseconds{3500});
+  CHECK(fixture.exposure(kTough) == std::chrono::milliseconds{4500});
 }
 
 TEST_CASE(
@@ -139,7 +138,7 @@ TEST_CASE("A ticket's exposure counts within the profile's limits, which are rea
                          "for it: " +
                          profile);
   fixture.write_resin("tough", 4000, {{"exposure_ms", {3000, 6000}}});
-  CHECK(fixture.exposure(kLonger) == milliseconds{5000});
+  CHECK(fixture.exposure(kLonger) == std::chrono::milliseconds{5000});
   CHECK(fixture.read(kLonger).overridden == OverriddenSettings{{"exposure_ms", 5000, 4000}});
   fixture.write_resin("tough", 4000, {{"exposure_ms", {3000, 4500}}});
   CHECK(refusal() ==
