@@ -283,6 +283,19 @@ class PageInABrowser(WebTest):
         self.browser.value("document.querySelector('#history li button').click()")
         self.assertFalse(self.browser.value("Boolean(document.querySelector('.shots'))"))
 
+    def test_who_may_print_can_turn_off_a_light_that_was_turned_on_by_hand(self):
+        self.browser.open(self.url, 390, "light")
+        self.log_in()
+        self.assertFalse(self.browser.value("document.getElementById('dark-hand').checkVisibility()"))
+        client = self.daemon.client()
+        self.assertIn("result", client.call("light_on", seconds=5, in_resin=True))
+        self.wait("document.getElementById('dark-hand').checkVisibility()")
+        self.look("by-hand", 390, "light")
+        self.browser.value("document.getElementById('dark-hand').click()")
+        wait_until(lambda: self.daemon.status()["manual"]["dark"], "the dark")
+        self.wait("!document.getElementById('dark-hand').checkVisibility()")
+        client.close()
+
     def test_each_role_sees_what_it_may_do(self):
         for role in ("watch", "service"):
             run(CONTOURD_WEB, "--set-password", "--role", role, *self.files(), input=f"only {role}\n".encode() * 2)

@@ -203,7 +203,7 @@ class LoginTest(WebTest):
         self.assertIn(b"another role", self.set_role("service", PASSWORD, expect=BAD_DATA).stderr)
         self.assertIn(b"another role", self.set_password("watching only", expect=BAD_DATA).stderr)
         self.assertIn(f"key {self.key}\n", pathlib.Path(self.path("web-password")).read_text(encoding="ascii"))
-        self.serve()
+        self.serve(Daemon(self, realtime()).start())
         people = {role: Browser(self.port) for role in ("watch", "print", "service")}
         for role, password in (("watch", "watching only"), ("print", PASSWORD), ("service", "service only")):
             self.assertEqual(people[role].log_in(password)[0], 204)
@@ -214,9 +214,17 @@ class LoginTest(WebTest):
             self.assertEqual(status, 403, method)
             self.assert_one_line(body, b"needs the role print", b"logged in as watch")
             self.assertNotEqual(people["print"].call(method, no=1)[0], 403, method)
-        for method in ("home", "stop", "light_off"):
-            for role in ("watch", "print"):
-                self.assertEqual(people[role].call(method)[0], 403, (role, method))
+        for role, method in (("watch", "home"), ("print", "home"), ("watch", "stop"), ("watch", "light_off")):
+            self.assertEqual(people[role].call(method)[0], 403, (role, method))
+        # Who may print may always end what was begun by hand.
+        for method in ("light_off", "stop"):
+            client = self.daemon.client()
+            self.assertIn("result", client.call("light_on", seconds=5, in_resin=True))
+            wait_until(lambda: people["print"].json("/api/status")["manual"]["state"] == "lit", "the light")
+            self.assertEqual(people["print"].call(method)[0], 200, method)
+            wait_until(lambda: people["print"].json("/api/status")["manual"]["dark"], "the dark")
+            wait_until(lambda: people["print"].json("/api/status")["manual"]["state"] == "idle", "the end of the operation")
+            client.close()
         self.assertEqual(people["print"].get("/api/inputs")[0], 403)
         self.assertEqual(people["service"].get("/api/inputs")[0], 200)
         self.assertEqual(people["service"].call("home")[0], 200)

@@ -6,20 +6,13 @@
 namespace contourd::web {
 namespace {
 
-constexpr std::array kMethods{PageMethod{"accept"},
-                              PageMethod{"cancel"},
-                              PageMethod{"exclude"},
-                              PageMethod{"home", false, Role::Service},
-                              PageMethod{"light_off", false, Role::Service},
-                              PageMethod{"pause"},
-                              PageMethod{"plate_cleared"},
-                              PageMethod{"queue_move"},
-                              PageMethod{"queue_remove"},
-                              PageMethod{"queue_ticket", true},
-                              PageMethod{"replaced", true},
-                              PageMethod{"resume"},
-                              PageMethod{"set", true},
-                              PageMethod{"stop", false, Role::Service},
+constexpr std::array kMethods{PageMethod{"accept"},         PageMethod{"cancel"},
+                              PageMethod{"exclude"},        PageMethod{"home", false, Role::Service},
+                              PageMethod{"light_off"},      PageMethod{"pause"},
+                              PageMethod{"plate_cleared"},  PageMethod{"queue_move"},
+                              PageMethod{"queue_remove"},   PageMethod{"queue_ticket", true},
+                              PageMethod{"replaced", true}, PageMethod{"resume"},
+                              PageMethod{"set", true},      PageMethod{"stop"},
                               PageMethod{"vat", true}};
 
 constexpr std::array kQueries{PageQuery{"copies"},

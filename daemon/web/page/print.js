@@ -14,6 +14,7 @@ export function showNow() {
   showNotices(status);
   showPrint(status);
   showLight(status);
+  showByHand(status);
   showMask(status);
   showPicture(status);
   showChanges(printing());
@@ -109,6 +110,15 @@ async function control(method) {
     $("control-error").textContent = error.message;
   }
 }
+
+// What somebody does by hand, at the printer or as service, can be ended by everyone who may print.
+function showByHand(status) {
+  const {manual} = status, lit = !manual.dark && !status.job;
+  $("by-hand").hidden = manual.state === "idle" && !lit;
+  if (!$("by-hand").hidden) setText("by-hand-text", `By hand: ${manual.state}${lit ? "; the light is or may be on" : ""}.`);
+}
+$("stop-hand").addEventListener("click", () => control("stop"));
+$("dark-hand").addEventListener("click", () => control("light_off"));
 
 $("pause").addEventListener("click", () => control("pause"));
 $("resume").addEventListener("click", () => control("resume"));
