@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/contract/expects.hpp"
 #include "core/layers/layers.hpp"
 #include "daemon/control/setting_bounds.hpp"
 #include "daemon/report/plate_copies.hpp"
@@ -105,6 +106,9 @@ ControlMethods PrinterControl::methods() {
         .changes = true,
         .call_later = [this](const Json& parameters, const ControlCaller&,
                              Later later) { set(parameters, std::move(later)); }}},
+      {"settings",
+       {.description = "Reports the settings of the print that `set` changes: their values and bounds.",
+        .call = [this](const Json&, const ControlCaller&) { return settings(); }}},
       {"copies",
        {.description = "Lists the copies of models on the plate of the print under way.",
         .call = [this](const Json&, const ControlCaller&) { return copies(); }}},
@@ -146,12 +150,10 @@ void PrinterControl::set(const Json& parameters, ControlMethod::Later later) {
         "nothing prints: settings can be changed only during a print; a job's ticket sets them before");
   const auto wanted = parameters.at("setting").get<std::string>();
   const std::string_view setting = *std::ranges::find(kPrintSettings, wanted);
-  const std::int32_t next = is_of_rises(setting) ? print.layer() : next_layer();
-  const JobSummary& summary = job_.job()->prepared->summary;
-  if (const std::string_view why = print.why_fixed(setting); !why.empty())
-    throw ControlRefusal(std::string(why));
+  if (const std::string why = why_not_changed(setting); !why.empty()) throw ControlRefusal(why);
   const auto value = parameters.at("value").get<double>();
-  const Limits<double> bounds = setting_bounds(setting, summary, resin_machine(context_.config), next);
+  const JobSummary& summary = job_.job()->prepared->summary;
+  const Limits<double> bounds = bounds_of(setting);
   if (!bounds.contain(value))
     throw ControlRefusal(
         fmt::format("{} {} is not allowed: the resin's profile {} and the machine allow {:g} to {}", setting,
@@ -173,6 +175,44 @@ void PrinterControl::set_rises(std::string_view setting, double value, ControlMe
     if (!refusal.empty()) return later(ControlRefusal(refusal));
     later(status_.status());
   });
+}
+
+Json PrinterControl::settings() const {
+  require_print("report the settings of");
+  const PrintSettings now = job_.print().settings();
+  const bool rises = job_.job()->prepared->summary.continuous.has_value();
+  Json list = Json::array();
+  for (const std::string_view setting : kPrintSettings) {
+    if (is_of_rises(setting) && !rises) continue;
+    Json each{{"setting", setting},       {"value", value_of(now, setting)},
+              {"unit", unit_of(setting)}, {"least", nullptr},
+              {"most", nullptr},          {"fixed", or_null(why_not_changed(setting))}};
+    if (each["fixed"].is_null()) {
+      const Limits<double> bounds = bounds_of(setting);
+      each["least"] = bounds.least;
+      each["most"] = bounds.most;
+    }
+    list.push_back(std::move(each));
+  }
+  return {{"settings", std::move(list)}};
+}
+
+std::string PrinterControl::why_not_changed(std::string_view setting) const {
+  const PrintMode& print = job_.print();
+  if (!is_of_rises(setting)) {
+    try {
+      (void)next_layer();
+    } catch (const ControlRefusal& refusal) {
+      return refusal.what();
+    }
+  }
+  return std::string(print.why_fixed(setting));
+}
+
+Limits<double> PrinterControl::bounds_of(std::string_view setting) const {
+  expects(why_not_changed(setting).empty(), "the setting can be changed");
+  return setting_bounds(setting, job_.job()->prepared->summary, resin_machine(context_.config),
+                        is_of_rises(setting) ? job_.print().layer() : next_layer());
 }
 
 std::int32_t PrinterControl::next_layer() const {

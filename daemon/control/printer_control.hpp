@@ -33,6 +33,8 @@ class PrinterControl {
   // Changes a setting of the print from the next layer on, or of its rises from now on. Calls `later` with
   // the status, or a refusal.
   void set(const Json& parameters, ControlMethod::Later later);
+  // Returns the settings of the print that can be changed: what is in force now, and the bounds.
+  [[nodiscard]] Json settings() const;
   // Leaves a copy dark from the next layer on.
   Json exclude(const Json& parameters);
   // Returns the copies on the plate.
@@ -53,6 +55,10 @@ class PrinterControl {
   [[nodiscard]] PausePoint pause_point(const Json& parameters) const;
   // Returns the layer from which on a change holds, from 0; throws ControlRefusal if no layer follows.
   [[nodiscard]] std::int32_t next_layer() const;
+  // Returns, in a sentence, why a setting cannot be changed now; empty if it can.
+  [[nodiscard]] std::string why_not_changed(std::string_view setting) const;
+  // Returns the bounds of a setting for a change that is made now. REQUIRES: it can be changed.
+  [[nodiscard]] Limits<double> bounds_of(std::string_view setting) const;
   // Sets a setting of the rises, one of kPrintSettings.
   void set_rises(std::string_view setting, double value, ControlMethod::Later later);
   void require_print(std::string_view what) const;

@@ -118,6 +118,8 @@ class ControlApiTest(FolderTest):
         if reply[1] == "a-status":
             return self.assert_status(result)
         self.assert_fields(result, rows(f"### {TITLES[reply[1]]}"))
+        for each in result.get("settings", ()):
+            self.assert_fields(each, rows("### A setting"))
         for each in result.get("inputs", ()):
             self.assert_fields(each, INPUT)
         for job in result["jobs"] if reply[1] == "a-queue" else ():
@@ -185,7 +187,7 @@ class ControlApiTest(FolderTest):
         answers["preflight"] = daemon.client().call("preflight", job="two")
         for each in answers["preflight"]["result"]["checks"]:
             self.assert_fields(each, rows("### A preflight check"))
-        for method in ("watch", "status", "queue", "history", "usage", "replaced", "queue_move", "accept", "ticket", "preview", "queue_ticket", "queue_remove", "pause", "resume", "set", "copies", "exclude", "cancel"):
+        for method in ("watch", "status", "queue", "history", "usage", "replaced", "queue_move", "accept", "ticket", "preview", "queue_ticket", "queue_remove", "pause", "resume", "set", "settings", "copies", "exclude", "cancel"):
             answers[method] = daemon.client().call(method, **parameters_of.get(method, {}))
         daemon.rpc("queue_remove", job="two")
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")

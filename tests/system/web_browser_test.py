@@ -174,12 +174,22 @@ class PageInABrowser(WebTest):
         self.wait("!document.getElementById('change').hidden")
         self.browser.value("document.querySelector('#change summary').click()")
         self.wait("document.querySelectorAll('#copies li').length == 2")
+        bounds = "[...document.querySelectorAll('#change-fields form')].map((form) => form.hidden ? '' : form.querySelector('p.more[id$=bounds]').textContent)"
+        self.wait(f"({bounds})[0].startsWith('Now')")
+        told = dict(zip(("exposure", "lift", "lift-speed", "rest", "speed", "light"), self.browser.value(bounds)))
+        settings = {each["setting"]: each for each in self.daemon.rpc("settings")["result"]["settings"]}
+        for setting in ("exposure", "lift", "lift-speed", "rest"):
+            each = settings[setting]
+            self.assertEqual(told[setting], f"Now {each['value']:.5g} {each['unit']}; {each['least']:.5g} to {each['most']:.5g} {each['unit']}.")
+        # Nothing rises in this print.
+        self.assertEqual((told["speed"], told["light"]), ("", ""))
         self.change("Lift in mm", "80")
         self.wait("document.querySelector('#change-fields .error:not(:empty)')")
         self.assertIn("lift 80 mm is not allowed", self.text("change-fields"))
         self.look("change-refused", 390, "light")
         self.change("Lift in mm", "2")
         self.wait("document.getElementById('change-fields').textContent.includes('2 holds from the next layer on')")
+        self.wait(f"({bounds})[1].startsWith('Now 2 mm;')")
         self.change("Pause before layer", "9")
         self.wait("!document.getElementById('planned').hidden")
         self.assertIn("The print pauses before layer 9.", self.text("planned"))

@@ -4,18 +4,19 @@ import {$, button, call, confirmed, element, field, get, live} from "./base.js";
 // The settings that can be changed, as contourd names them, with their labels; those of rises are for a plate that rises in the light.
 const SETTINGS = [["exposure", "Exposure in %", 0.1], ["lift", "Lift in mm", 0.1], ["lift-speed", "Lift speed in mm/s", 0.1], ["rest", "Rest after the light in ms", 10],
   ["speed", "Rise: speed in mm/h", 1], ["light", "Rise: light in %", 0.1]];
-let job = null, excludedFor = null;
+let job = null, excludedFor = null, settingsFor = null, settingsAt = 0;
 
 // Makes a form of one number, whose refusal is shown beside it. `act` gets the number.
 function numberForm(label, step, text, act) {
-  const input = element("input"), box = field(label, input), submit = element("button", "", text), told = element("p", "error"), form = element("form", "change", "", box, submit, told);
+  const input = element("input"), box = field(label, input), bounds = element("p", "more"), submit = element("button", "", text), told = element("p", "error"), form = element("form", "change", "", box, submit, bounds, told);
   Object.assign(input, {type: "number", step: "any", min: 0, required: true});
   input.inputMode = step % 1 ? "decimal" : "numeric";
   submit.type = "submit";
   submit.setAttribute("aria-label", `${text}: ${label}`);
   told.setAttribute("role", "alert");
   told.id = `${input.id}-told`;
-  input.setAttribute("aria-describedby", told.id);
+  bounds.id = `${input.id}-bounds`;
+  input.setAttribute("aria-describedby", `${bounds.id} ${told.id}`);
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
     told.textContent = "";
@@ -25,12 +26,30 @@ function numberForm(label, step, text, act) {
       told.className = "more";
       told.textContent = `${input.value} holds from the next layer on.`;
       input.value = "";
+      showSettings();
     } catch (error) {
       told.textContent = error.message;
     }
   });
-  form.told = told;
+  Object.assign(form, {told, bounds, input});
   return form;
+}
+
+// Returns a number with up to five digits, as a person writes it.
+const figure = (value) => String(Number(value.toPrecision(5)));
+
+// Shows the values in force and their bounds, which contourd knows. A print has only some of the settings.
+async function showSettings() {
+  const reply = await get("/api/settings").catch(() => null);
+  if (!reply) return;
+  forms.forEach((form, number) => {
+    const setting = reply.settings.find((each) => each.setting === SETTINGS[number][0]);
+    form.hidden = !setting;
+    if (!setting) return;
+    form.input.placeholder = figure(setting.value);
+    form.bounds.textContent = `Now ${figure(setting.value)} ${setting.unit}; ${setting.fixed || `${figure(setting.least)} to ${figure(setting.most)} ${setting.unit}`}`.trim() + ".";
+    form.input.disabled = form.querySelector("button").disabled = setting.fixed !== null;
+  });
 }
 
 const forms = SETTINGS.map(([setting, label, step]) => numberForm(label, step, "Set", (value) => call("set", {setting, value})));
@@ -61,12 +80,23 @@ export function showChanges(prints) {
   $("planned").hidden = !now.planned_pause;
   $("planned-text").textContent = now.planned_pause ? `The print pauses ${now.planned_pause}. ` : "";
   if (now.name !== job) for (const form of [...forms, pauseForm]) form.told.textContent = "";
+  // The bounds of the exposure differ between the first layers and the others.
+  const settings = `${now.name} ${now.layer} ${live.status.state === "parking"}`;
+  if (settings !== settingsFor && $("change").open && performance.now() - settingsAt > 1000) {
+    settingsFor = settings;
+    settingsAt = performance.now();
+    showSettings();
+  }
   if ((now.name !== job || excluded !== excludedFor) && $("change").open) showCopies();
   job = now.name;
   excludedFor = excluded;
 }
 
-$("change").addEventListener("toggle", () => { if ($("change").open) showCopies(); });
+$("change").addEventListener("toggle", () => {
+  if (!$("change").open) return;
+  showCopies();
+  showSettings();
+});
 
 async function showCopies() {
   try {

@@ -123,6 +123,40 @@ TEST_CASE_METHOD(PrinterControlFixture, "A setting is changed within bounds, whi
 }
 
 TEST_CASE_METHOD(PrinterControlFixture,
+                 "The settings are reported with the bounds within which they change") {
+  CHECK(refusal_of("settings") == "there is no print to report the settings of");
+  REQUIRE(refusal_in("exposing", "settings").empty());
+  const Json settings = reply["settings"];
+  REQUIRE(settings.size() == 5);  // nothing rises in this print
+  for (const Json& each : settings) {
+    const auto set = [&](double value) {
+      return refusal_of("set", {{"setting", each["setting"]}, {"value", value}});
+    };
+    INFO(each.dump());
+    CHECK(each["fixed"].is_null());
+    const auto least = each["least"].get<double>(), most = each["most"].get<double>();
+    CHECK(set(least).empty());
+    CHECK(set(most).empty());
+    CHECK_FALSE(set(least - 0.001).empty());
+    CHECK_FALSE(set(most + 0.001).empty());
+    CHECK(least <= each["value"].get<double>());
+    CHECK(each["value"].get<double>() <= most);
+  }
+  REQUIRE(refusal_of("settings").empty());
+  for (const Json& each : reply["settings"])
+    CHECK(each["value"] == each["most"]);  // as was set last
+}
+
+TEST_CASE("The settings of a print whose layers are done are fixed") {
+  PrinterControlFixture fixture;
+  CHECK(fixture.refusal_in("parking", "settings").empty());
+  for (const Json& each : fixture.reply["settings"]) {
+    CHECK(each["fixed"] == "all layers are printed, the plate goes up");
+    CHECK(each["most"].is_null());
+  }
+}
+
+TEST_CASE_METHOD(PrinterControlFixture,
                  "The last copy of a print cannot be excluded, nor one that is not there") {
   const auto exclude = [&](const std::string& copy) { return refusal_of("exclude", {{"copy", copy}}); };
   CHECK(exclude("1") == "there is no print to exclude a copy from");
