@@ -89,7 +89,8 @@ Camera::Shot Camera::shot(const CameraMoment& moment) const {
     const StoredPictures stored = pictures_in(folder);
     pictures = stored.layers.size();
     if (pictures >= kMostPictures || stored.bytes + kMostCameraBytes > kMostBytes)
-      return {fmt::format("its pictures have {} MB, and may have {}", stored.bytes / 1'000'000,
+      return {fmt::format("it has {} with {} MB, and a print keeps at most {} pictures and {} MB",
+                          count_of(pictures, "picture", "pictures"), stored.bytes / 1'000'000, kMostPictures,
                           kMostBytes / 1'000'000),
               pictures};
     if (std::filesystem::space(folder).available < free_bytes_ + kMostCameraBytes)
