@@ -218,10 +218,10 @@ class PrintTest(MqttTest):
 class LossTest(MqttTest):
     def test_the_printer_is_offline_when_contourd_web_is_killed_or_stopped(self):
         seen = self.with_mosquitto()
-        for end in (signal.SIGKILL, signal.SIGTERM):
+        for end, code in ((signal.SIGKILL, -signal.SIGKILL), (signal.SIGTERM, 0)):
             with self.subTest(end.name):
                 self.web.send_signal(end)
-                self.web.wait()
+                self.assertEqual(self.web.wait(), code)
                 seen.wait_for(self.discovery["avty_t"], lambda payload: payload == b"offline")
                 self.start_web()
                 seen.wait_for(self.discovery["avty_t"], lambda payload: payload == b"online")

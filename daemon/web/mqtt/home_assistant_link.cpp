@@ -42,7 +42,7 @@ HomeAssistantLink::HomeAssistantLink(EventLoop& loop, const Log& log, const Mqtt
 }
 
 HomeAssistantLink::~HomeAssistantLink() {
-  broker_.publish(topics_.availability, kOffline, Retained::Yes);
+  broker_.publish_last(topics_.availability, kOffline, Retained::Yes);
 }
 
 void HomeAssistantLink::tell(const Json& status) {

@@ -173,13 +173,20 @@ bool MqttClient::has_room() const {
 
 void MqttClient::publish(const std::string& topic, std::string_view payload, Retained retained) {
   if (!has_room()) return;
-  const int result =
-      mosquitto_publish(link_->handle.get(), nullptr, topic.c_str(), static_cast<int>(payload.size()),
-                        payload.data(), 0, retained == Retained::Yes);
+  const int result = pass_on(topic, payload, retained);
   if (result == MOSQ_ERR_SUCCESS) return wait_for_socket();
   // The caller may not expect to be told of the loss now.
   link_->trouble = reason_of(result, errno);
   timer_ = loop_.at(std::chrono::steady_clock::now(), kClientName, [this] { tick(); });
+}
+
+void MqttClient::publish_last(const std::string& topic, std::string_view payload, Retained retained) {
+  if (has_room()) (void)pass_on(topic, payload, retained);
+}
+
+int MqttClient::pass_on(const std::string& topic, std::string_view payload, Retained retained) {
+  return mosquitto_publish(link_->handle.get(), nullptr, topic.c_str(), static_cast<int>(payload.size()),
+                           payload.data(), 0, retained == Retained::Yes);
 }
 
 void MqttClient::serve(std::uint32_t events) {

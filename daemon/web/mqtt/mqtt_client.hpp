@@ -63,6 +63,8 @@ class MqttClient {
   [[nodiscard]] bool has_room() const;
   // Passes a message on; does nothing without room.
   void publish(const std::string& topic, std::string_view payload, Retained retained);
+  // Passes on a message before the end, as far as the socket takes it at once. The event loop may have ended.
+  void publish_last(const std::string& topic, std::string_view payload, Retained retained);
 
  private:
   using Time = std::chrono::steady_clock::time_point;
@@ -82,6 +84,8 @@ class MqttClient {
   [[nodiscard]] Handle make_handle();
   void take_attempt();
   void serve(std::uint32_t events);
+  // Returns libmosquitto's result.
+  [[nodiscard]] int pass_on(const std::string& topic, std::string_view payload, Retained retained);
   // Return a sentence's end about what is wrong; empty if nothing is.
   [[nodiscard]] std::string read();
   [[nodiscard]] std::string write();
