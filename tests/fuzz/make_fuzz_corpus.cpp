@@ -354,6 +354,75 @@ void write_record_inputs(const fs::path& folder) {
   write(folder / "place_of_a_version", std::string("gcontourd-progress 2 "));
 }
 
+// Requests of people, browsers and slicers to contourd-web, and what strangers try.
+void write_web_inputs(const fs::path& folder) {
+  const std::string host = " HTTP/1.1\r\nHost: printer\r\n", end = "\r\n";
+  const std::string key = host + "X-Api-Key: 00112233445566778899aabbccddeeff\r\n";
+  const auto get = [&](const std::string& name, const std::string& path, const std::string& more = "") {
+    write(folder / name, "\x80GET " + path + key + more + end);
+  };
+  const auto post = [&](const std::string& name, const std::string& path, const std::string& body,
+                        const std::string& more = "") {
+    write(folder / name, "\x80POST " + path + key + "Content-Length: " + std::to_string(body.size()) +
+                             "\r\n" + more + end + body);
+  };
+  write(folder / "page", "\x80GET /" + host + end);
+  write(folder / "stranger", "\x80GET /api/status HTTP/1.1\r\nHost: evil.example\r\n\r\n");
+  write(folder / "two", "\x80GET /base.js" + host + end + "HEAD /api/status" + key + end);
+  int number = 0;
+  for (const char* each : {"session", "status", "queue", "copies", "settings", "resins", "usage", "vat",
+                           "mask", "events", "history?before=7", "version", "v1/storage", "nothing"})
+    get("get_" + std::to_string(number++), std::string("/api/") + each);
+  get("preview", "/api/preview?job=a%20b.stl");
+  get("report", "/api/report?job=%00%ff");
+  get("picture", "/api/picture?job=part&layer=12");
+  get("film", "/api/time_lapse?job=part", "Range: bytes=0-1\r\n");
+  get("film_end", "/api/time_lapse?job=part", "Range: bytes=-2\r\n");
+  get("cookie", "/api/status", "Cookie: a=b; session=00; contourd=1\r\n");
+  get("origin", "/api/status", "Origin: http://printer\r\nSec-Fetch-Site: same-origin\r\n");
+  write(folder / "refused", "\x81GET /api/picture?job=part" + key + end);
+  post("login", "/api/login", R"({"password": "correct horse"})");
+  post("logout", "/api/logout", "");
+  post("call", "/api/call/set", R"({"setting": "exposure", "value": 110})");
+  post("service", "/api/call/home", "{}");
+  post("upload", "/api/upload?name=part.stl&confirm=1", "solid x\nendsolid x\n");
+  post("upload_long", "/api/upload?name=part.stl", std::string(2000, 'x'));
+  post("form", "/api/files/local",
+       "--x\r\nContent-Disposition: form-data; name=\"print\"\r\n\r\nfalse\r\n--x\r\nContent-Disposition: "
+       "form-data; name=\"file\"; filename=\"a.stl\"\r\n\r\nsolid\r\n--x--\r\n",
+       "Content-Type: multipart/form-data; boundary=x\r\nExpect: 100-continue\r\n");
+  write(folder / "chunked", "\x80POST /api/upload?name=a.stl" + key + "Transfer-Encoding: chunked\r\n" + end +
+                                "5\r\nsolid\r\n0\r\n\r\n");
+  write(
+      folder / "digest",
+      "\x80GET /api/version" + host +
+          "Authorization: Digest username=\"maker\", realm=\"contourd\", nonce=\"00\", uri=\"/api/version\", "
+          "response=\"00112233445566778899aabbccddeeff\", algorithm=MD5, qop=auth, nc=00000001, "
+          "cnonce=\"a\"\r\n" +
+          end);
+}
+
+// Messages of a broker, see mqtt_fuzz.
+void write_mqtt_inputs(const fs::path& folder) {
+  const auto message = [](const std::string& topic, const std::string& payload) {
+    return std::string{static_cast<char>(topic.size()), static_cast<char>(payload.size())} + topic + payload;
+  };
+  const std::string home = "contourd/contourd_1/command/";
+  std::string all;
+  for (const char* method : {"pause", "resume", "cancel", "plate_cleared"})
+    all += message(home + method, "PRESS");
+  using namespace std::string_literals;
+  const std::string started = message("homeassistant/status", "online");
+  write(folder / "commands", "\0"s + all);
+  write(folder / "refused", "\1"s + all);
+  write(folder / "kept", "\4"s + all + started);
+  write(folder / "many", "\0"s + all + all + all + all);
+  write(folder / "started", "\0"s + started + started + message("homeassistant/status", "offline"));
+  write(folder / "strange", "\0"s + message(home + "home", "PRESS") + message(home + "pause", "press") +
+                                message(home, "") + message("", "PRESS"));
+  write(folder / "raw", "\2\x30\x0c\0\x05topicPRESS\xd0\0\x32\x07\0\1a\0\1b"s);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -364,10 +433,12 @@ int main(int argc, char** argv) {
   try {
     const fs::path folder = argv[1];
     const std::pair<const char*, void (*)(const fs::path&)> targets[] = {
-        {"model", write_model_inputs},   {"packed", write_packed_inputs},   {"threemf", write_threemf_inputs},
-        {"mask", write_mask_inputs},     {"config", write_config_inputs},   {"ticket", write_ticket_inputs},
-        {"job", write_job_inputs},       {"control", write_control_inputs}, {"serial", write_serial_inputs},
-        {"records", write_record_inputs}};
+        {"model", write_model_inputs},     {"packed", write_packed_inputs},
+        {"threemf", write_threemf_inputs}, {"mask", write_mask_inputs},
+        {"config", write_config_inputs},   {"ticket", write_ticket_inputs},
+        {"job", write_job_inputs},         {"control", write_control_inputs},
+        {"serial", write_serial_inputs},   {"records", write_record_inputs},
+        {"web", write_web_inputs},         {"mqtt", write_mqtt_inputs}};
     for (const auto& [target, write_inputs] : targets) {
       fs::create_directories(folder / target);
       write_inputs(folder / target);
