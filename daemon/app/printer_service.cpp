@@ -58,7 +58,8 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       waiting_job_control_(config, {spool_, reader_, queue_, queue_control_}),
       resin_control_(config, spool_),
       report_control_(spool_),
-      picture_control_(spool_, config.spool_folder) {}
+      picture_control_(spool_, config.spool_folder),
+      log_control_(log) {}
 
 // --- the use of the printer
 
@@ -111,6 +112,7 @@ ControlMethods PrinterService::control_methods() {
   methods.merge(resin_control_.methods());
   methods.merge(report_control_.methods());
   methods.merge(picture_control_.methods());
+  methods.merge(log_control_.methods());
   return methods;
 }
 

@@ -15,6 +15,7 @@
 #include "daemon/control/control_server.hpp"
 #include "daemon/control/history_control.hpp"
 #include "daemon/control/interrupted_control.hpp"
+#include "daemon/control/log_control.hpp"
 #include "daemon/control/manual_control.hpp"
 #include "daemon/control/picture_control.hpp"
 #include "daemon/control/preflight_control.hpp"
@@ -133,6 +134,7 @@ class PrinterService final : private JobObserver, private QueueObserver, private
   ResinControl resin_control_;
   ReportControl report_control_;
   PictureControl picture_control_;
+  LogControl log_control_;
   std::unique_ptr<ControlServer> server_;
   std::optional<MetricsFile> metrics_file_;
   std::uint64_t manual_operations_logged_ = 0;

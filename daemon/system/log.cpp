@@ -115,6 +115,12 @@ class Log::Backlog {
     if (!retry_timer_) retry_later();
   }
 
+  void remember(LogLine line) {
+    if (recent_.size() >= kMostRecent) recent_.pop_front();
+    recent_.push_back(std::move(line));
+  }
+  [[nodiscard]] const std::deque<LogLine>& recent() const { return recent_; }
+
   void final_flush() {
     const TimePoint end = std::chrono::steady_clock::now() + kFinalFlushTimeout;
     while (!kept_.empty() && std::chrono::steady_clock::now() < end) {
@@ -159,6 +165,7 @@ class Log::Backlog {
   std::function<void(std::uint64_t)> on_room_;
   FileDescriptor journal_;  // invalid if entries go to stderr
   std::deque<Entry> kept_;
+  std::deque<LogLine> recent_;
   std::uint64_t lost_ = 0;
   EventLoop::SourcePtr retry_timer_;
 };
@@ -180,9 +187,15 @@ Log::~Log() {
 void Log::write(LogLevel level, std::string_view event, const std::string& message,
                 const LogFields& fields) const {
   const std::string clean = printable_lines(message);
+  const auto now = std::chrono::system_clock::now();
+  backlog_->remember({now, level, std::string(event), shortened(clean, kLongestRecent)});
   std::string text =
       backlog_->to_journal() ? journal_entry(level, event, clean, fields) : clean.substr(0, kLongestLine);
-  backlog_->add({level, std::move(text), std::chrono::system_clock::now()});
+  backlog_->add({level, std::move(text), now});
+}
+
+const std::deque<LogLine>& Log::recent() const {
+  return backlog_->recent();
 }
 
 LogFields job_fields(const std::string& job) {

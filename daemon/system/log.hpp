@@ -8,6 +8,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <deque>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -26,8 +28,19 @@ using LogFields = std::vector<std::pair<std::string_view, std::string>>;
 // Returns the fields of an entry about a job. The job's name may contain any bytes.
 [[nodiscard]] LogFields job_fields(const std::string& job);
 
+// An entry as a person reads it.
+struct LogLine {
+  std::chrono::system_clock::time_point time{};
+  LogLevel level = LogLevel::Info;
+  std::string event,
+      message;  // the message is printable, and at most Log::kLongestRecent bytes and a note long
+};
+
 class Log {
  public:
+  // The latest entries are kept in memory, shortened, for clients of the control socket.
+  static constexpr std::size_t kMostRecent = 200, kLongestRecent = 400;
+
   // Chooses journald when stderr is connected to it (JOURNAL_STREAM, systemd.exec(5)).
   explicit Log(EventLoop& loop);
   // Tries to deliver the pending entries for up to a second.
@@ -37,6 +50,9 @@ class Log {
 
   void write(LogLevel level, std::string_view event, const std::string& message,
              const LogFields& fields = {}) const;
+
+  // Returns the latest entries, the oldest first.
+  [[nodiscard]] const std::deque<LogLine>& recent() const;
 
   void error(std::string_view event, const std::string& message, const LogFields& fields = {}) const {
     write(LogLevel::Error, event, message, fields);

@@ -118,6 +118,8 @@ class ControlApiTest(FolderTest):
         if reply[1] == "a-status":
             return self.assert_status(result)
         self.assert_fields(result, rows(f"### {TITLES[reply[1]]}"))
+        for each in result.get("entries", ()):
+            self.assert_fields(each, rows("### An entry of the log"))
         for each in result.get("settings", ()):
             self.assert_fields(each, rows("### A setting"))
         for each in result.get("inputs", ()):

@@ -331,6 +331,8 @@ class PageInABrowser(WebTest):
                 self.browser.value("document.querySelector('#service summary').click()")
                 self.browser.value("document.getElementById('look').click()")
                 self.wait("document.querySelectorAll('#inputs li').length > 0 || document.getElementById('service-error').textContent")
+                self.browser.value("document.getElementById('show-log').click()")
+                self.wait("document.getElementById('log').textContent.includes('part')")
                 self.browser.value("document.getElementById('home').click(); document.getElementById('yes').click()")
                 self.wait("document.getElementById('service-error').textContent")
             self.look(f"role-{role}", width, scheme)

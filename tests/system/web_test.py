@@ -227,6 +227,9 @@ class LoginTest(WebTest):
             client.close()
         self.assertEqual(people["print"].get("/api/inputs")[0], 403)
         self.assertEqual(people["service"].get("/api/inputs")[0], 200)
+        for role in ("watch", "print"):
+            self.assertEqual(people[role].get("/api/log")[0], 403)
+        self.assertIn("light_off requested by", people["service"].get("/api/log")[1].decode())
         self.assertEqual(people["service"].call("home")[0], 200)
         for method in ("move", "light_on", "show", "upload", "motor_off", "rescue", "projector"):
             self.assertEqual(people["service"].call(method)[0], 404, method)

@@ -17,6 +17,7 @@ constexpr std::array kMethods{PageMethod{"accept"},         PageMethod{"cancel"}
 
 constexpr std::array kQueries{PageQuery{"copies"},
                               PageQuery{"inputs", nullptr, false, Role::Service},
+                              PageQuery{"log", nullptr, false, Role::Service},
                               PageQuery{"pictures", "job", true},
                               PageQuery{"queue"},
                               PageQuery{"resins", nullptr, true},

@@ -22,6 +22,12 @@ $("home").addEventListener("click", async () => {
 });
 $("stop").addEventListener("click", () => act(() => call("stop")));
 $("light-off").addEventListener("click", () => act(() => call("light_off")));
+// The latest entries of contourd's log, the newest first.
+$("show-log").addEventListener("click", () => act(async () => {
+  const {entries} = await get("/api/log");
+  $("log").replaceChildren(...entries.reverse().map((each) => element("li", "", "",
+    element("div", "what", "", element("div", each.level === "error" ? "error" : "", each.message), element("div", "more", `${new Date(each.time).toLocaleString()} \u00b7 ${each.level}`)))));
+}));
 $("look").addEventListener("click", () => act(async () => {
   const {inputs} = await get("/api/inputs");
   const texts = inputs.map((each) => [each.name, each.active === null ? "cannot be read" : each.active ? "active" : "not active"]);
