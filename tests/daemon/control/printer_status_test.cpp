@@ -21,7 +21,7 @@ TEST_CASE_METHOD(PrinterStatusFixture, "An idle printer's status has all keys in
         "printer spool state job queued incomplete incomplete_more postponed postponed_more "
         "unaccepted unaccepted_more ignored "
         "ignored_more deletable deletable_more plate plate_job not_ready_reason held interrupted "
-        "waiting_for reminders last dark manual ");
+        "waiting_for reminders last dark manual camera ");
   CHECK(shown["state"] == "idle");
   for (const char* nothing :
        {"job", "plate_job", "not_ready_reason", "held", "interrupted", "waiting_for", "last"})
