@@ -441,9 +441,9 @@ void Rasterizer::work_off_and_count(std::int32_t first_row, std::int32_t end_row
   work_off_covered_sides(first_row, end_row, [this, first_row](std::uint32_t number, double next_x) {
     const CoveredSide& side = covered_sides_[number];
     const std::int32_t next_y = std::min((side.y | kWithinRow) + 1, side.end_y);
-    shared_.count(number, (side.y >> kOneBits) - first_row, column_in_units(side.x) >> kOneBits,
-                  column_in_units(next_x) >> kOneBits, (side.y & kWithinRow) == 0,
-                  (next_y & kWithinRow) == 0);
+    shared_.count({number, (side.y >> kOneBits) - first_row, column_in_units(side.x) >> kOneBits,
+                   column_in_units(next_x) >> kOneBits, (side.y & kWithinRow) == 0,
+                   (next_y & kWithinRow) == 0, side.sign > 0});
   });
   for (; next_level_ < level_sides_.size() && level_sides_[next_level_].y < end_row << kOneBits;
        ++next_level_) {
@@ -454,7 +454,7 @@ void Rasterizer::work_off_and_count(std::int32_t first_row, std::int32_t end_row
     const std::int32_t from = column_in_units(side.from_x) >> kOneBits;
     const std::int32_t to = column_in_units(side.to_x) >> kOneBits;
     const auto [first, last] = std::minmax(from, to);
-    shared_.count_columns(number, row, first, last);
+    shared_.count_level(number, row, first, last);
     band_.row(row).use(static_cast<std::size_t>(first), static_cast<std::size_t>(last));
   }
 }

@@ -16,18 +16,6 @@ std::int32_t column_of(double x) {
   return static_cast<std::int32_t>(std::floor(x / kUnits));
 }
 
-// True if the sides follow each other from the top down: then they neither cross nor form a loop.
-bool runs_down(std::span<const PixelSide> sides) {
-  constexpr double kRounding = 1e-9;
-  double top = 1, bottom = 0, height = 0;
-  for (const PixelSide& side : sides) {
-    top = std::min(top, side.top_y);
-    bottom = std::max(bottom, side.bottom_y);
-    height += side.bottom_y - side.top_y;
-  }
-  return height <= bottom - top + kRounding;
-}
-
 }  // namespace
 
 SharedPixels::SharedPixels(std::int32_t width, std::size_t stride, std::int32_t rows)
@@ -35,26 +23,27 @@ SharedPixels::SharedPixels(std::int32_t width, std::size_t stride, std::int32_t 
 
 void SharedPixels::look_at_block(std::int32_t row, std::size_t first_column, const std::uint32_t* cells,
                                  std::uint32_t winding) {
-  // A pixel of one outline and three more sides may contain a loop, which crosses no edge.
-  constexpr std::uint32_t kEdgesOfOne = 2, kPiecesOfOne = 3;
+  constexpr std::uint32_t kEdgesOfOne = 2 * kEdge;
+  // Three sides of one outline may cross each other, or form a loop, which crosses no edge. Sides that all
+  // run down, or all up, do neither.
+  constexpr std::uint32_t kMostUncrossed = 2 * kPiece;
   std::uint32_t* const counts = counts_of(row) + first_column;
   std::uint32_t edges = 0, pieces = 0;
   for (std::size_t i = 0; i < kBlockPixels; ++i) {
-    edges = std::max(edges, counts[i] & 0xFFFFU);
-    pieces = std::max(pieces, counts[i] >> 16U);
+    edges = std::max(edges, counts[i] & kEdges);
+    pieces = std::max(pieces, turning_pieces(counts[i]));
   }
-  if (edges <= kEdgesOfOne && pieces <= kPiecesOfOne) {
+  if (edges <= kEdgesOfOne && pieces <= kMostUncrossed) {
     std::fill_n(counts, kBlockPixels, 0U);
     return;
   }
   for (std::size_t i = 0; i < kBlockPixels; ++i) {
     winding += cells[i];
     const auto column = static_cast<std::int32_t>(first_column + i);
-    const bool has_one_outline = (counts[i] & 0xFFFFU) <= kEdgesOfOne;
-    const bool is_shared = !has_one_outline || counts[i] >> 16U > kPiecesOfOne;
+    const bool is_shared = (counts[i] & kEdges) > kEdgesOfOne || turning_pieces(counts[i]) > kMostUncrossed;
     counts[i] = 0;
     if (!is_shared || column >= width_) continue;
-    pixels_.push_back({row, column, winding, has_one_outline});
+    pixels_.push_back({row, column, winding});
     counts[i] = static_cast<std::uint32_t>(pixels_.size());
   }
 }
@@ -146,7 +135,6 @@ std::optional<double> SharedPixels::filled(const Pixel& pixel) {
   count = 0;
   for (std::uint32_t i = pixel.last_crossing; i != kNone; i = crossings_[i].next)
     crossings[count++] = crossings_[i].item;
-  if (pixel.has_one_outline && runs_down(std::span(sides).first(pixel.sides))) return std::nullopt;
   const double mean = static_cast<double>(static_cast<std::int32_t>(pixel.winding)) / kUnits;
   return fill_.filled(std::span(sides).first(pixel.sides), std::span(crossings).first(pixel.crossings), mean);
 }

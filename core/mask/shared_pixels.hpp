@@ -32,22 +32,23 @@ class SharedPixels {
   // `width`: the display's columns. `stride`: the cells of a row in the band.
   SharedPixels(std::int32_t width, std::size_t stride, std::int32_t rows);
 
-  // Counts the piece of a side within one row of the band, from the column of its upper end to that of its
-  // lower end. `above`, `below`: the side crosses the row's upper, or lower edge. `side`: the side's number
-  // for collect().
-  void count(std::uint32_t side, std::int32_t row, std::int32_t top, std::int32_t bottom, bool above,
-             bool below) {
-    std::uint32_t* const counts = counts_of(row);
-    counts[top] += above ? kEdge : 0;
-    counts[bottom] += below ? kEdge : 0;
-    count_columns(side, row, std::min(top, bottom), std::max(top, bottom));
+  // A side's piece within one row of the band, from the column of its upper end to that of its lower end.
+  struct SidePiece {
+    std::uint32_t side;  // number for collect()
+    std::int32_t row, top, bottom;
+    bool crosses_above, crosses_below;  // the row's upper edge, and its lower edge
+    bool runs_down;
+  };
+  void count(const SidePiece& piece) {
+    std::uint32_t* const counts = counts_of(piece.row);
+    counts[piece.top] += piece.crosses_above ? kEdge : 0;
+    counts[piece.bottom] += piece.crosses_below ? kEdge : 0;
+    count_columns(piece.side, piece.row, std::min(piece.top, piece.bottom), std::max(piece.top, piece.bottom),
+                  piece.runs_down ? kDown : kUp);
   }
-  // Counts a piece that crosses neither edge of the row, in columns `first` to `last`.
-  void count_columns(std::uint32_t side, std::int32_t row, std::int32_t first, std::int32_t last) {
-    std::uint32_t* const counts = counts_of(row);
-    for (std::int32_t column = first; column <= last; ++column)
-      counts[column] += kPiece + (column > first ? kEdge : 0) + (column < last ? kEdge : 0);
-    pieces_.push_back({side, row, first, last});
+  // Counts a level side within a row, in columns `first` to `last`.
+  void count_level(std::uint32_t side, std::int32_t row, std::int32_t first, std::int32_t last) {
+    count_columns(side, row, first, last, 0);
   }
 
   // Notes the shared pixels of a block, and forgets what was counted in it. `cells`: the block's cells before
@@ -58,7 +59,6 @@ class SharedPixels {
   struct Pixel {
     std::int32_t row, column;  // in the band
     std::uint32_t winding;     // mean winding number, in units
-    bool has_one_outline;      // and so many sides that it may cross itself
     std::uint32_t sides = 0, crossings = 0;
     std::uint32_t last_side = kNone, last_crossing = kNone;
   };
@@ -83,7 +83,11 @@ class SharedPixels {
   void clear();
 
  private:
-  static constexpr std::uint32_t kEdge = 1, kPiece = 1 << 16, kNone = 0xFFFFFFFF;
+  // Fields of a pixel's counts: crossings of its edges, pieces of sides, and two flags for pieces that run
+  // down, or up.
+  static constexpr std::uint32_t kEdge = 1, kPiece = 1U << 16U, kDown = 1U << 30U, kUp = 1U << 31U;
+  static constexpr std::uint32_t kEdges = kPiece - kEdge, kPieces = kDown - kPiece;
+  static constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
   struct Piece {
     std::uint32_t side;
@@ -97,6 +101,18 @@ class SharedPixels {
 
   [[nodiscard]] std::uint32_t* counts_of(std::int32_t row) {
     return counts_.data() + static_cast<std::size_t>(row) * stride_;
+  }
+  void count_columns(std::uint32_t side, std::int32_t row, std::int32_t first, std::int32_t last,
+                     std::uint32_t direction) {
+    std::uint32_t* const counts = counts_of(row);
+    for (std::int32_t column = first; column <= last; ++column)
+      counts[column] =
+          (counts[column] + kPiece + (column > first ? kEdge : 0) + (column < last ? kEdge : 0)) | direction;
+    pieces_.push_back({side, row, first, last});
+  }
+  // Returns the number of pieces in a pixel, times kPiece; 0 if none runs up, or none runs down.
+  [[nodiscard]] static std::uint32_t turning_pieces(std::uint32_t counts) {
+    return counts >= (kUp | kDown) ? counts & kPieces : 0;
   }
   [[nodiscard]] bool is_near_shared(const Piece& piece) const;
   void cut(const UnitSide& side, std::int32_t row, std::int32_t mask_row);

@@ -81,6 +81,31 @@ TEST_CASE("A pixel in which corners of bodies overlap is as bright as both toget
   CHECK(worst_difference({solid_box(4, 4, 21.75, 21.75), solid_box(20.25, 20.25, 40, 40)}) < 1.5);
 }
 
+TEST_CASE("An outline that crosses itself in a pixel, by three sides, covers its non-zero set") {
+  const Polygon box = solid_box(44, 44, 46, 46);
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    std::mt19937 random(seed);
+    const auto within = [&](double low, double high) {
+      return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
+    };
+    const auto point = [&](double low, double high) {
+      return PixelPoint{within(low, high), within(low, high)};
+    };
+    // The first two points and the pixel around them are those of the fold.
+    const Polygon fold{point(20, 21), point(20, 21), point(18, 23), point(18, 23)};
+    CAPTURE(seed);
+    CHECK(worst_difference({fold, box, box}) < kGreyTolerance);
+  }
+}
+
+TEST_CASE("A speck that faces inwards is lit beneath a corner in the same pixel") {
+  const Polygon box = solid_box(44, 44, 46, 46);
+  const Polygon corner{{20, 10.125}, {15.125, 10.25}, {20, 10.375}};
+  for (const double top : {10.5, 10.75, 10.85})
+    CHECK(worst_difference({corner, turned_round(solid_box(15.25, top, 15.75, top + 0.125)), box, box}) <
+          1.5);
+}
+
 TEST_CASE("Tangles whose sides cross in every nook of a pixel cover their non-zero set") {
   for (unsigned seed = 0; seed < 30; ++seed) {
     std::mt19937 random(seed);
