@@ -131,6 +131,16 @@ class Profiles(SpoolTest):
         self.assertEqual(bundle["presets"]["sla_material"], "standard")
         self.assertFalse(any(name.startswith("physical_printer:") for name in bundle.sections()))
 
+    def test_resins_whose_names_differ_only_in_characters_that_are_replaced_get_profiles_of_their_own(self):
+        daemon = self.daemon()
+        for number, name in enumerate(("a:b", "a;b", "a_b")):
+            daemon.write_resin(name, {"exposure_ms": 4000 + number})
+        bundle = self.export(daemon)  # strict: no section twice
+        materials = {name: bundle[name] for name in bundle.sections() if name.startswith("sla_material:a")}
+        self.assertEqual(sorted(material["exposure_time"] for material in materials.values()), ["4", "4.001", "4.002"])
+        for material in materials.values():
+            self.assertIn("sla_print:" + material["compatible_prints"].strip('"'), bundle.sections())
+
     def test_a_host_makes_a_physical_printer_and_mistakes_are_one_line(self):
         daemon = self.daemon()
         bundle = self.export(daemon, "--host", "192.168.1.20:8080")

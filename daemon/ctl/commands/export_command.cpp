@@ -62,7 +62,7 @@ class SlicerBundle {
   // Adds a resin: a material and a print profile, since PrusaSlicer keeps the layer height in the latter.
   void add(const ResinProfile& resin) {
     const SlicerLayers layers = layers_of(resin);
-    const std::string material = profile_name(resin.name);
+    const std::string material = material_name(resin.name);
     const std::string print = fmt::format("{} {} mm", material, slicer_mm(layers.height));
     SlicerSettings of_print{{"compatible_printers", list_of_one(name_)}}, of_material = of_print;
     for (const auto& setting : layer_settings(layers)) {
@@ -104,6 +104,17 @@ class SlicerBundle {
   }
 
  private:
+  // Returns the resin's name in the bundle. PrusaSlicer takes no bundle with two profiles of one name, and
+  // names may differ only in characters that are replaced.
+  std::string material_name(std::string_view resin) {
+    const std::string name = profile_name(resin);
+    std::string unique = name;
+    for (int number = 2; std::ranges::find(materials_, unique) != materials_.end(); ++number)
+      unique = fmt::format("{} ({})", name, number);
+    materials_.push_back(unique);
+    return unique;
+  }
+
   [[nodiscard]] SlicerLayers layers_of(const ResinProfile& resin) const {
     const auto exposure = [&](int layer) {
       return exposure_time(resin, resin.layer_height, layer, printer_.irradiance_mw_cm2);
@@ -141,8 +152,9 @@ class SlicerBundle {
 
   const PrinterConfig& printer_;
   std::string name_;
-  std::string profiles_;          // sections of the resins
-  std::string print_, material_;  // profiles of the printer's own resin
+  std::string profiles_;                // sections of the resins
+  std::vector<std::string> materials_;  // names of the resins
+  std::string print_, material_;        // profiles of the printer's own resin
   Nanometers lift_{};
 };
 
