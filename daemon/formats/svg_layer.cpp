@@ -96,6 +96,7 @@ class SvgLayerReader : public XmlHandler {
     if (attributes.find("transform") != nullptr)
       throw ModelError(fmt::format(
           "{} has a transform, and outlines without any are needed: slice the model again", in_quotes(name)));
+    check_filled(name, attributes);
     if (!is_open_) return open_picture(attributes);
     if (name == "path") return add_path(attributes);
     if (name != "g" && name != "title" && name != "desc")
@@ -110,6 +111,20 @@ class SvgLayerReader : public XmlHandler {
   }
 
  private:
+  // Refuses elements that other programs would not fill by the non-zero rule, or not at their place.
+  static void check_filled(std::string_view name, const XmlAttributes& attributes) {
+    const std::string_view style = attributes.text("style"), rule = attributes.text("fill-rule");
+    const auto styles = [style](std::string_view word) { return style.find(word) != std::string_view::npos; };
+    if (rule == "evenodd" || styles("evenodd"))
+      throw ModelError(fmt::format(
+          "{} has the fill rule evenodd, and nonzero is needed: slice the model again", in_quotes(name)));
+    if (styles("transform") || styles("display:none") || styles("display: none") ||
+        attributes.text("display") == "none")
+      throw ModelError(fmt::format(
+          "{} is moved or hidden by its style, and plain outlines are needed: slice the model again",
+          in_quotes(name)));
+  }
+
   void open_picture(const XmlAttributes& attributes) {
     is_open_ = true;
     layer_.size = {length_of(attributes, "width"), length_of(attributes, "height")};

@@ -18,9 +18,11 @@ namespace {
 
 constexpr int kMostLevels = 64;
 constexpr int kChunkBytes = 65'536;
-// Expat 2.5 begins a tag again with every chunk: the time for a longer one would grow with its square
-// (CVE-2023-52425).
+// The longest tag that is certain to be read. Expat 2.5 begins a tag again with every chunk: the time for a
+// longer one would grow with its square (CVE-2023-52425).
 constexpr XML_Index kLongestTagBytes = XML_Index{1} << 20U;
+// Since the mending of that, Expat waits for twice the bytes before it begins a tag again.
+constexpr XML_Index kMostWaitingBytes = 2 * kLongestTagBytes + kChunkBytes;
 constexpr std::size_t kMostParserBytes = std::size_t{1} << 25U;
 
 // The memory of the parsers of this thread. The parser keeps every name that it meets, and the whole of a
@@ -86,7 +88,7 @@ class Reading {
           XML_STATUS_OK)
         refuse();
       fed += static_cast<XML_Index>(bytes);
-      if (fed - std::max<XML_Index>(XML_GetCurrentByteIndex(parser_.get()), 0) > kLongestTagBytes) refuse();
+      if (fed - std::max<XML_Index>(XML_GetCurrentByteIndex(parser_.get()), 0) > kMostWaitingBytes) refuse();
     }
   }
 

@@ -153,7 +153,13 @@ TEST_CASE("Outlines that the display cannot show are refused with a sentence tha
   CHECK(lacks(path("M 0 0 C 0 0 1 1 2 2 z"), {"command", "C", "straight"}).empty());
   CHECK(lacks(svg("<rect width=\"5\"/>"), {"rect", "outline"}).empty());
   CHECK(lacks(svg("<g transform=\"scale(2)\"/>"), {"g", "transform"}).empty());
+  CHECK(lacks(svg("<g fill-rule=\"evenodd\"/>"), {"g", "evenodd", "nonzero"}).empty());
+  CHECK(lacks(svg("<path style=\"fill-rule: evenodd\" d=\"\"/>"), {"path", "evenodd"}).empty());
+  CHECK(lacks(svg("<path style=\"transform: scale(2)\" d=\"\"/>"), {"path", "moved or hidden"}).empty());
+  CHECK(lacks(svg("<g display=\"none\"/>"), {"g", "moved or hidden"}).empty());
   CHECK(lacks(svg("<svg/>"), {"svg", "not expected"}).empty());
+  CHECK(area_of("<g style=\"display:inline; fill-rule: nonzero\">" + std::string(kFlag) + "</g>") ==
+        Approx(2));
   CHECK(lacks("<html/>", {"html", "not expected"}).empty());
   CHECK(lacks(svg(kFlag, R"(width="6mm" height="4mm")"), {"viewBox", "four numbers"}).empty());
   CHECK(lacks(svg(kFlag, R"(width="6mm" height="4mm" viewBox="0 0 6000 0")"), {"viewBox"}).empty());
@@ -195,9 +201,15 @@ TEST_CASE("Outlines are bounded in points and memory, and a stop ends their read
   for (std::size_t ring = 0; ring <= kMostSvgPoints / 4; ++ring)
     rings += "<path d=\"M0 0h9v9h-9z\"/>";
   CHECK(testing::lacking(refusal_of(svg(rings)), {"1000000 points", "print the model itself"}).empty());
-  std::string ring = "M 0 0 l";
-  while (ring.size() < (std::size_t{5} << 18U))
-    ring += " 1 0";
+  // A tag of a megabyte is read, with few points, and one of two megabytes is not.
+  std::string ring = "M 0 0 l 0 1000 1000 0";
+  const std::string there_and_back = " 0 1" + std::string(99, '0') + "e-99 0 -1";
+  while (ring.size() + there_and_back.size() < (std::size_t{1} << 20U) - 100)
+    ring += there_and_back;
+  const std::string path = "<path d=\"" + ring + " z\"/>";
+  CHECK(area_of(path + path) == Approx(0.5));
+  while (ring.size() < (std::size_t{9} << 18U))
+    ring += there_and_back;
   CHECK(testing::lacking(refusal_of(svg("<path d=\"" + ring + " z\"/>")), {"tags are too long"}).empty());
   const std::string layer = svg(kFlag);
   OutlineArchive opened(archive_of({layer, layer}));
