@@ -154,7 +154,9 @@ class Reading {
       throw ModelError(fmt::format("{}: line {}: {}", name_, line, refusal.what()));
     }
     if (error == XML_ERROR_NO_MEMORY || error == XML_ERROR_NONE)
-      throw ModelError(fmt::format("{}: line {}: its names or one of its tags are too long", name_, line));
+      throw ModelError(fmt::format(
+          "{}: line {}: its names or one of its tags are too long: write the file with another program",
+          name_, line));
     throw ModelError(fmt::format("{}: line {}: it is not valid XML ({}): export the model again", name_, line,
                                  XML_ErrorString(error)));
   }
