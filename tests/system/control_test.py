@@ -71,6 +71,7 @@ class Protocol(ControlTest):
             "manual": {"state": "idle", "operations": 0, "problem": None, "dark": True, "height_mm": None, "homing_shift_um": None,
                        "picture": None,
                        "projector": None},
+            "camera": None,
         })  # fmt: skip
 
     def test_the_error_about_an_unknown_method_lists_the_known_methods(self):

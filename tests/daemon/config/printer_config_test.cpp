@@ -346,8 +346,6 @@ TEST_CASE("a control socket whose absolute path is too long for a socket is refu
         Complaints{"/control_socket: the absolute path is 108 bytes long; the limit for a socket is 107"});
   CHECK(printer_complaints_with("/camera", {{"socket", "/" + std::string(107, 'x')}}) ==
         Complaints{"/camera/socket: the absolute path is 108 bytes long; the limit for a socket is 107"});
-  CHECK(printer_complaints_with("/camera", {{"every_layers", 0}}) ==
-        Complaints{"/camera/every_layers: must be at least 1, but is 0"});
   CHECK(printer_complaints_with("/job_ended_socket", "/" + std::string(107, 'x')) ==
         Complaints{"/job_ended_socket: the absolute path is 108 bytes long; the limit for a socket is 107"});
 }
