@@ -84,7 +84,7 @@ class Rasterizer {
     std::int32_t y;  // in units of 1 / CoverageBand::kOne
     double from_x, to_x;
   };
-  // What the mask shows.
+  // The content of the mask.
   struct Content {
     std::vector<std::uint64_t> dark, full;  // see RowBlocks
     std::vector<std::uint8_t> band_lit;     // by band: there is some light
@@ -135,7 +135,7 @@ class Rasterizer {
   Content content_;                         // of mask_
   SharedPixels shared_;                     // pixels of a band in which polygons may overlap
   std::size_t next_level_ = 0;              // the first level side that no band has counted
-  ArrangedSides arranged_;                  // sides of polygons that overlap in too many places of a pixel
+  ArrangedSides arranged_;                  // sides of polygons with too many sides in a pixel
   ConicRows lit_rows_;
 };
 

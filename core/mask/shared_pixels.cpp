@@ -107,7 +107,7 @@ void SharedPixels::add_side(std::int32_t row, std::int32_t column, const PixelSi
   Pixel& pixel = pixels_[number - 1];
   sides_.push_back({side, pixel.last_side});
   pixel.last_side = static_cast<std::uint32_t>(sides_.size() - 1);
-  ++pixel.sides;
+  too_dense_ |= ++pixel.sides > PixelFill::kMostSides;
 }
 
 void SharedPixels::add_crossing(std::int32_t row, std::int32_t column, const EdgeCrossing& crossing) {
@@ -116,17 +116,11 @@ void SharedPixels::add_crossing(std::int32_t row, std::int32_t column, const Edg
   Pixel& pixel = pixels_[number - 1];
   crossings_.push_back({crossing, pixel.last_crossing});
   pixel.last_crossing = static_cast<std::uint32_t>(crossings_.size() - 1);
-  ++pixel.crossings;
-}
-
-bool SharedPixels::too_dense() const {
-  return std::ranges::any_of(pixels_, [](const Pixel& pixel) {
-    return std::max(pixel.sides, pixel.crossings) > PixelFill::kMostSides;
-  });
+  too_dense_ |= ++pixel.crossings > PixelFill::kMostSides;
 }
 
 std::optional<double> SharedPixels::filled(const Pixel& pixel) {
-  expects(std::max(pixel.sides, pixel.crossings) <= PixelFill::kMostSides, "the pixel is not too dense");
+  expects(!too_dense_, "no pixel is too dense");
   std::array<PixelSide, PixelFill::kMostSides> sides;
   std::array<EdgeCrossing, PixelFill::kMostSides> crossings;
   std::size_t count = 0;
@@ -145,6 +139,7 @@ void SharedPixels::clear() {
   pixels_.clear();
   sides_.clear();
   crossings_.clear();
+  too_dense_ = false;
 }
 
 }  // namespace contourd

@@ -64,18 +64,20 @@ class SharedPixels {
   };
   [[nodiscard]] std::span<const Pixel> pixels() const { return pixels_; }
 
-  // Collects the sides of the shared pixels. `first_row`: the band's first row in the mask. `side_of`:
-  // returns the UnitSide of a number.
+  // Collects the sides of the shared pixels, until one pixel is too dense. `first_row`: the band's first row
+  // in the mask. `side_of`: returns the UnitSide of a number.
   template <typename SideOf>
   void collect(std::int32_t first_row, SideOf&& side_of) {
     if (!pixels_.empty()) {
-      for (const Piece& piece : pieces_)
+      for (const Piece& piece : pieces_) {
+        if (too_dense_) break;
         if (is_near_shared(piece)) cut(side_of(piece.side), piece.row, piece.row + first_row);
+      }
     }
     pieces_.clear();
   }
   // True if a pixel has more than PixelFill::kMostSides sides.
-  [[nodiscard]] bool too_dense() const;
+  [[nodiscard]] bool too_dense() const { return too_dense_; }
   // Returns the filled part of a pixel, 0 to 1; nothing if its mean winding number gives it. REQUIRES: not
   // too_dense().
   [[nodiscard]] std::optional<double> filled(const Pixel& pixel);
@@ -122,13 +124,14 @@ class SharedPixels {
 
   std::int32_t width_;
   std::size_t stride_;
-  // What was counted of each pixel of the band; after look_at_block() 0, or a shared pixel's number in
-  // pixels_ plus 1.
+  // The counts of each pixel of the band; after look_at_block() 0, or a shared pixel's number in pixels_ plus
+  // 1.
   std::vector<std::uint32_t> counts_;
   std::vector<Piece> pieces_;
   std::vector<Pixel> pixels_;
   std::vector<Listed<PixelSide>> sides_;
   std::vector<Listed<EdgeCrossing>> crossings_;
+  bool too_dense_ = false;
   PixelFill fill_;
 };
 

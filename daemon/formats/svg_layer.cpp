@@ -251,7 +251,7 @@ class SvgLayerReader : public XmlHandler {
       throw ModelError(
           fmt::format("the layer has more than {} points: print the model itself", kMostSvgPoints));
     const Point mm{(at_.x - middle_.x) * mm_per_unit_.x, (middle_.y - at_.y) * mm_per_unit_.y};
-    // Outlines near the picture are told later by how much they reach over the plate.
+    // A later check reports by how much outlines near the picture reach over the plate.
     constexpr double kNear = 1.5;  // widths and heights
     if (!(std::fabs(mm.x) <= kNear * layer_.size.width.count() &&
           std::fabs(mm.y) <= kNear * layer_.size.height.count()))

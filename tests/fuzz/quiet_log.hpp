@@ -1,4 +1,4 @@
-// A log that nobody sees: what a fuzz target makes its program log would fill its output. Not thread-safe.
+// A log without an output: what a fuzz target makes its program log would fill its output. Not thread-safe.
 #pragma once
 
 #include <spdlog/sinks/null_sink.h>

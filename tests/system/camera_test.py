@@ -116,7 +116,7 @@ class CameraTest(FolderTest):
                                  "CONTOURD_LAYERS": "20", "CONTOURD_HEIGHT_MM": "1.000", "CONTOURD_TIME_LIMIT_S": "20"})  # fmt: skip
 
     def fails(self, snapshot, told, **options):
-        """Prints with a command that makes no picture, which is told once; the print is as without a camera."""
+        """Prints with a command that makes no picture, which is logged once; the print is as without a camera."""
         self.camera(snapshot)
         self.start(**options)
         log = self.print()

@@ -65,8 +65,7 @@ class CameraFixture {
 
 }  // namespace
 
-TEST_CASE_METHOD(CameraFixture,
-                 "The camera looks at every fifth layer, and a print's first failure is told") {
+TEST_CASE_METHOD(CameraFixture, "The camera looks at every fifth layer, and logs a print's first failure") {
   for (std::int32_t layer = 0; layer < 4; ++layer)
     camera().look({"part", layer, kLayers, Nanometers{}});
   CHECK_FALSE(camera().figures());
@@ -93,7 +92,8 @@ TEST_CASE_METHOD(CameraFixture, "Of a print with very many layers at most a thou
   CHECK(1 + skipped() == 833);  // every third; the loop has not run, so that all but the first are skipped
 }
 
-TEST_CASE_METHOD(CameraFixture, "The figures of a print begin anew, and are summed up when it is filed") {
+TEST_CASE_METHOD(CameraFixture,
+                 "The figures begin again with each print, and are summed up when it is filed") {
   REQUIRE(run({look_at(4), look_at(9),
                [this] {
                  camera().job_filed("part");
