@@ -3,7 +3,7 @@
 import json
 import math
 
-from harness import OK, Daemon, FolderTest, binary_stl, box, contourctl, inside_out, text_of
+from harness import BAD_USAGE, OK, Daemon, FolderTest, binary_stl, box, contourctl, inside_out, text_of
 
 BLOCK = box((0, 0, 0), (10, 10, 1))
 
@@ -89,6 +89,21 @@ class Suction(FolderTest):
         part = self.write("part.stl", binary_stl(box((0, 0, 0), (12, 12, 9))))
         self.assertEqual(daemon.ctl("submit", part, "--hollow", "1.5", "--yes", "--wait").returncode, OK)
         self.assertEqual(daemon.wait_done("part")["model"]["hollow"]["wall_mm"], 1.5)
+
+    def test_models_are_hollowed_before_they_are_printed(self):
+        part = self.write("part.stl", binary_stl(box((0, 0, 0), (12, 12, 9))))
+        printer = ("--printer", Daemon(self).config_path)
+        ticket = self.write("closed.json", json.dumps({"hollow": {"wall_mm": 3, "hole_mm": 0}}).encode())
+
+        def resin_ml(*options):
+            return json.loads(contourctl("analyze", part, *printer, *options, "--json", expect=OK).stdout)["resin_ml"]
+
+        whole, removed = resin_ml(), 9 * 9 * 6 / 1000
+        self.assertAlmostEqual(whole - resin_ml("--hollow", "1.5", "--ticket", ticket), removed, delta=1e-4)
+        self.assertGreater(whole - resin_ml("--hollow", "1.5"), removed)
+        for wrong in ("0.1", "31", "nan"):
+            result = contourctl("slice", part, *printer, "--hollow", wrong, "--masks", self.path("masks"))
+            self.assert_refusal(result, BAD_USAGE, f"--hollow {wrong}", "0.2 to 30")
 
     # --- drain holes
 

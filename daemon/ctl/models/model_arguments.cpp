@@ -95,6 +95,14 @@ std::optional<double> parse_size(const SizeArgs& args) {
   return unit ? millimeters_in(*unit) * scale.value_or(1) : scale;
 }
 
+std::optional<Millimeters> parse_hollow(std::optional<double> wall_mm) {
+  if (!wall_mm) return std::nullopt;
+  // Negated, so that NaN is refused, too.
+  if (!(*wall_mm >= 0.2 && *wall_mm <= 30))
+    throw UsageError(fmt::format("--hollow {}: expected 0.2 to 30", *wall_mm));
+  return Millimeters{*wall_mm};
+}
+
 void add_size_options(Command& command, SizeArgs& args) {
   command.option("--unit", args.unit, kUnitHelp).suggests(unit_names);
   command.option("--scale", args.scale, kScaleHelp);

@@ -22,6 +22,7 @@ namespace contourd::ctl {
 inline constexpr const char* kUpHelp = "Direction that points up: X,Y,Z, or auto, fast, clean, safe";
 inline constexpr const char* kUnitHelp = "Unit of the model: mm, cm, m, um, inch or foot (default: mm)";
 inline constexpr const char* kScaleHelp = "Scale the model by this factor";
+inline constexpr const char* kHollowHelp = "Make the model hollow, with walls of this thickness, mm";
 inline constexpr const char* kUndersidesHelp = "Light of undersides: plain, or dose to cure them as drawn";
 inline constexpr const char* kLikePrinterHelp = "Use this printer configuration, as contourd does";
 inline constexpr const char* kPictureHelp = "Write a PNG file instead of drawing; - is standard output";
@@ -65,6 +66,8 @@ void add_display_options(Command& command, DisplayArgs& args, const Option* prin
 // Returns the factor by which the model's coordinates are multiplied; nullopt if no option is given. --scale
 // has the range of a ticket's scale.
 [[nodiscard]] std::optional<double> parse_size(const SizeArgs& args);
+// Parses the thickness of a hollow model's walls; nullopt stays nullopt.
+[[nodiscard]] std::optional<Millimeters> parse_hollow(std::optional<double> wall_mm);
 // Checks that the output is not the model itself, so that a slip does not destroy the model.
 void refuse_to_overwrite_model(const std::filesystem::path& model, const char* option,
                                const std::optional<std::filesystem::path>& output);

@@ -135,7 +135,7 @@ PrintSubject subject_of_printer(const PrintArgs& args) {
   // Reads the model first, so that a bad file gives the same message as with other commands.
   const std::vector<std::string> names = models_named_in(args.ticket);
   if (!holds_layers(args.model, names)) (void)read_model(args.model, names);
-  AskedOfJob asked{.supports = {}, .undersides = {}, .scale = parse_size(args.size)};
+  AskedOfJob asked{.scale = parse_size(args.size), .hollow_wall = parse_hollow(args.hollow_mm)};
   if (args.supports) asked.supports = support_policy(*args.supports);
   if (args.undersides) asked.undersides = undersides_of(*args.undersides);
   if (args.mode) asked.mode = print_way_of(*args.mode);
@@ -199,6 +199,7 @@ PrintOptions add_print_options(Command& command, PrintArgs& args, const char* la
   command.option("MODEL", args.model, "Model file").required().allow_empty();
   const Option& printer = command.option("--printer", args.printer, kLikePrinterHelp);
   command.option("--ticket", args.ticket, "Ticket of the job").needs(printer);
+  command.option("--hollow", args.hollow_mm, kHollowHelp).needs(printer);
   const Option& resin =
       command.option("--resin", args.resin, "Profile of the resin, without --printer").excludes(printer);
   command

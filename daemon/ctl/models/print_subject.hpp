@@ -34,6 +34,7 @@ struct PrintArgs {
 
   // Configuration and ticket of a print by contourd.
   std::optional<std::filesystem::path> printer, ticket;
+  std::optional<double> hollow_mm;  // default: as the ticket says
   bool follows_temperature = true;  // false: the light is that of the profile
   std::optional<std::string> mode;  // default: as the resin's profile and the ticket say
   // Without a configuration: the resin, the direction that points up, the display and its projector.

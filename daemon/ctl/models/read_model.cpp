@@ -72,6 +72,11 @@ PreparedJob prepare_model(const JobFiles& files, const PrinterConfig& printer, c
       settings.ticket.models.front().scale = Scale{*asked.scale};
       settings.ticket.models.front().fit = false;
     }
+    if (asked.hollow_wall) {
+      std::optional<HollowSettings>& hollow = settings.ticket.models.front().hollow;
+      if (!hollow) hollow.emplace();
+      hollow->wall = *asked.hollow_wall;
+    }
     return prepare_job(files, settings, printer);
   } catch (const ProfileTrouble& trouble) {
     if (trouble.fault() == ProfileTrouble::Fault::Profile) throw;

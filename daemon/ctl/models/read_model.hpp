@@ -38,6 +38,7 @@ struct AskedOfJob {
   std::optional<SupportPolicy> supports{};
   std::optional<Undersides> undersides{};
   std::optional<double> scale{};
+  std::optional<Millimeters> hollow_wall{};  // least thickness of the walls of a hollow model
   std::optional<PrintWay> mode{};
 };
 

@@ -242,7 +242,7 @@ void add_submit(Command& program) {
   add("--unit", options.unit, kUnitHelp).suggests(unit_names);
   const Option& scale = add("--scale", options.scale, kScaleHelp);
   add("--fit", options.fit, "Scale the model to fill the display").excludes(scale);
-  add("--hollow", options.hollow_mm, "Make the model hollow, with walls of this thickness, mm");
+  add("--hollow", options.hollow_mm, kHollowHelp);
   command.option("--printer", options.printer,
                  "Forecast and check the print with this printer configuration");
   command.option("--spool", options.spool, kSpoolHelp);
