@@ -37,6 +37,7 @@ void RiseFrames::stop() {
   end_frame(clock_.now());
   calls_.frame_over = nullptr;
   ++stops_;
+  begun_ = false;
   refresh_.reset();
   hand_over_.reset();
 }
@@ -125,28 +126,35 @@ void RiseFrames::run(Calls calls) {
   refresh_ = clock_.call_at(next_vblank(), [this] { refresh(); });
 }
 
-// Begins the next refresh's mask, if one of the heights will have changed enough.
 void RiseFrames::refresh() {
   const std::uint64_t stops = stops_;
   count_light();
   calls_.refreshed();
   if (stops != stops_) return;
-  const Duration frame = machine_.display().frame();
   const TimePoint vblank = next_vblank();
-  const std::optional<Nanometers> plate = machine_.z_axis().height_at(vblank + frame / 2);
-  const std::optional<Nanometers> section = section_at(vblank + frame / 2);
+  // None was begun if the heights were not yet to change enough, at the beginning of the rise for instance.
+  if (!begun_) begin_mask(vblank);
+  if (stops != stops_) return;
+  hand_over_ = clock_.call_at(vblank - machine_.display().frame() / 2, [this, vblank] { hand_over(vblank); });
+  refresh_ = clock_.call_at(vblank, [this] { refresh(); });
+}
+
+// Begins the mask for the refresh at a vblank, if one of the heights will have changed enough by then.
+void RiseFrames::begin_mask(TimePoint vblank) {
+  const TimePoint middle = vblank + machine_.display().frame() / 2;
+  const std::optional<Nanometers> plate = machine_.z_axis().height_at(middle), section = section_at(middle);
   if (!plate || !section) return calls_.unsafe(kUnknownHeight);
   const Nanometers step = plan_.rises->mask_step;
   const bool is_new = white_.passed != white_.wanted || apart(*section, shown_.cut_at) >= step ||
                       apart(*plate, screen_.plate) >= step;
-  if (is_new && !masks_.busy()) masks_.begin(*section, white_.wanted);
-  hand_over_ = clock_.call_at(vblank - frame / 2, [this, vblank, is_new] { hand_over(vblank, is_new); });
-  refresh_ = clock_.call_at(vblank, [this] { refresh(); });
+  if (!is_new || masks_.busy()) return;
+  masks_.begin(*section, white_.wanted);
+  begun_ = true;
 }
 
 // Half a refresh before the vblank, the display has told which mask is on the screen. The next look at it is
 // a refresh later, and until then this mask may stay.
-void RiseFrames::hand_over(TimePoint vblank, bool is_new) {
+void RiseFrames::hand_over(TimePoint vblank) {
   const Duration frame = machine_.display().frame();
   const std::optional<Nanometers> plate = machine_.z_axis().height_at(vblank + frame / 2);
   const std::optional<Nanometers> section = section_at(vblank + frame / 2);
@@ -157,11 +165,13 @@ void RiseFrames::hand_over(TimePoint vblank, bool is_new) {
         "than {:.0f} um, or resin would gel more than {:.0f} um from the mask's height",
         figures_.missed, in_mm(kFarthest) * 1e3, in_mm(kFarthestCut) * 1e3));
   }
-  if (!is_new) return;
+  if (!begun_) return begin_mask(vblank + frame);
   if (!masks_.ready()) {
     if (frame_) ++frame_->missed;
     return tell_missed(1);
   }
+  begun_ = false;
+  const std::uint64_t stops = stops_;
   screen_.plate = *plate;
   present([this, vblank, frame](TimePoint at) {
     screen_.vblank = at;
@@ -175,6 +185,7 @@ void RiseFrames::hand_over(TimePoint vblank, bool is_new) {
         std::max(figures_.farthest, apart(section_at(at + frame / 2).value_or(frame_->cut), frame_->cut));
     if (late > 0) tell_missed(late);
   });
+  if (stops == stops_) begin_mask(vblank + frame);
 }
 
 void RiseFrames::tell_missed(std::uint32_t frames) {

@@ -1,8 +1,9 @@
 // The masks of a rise: for each refresh of the display the one for the height at which resin gels at the
 // middle of that refresh, which follows from the plate's height and the light so far (GelFront), cut on a
-// thread of its own; the event loop never waits for it. A mask is cut when one of the two heights has changed
-// by `mask_step`, and passed to the display half a refresh before the vblank. A mask that is not ready by
-// then is missed: the shown one stays. Event loop's thread only.
+// thread of its own; the event loop never waits for it. A mask is cut when one of the two heights will have
+// changed by `mask_step`, and passed to the display half a refresh before the vblank. Then the next one is
+// begun, so that a mask has a whole refresh. A mask that is not ready by then is missed: the shown one stays.
+// Event loop's thread only.
 #pragma once
 
 #include <cstdint>
@@ -74,7 +75,8 @@ class RiseFrames {
   void await_first(std::function<void()> shown);
   void present(std::function<void(TimePoint)> presented);
   void refresh();
-  void hand_over(TimePoint vblank, bool is_new);
+  void begin_mask(TimePoint vblank);
+  void hand_over(TimePoint vblank);
   void tell_missed(std::uint32_t frames);
   void begin_frame(TimePoint shown);
   void end_frame(TimePoint until);
@@ -109,6 +111,7 @@ class RiseFrames {
     std::uint8_t passed = 255;     // of the mask that was passed to the display last
     std::uint8_t on_screen = 255;  // of the mask on the screen
   } white_;
+  bool begun_ = false;  // a mask was begun that is to be passed to the display
   FrameFigures figures_;
   std::optional<FrameRecord> frame_;  // the mask that is on the screen
   std::uint64_t stops_ = 0;           // answers of the display from before the last stop are ignored

@@ -34,10 +34,11 @@ class GatedSections final : public SectionSource {
   void section_at(Nanometers, Contours& contours) const override {
     contours = {};
     if (!closed) return;
+    entered.release();
     gate.acquire();
   }
   std::atomic<bool> closed{false};
-  mutable std::counting_semaphore<> gate{0};
+  mutable std::counting_semaphore<> entered{0}, gate{0};
 };
 
 ContourEngine cone_engine(std::shared_ptr<const SectionSource> beside = nullptr) {
@@ -90,6 +91,7 @@ class NotedFrames final : public testing::PlainDisplay {
   void show(const Mask& mask, Presented done) override {
     ++requested;
     asked_at = clock_.now();
+    if (asked) asked();
     const bool is_late = late_by > 0;
     later_ =
         clock_.call_after(late_by * rest_.frame(), [this, mask, is_late, done = std::move(done)]() mutable {
@@ -111,6 +113,7 @@ class NotedFrames final : public testing::PlainDisplay {
   int late_by = 0, requested = 0, late_shown = 0;
   TimePoint asked_at{};
   std::optional<Mask> on_screen;
+  std::function<void()> asked;
   std::function<void(TimePoint)> presented;
 
  private:
@@ -609,6 +612,33 @@ TEST_CASE("A display that shows masks too late counts as missed, and interrupts 
   fixture.run_out();
   CHECK(fixture.ends == std::vector{PrintOutcome::Done});
   CHECK(fixture.dangers() == "");
+}
+
+TEST_CASE("A mask is begun as soon as the one before was passed to the display, and has a whole refresh") {
+  const auto gate = std::make_shared<GatedSections>();
+  ContinuousPrintFixture fixture;
+  PrintPlan plan = cone_plan(0.1, gate);
+  plan.rises->mask_step = Nanometers{1'000};  // less than the plate rises in a refresh
+  fixture.process.start(std::move(plan));
+  REQUIRE(fixture.run_to_height(0.2));
+  // No mask is being cut while one is passed to the display.
+  fixture.screen.asked = [&] { gate->closed = fixture.threaded.threads_take_time = true; };
+  for (int mask = 0; mask < 10; ++mask) {
+    CAPTURE(mask);
+    const int shown = fixture.screen.requested;
+    while (fixture.screen.requested == shown)
+      REQUIRE(fixture.step());
+    REQUIRE(gate->entered.try_acquire_for(10s));
+    const TimePoint begun = fixture.clock.now();
+    while (fixture.clock.now() < begun + fixture.screen.frame() / 2)
+      REQUIRE(fixture.step());
+    gate->gate.release();
+    fixture.threaded.threads_take_time = false;
+  }
+  fixture.screen.asked = nullptr;
+  gate->closed = false;
+  fixture.run_out();
+  CHECK(frame_figures(fixture.layers).missed == 0);
 }
 
 TEST_CASE("A mask that takes too long is missed: the loop does not wait, and the rise is interrupted dark") {
