@@ -1,10 +1,11 @@
 """A print that a power cut ended: how the user lifts the part out, or goes on with it."""
 
+import glob
 import os
 import random
 import time
 
-from harness import BAD_USAGE, FAILED, OK, binary_stl, cube, read_png, realtime, wait_until
+from harness import BAD_USAGE, FAILED, OK, binary_stl, contents, cube, read_png, realtime, wait_until
 from power_cuts import QUICK, SLOW, RAMP, SWITCH_AT_THE_TOP, PowerCutTest
 
 
@@ -135,6 +136,7 @@ class Resume(PowerCutTest):
             daemon.begin(job + ".stl", RAMP)
             time.sleep(chance.uniform(0.05, 1.5))
             daemon.kill()
+            self.remove_incomplete_mask(job)
             first = self.masks(job)
             daemon.start("--pace", "fast")
             found = daemon.status()["interrupted"]
@@ -168,6 +170,12 @@ class Resume(PowerCutTest):
     def masks(self, job):
         folder = self.path("masks", job)
         return [read_png(os.path.join(folder, name)) for name in sorted(os.listdir(folder))]
+
+    def remove_incomplete_mask(self, job):
+        """Removes the file of the mask at whose writing the simulated display was killed."""
+        files = sorted(glob.glob(self.path("masks", job, "*.png")))
+        if files and not contents(files[-1]).endswith(b"IEND\xaeB`\x82"):
+            os.unlink(files[-1])
 
     def exposures(self, report):
         return [layer["exposure_asked_ms"] for layer in report["layer_records"]]
