@@ -84,7 +84,7 @@ std::string take_exposures(const FileLayers& layers, double irradiance_mw_cm2, R
                            OverriddenSettings& overridden) {
   if (!layers.exposures)
     return "the ticket takes the exposures from the file, which names none (expTime and expTimeFirst in "
-           "config.ini): leave out exposure_from";
+           "config.ini, CureTime in profile.json): leave out exposure_from";
   const FileExposures& file = *layers.exposures;
   const int normal_layer = resin.bottom_layers + resin.fade_layers;
   const auto of_profile = [&](int layer) {

@@ -134,12 +134,10 @@ class SlicedInput : public ModelInput {
  public:
   explicit SlicedInput(std::shared_ptr<const ZipArchive> archive)
       : archive_(std::move(archive)),
-        outline_{
-            .format = archive_.has_outlines() ? "sl1_svg" : "sl1", .most_facets = kBoxFacets, .exact = true} {
-  }
+        outline_{.format = archive_.format(), .most_facets = kBoxFacets, .exact = true} {}
 
   [[nodiscard]] const ModelOutline& outline() const override { return outline_; }
-  [[nodiscard]] const Sl1Archive* sliced() const override { return &archive_; }
+  [[nodiscard]] const SlicedArchive* sliced() const override { return &archive_; }
   [[nodiscard]] Model read(std::uint64_t /*most_facets*/) override {
     throw ModelError(
         "the file holds finished layers for a printer's display and no model: name the printer's "
@@ -149,7 +147,7 @@ class SlicedInput : public ModelInput {
  private:
   static constexpr std::uint64_t kBoxFacets = 12;  // facets of the box that stands for the layers
 
-  Sl1Archive archive_;
+  SlicedArchive archive_;
   ModelOutline outline_;
 };
 
@@ -235,7 +233,7 @@ OpenedModels open_models(ModelSource source) {
     auto archive = std::make_shared<const ZipArchive>(source.file.get(), source.bytes, source.path);
     if (names.empty() && is_threemf(*archive))
       return only(std::make_unique<ThreeMfInput>(std::move(archive)));
-    if (names.empty() && is_sl1(*archive)) return only(std::make_unique<SlicedInput>(std::move(archive)));
+    if (names.empty() && is_sliced(*archive)) return only(std::make_unique<SlicedInput>(std::move(archive)));
     return open_archive(archive, source.choice);
   }
   if (!names.empty())
@@ -244,7 +242,8 @@ OpenedModels open_models(ModelSource source) {
                     "remove \"model\" from the ticket",
                     in_quotes(names.front())));
   const std::string_view extension = model_extension(source.path.filename().string());
-  if (!plain && (extension == ".sl1" || extension == ".sl1s" || extension == ".sl1_svg"))
+  if (!plain &&
+      (extension == ".sl1" || extension == ".sl1s" || extension == ".sl1_svg" || extension == ".nanodlp"))
     throw ModelError(
         "its name is that of a sliced archive, and it is no ZIP file, so it is damaged or something else: "
         "slice "

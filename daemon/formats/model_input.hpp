@@ -13,7 +13,7 @@
 #include "core/formats/file_bytes.hpp"
 #include "core/formats/model_format.hpp"
 #include "core/model/model.hpp"
-#include "daemon/formats/sl1_archive.hpp"
+#include "daemon/formats/sliced_archive.hpp"
 #include "daemon/formats/zip_models.hpp"
 
 namespace contourd {
@@ -36,7 +36,7 @@ class ModelInput {
 
   [[nodiscard]] virtual const ModelOutline& outline() const = 0;
   // Returns the archive if the file holds finished layers instead of a model; null for a model.
-  [[nodiscard]] virtual const Sl1Archive* sliced() const { return nullptr; }
+  [[nodiscard]] virtual const SlicedArchive* sliced() const { return nullptr; }
   // Reads the model. Call it once. Blocks for a time in proportion to the file, and to what it becomes when
   // it is unpacked, which input_limits.hpp bounds. Throws ModelError for bad data, for finished layers
   // and for a model that consists of more than `most_facets` copies of facets, std::system_error if the file

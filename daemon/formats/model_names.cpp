@@ -6,8 +6,9 @@
 namespace contourd {
 namespace {
 
-constexpr std::array<std::string_view, 11> kModelExtensions{
-    ".stl", ".stl.gz", ".3mf", ".obj", ".obj.gz", ".amf", ".amf.gz", ".zip", ".sl1", ".sl1s", ".sl1_svg"};
+constexpr std::array<std::string_view, 12> kModelExtensions{".stl",    ".stl.gz", ".3mf",     ".obj",
+                                                            ".obj.gz", ".amf",    ".amf.gz",  ".zip",
+                                                            ".sl1",    ".sl1s",   ".sl1_svg", ".nanodlp"};
 
 bool ends_with_word(std::string_view text, std::string_view lower_case) {
   if (text.size() <= lower_case.size()) return false;

@@ -18,21 +18,24 @@ namespace contourd {
 using IniFile = std::map<std::string, std::string, std::less<>>;
 [[nodiscard]] IniFile parse_ini(std::string_view text);
 
-// The exposures of a sliced archive, by the rule of PrusaSlicer's time estimate: the first three layers have
-// the first exposure, and `fading` layers after them lead to the normal one.
+// The exposures of a sliced archive: the first layers have the first exposure, and `fading` layers after them
+// lead to the normal one. Without another number the first layers are three, by the rule of PrusaSlicer's
+// time estimate.
 struct SlicedExposures {
   std::chrono::nanoseconds normal{}, first{};
   int fading = 0;
+  int first_layers = 3;
 };
-inline constexpr int kFirstSlicedLayers = 3;
 
 // The display of a sliced archive. Its pictures are as sent to it: mirrored, and turned a quarter
 // counter-clockwise if it stands on end.
 struct SlicedDisplay {
   std::array<std::int64_t, 2> pixels{};  // along the plate's x and y, seen from above
   std::array<double, 2> pitch_um{};
+  double pitch_error_um = 0;                         // by which the file may have rounded the pitch
   bool mirror_columns = false, mirror_rows = false;  // mirrors of the pictures
   bool on_end = false;
+  bool mirrors_known = true;  // false: the file does not tell the mirrors and the turn
 };
 
 struct SlicedSettings {

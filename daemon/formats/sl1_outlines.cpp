@@ -77,7 +77,7 @@ bool same_rings(const Contours& a, const Contours& b) {
 // Reads the layers of an archive one after another.
 class OutlineReading {
  public:
-  OutlineReading(const Sl1Archive& archive, const DisplayGeometry& display)
+  OutlineReading(const SlicedArchive& archive, const DisplayGeometry& display)
       : archive_(archive),
         display_(display),
         stack_(std::make_shared<OutlineStack>(archive.settings().layer_height)) {}
@@ -127,7 +127,7 @@ class OutlineReading {
           fmt::format("{}: its outlines cross each other too often: print the model itself", name));
   }
 
-  const Sl1Archive& archive_;
+  const SlicedArchive& archive_;
   const DisplayGeometry& display_;
   std::shared_ptr<OutlineStack> stack_;
   std::optional<OutlineTurn> turn_;
@@ -140,8 +140,9 @@ class OutlineReading {
 
 }  // namespace
 
-std::shared_ptr<const OutlineStack> read_outlines(const Sl1Archive& archive, const DisplayGeometry& display,
-                                                  std::uint64_t most_bytes, const std::stop_token& stop) {
+std::shared_ptr<const OutlineStack> read_outlines(const SlicedArchive& archive,
+                                                  const DisplayGeometry& display, std::uint64_t most_bytes,
+                                                  const std::stop_token& stop) {
   expects(archive.has_outlines(), "the archive has outlines");
   const auto end = std::chrono::steady_clock::now() + kLongestOutlineReading;
   OutlineReading reading(archive, display);

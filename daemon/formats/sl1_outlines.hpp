@@ -7,7 +7,7 @@
 
 #include "core/contour/outline_stack.hpp"
 #include "core/mask/pixel_map.hpp"
-#include "daemon/formats/sl1_archive.hpp"
+#include "daemon/formats/sliced_archive.hpp"
 
 namespace contourd {
 
@@ -18,7 +18,7 @@ namespace contourd {
 // Blocks, for about 1 ms a thousand points. Throws ModelError if a layer is damaged or has another size than
 // the first one, if no layer has outlines, or if they need more than `most_bytes` of memory. Returns a part
 // of the layers if a stop was requested. REQUIRES: the archive has outlines.
-[[nodiscard]] std::shared_ptr<const OutlineStack> read_outlines(const Sl1Archive& archive,
+[[nodiscard]] std::shared_ptr<const OutlineStack> read_outlines(const SlicedArchive& archive,
                                                                 const DisplayGeometry& display,
                                                                 std::uint64_t most_bytes,
                                                                 const std::stop_token& stop);

@@ -25,8 +25,8 @@ constexpr std::size_t kMostFolders = 16;    // folders around a model
 constexpr std::size_t kMostNamed = 6;       // models in a message
 constexpr std::size_t kLongestNamed = 200;  // bytes of a path in a list
 
-constexpr std::array<std::string_view, 8> kArchives{".zip", ".gz",  ".rar",  ".7z",
-                                                    ".tar", ".sl1", ".sl1s", ".sl1_svg"};
+constexpr std::array<std::string_view, 9> kArchives{".zip", ".gz",   ".rar",     ".7z",     ".tar",
+                                                    ".sl1", ".sl1s", ".sl1_svg", ".nanodlp"};
 // Projects of Lychee Slicer and of CHITUBOX.
 constexpr std::array<std::string_view, 2> kProjects{".lys", ".chitubox"};
 // Formats in the order of preference, for a model that is there in several.

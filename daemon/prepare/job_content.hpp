@@ -47,7 +47,7 @@ class JobContent {
   // Returns the choices made in archives, a sentence each.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
   // Returns the archive if the job's only file holds finished layers; null for models.
-  [[nodiscard]] const Sl1Archive* sliced() const { return files_.front().sliced(); }
+  [[nodiscard]] const SlicedArchive* sliced() const { return files_.front().sliced(); }
   // Returns these layers. Valid after read().
   [[nodiscard]] const FinishedLayers& finished_layers() const { return finished_; }
   // Removes a model, whose facets are taken already. REQUIRES: is_archive_plate(); it is not the only one.

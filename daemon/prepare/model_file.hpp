@@ -49,9 +49,9 @@ class ModelFile {
   // JobRefused, also if the file says how to make more than `most_facets` of what it holds.
   [[nodiscard]] Model read(std::uint64_t most_facets);
   // Returns the archive if the file holds finished layers; null for a model.
-  [[nodiscard]] const Sl1Archive* sliced() const { return opened_.input->sliced(); }
-  // Reads the finished layers for a display: see Sl1Archive::read() and read_outlines(). Throws JobRefused.
-  // REQUIRES: sliced().
+  [[nodiscard]] const SlicedArchive* sliced() const { return opened_.input->sliced(); }
+  // Reads the finished layers for a display: see SlicedArchive::read() and read_outlines(). Throws
+  // JobRefused. REQUIRES: sliced().
   [[nodiscard]] FinishedLayers read_layers(const DisplayGeometry& display, std::uint64_t most_bytes,
                                            const std::stop_token& stop) const;
 

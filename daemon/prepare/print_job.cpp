@@ -142,7 +142,7 @@ class Preparation {
 
   // Settles what finished layers cannot have, if the file holds them. Throws JobRefused.
   void take_finished_layers() {
-    const Sl1Archive* const sliced = content_.sliced();
+    const SlicedArchive* const sliced = content_.sliced();
     if (sliced == nullptr) {
       if (!settings_.ticket.exposures_of_file) return;
       throw JobRefused(
@@ -152,7 +152,7 @@ class Preparation {
     const SlicedSettings& file = sliced->settings();
     FileLayers layers{.thickness = file.layer_height, .outlines = sliced->has_outlines()};
     if (file.exposures)
-      layers.exposures = {file.exposures->normal, file.exposures->first, kFirstSlicedLayers,
+      layers.exposures = {file.exposures->normal, file.exposures->first, file.exposures->first_layers,
                           file.exposures->fading};
     const std::string refusal = settle_for_layers(layers, printer_.irradiance_mw_cm2, settings_.ticket,
                                                   settings_.resin, settings_.overridden);
@@ -188,6 +188,11 @@ class Preparation {
       warn(
           "the file does not say for which display its layers are (prusaslicer.ini): check that the part "
           "is not mirrored, and measure it");
+    else if (!file.display->mirrors_known)
+      warn(
+          "the file does not say whether its pictures are mirrored for their display, so they are shown as "
+          "they "
+          "are: check that the part is not mirrored");
   }
 
   void take_printer() {

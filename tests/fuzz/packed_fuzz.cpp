@@ -35,7 +35,7 @@ OpenFile file_of(const std::uint8_t* data, std::size_t size) {
 
 constexpr std::uint64_t kAllowedBytes = 1'000'000;
 
-void show_outlines(const Sl1Archive& archive, const DisplayGeometry& display) {
+void show_outlines(const SlicedArchive& archive, const DisplayGeometry& display) {
   const auto outlines = read_outlines(archive, display, kAllowedBytes, {});
   demand(outlines->layers() == archive.layers() && outlines->bytes() <= kAllowedBytes && outlines->box(),
          "the outlines are not those of the archive");
@@ -49,7 +49,7 @@ void show_outlines(const Sl1Archive& archive, const DisplayGeometry& display) {
   }
 }
 
-void read_layers(const Sl1Archive& archive) {
+void read_layers(const SlicedArchive& archive) {
   const DisplayGeometry display{Pixels{8}, Pixels{6}, Micrometers{50}};
   if (archive.has_outlines()) return show_outlines(archive, display);
   const auto pictures = archive.read(display, kAllowedBytes, {});

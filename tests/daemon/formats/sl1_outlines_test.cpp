@@ -49,7 +49,7 @@ class OutlineArchive {
   explicit OutlineArchive(const std::vector<testing::PackedFile>& files)
       : opened_(open_models(folder_.write("any-name", testing::zipped(files)))) {}
 
-  const Sl1Archive& archive() { return *opened_.models.front().input->sliced(); }
+  const SlicedArchive& archive() { return *opened_.models.front().input->sliced(); }
   std::shared_ptr<const OutlineStack> read(const DisplayGeometry& display = kOutlinePanel,
                                            std::uint64_t most_bytes = kEnoughMemory) {
     return read_outlines(archive(), display, most_bytes, {});

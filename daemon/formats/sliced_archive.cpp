@@ -1,4 +1,4 @@
-#include "daemon/formats/sl1_archive.hpp"
+#include "daemon/formats/sliced_archive.hpp"
 
 #include <fmt/format.h>
 
@@ -13,6 +13,7 @@
 
 #include "core/contract/expects.hpp"
 #include "core/model/model.hpp"
+#include "daemon/formats/nanodlp_archive.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/system/readable.hpp"
 #include "hw/png_file.hpp"
@@ -125,8 +126,9 @@ struct Turn {
 
 void check_pitch(const SlicedDisplay& sliced, const DisplayGeometry& display) {
   const double pitch_um = display.pixel_pitch.count();
+  const double tolerance_um = kPitchTolerance * pitch_um + sliced.pitch_error_um;
   for (const double sliced_um : sliced.pitch_um) {
-    if (std::fabs(sliced_um / pitch_um - 1) <= kPitchTolerance) continue;
+    if (std::fabs(sliced_um - pitch_um) <= tolerance_um) continue;
     throw ModelError(fmt::format(
         "its pixels are {:.2f} x {:.2f} um large, and this display's {:.2f} um, so that the part would come "
         "out "
@@ -144,8 +146,9 @@ Turn turn_for(const std::optional<SlicedDisplay>& sliced, const PictureSize& siz
     throw ModelError(fmt::format("its pictures have {} pixels, and this display {}: {}", size.text(),
                                  wanted.text(), kSliceForDisplay));
   };
-  if (!sliced) {
+  if (!sliced || !sliced->mirrors_known) {
     if (size != wanted) refuse();
+    if (sliced) check_pitch(*sliced, display);
     return {};
   }
   const PictureSize on_plate{sliced->pixels[0], sliced->pixels[1]};
@@ -178,24 +181,33 @@ Mask decode(std::span<const std::uint8_t> bytes, const PictureSize& size, const 
 
 }  // namespace
 
-bool is_sl1(const ZipArchive& archive) {
+bool is_sliced(const ZipArchive& archive) {
+  if (is_nanodlp(archive)) return true;
   return archive.find(kConfig) != nullptr &&
          std::ranges::any_of(archive.entries(),
                              [](const ZipEntry& entry) { return layer_name(entry.name).has_value(); });
 }
 
-Sl1Archive::Sl1Archive(std::shared_ptr<const ZipArchive> archive) : archive_(std::move(archive)) {
-  const auto ini = [this](std::string_view name) {
+SlicedArchive::SlicedArchive(std::shared_ptr<const ZipArchive> archive) : archive_(std::move(archive)) {
+  const auto text = [this](std::string_view name) {
     const ZipEntry* const entry = archive_->find(name);
-    if (entry == nullptr) return IniFile{};
+    if (entry == nullptr) return std::string();
     const std::vector<std::uint8_t> bytes = bytes_of(*entry, kMostConfigBytes);
-    return parse_ini({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    return std::string(bytes.begin(), bytes.end());
   };
-  settings_ = read_sliced_settings(ini(kConfig), ini(kSlicerConfig));
+  if (is_nanodlp(*archive_)) {
+    format_ = "nanodlp";
+    settings_ = read_nanodlp_settings(
+        {.plate = text("plate.json"), .profile = text("profile.json"), .options = text("options.json")});
+    files_ = nanodlp_layers(*archive_, settings_.layers);
+    return;
+  }
+  settings_ = read_sliced_settings(parse_ini(text(kConfig)), parse_ini(text(kSlicerConfig)));
   list_layers();
+  if (has_outlines_) format_ = "sl1_svg";
 }
 
-std::vector<std::uint8_t> Sl1Archive::bytes_of(const ZipEntry& entry, std::uint64_t most) const {
+std::vector<std::uint8_t> SlicedArchive::bytes_of(const ZipEntry& entry, std::uint64_t most) const {
   if (entry.inflated > most)
     throw ModelError(fmt::format("{} has {} bytes, and the limit is {}: slice the model again",
                                  in_quotes(entry.name), entry.inflated, most));
@@ -214,7 +226,7 @@ std::vector<std::uint8_t> Sl1Archive::bytes_of(const ZipEntry& entry, std::uint6
   return bytes;
 }
 
-void Sl1Archive::list_layers() {
+void SlicedArchive::list_layers() {
   std::vector<const ZipEntry*> found;
   for (const ZipEntry& entry : archive_->entries())
     if (layer_name(entry.name)) found.push_back(&entry);
@@ -247,8 +259,9 @@ void Sl1Archive::list_layers() {
   files_ = std::move(found);
 }
 
-std::shared_ptr<const PictureStack> Sl1Archive::read(const DisplayGeometry& display, std::uint64_t most_bytes,
-                                                     const std::stop_token& stop) const {
+std::shared_ptr<const PictureStack> SlicedArchive::read(const DisplayGeometry& display,
+                                                        std::uint64_t most_bytes,
+                                                        const std::stop_token& stop) const {
   expects(!has_outlines_, "the archive has pictures");
   const auto end = std::chrono::steady_clock::now() + kLongestReading;
   const auto pixels =

@@ -1,5 +1,6 @@
-// A sliced archive for printers of the type SL1 (.sl1, .sl1s, .sl1_svg): a ZIP archive with config.ini and,
-// of each layer, a PNG picture or an SVG file with its outlines, as PrusaSlicer writes it. Used by one
+// A sliced archive: a ZIP archive with settings and the finished layers of a print. It is one for printers of
+// the type SL1 (.sl1, .sl1s, .sl1_svg), with config.ini and, of each layer, a PNG picture or an SVG file with
+// its outlines, as PrusaSlicer writes it; or one for NanoDLP (.nanodlp; see nanodlp_archive.hpp). Used by one
 // thread.
 #pragma once
 
@@ -18,15 +19,18 @@
 
 namespace contourd {
 
-// True if the archive has config.ini and, beside it, files of layers: a name, five digits and .png or .svg.
-[[nodiscard]] bool is_sl1(const ZipArchive& archive);
+// True if the archive has config.ini and, beside it, files of layers: a name, five digits and .png or .svg;
+// or if is_nanodlp() says so.
+[[nodiscard]] bool is_sliced(const ZipArchive& archive);
 
-class Sl1Archive {
+class SlicedArchive {
  public:
   // Reads the settings and the list of layers. Throws ModelError if a setting or a layer is missing or
   // wrong, or a file in the archive exceeds a limit.
-  explicit Sl1Archive(std::shared_ptr<const ZipArchive> archive);
+  explicit SlicedArchive(std::shared_ptr<const ZipArchive> archive);
 
+  // Returns the name of the format: sl1, sl1_svg or nanodlp.
+  [[nodiscard]] const char* format() const { return format_; }
   [[nodiscard]] const SlicedSettings& settings() const { return settings_; }
   [[nodiscard]] std::size_t layers() const { return files_.size(); }
   // True if the layers are SVG outlines (see read_outlines()), false if they are PNG pictures.
@@ -57,6 +61,7 @@ class Sl1Archive {
   SlicedSettings settings_;
   std::vector<const ZipEntry*> files_;  // by layer
   bool has_outlines_ = false;
+  const char* format_ = "sl1";
 };
 
 }  // namespace contourd

@@ -1,4 +1,4 @@
-#include "daemon/formats/sl1_archive.hpp"
+#include "daemon/formats/sliced_archive.hpp"
 
 #include <fmt/format.h>
 
@@ -54,7 +54,7 @@ class OpenedArchive {
   explicit OpenedArchive(const std::vector<testing::PackedFile>& files)
       : opened_(open_models(folder_.write("any-name", testing::zipped(files)))) {}
 
-  const Sl1Archive& archive() { return *opened_.models.front().input->sliced(); }
+  const SlicedArchive& archive() { return *opened_.models.front().input->sliced(); }
 
  private:
   testing::TemporaryFolder folder_;
@@ -72,7 +72,7 @@ Mask first_layer(const Mask& picture, const std::string& slicer, const DisplayGe
 
 TEST_CASE("A sliced archive is recognised by its content and read in the order of its layers' numbers") {
   OpenedArchive opened(three_layers(numbered(12, 8), slicer_config()));
-  const Sl1Archive& archive = opened.archive();
+  const SlicedArchive& archive = opened.archive();
   CHECK(archive.layers() == 3);
   const SlicedSettings& settings = archive.settings();
   CHECK(settings.layer_height == Nanometers{50'000});
