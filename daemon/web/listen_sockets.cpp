@@ -100,6 +100,15 @@ std::vector<std::string> addresses_of(const std::vector<FileDescriptor>& sockets
   return addresses;
 }
 
+int port_of(const FileDescriptor& socket) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  if (::getsockname(socket.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0) return 0;
+  if (address.ss_family == AF_INET) return ntohs(reinterpret_cast<const sockaddr_in*>(&address)->sin_port);
+  if (address.ss_family == AF_INET6) return ntohs(reinterpret_cast<const sockaddr_in6*>(&address)->sin6_port);
+  return 0;
+}
+
 std::vector<std::string> own_names() {
   std::array<char, 256> text{};
   if (::gethostname(text.data(), text.size() - 1) != 0 || text.front() == '\0') return {};

@@ -25,6 +25,9 @@ void check_address(const std::string& address);
 // Returns the ADDRESS:PORT of each of these sockets.
 [[nodiscard]] std::vector<std::string> addresses_of(const std::vector<FileDescriptor>& sockets);
 
+// Returns the port of a socket; 0 if it has none.
+[[nodiscard]] int port_of(const FileDescriptor& socket);
+
 // Returns the names of this computer in lower case: the host name, and its first part.
 [[nodiscard]] std::vector<std::string> own_names();
 

@@ -30,7 +30,7 @@ UploadRefusal refusal_of(const std::string& name, const std::error_code& code) {
 
 struct ModelUpload::File {
   SpoolFolders folders;
-  UploadedJob job;
+  std::string name;
   UploadLimits limits;
   std::optional<NewFile> file{};
   std::uint64_t bytes = 0;
@@ -46,7 +46,7 @@ struct ModelUpload::File {
     return UploadRefusal{
         kNoRoom, fmt::format("{} cannot be stored: the printer's disk has less than {} MiB left; delete "
                              "finished jobs in {}",
-                             printable(job.name), limits.free_bytes / kMebibyte,
+                             printable(name), limits.free_bytes / kMebibyte,
                              printable(folders.path(SpoolFolder::Done).string()))};
   }
 
@@ -55,13 +55,13 @@ struct ModelUpload::File {
     if (bytes > limits.most_bytes)
       return UploadRefusal{kTooLarge,
                            fmt::format("{} is too large: the printer takes models of at most {} MiB",
-                                       printable(job.name), limits.most_bytes / kMebibyte)};
+                                       printable(name), limits.most_bytes / kMebibyte)};
     if (std::optional<UploadRefusal> refusal = why_no_room(more.size())) return refusal;
     try {
       open();
       file->write(more);
     } catch (const std::system_error& error) {
-      return refusal_of(job.name, error.code());
+      return refusal_of(name, error.code());
     }
     return std::nullopt;
   }
@@ -73,30 +73,30 @@ struct ModelUpload::File {
   }
 
   // Returns the job's name.
-  [[nodiscard]] std::string appear() {
+  [[nodiscard]] std::string appear(const std::string& ticket) {
     open();
     while (true) {
-      const JobFiles files = folders.unused_anywhere({model_stem(job.name), job.name, job.name});
-      if (job.is_to_be_confirmed && !put_ticket(*files.ticket)) continue;
-      if (!appear_as(files)) continue;
+      const JobFiles files = folders.unused_anywhere({model_stem(name), name, name});
+      if (!ticket.empty() && !put_ticket(*files.ticket, ticket)) continue;
+      if (!appear_as(files, !ticket.empty())) continue;
       sync_folder(incoming());
       return files.name;
     }
   }
 
   // Returns false if another ticket has the name.
-  [[nodiscard]] bool put_ticket(const fs::path& path) const {
+  [[nodiscard]] bool put_ticket(const fs::path& path, const std::string& text) const {
     NewFile ticket(incoming());
     ticket.let_group_read();
-    ticket.write("{\"confirm\": true}\n");
+    ticket.write(text);
     return ticket.appear(path.filename().string());
   }
 
   // Gives the model its name. If it cannot have it, the ticket goes again.
-  [[nodiscard]] bool appear_as(const JobFiles& files) {
+  [[nodiscard]] bool appear_as(const JobFiles& files, bool has_ticket) {
     const auto take_back = [&] {
       std::error_code gone;
-      if (job.is_to_be_confirmed) fs::remove(*files.ticket, gone);
+      if (has_ticket) fs::remove(*files.ticket, gone);
     };
     try {
       if (file->appear(files.model.filename().string())) return true;
@@ -109,21 +109,21 @@ struct ModelUpload::File {
   }
 };
 
-ModelUpload::ModelUpload(Worker& disk, fs::path spool, UploadedJob job, UploadLimits limits)
-    : disk_(disk), file_(new File{SpoolFolders(std::move(spool)), std::move(job), limits}) {}
+ModelUpload::ModelUpload(Worker& disk, fs::path spool, std::string name, UploadLimits limits)
+    : disk_(disk), file_(new File{SpoolFolders(std::move(spool)), std::move(name), limits}) {}
 
 void ModelUpload::write(std::string bytes, Written written) {
   disk_.run([file = file_, bytes = std::move(bytes)] { return file->write(bytes); }, std::move(written));
 }
 
-void ModelUpload::finish(Finished finished) {
+void ModelUpload::finish(std::string ticket, Finished finished) {
   using Result = std::pair<std::optional<UploadRefusal>, std::string>;
   disk_.run(
-      [file = file_]() -> Result {
+      [file = file_, ticket = std::move(ticket)]() -> Result {
         try {
-          return {std::nullopt, file->appear()};
+          return {std::nullopt, file->appear(ticket)};
         } catch (const std::system_error& error) {
-          return {refusal_of(file->job.name, error.code()), ""};
+          return {refusal_of(file->name, error.code()), ""};
         }
       },
       [finished = std::move(finished)](const Result& result) { finished(result.first, result.second); });

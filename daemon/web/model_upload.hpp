@@ -19,12 +19,6 @@ struct UploadLimits {
   std::uint64_t free_bytes = 0;  // room that an upload leaves on the disk
 };
 
-// A job that an upload makes.
-struct UploadedJob {
-  std::string name;                 // of the model's file
-  bool is_to_be_confirmed = false;  // gets a ticket that has it wait until a user accepts it
-};
-
 // A refusal of an upload: the status of HTTP, and a sentence for the user.
 struct UploadRefusal {
   unsigned status = 500;
@@ -36,14 +30,15 @@ class ModelUpload {
   using Written = std::function<void(const std::optional<UploadRefusal>& refusal)>;
   using Finished = std::function<void(const std::optional<UploadRefusal>& refusal, const std::string& job)>;
 
-  // `spool` is the folder with incoming/; why_bad_file_name() accepts the job's name. The worker must outlive
-  // the object.
-  ModelUpload(Worker& disk, std::filesystem::path spool, UploadedJob job, UploadLimits limits);
+  // `spool` is the folder with incoming/; `name`, of the model's file, is one that why_bad_file_name()
+  // accepts. The worker must outlive the object.
+  ModelUpload(Worker& disk, std::filesystem::path spool, std::string name, UploadLimits limits);
 
   // Appends bytes to the file. `written` is called later; after a refusal there must be no further call.
   void write(std::string bytes, Written written);
-  // Makes the file a job, under a name that no job has, once it is on the disk. `finished` is called later.
-  void finish(Finished finished);
+  // Makes the file a job with this ticket, or without one if the text is empty, under a name that no job has,
+  // once it is on the disk. `finished` is called later.
+  void finish(std::string ticket, Finished finished);
 
  private:
   struct File;

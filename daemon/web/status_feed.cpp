@@ -13,10 +13,6 @@ constexpr std::string_view kFeedName = "the status for open pages";
 // A line without meaning keeps connections open, and finds those whose client is gone.
 constexpr Duration kBeat = std::chrono::seconds(15);
 
-std::string event_of(const Json& content) {
-  return fmt::format("data: {}\n\n", content.dump(-1, ' ', true, Json::error_handler_t::replace));
-}
-
 }  // namespace
 
 class StatusFeed::Page final : public HttpStream {
@@ -43,8 +39,14 @@ class StatusFeed::Page final : public HttpStream {
   std::uint64_t sent_ = 0, beats_ = 0;
 };
 
-StatusFeed::StatusFeed(EventLoop& loop, const std::filesystem::path& socket)
-    : loop_(loop), watch_(loop, socket, [this](const Json& status) { tell(status); }) {}
+StatusFeed::StatusFeed(EventLoop& loop, const std::filesystem::path& socket, Event event)
+    : loop_(loop),
+      event_of_(std::move(event)),
+      watch_(loop, socket, [this](const Json& status) { tell(status); }) {}
+
+std::string StatusFeed::plain_event(const Json& status) {
+  return fmt::format("data: {}\n\n", status.dump(-1, ' ', true, Json::error_handler_t::replace));
+}
 
 void StatusFeed::serve(const std::shared_ptr<HttpRequest>& request) {
   const bool first = pages_.empty();
@@ -55,7 +57,7 @@ void StatusFeed::serve(const std::shared_ptr<HttpRequest>& request) {
 }
 
 void StatusFeed::tell(const Json& status) {
-  if (!pages_.empty()) return publish(event_of(status));
+  if (!pages_.empty()) return publish(event_of_(status));
   event_.clear();  // the event is outdated when the next page opens
   watch_.stop();
 }

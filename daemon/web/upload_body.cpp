@@ -10,15 +10,27 @@
 namespace contourd::web {
 namespace {
 
-constexpr unsigned kBadRequest = 400, kUnavailable = 503, kUnsupported = 415, kCreated = 201;
+constexpr unsigned kBadRequest = 400, kUnavailable = 503, kUnsupported = 415;
 
 }  // namespace
 
-UploadBody::UploadBody(UploadPlaces& places, const std::shared_ptr<HttpRequest>& request, UploadedJob job,
-                       Stored stored)
-    : places_(places), request_(request), job_(std::move(job)), stored_(std::move(stored)) {
+bool UploadPlaces::refuse(HttpRequest& request) const {
+  if (under_way >= kMostUploads) {
+    request.answer({.status = kUnavailable, .body = "too many uploads at once; try again later\n"});
+    return true;
+  }
+  if (request.body_bytes().value_or(0) <= limits.most_bytes + kMostBeside) return false;
+  request.answer({.status = 413,
+                  .body = fmt::format("the model is too large: the printer takes models of at most {} MiB\n",
+                                      limits.most_bytes >> 20U)});
+  return true;
+}
+
+UploadBody::UploadBody(UploadPlaces& places, const std::shared_ptr<HttpRequest>& request, std::string name,
+                       std::string ticket, Stored stored)
+    : places_(places), request_(request), ticket_(std::move(ticket)), stored_(std::move(stored)) {
   ++places_.under_way;
-  if (!job_.name.empty()) set_name(job_.name);
+  if (!name.empty()) set_name(std::move(name));
 }
 
 UploadBody::~UploadBody() {
@@ -26,8 +38,8 @@ UploadBody::~UploadBody() {
 }
 
 void UploadBody::set_name(std::string name) {
-  job_.name = std::move(name);
-  if (const std::string why = why_bad_file_name(job_.name); !why.empty()) refuse({kUnsupported, why});
+  name_ = std::move(name);
+  if (const std::string why = why_bad_file_name(name_); !why.empty()) refuse({kUnsupported, why});
 }
 
 void UploadBody::refuse(UploadRefusal refusal) {
@@ -50,7 +62,7 @@ void UploadBody::open(std::function<void()> next) {
       {"status"}, [this, next = std::move(next), alive = std::weak_ptr(alive_)](const auto& answer) {
         if (alive.expired()) return;
         if (answer.contains("result")) {
-          upload_.emplace(places_.disk, answer["result"]["spool"].template get<std::string>(), job_,
+          upload_.emplace(places_.disk, answer["result"]["spool"].template get<std::string>(), name_,
                           places_.limits);
           return next();
         }
@@ -69,26 +81,23 @@ void UploadBody::write(std::string bytes) {
 
 void UploadBody::end() {
   if (is_refused()) return reply();
-  if (job_.name.empty()) {
-    refuse({kBadRequest, "the form has no part \"file\" with a file's name"});
+  if (!upload_) {
+    refuse({kBadRequest, "the file is empty"});
     return reply();
   }
-  if (upload_) return finish();
-  refuse({kBadRequest, "the file is empty"});
-  reply();
+  settle_ticket([this, alive = guard()] {
+    if (!alive.expired()) finish();
+  });
 }
 
 void UploadBody::finish() {
-  upload_->finish([this, alive = std::weak_ptr(alive_)](const auto& refusal, const std::string& job) {
+  if (is_refused()) return reply();
+  upload_->finish(ticket_, [this, alive = guard()](const auto& refusal, const std::string& job) {
     if (alive.expired()) return;
     if (refusal) refuse(*refusal);
     if (is_refused()) return reply();
-    stored_(job);
-    const ControlLink::Json body{{"job", job}};
-    if (const auto waiting = request())
-      waiting->answer({.status = kCreated,
-                       .type = "application/json",
-                       .body = body.dump(-1, ' ', true, ControlLink::Json::error_handler_t::replace)});
+    HttpReply stored = stored_(job);
+    if (const auto waiting = request()) waiting->answer(std::move(stored));
   });
 }
 
@@ -107,23 +116,38 @@ struct UploadForm::Callback {
       form.refuse({kBadRequest, fmt::format("the form has more than {} parts", kMostParts)});
       return MHD_NO;
     }
-    if (std::string_view(key == nullptr ? "" : key) != "file" || file == nullptr) return MHD_YES;
+    const std::string_view name = key == nullptr ? "" : key;
+    if (name != form.part_) {
+      form.take_field(name, {data, bytes});
+      return MHD_YES;
+    }
+    const std::optional<std::string> model = form.name_of(file);
+    if (!model) return MHD_YES;
     if (offset == 0 && !form.name().empty()) {
-      form.refuse({kBadRequest, "the form has more than one part \"file\"; send one model at a time"});
+      form.refuse(
+          {kBadRequest,
+           fmt::format("the form has more than one part \"{}\"; send one model at a time", form.part_)});
       return MHD_NO;
     }
-    if (offset == 0) form.set_name(*file == '\0' ? "." : file);
+    if (offset == 0) form.set_name(*model);
     form.bytes_.append(data, bytes);
     return MHD_YES;
   }
 };
 
-UploadForm::UploadForm(UploadPlaces& places, const std::shared_ptr<HttpRequest>& request, Stored stored)
-    : UploadBody(places, request, {}, std::move(stored)) {
+UploadForm::UploadForm(UploadPlaces& places, const std::shared_ptr<HttpRequest>& request, const char* part,
+                       std::string ticket, Stored stored)
+    : UploadBody(places, request, "", std::move(ticket), std::move(stored)), part_(part) {
   constexpr std::size_t kBuffer = 8192;
   parser_ = MHD_create_post_processor(request->connection(), kBuffer, &Callback::part, this);
   if (parser_ == nullptr)
-    refuse({kUnsupported, "the body is no form: send multipart/form-data with a part \"file\""});
+    refuse({kUnsupported,
+            fmt::format("the body is no form: send multipart/form-data with a part \"{}\"", part_)});
+}
+
+std::optional<std::string> UploadForm::name_of(const char* file) const {
+  if (file == nullptr) return std::nullopt;
+  return *file == '\0' ? "." : file;
 }
 
 UploadForm::~UploadForm() {
@@ -142,8 +166,9 @@ void UploadForm::end() {
   // The parser tells the end of a form that was cut off.
   if (parser_ != nullptr && MHD_destroy_post_processor(std::exchange(parser_, nullptr)) != MHD_YES)
     refuse({kBadRequest, "the form ends before its last part does"});
-  if (is_refused() || bytes_.empty()) return UploadBody::end();
-  refuse({kBadRequest, "the form is broken"});
+  if (!bytes_.empty()) refuse({kBadRequest, "the form is broken"});
+  if (name().empty())
+    refuse({kBadRequest, fmt::format("the form has no part \"{}\" with a file's name", part_)});
   UploadBody::end();
 }
 

@@ -4,10 +4,17 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace contourd::web {
+
+// A port for clients of another print host's interface, which cannot log in.
+struct HostPort {
+  int port = 0;
+  std::vector<std::string> clients;  // addresses of the only clients, as HttpRequest::peer() writes them
+};
 
 struct WebConfig {
   std::filesystem::path control_socket;
@@ -15,6 +22,7 @@ struct WebConfig {
   std::chrono::hours session{};
   std::uint64_t largest_upload_bytes = 0;
   std::uint64_t min_free_disk_bytes = 0;
+  std::optional<HostPort> nanodlp{};  // nullopt: off
 };
 
 inline constexpr const char* kDefaultWebConfig = "/etc/contourd/web.json";

@@ -120,9 +120,9 @@ void WebService::serve_slicer(const RequestPtr& request) {
   if (request->path() != kFilesPath) return request->answer(no_such_page());
   if (request->method() != "POST")
     return request->answer({.status = 405, .body = "send a model by POST\n", .headers = {{"Allow", "POST"}}});
-  if (refuse_upload(*request)) return;
-  request->receive(std::make_shared<UploadForm>(uploads_, request, note_upload(request)),
-                   most_upload_bytes());
+  if (uploads_.refuse(*request)) return;
+  request->receive(std::make_shared<UploadForm>(uploads_, request, "file", "", note_upload(request)),
+                   uploads_.most_bytes());
 }
 
 bool WebService::refuse_stranger(HttpRequest& request) const {
@@ -293,31 +293,23 @@ void WebService::serve_history(const RequestPtr& request) {
   ask(slow_, request, std::move(question));
 }
 
-bool WebService::refuse_upload(HttpRequest& request) const {
-  if (uploads_.under_way >= kMostUploads) {
-    request.answer({.status = 503, .body = "too many uploads at once; try again later\n"});
-    return true;
-  }
-  if (request.body_bytes().value_or(0) <= uploads_.limits.most_bytes + kMostBodyBytes) return false;
-  request.answer({.status = 413,
-                  .body = fmt::format("the model is too large: the printer takes models of at most {} MiB\n",
-                                      uploads_.limits.most_bytes >> 20U)});
-  return true;
-}
-
 UploadBody::Stored WebService::note_upload(const RequestPtr& request) const {
   return [this, peer = request->peer()](const std::string& job) {
     log_.info("uploaded", fmt::format("{} from {}", printable(job), peer), job_fields(job));
+    const Json body{{"job", job}};
+    return HttpReply{.status = 201,
+                     .type = "application/json",
+                     .body = body.dump(-1, ' ', true, Json::error_handler_t::replace)};
   };
 }
 
 void WebService::upload(const RequestPtr& request) {
-  if (refuse_upload(*request)) return;
+  if (uploads_.refuse(*request)) return;
   const std::string name = request->parameter("name").value_or("");
   if (name.empty()) return request->answer({.status = 400, .body = "expected the file's name as ?name=\n"});
-  const UploadedJob job{.name = name, .is_to_be_confirmed = request->parameter("confirm").has_value()};
-  request->receive(std::make_shared<UploadBody>(uploads_, request, job, note_upload(request)),
-                   most_upload_bytes());
+  const std::string ticket(request->parameter("confirm") ? kConfirmTicket : "");
+  request->receive(std::make_shared<UploadBody>(uploads_, request, name, ticket, note_upload(request)),
+                   uploads_.most_bytes());
 }
 
 void WebService::log_login(const std::string& peer, std::optional<Role> role) const {

@@ -27,8 +27,6 @@ namespace contourd::web {
 
 class WebService {
  public:
-  // Uploads at the same time.
-  static constexpr int kMostUploads = 4;
   // Reports, pictures and films that are read or sent at the same time, each of up to 8 MiB.
   static constexpr int kMostFiles = 4;
   // Bytes of a body that is not a model.
@@ -64,13 +62,7 @@ class WebService {
   void serve_mask(const RequestPtr& request);
   void serve_history(const RequestPtr& request);
   void upload(const RequestPtr& request);
-  // Refuses an upload before its body is received. True if it has.
-  [[nodiscard]] bool refuse_upload(HttpRequest& request) const;
   [[nodiscard]] UploadBody::Stored note_upload(const RequestPtr& request) const;
-  // Returns the limit that ends a client which goes on after the refusal of its model's size.
-  [[nodiscard]] std::uint64_t most_upload_bytes() const {
-    return 2 * (uploads_.limits.most_bytes + kMostBodyBytes);
-  }
   void receive(const RequestPtr& request, Received received);
   void log_login(const std::string& peer, std::optional<Role> role) const;
 

@@ -61,6 +61,15 @@ std::optional<WebSecrets> present_secrets(const std::string& file) {
   }
 }
 
+// Returns the addresses at which there is a page.
+std::vector<std::string> page_addresses(std::vector<std::string> addresses, const WebFiles& files) {
+  std::erase_if(addresses, [&files](const std::string& address) {
+    const std::string port = address.substr(address.rfind(':') + 1);
+    return std::ranges::any_of(files.host_ports, [&port](int each) { return std::to_string(each) == port; });
+  });
+  return addresses;
+}
+
 void store(const WebSecrets& secrets, const std::string& file) {
   try {
     write_secrets(file, secrets);
@@ -130,7 +139,7 @@ int set_password(const WebFiles& files) {
   fmt::print("The password is set. Key for slicers (PrusaSlicer: printer type SL1, API key): {}\n",
              secrets.key);
   if (on_terminal()) ask_for_addresses(files.socket_unit);
-  const std::vector<std::string> addresses = present_addresses(files.socket_unit);
+  const std::vector<std::string> addresses = page_addresses(present_addresses(files.socket_unit), files);
   announce(addresses, files.announcement);
   show_page(addresses);
   say_how_to_start();
@@ -157,7 +166,7 @@ int set_addresses(const std::vector<std::string>& addresses, const WebFiles& fil
   if (addresses.empty()) {
     const std::vector<std::string> present = present_addresses(files.socket_unit);
     fmt::print("{}\n", fmt::join(present, "\n"));
-    show_page(present);
+    show_page(page_addresses(present, files));
     return EXIT_SUCCESS;
   }
   for (const std::string& address : addresses)
@@ -165,7 +174,7 @@ int set_addresses(const std::vector<std::string>& addresses, const WebFiles& fil
   write_addresses(addresses, files.socket_unit);
   // Until a password is set, no page is there.
   std::error_code error;
-  if (fs::exists(files.secrets, error)) announce(addresses, files.announcement);
+  if (fs::exists(files.secrets, error)) announce(page_addresses(addresses, files), files.announcement);
   say_how_to_start();
   return EXIT_SUCCESS;
 }

@@ -19,6 +19,7 @@ struct WebFiles {
   std::string secrets = kDefaultSecrets;
   std::string socket_unit = kDefaultSocketUnit;     // folder of the socket's drop-ins
   std::string announcement = kDefaultAnnouncement;  // for avahi-daemon
+  std::vector<int> host_ports{};                    // ports that are no page's
 };
 
 // Asks for a new password, on a terminal twice and without echo, otherwise by a line of standard input, and

@@ -1,6 +1,7 @@
 """Sliced archives for printers of the type SL1, made by the tests."""
 
 import io
+import json
 import random
 import struct
 import zipfile
@@ -84,4 +85,17 @@ def sl1(layers, config=None, slicer=None, more=()):
     width, height = len(layers[0][0]), len(layers[0])
     files = {"config.ini": config or config_ini(len(layers)), "prusaslicer.ini": slicer or slicer_ini(width, height), "thumbnail/thumbnail400x400.png": b"x"}
     files |= {f"part{number:05}.png": png(rows) for number, rows in enumerate(layers)}
+    return archive(files | dict(more))
+
+
+def nanodlp(layers, pitch_mm=0.05, more=()):
+    """Returns a plate as DragonFruit writes it for NanoDLP; `more` are files that are added, or replace others; None removes one."""
+    width, height = len(layers[0][0]), len(layers[0])
+    profile = {"Title": "DragonFruit", "Depth": 50.0, "SupportDepth": 50.0, "CureTime": 2.5, "SupportCureTime": 20.0, "SupportLayerNumber": 2}
+    options = {"PWidth": width, "PHeight": height, "Thickness": 50.0, "SupportDepth": 50.0, "XPixelSize": pitch_mm, "YPixelSize": pitch_mm, "ImageMirror": 1}
+    files = {"meta.json": json.dumps({"format_version": 3, "program": "DragonFruit", "layer_count": len(layers)}), "slicer.json": "{}",
+             "plate.json": json.dumps({"PlateID": 0, "LayersCount": len(layers), "LayerThickness": 0}), "profile.json": json.dumps(profile),
+             "options.json": json.dumps(options), "info.json": json.dumps([{}] * len(layers))}  # fmt: skip
+    files |= {f"{number}.png": png(rows) for number, rows in enumerate(layers, 1)}
+    files |= {"3d.png": png(layers[0]), "3d.png.meta": "{}"}
     return archive(files | dict(more))

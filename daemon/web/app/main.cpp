@@ -22,6 +22,7 @@
 #include "daemon/system/standard_output.hpp"
 #include "daemon/system/supervisor.hpp"
 #include "daemon/web/announcement.hpp"
+#include "daemon/web/hosts/nanodlp_host.hpp"
 #include "daemon/web/listen_sockets.hpp"
 #include "daemon/web/mqtt/home_assistant_link.hpp"
 #include "daemon/web/mqtt/mqtt_settings.hpp"
@@ -62,6 +63,37 @@ std::string device_id() {
   return text;
 }
 
+// The sockets of the service, by what they serve.
+struct Sockets {
+  std::vector<FileDescriptor> page, nanodlp;
+};
+
+// Returns the sockets of the service manager and of --listen. Throws std::runtime_error.
+Sockets open_sockets(const Arguments& args, const WebConfig& config) {
+  std::vector<FileDescriptor> all = passed_sockets();
+  if (all.empty() && args.listen.empty()) all.push_back(listen_on(kDefaultAddress));
+  for (const std::string& address : args.listen)
+    all.push_back(listen_on(address));
+  Sockets sockets;
+  for (FileDescriptor& socket : all) {
+    const int port = port_of(socket);
+    std::vector<FileDescriptor>& place =
+        config.nanodlp && config.nanodlp->port == port ? sockets.nanodlp : sockets.page;
+    place.push_back(std::move(socket));
+  }
+  return sockets;
+}
+
+// Warns of an interface on whose port nothing listens.
+void check_sockets(const Log& log, const char* key, const std::optional<HostPort>& host,
+                   const std::vector<FileDescriptor>& sockets) {
+  if (!host || !sockets.empty()) return;
+  log.warning("not_served",
+              fmt::format("{} of web.json has the port {}, on which nothing listens: add it with "
+                          "contourctl web addresses",
+                          key, host->port));
+}
+
 int run(const Arguments& args) {
   const WebConfig config = load_web_config(args.config);
   WebSecrets secrets;
@@ -79,11 +111,18 @@ int run(const Arguments& args) {
   const auto interrupted = loop.on_signal(SIGINT, [&] { loop.stop(); });
   const Log log(loop);
   Supervisor supervisor(loop);
-  std::vector<FileDescriptor> sockets = passed_sockets();
-  if (sockets.empty() && args.listen.empty()) sockets.push_back(listen_on(kDefaultAddress));
-  for (const std::string& address : args.listen)
-    sockets.push_back(listen_on(address));
-  const std::vector<std::string> pages = pages_at(addresses_of(sockets));
+  Sockets sockets = open_sockets(args, config);
+  check_sockets(log, "nanodlp", config.nanodlp, sockets.nanodlp);
+  const std::vector<std::string> pages = pages_at(addresses_of(sockets.page));
+  const auto access = [&config](const HostPort& host) {
+    HostAccess made{.clients = host.clients, .names = own_names()};
+    made.names.insert(made.names.end(), config.names.begin(), config.names.end());
+    return made;
+  };
+  std::unique_ptr<NanodlpHost> nanodlp;
+  if (!sockets.nanodlp.empty())
+    nanodlp = std::make_unique<NanodlpHost>(loop, log, config, access(*config.nanodlp), CONTOURD_VERSION,
+                                            std::move(sockets.nanodlp));
   std::unique_ptr<HomeAssistantLink> home;
   if (mqtt)
     home = std::make_unique<HomeAssistantLink>(loop, log, *mqtt, config.control_socket,
@@ -91,7 +130,7 @@ int run(const Arguments& args) {
                                                                    .version = CONTOURD_VERSION,
                                                                    .page = pages.empty() ? "" : pages.front(),
                                                                    .prefix = mqtt->prefix});
-  const WebService service(loop, log, config, std::move(secrets), own_names(), std::move(sockets));
+  const WebService service(loop, log, config, std::move(secrets), own_names(), std::move(sockets.page));
   supervisor.ready();
   loop.run();
   return EXIT_SUCCESS;
@@ -148,6 +187,10 @@ int start(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return end_of_command_line(app, error);
+  }
+  if (args.set_password || args.set_addresses) {
+    const WebConfig config = load_web_config(args.config);
+    if (config.nanodlp) args.files.host_ports.push_back(config.nanodlp->port);
   }
   if (args.set_password) return set_password_of(*role_of(args.role), args);
   if (args.set_addresses) return set_addresses(args.addresses, args.files);

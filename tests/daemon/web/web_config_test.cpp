@@ -1,5 +1,7 @@
 #include "daemon/web/web_config.hpp"
 
+#include <fmt/format.h>
+
 #include <fstream>
 
 #include "daemon/json/config_error.hpp"
@@ -40,6 +42,19 @@ TEST_CASE("the settings of the page arrive with their units") {
   CHECK(config.session == 2h);
   CHECK(config.largest_upload_bytes == 3U << 20U);
   CHECK(config.min_free_disk_bytes == 0);
+}
+
+TEST_CASE("the ports for clients without a password are off, and have only listed clients") {
+  CHECK_FALSE(config_of("{}").nanodlp);
+  const WebConfig config = config_of(R"({"nanodlp": {"clients": ["192.168.1.30", "FE80:0:0::1"]}})");
+  REQUIRE(config.nanodlp);
+  CHECK(config.nanodlp->port == 80);
+  CHECK(config.nanodlp->clients == std::vector<std::string>{"192.168.1.30", "fe80::1"});
+  for (const char* clients : {"[]", R"(["printer"])", R"(["192.168.1.0/24"])", R"(["192.168.1.300"])",
+                              R"(["::g"])", R"(["192.168.1.30:80"])", "null"})
+    CHECK_THROWS_AS(config_of(fmt::format(R"({{"nanodlp": {{"clients": {}}}}})", clients)), ConfigError);
+  CHECK_THROWS_AS(config_of(R"({"nanodlp": {"port": 80}})"), ConfigError);
+  CHECK_THROWS_AS(config_of(R"({"nanodlp": {"port": 0, "clients": ["127.0.0.1"]}})"), ConfigError);
 }
 
 TEST_CASE("a wrong setting of the page is refused with its place") {

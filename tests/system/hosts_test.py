@@ -1,0 +1,321 @@
+"""The interfaces of other print hosts in contourd-web: each held to the requests that its clients send, read by the clients' rules."""
+
+import http.client
+import json
+import os
+import re
+import socket
+import time
+
+from harness import DEADLINE_S, ENDLESS, SMALL, Daemon, binary_stl, box, contents, realtime, wait_until
+from sliced import nanodlp, pictures, sl1
+from web_test import Browser, WebTest, free_port
+
+BOUNDARY = "b5f7cf3ff4e8c1b1-9a6c2f5b7d0c"
+UNLISTED = "127.0.0.9"
+
+
+def form(*parts):
+    """Returns a form of parts (key, file's name or None, content), as reqwest and Dart write it."""
+    body = b""
+    for key, file, content in parts:
+        name = f'; filename="{file}"\r\nContent-Type: application/octet-stream' if file is not None else ""
+        body += f'--{BOUNDARY}\r\nContent-Disposition: form-data; name="{key}"{name}\r\n\r\n'.encode()
+        body += (content if isinstance(content, bytes) else content.encode()) + b"\r\n"
+    return body + f"--{BOUNDARY}--\r\n".encode()
+
+
+class HostTest(WebTest):
+    KEY = None  # of web.json
+
+    def serve_host(self, daemon=None, clients=("127.0.0.1", "127.0.0.2"), **config):
+        self.host_port = free_port()
+        self.options = ("--listen", f"127.0.0.1:{self.host_port}")
+        self.serve(daemon, **{self.KEY: {"port": self.host_port, "clients": list(clients)}}, **config)
+
+    def ask(self, method, path, body=None, source="127.0.0.1", **headers):
+        """Returns the status, the headers and the body; follows no redirection, as DragonFruit."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.host_port, timeout=DEADLINE_S, source_address=(source, 0))
+        try:
+            connection.request(method, path, body, headers)
+            reply = connection.getresponse()
+            return reply.status, reply.headers, reply.read()
+        finally:
+            connection.close()
+
+    def get(self, path, status=200):
+        got, headers, body = self.ask("GET", path)
+        self.assertEqual(got, status, (path, body))
+        return json.loads(body) if headers.get_content_type() == "application/json" else body.decode()
+
+    def send(self, path, *parts, **headers):
+        return self.ask("POST", path, form(*parts), **{"Content-Type": f"multipart/form-data; boundary={BOUNDARY}", **headers})
+
+    def layers(self, count=3):
+        display = self.daemon.config["display"]
+        return pictures(count, display["width_px"], display["height_px"])
+
+    def printing_slowly(self):
+        """Starts a daemon whose prints stay in their first exposure."""
+        return Daemon(self, realtime(), ENDLESS).start()
+
+    def refused(self, method, path, status, *words, body=None, **headers):
+        got, _, sentence = self.ask(method, path, body, **headers)
+        self.assertEqual(got, status, (path, sentence))
+        self.assert_one_line(sentence, *(word.encode() for word in words))
+
+
+class StrangersTest(HostTest):
+    KEY = "nanodlp"
+
+    def test_only_listed_addresses_may_ask(self):
+        self.serve_host()
+        self.refused("GET", "/status", 403, UNLISTED, "web.json", source=UNLISTED)
+        self.refused("GET", "/printer/stop", 403, UNLISTED, source=UNLISTED)
+        status, _, _ = self.ask("POST", "/plate/add", form(("ZipFile", "a.stl", SMALL)), source=UNLISTED)
+        self.assertEqual((status, self.incoming()), (403, []))
+        self.assertEqual(self.ask("GET", "/status", source="127.0.0.2")[0], 200)
+
+    def test_a_browser_on_a_listed_address_may_not_ask(self):
+        self.serve_host(self.printing_slowly())
+        self.daemon.begin("part.stl", SMALL)
+        for headers in ({"Origin": "http://evil.example"}, {"Origin": "null"}, {"Origin": f"http://127.0.0.1:{self.host_port}"},
+                        {"Sec-Fetch-Site": "cross-site"}, {"Sec-Fetch-Site": "none"}, {"Referer": "http://evil.example/"},
+                        {"User-Agent": "Mozilla/5.0 (X11; Linux x86_64) Gecko/20100101 Firefox/128.0"}):  # fmt: skip
+            with self.subTest(headers=headers):
+                self.refused("GET", "/printer/stop", 403, "browser", **headers)
+        self.refused("GET", "/printer/stop", 403, "evil.example", "names", **{"Host": "evil.example"})
+        self.assertEqual(self.daemon.status()["state"], "exposing")
+
+    def test_the_ports_are_off_without_clients_and_the_page_has_none_of_their_paths(self):
+        browser = self.logged_in()
+        for path in ("/status", "/printer/stop", "/plates/list/json", "/files"):
+            self.assertEqual(browser.get(path)[0], 404)
+        # A port that no interface has is one of the page, which asks for the password.
+        self.options = ("--listen", f"127.0.0.1:{free_port()}")
+        self.write("web.json", json.dumps({"control_socket": "control.sock", "nanodlp": {"port": 12345, "clients": ["127.0.0.1"]}}))
+        self.web.terminate()
+        self.web.wait(DEADLINE_S)
+        self.start_web()
+        self.assertEqual(Browser(int(self.options[1].split(":")[1])).get("/api/status")[0], 401)
+        self.assertIn("nothing listens", contents(self.path("web.log")).decode())
+
+
+class NanodlpTest(HostTest):
+    """The requests of DragonFruit (plugins/athena/rust/network.rs) and of Orion (nanodlp_http_client.dart)."""
+
+    KEY = "nanodlp"
+
+    def status(self):
+        """Returns the status, as both clients accept it."""
+        code, _, body = self.ask("GET", "/status", Accept="application/json")
+        text = body.decode()
+        self.assertEqual(code, 200)
+        self.assertTrue(text.startswith("{"))
+        known = ("Printing", "Path", "LayerID", "Version", "Hostname", "State", "Status", "LayersCount", "PlateID", "Build", "Paused", "CurrentHeight", "IP")
+        self.assertGreaterEqual(sum(f'"{key}"' in text for key in known), 3)
+        status = json.loads(text)
+        # DragonFruit: the first of these decides whether the printer is one of its models.
+        model = next(status[key] for key in ("Model", "PrinterModel", "Machine", "Name", "Build") if isinstance(status.get(key), str) and status[key].strip())
+        self.assertIn("athena", re.sub("[^a-z0-9]+", " ", model.lower()))
+        self.assertNotIn("PrevLayerTime", status)
+        for key in ("State", "LayerID", "LayersCount", "PlateID", "CurrentHeight", "TimeRemain"):
+            self.assertIn(type(status.get(key)), (int, type(None)), key)
+        self.assertLessEqual(status.get("Progress", 0), 1)
+        return status
+
+    def phase(self, *states):
+        wait_until(lambda: self.status()["State"] in states, f"state {states}")
+        return self.status()
+
+    def profile(self):
+        profiles = self.get("/json/db/profiles.json")
+        self.assertTrue(all(type(each["ProfileID"]) is int and each["ProfileID"] > 0 and each["Title"] and each["locked"] is True for each in profiles))
+        machine = self.get("/json/db/machine.json")
+        self.assertEqual(machine["Name"], "Simulated printer")
+        self.assertTrue(all(isinstance(value, (int, str, dict)) for value in machine.values()))
+        default = [each for each in profiles if each["ProfileID"] == machine["DefaultProfile"]]
+        self.assertEqual(len(default), 1)
+        return default[0]
+
+    def add(self, path, plate, profile=None, **headers):
+        """Adds a plate as DragonFruit does. Returns its number, from Location alone."""
+        profile = profile or self.profile()["ProfileID"]
+        status, reply, body = self.send("/plate/add", ("Path", None, path), ("ProfileID", None, str(profile)), ("ZipFile", f"{path}.nanodlp", plate), **headers)
+        self.assertEqual(status, 302, body)
+        numbers = [int(part) for part in reversed(reply["Location"].split("/")) if part.isdigit()]
+        self.assertEqual(json.loads(body)["PlateID"], numbers[0])
+        return numbers[0]
+
+    def plate(self, number):
+        """Polls the list until the plate has its figures, as DragonFruit does."""
+
+        def ready():
+            plates = [each for each in self.get("/plates/list/json") if each["PlateID"] == number]
+            return plates and any(float(plates[0].get(key) or 0) > 0 for key in ("LayerHeight", "LayersCount", "UsedMaterial"))
+
+        wait_until(ready, "the plate's figures")
+        return next(each for each in self.get("/plates/list/json") if each["PlateID"] == number)
+
+    def test_dragonfruit_adds_a_plate_and_prints_it(self):
+        self.serve_host()
+        self.assertEqual(self.status()["State"], 0)
+        self.assertEqual(self.ask("GET", "/athena-iot/dragonfruit/printer_data")[0], 404)
+        layers = self.layers()
+        data = nanodlp(layers)
+        number = self.add("my gear", data)
+        plate = self.plate(number)
+        self.assertEqual((plate["Path"], plate["LayersCount"], plate["LayerCount"], plate["LayerThickness"], plate["ProfileName"]), ("my gear", 3, 3, 50, "standard"))
+        self.assertRegex(plate["PrintTime"], r"^\d\d:\d\d:\d\d$")
+        self.assertEqual(self.daemon.job("my gear")["asks"], ["to_be_confirmed"])
+        self.assertEqual(self.status()["State"], 0)
+        self.assertEqual(self.ask("GET", f"/printer/start/{number}")[0], 200)
+        self.assertEqual(self.daemon.wait_ended("my gear")["outcome"], "done")
+        self.assertEqual(contents(os.path.join(self.daemon.spool, "done", "my gear.nanodlp")), data)
+        report = self.daemon.report("my gear")
+        self.assertEqual((report["model"]["format"], report["layers"], report["resin"]), ("nanodlp", 3, "standard"))
+
+    def test_orion_follows_pauses_and_cancels_a_print(self):
+        self.serve_host(self.printing_slowly())
+        number = self.add("part", nanodlp(self.layers()))
+        self.plate(number)
+        # Orion follows a redirection, and takes 200 alone for success.
+        self.assertEqual(self.ask("GET", f"/printer/start/{number}")[0], 200)
+        self.daemon.wait_state("exposing")
+        status = self.phase(5)
+        self.assertEqual((status["Printing"], status["Paused"], status["Path"], status["PlateID"], status["LayerID"], status["LayersCount"]), (True, False, "part", number, 1, 3))
+        self.assertEqual([each["PlateID"] for each in self.get("/plates/list/json")], [number])
+        # 1/6400 mm
+        self.assertEqual(status["CurrentHeight"], 320)
+        code, headers, picture = self.ask("GET", f"/static/plates/{number}/1.png")
+        self.assertEqual((code, headers["Content-Type"], picture[:4]), (200, "image/png", b"\x89PNG"))
+        self.refused("GET", f"/static/plates/{number}/2.png", 404, "layer")
+        self.refused("GET", f"/printer/start/{number}", 409, "part is being printed already")
+        self.refused("GET", f"/plate/delete/{number}", 409, "cancel it first")
+        self.assertEqual(self.ask("GET", "/printer/pause")[0], 200)
+        self.assertEqual(self.phase(2)["Printing"], True)
+        self.assertEqual(self.ask("GET", "/printer/unpause")[0], 200)
+        self.assertEqual(self.phase(5)["Paused"], False)
+        self.assertEqual(self.ask("GET", "/printer/stop")[0], 200)
+        seen = {self.status()["State"]}
+        while 0 not in seen:
+            seen.add(self.status()["State"])
+        self.assertLessEqual(seen, {4, 0})
+        self.assertEqual(self.daemon.wait_ended("part")["outcome"], "cancelled")
+        idle = self.status()
+        self.assertEqual((idle["Printing"], idle.get("PlateID"), idle.get("LayerID")), (False, None, None))
+
+    def test_the_end_of_a_print_that_was_followed_is_told_by_its_layers(self):
+        self.serve_host()
+        number = self.add("part", nanodlp(self.layers(40)))
+        self.plate(number)
+        self.ask("GET", f"/printer/start/{number}")
+        followed = []
+        wait_until(lambda: followed.append(self.status()) or (followed[-1]["State"] == 0 and len(followed) > 1), "the end")
+        if any("LayersCount" in each for each in followed[:-1]):
+            self.assertEqual((followed[-1]["LayerID"], followed[-1]["LayersCount"]), (40, 40))
+
+    def test_a_plate_waits_for_its_start_and_a_start_for_the_plate(self):
+        self.serve_host()
+        self.daemon.printed("first.stl", SMALL)
+        number = self.add("second", nanodlp(self.layers()))
+        self.plate(number)
+        self.refused("GET", f"/printer/start/{number}", 409, "a part is on the plate")
+        self.daemon.rpc("plate_cleared")
+        time.sleep(0.3)
+        self.assertEqual(self.daemon.job("second")["state"], "unaccepted")
+        self.assertEqual(self.ask("GET", f"/printer/start/{number}")[0], 200)
+        self.assertEqual(self.daemon.wait_ended("second")["outcome"], "done")
+
+    def test_a_plate_is_deleted_and_other_numbers_are_refused(self):
+        self.serve_host()
+        number = self.add("part", nanodlp(self.layers()))
+        self.plate(number)
+        # DragonFruit tries this first.
+        self.assertNotIn(self.ask("DELETE", "/file?location=Local&file_path=part")[0], (200, 202, 204, 302))
+        self.assertEqual(self.ask("GET", f"/plate/delete/{number}")[0], 200)
+        wait_until(lambda: self.get("/plates/list/json") == [], "the plate is gone")
+        self.refused("GET", f"/printer/start/{number}", 404, "no such job")
+        for text in ("0", "-1", "x", "", "99999999999999999999", "../1", "1/2"):
+            self.assertEqual(self.ask("GET", f"/printer/start/{text}")[0], 400, text)
+        self.refused("GET", "/printer/fly", 404, "no such path")
+        self.refused("POST", "/printer/stop", 405, "GET")
+        self.refused("GET", "/plate/add", 405, "POST")
+
+    def test_what_orion_asks_besides_has_small_replies(self):
+        self.serve_host()
+        self.assertEqual(self.get("/notification"), [])
+        self.assertRegex(self.get("/static/image_version"), r"\d+\.\d+\.\d+")
+        for path in ("/analytic/data/10", "/athena-iot/status", "/athena-camera/stream", "/slicer"):
+            self.assertEqual(self.ask("GET", path)[0], 404)
+
+    def test_nothing_moves_and_nothing_is_lit_by_hand(self):
+        self.serve_host()
+        before = self.daemon.status()["manual"]
+        for path in ("/z-axis/top", "/z-axis/bottom", "/z-axis/calibrate", "/z-axis/move/up/micron/1000", "/projector/on", "/projector/blank",
+                     "/projector/generate/white", "/display/test/White", "/athena-iot/control/preheat_and_mix"):  # fmt: skip
+            self.refused("GET", path, 403, "by hand only at the printer")
+        self.refused("POST", "/gcode", 403, "by hand only at the printer", body=b"gcode=G28")
+        self.refused("POST", "/profile/edit/simple/1", 403, "resin profiles", body=b"CureTime=1")
+        self.assertEqual(self.daemon.status()["manual"], before)
+        # The emergency stop ends what another client does by hand.
+        self.assertEqual(self.ask("GET", "/printer/force-stop")[0], 200)
+
+    def test_names_are_no_paths_and_files_are_not_taken_by_their_paths(self):
+        self.serve_host()
+        plate, profile = nanodlp(self.layers()), str(self.profile()["ProfileID"])
+        outside = self.write("outside.nanodlp", plate)
+        for path in ("../../outside", "/etc/passwd", "..", ".hidden", "a\\b", "x" * 250):
+            with self.subTest(path=path):
+                status, _, sentence = self.send("/plate/add", ("Path", None, path), ("ProfileID", None, profile), ("ZipFile", "a.nanodlp", plate))
+                self.assertEqual(status, 415)
+                self.assert_one_line(sentence)
+        for usb in (outside, "../outside.nanodlp", "/media/usb/part.nanodlp"):
+            status, _, sentence = self.send("/plate/add", ("Path", None, "part"), ("ProfileID", None, profile), ("USBFile", None, usb))
+            self.assertEqual(status, 403)
+            self.assert_one_line(sentence, b"path")
+        status, _, sentence = self.send("/plate/add", ("Path", None, "part"), ("ProfileID", None, "4711"), ("ZipFile", "part.nanodlp", plate))
+        self.assertEqual(status, 400)
+        self.assert_one_line(sentence, b"4711")
+        self.assertEqual(self.send("/plate/add", ("Path", None, "y" * 300), ("ZipFile", "a.nanodlp", plate))[0], 400)
+        self.assertEqual(self.send("/plate/add", ("Path", None, "part"), ("ProfileID", None, profile))[0], 400)
+        self.assertEqual(self.ask("POST", "/plate/add", plate)[0], 415)
+        self.assertEqual(self.incoming(), [])
+        # A name in the file's part alone, as of another client.
+        self.assertEqual(self.send("/plate/add", ("ProfileID", None, profile), ("ZipFile", "umlaut-\u00e4.nanodlp", plate))[0], 302)
+        wait_until(lambda: "umlaut-\u00e4.nanodlp" in self.incoming(), "the job")
+
+    def test_an_upload_is_bounded_and_takes_little_memory(self):
+        self.serve_host(largest_upload_mb=64)
+        before = self.memory()
+        self.assertEqual(self.send("/plate/add", ("Path", None, "big"), ("ZipFile", "big.nanodlp", bytes(60 << 20)))[0], 302)
+        self.assertLess(self.memory() - before, 20 << 20)
+        # The size is refused before the body comes.
+        with socket.create_connection(("127.0.0.1", self.host_port), timeout=DEADLINE_S) as client:
+            client.sendall(f"POST /plate/add HTTP/1.1\r\nHost: localhost\r\nContent-Length: {66 << 20}\r\nContent-Type: multipart/form-data; boundary={BOUNDARY}\r\n\r\n".encode())
+            self.assertIn(b" 413 ", client.recv(65536).splitlines()[0])
+        self.assertEqual([name for name in self.incoming() if "bigger" in name], [])
+
+    def memory(self):
+        text = contents(f"/proc/{self.web.pid}/status").decode()
+        return int(re.search(r"VmHWM:\s+(\d+) kB", text)[1]) << 10
+
+    def test_a_job_with_findings_is_accepted_on_the_page_only(self):
+        self.serve_host(Daemon(self, {"ask_before": ["islands"]}).start())
+        island = binary_stl(box((0, 0, 0), (4, 4, 1)) + box((6, 0, 0.5), (8, 2, 1)))
+        status, reply, _ = self.send("/plate/add", ("Path", None, "island.stl"), ("ZipFile", "island.stl", island))
+        self.assertEqual(status, 302)
+        number = int(reply["Location"].rsplit("/", 1)[1])
+        self.daemon.wait_job("island")
+        self.refused("GET", f"/printer/start/{number}", 409, "island.stl has findings", "page")
+
+    def test_slow_and_broken_clients_end_alone(self):
+        self.serve_host()
+        with socket.create_connection(("127.0.0.1", self.host_port), timeout=DEADLINE_S) as noise:
+            noise.sendall(b"\x16\x03\x01\0\r\n\r\n")
+            self.assertNotIn(b" 200 ", noise.recv(65536))
+        half = form(("Path", None, "part"), ("ZipFile", "part.nanodlp", SMALL))[:-100]
+        with socket.create_connection(("127.0.0.1", self.host_port), timeout=DEADLINE_S) as cut:
+            cut.sendall(f"POST /plate/add HTTP/1.1\r\nHost: localhost\r\nContent-Length: {len(half) + 100}\r\nContent-Type: multipart/form-data; boundary={BOUNDARY}\r\n\r\n".encode() + half)
+        self.assertEqual(self.status()["State"], 0)
+        self.assertEqual(self.incoming(), [])
