@@ -65,7 +65,11 @@ WebConfig load_web_config(const fs::path& file) {
       .session = std::chrono::hours(section.integer<int>("session_hours")),
       .largest_upload_bytes = section.integer<std::uint64_t>("largest_upload_mb") * kBytesOfMebibyte,
       .min_free_disk_bytes = section.integer<std::uint64_t>("min_free_disk_mb") * kBytesOfMebibyte,
-      .nanodlp = host_port(section, "nanodlp")};
+      .nanodlp = host_port(section, "nanodlp"),
+      .odyssey = host_port(section, "odyssey")};
+  if (config.nanodlp && config.odyssey && config.nanodlp->port == config.odyssey->port)
+    section.reject("odyssey",
+                   fmt::format("nanodlp has the port {}, too: choose another", config.odyssey->port));
   for (std::string& name : config.names)
     std::ranges::transform(name, name.begin(), [](char letter) {
       return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;

@@ -22,7 +22,7 @@ struct WebConfig {
   std::chrono::hours session{};
   std::uint64_t largest_upload_bytes = 0;
   std::uint64_t min_free_disk_bytes = 0;
-  std::optional<HostPort> nanodlp{};  // nullopt: off
+  std::optional<HostPort> nanodlp{}, odyssey{};  // nullopt: off
 };
 
 inline constexpr const char* kDefaultWebConfig = "/etc/contourd/web.json";

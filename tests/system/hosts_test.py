@@ -168,6 +168,8 @@ class NanodlpTest(HostTest):
         self.assertEqual((plate["Path"], plate["LayersCount"], plate["LayerCount"], plate["LayerThickness"], plate["ProfileName"]), ("my gear", 3, 3, 50, "standard"))
         self.assertRegex(plate["PrintTime"], r"^\d\d:\d\d:\d\d$")
         self.assertEqual(self.daemon.job("my gear")["asks"], ["to_be_confirmed"])
+        code, headers, picture = self.ask("GET", f"/static/plates/{number}/3d.png")
+        self.assertEqual((plate["Preview"], code, headers["Content-Type"], picture[:4]), (True, 200, "image/png", b"\x89PNG"))
         self.assertEqual(self.status()["State"], 0)
         self.assertEqual(self.ask("GET", f"/printer/start/{number}")[0], 200)
         self.assertEqual(self.daemon.wait_ended("my gear")["outcome"], "done")
@@ -319,3 +321,173 @@ class NanodlpTest(HostTest):
             cut.sendall(f"POST /plate/add HTTP/1.1\r\nHost: localhost\r\nContent-Length: {len(half) + 100}\r\nContent-Type: multipart/form-data; boundary={BOUNDARY}\r\n\r\n".encode() + half)
         self.assertEqual(self.status()["State"], 0)
         self.assertEqual(self.incoming(), [])
+
+
+class OdysseyTest(HostTest):
+    """The requests of Orion (odyssey_http_client.dart), read as its models read them: Dart throws where a decimal is a whole number."""
+
+    KEY = "odyssey"
+
+    def typed(self, value, **types):
+        for key, kind in types.items():
+            self.assertIs(type(value[key]), kind, (key, value))
+
+    def file_data(self, data):
+        self.typed(data, path=str, name=str, last_modified=int, file_size=int, location_category=str, parent_path=str)
+        return data
+
+    def print_data(self, data):
+        self.typed(data, layer_count=int, used_material=float, print_time=float, layer_height=float, layer_height_microns=int)
+        self.file_data(data["file_data"])
+        return data
+
+    def read(self, status):
+        self.assertIn(status["status"], ("Printing", "Idle", "Shutdown"))
+        self.typed(status, paused=bool)
+        self.typed(status["physical_state"], z=float, z_microns=int, curing=bool)
+        self.assertIn(type(status["layer"]), (int, type(None)))
+        if status["print_data"] is not None:
+            self.print_data(status["print_data"])
+        return status
+
+    def status(self):
+        return self.read(self.get("/status"))
+
+    def listed(self, **query):
+        query = {"location": "Local", "subdirectory": "", "page_index": 0, "page_size": 100, **query}
+        listed = self.get("/files?" + "&".join(f"{key}={value}" for key, value in query.items()))
+        self.assertEqual(listed["dirs"], [])
+        for each in listed["files"]:
+            self.assertEqual(each["location_category"], "Local")
+            self.print_data(each)
+        return listed
+
+    def upload(self, name, data):
+        status, _, body = self.send("/files", ("file", name, data))
+        self.assertEqual((status, body), (200, b""))
+        wait_until(lambda: [each for each in self.listed()["files"] if each["file_data"]["path"] == name and each["layer_count"]], "the file")
+
+    def post(self, path, status=200):
+        code, _, body = self.ask("POST", path)
+        self.assertEqual(code, status, body)
+        return body
+
+    def test_orion_uploads_and_prints_a_file(self):
+        self.serve_host()
+        idle = self.status()
+        self.assertEqual((idle["status"], idle["paused"], idle["layer"], idle["print_data"]), ("Idle", False, None, None))
+        data = sl1(self.layers())
+        self.upload("my part.sl1", data)
+        metadata = self.print_data(self.get("/file/metadata?location=Local&file_path=my%20part.sl1"))
+        self.assertEqual((metadata["layer_count"], metadata["layer_height"], metadata["layer_height_microns"]), (3, 0.05, 50))
+        # The size is that of the job's files, one of which is its ticket.
+        self.assertEqual(metadata["file_data"]["file_size"], len(data) + os.path.getsize(os.path.join(self.daemon.spool, "incoming", "my part.json")))
+        code, headers, picture = self.ask("GET", "/file/thumbnail?location=Local&file_path=my%20part.sl1&size=Large")
+        self.assertEqual((code, headers["Content-Type"], picture[:4]), (200, "image/png", b"\x89PNG"))
+        self.assertEqual(self.daemon.job("my part")["state"], "unaccepted")
+        self.assertEqual(self.post("/print/start?location=Local&file_path=my%20part.sl1"), b"")
+        self.assertEqual(self.daemon.wait_ended("my part")["outcome"], "done")
+        self.assertEqual(contents(os.path.join(self.daemon.spool, "done", "my part.sl1")), data)
+        self.assertEqual(self.daemon.report("my part")["model"]["format"], "sl1")
+
+    def test_orion_follows_pauses_and_cancels_a_print_by_the_stream(self):
+        self.serve_host(self.printing_slowly())
+        self.upload("part.stl", SMALL)
+        stream = http.client.HTTPConnection("127.0.0.1", self.host_port, timeout=DEADLINE_S)
+        self.addCleanup(stream.close)
+        stream.request("GET", "/status/stream")
+        reply = stream.getresponse()
+        self.assertEqual((reply.status, reply.headers["Content-Type"]), (200, "text/event-stream"))
+        names = set()
+
+        def until(accept):
+            while True:
+                line = reply.readline().decode().rstrip("\n")
+                if line.startswith("event:"):
+                    names.add(line[6:].strip())
+                if line.startswith("data:"):
+                    status = self.read(json.loads(line[5:]))
+                    if accept(status):
+                        return status
+
+        until(lambda status: status["status"] == "Idle")
+        self.post("/print/start?location=Local&file_path=part.stl")
+        lit = until(lambda status: status["physical_state"]["curing"])
+        self.assertEqual((lit["status"], lit["layer"], lit["paused"], lit["print_data"]["file_data"]["name"]), ("Printing", 1, False, "part"))
+        self.assertEqual(lit["physical_state"]["z"], 0.05)
+        # The file of the print under way is known by both of its names.
+        for name in ("part", "part.stl"):
+            self.assertEqual(self.get(f"/file/metadata?location=Local&file_path={name}")["layer_count"], lit["print_data"]["layer_count"])
+        self.refused("POST", "/print/start?location=Local&file_path=part.stl", 409, "being printed already")
+        self.refused("DELETE", "/file?location=Local&file_path=part", 409, "cancel it first")
+        self.refused("POST", "/print/resume", 409)
+        self.post("/print/pause")
+        self.post("/print/resume")
+        self.post("/print/cancel")
+        ended = until(lambda status: status["status"] == "Idle")
+        self.assertEqual((ended["layer"], ended["paused"], names), (None, False, {"status"}))
+        self.refused("POST", "/print/cancel", 409, "no print to cancel")
+
+    def test_files_are_listed_by_pages_and_deleted(self):
+        self.serve_host()
+        for name in ("a.stl", "b.stl", "c.stl"):
+            self.upload(name, SMALL)
+        first = self.listed(page_size=2)
+        self.assertEqual(([each["file_data"]["name"] for each in first["files"]], first["next_index"]), (["a.stl", "b.stl"], 1))
+        second = self.listed(page_size=2, page_index=1)
+        self.assertEqual(([each["file_data"]["name"] for each in second["files"]], second["next_index"]), (["c.stl"], None))
+        self.assertEqual(self.listed(page_index=900)["files"], [])
+        code, _, body = self.ask("DELETE", "/file?location=Local&file_path=b.stl")
+        self.assertEqual((code, self.file_data(json.loads(body))["name"]), (200, "b.stl"))
+        wait_until(lambda: len(self.listed()["files"]) == 2, "the file is gone")
+        # Orion asks in this way whether there is a USB stick.
+        self.refused("GET", "/files?location=Usb&subdirectory=&page_index=0&page_size=1", 404, "Local")
+        self.refused("GET", "/files?location=Local&subdirectory=x", 404, "folders")
+        for query in ("page_size=0", "page_size=1001", "page_index=-1", "page_index=x"):
+            self.refused("GET", f"/files?{query}", 400, "page_size")
+
+    def test_paths_lead_nowhere(self):
+        self.serve_host()
+        self.upload("part.stl", SMALL)
+        outside = self.write("outside.stl", SMALL)
+        for path in ("../outside.stl", "..%2Foutside.stl", outside, "/part.stl", "./part.stl", "incoming/part.stl", "part", "part.json", "*"):
+            with self.subTest(path=path):
+                for method, request in (("GET", "/file/metadata"), ("GET", "/file/thumbnail"), ("DELETE", "/file"), ("POST", "/print/start")):
+                    self.refused(method, f"{request}?location=Local&file_path={path}", 404, "no such job")
+        self.refused("POST", "/print/start?location=Usb&file_path=part.stl", 404, "Local")
+        self.refused("DELETE", "/file?location=Local", 400, "file_path")
+        for name in ("../../evil.stl", "a/b.stl", "..", ".stl", "evil.ctb", "evil.json"):
+            status, _, sentence = self.send("/files", ("file", name, SMALL))
+            self.assertEqual(status, 415)
+            self.assert_one_line(sentence)
+        self.assertEqual(self.incoming(), ["part.json", "part.stl"])
+
+    def test_the_configuration_has_the_greatest_height_and_nothing_is_done_by_hand(self):
+        self.serve_host()
+        config = self.get("/config")
+        self.assertEqual((config["printer"]["max_z"], type(config["printer"]["max_z"])), (self.daemon.config["z_axis"]["travel_mm"], float))
+        self.assertRegex(self.get("/version"), r"^contourd \d")
+        before = self.daemon.status()["manual"]
+        for path in ("/manual?z=10.0", "/manual?cure=true", "/manual/home", "/manual/display_test?test=White", "/manual/hardware_command?command=M112"):
+            self.refused("POST", path, 403, "by hand only at the printer")
+        self.assertEqual(self.daemon.status()["manual"], before)
+        self.refused("GET", "/file?location=Local&file_path=part.stl", 501, "spool")
+        self.refused("GET", "/update/releases", 404, "no such path")
+        self.refused("POST", "/shutdown", 404, "no such path")
+        self.refused("PUT", "/status", 405, "no such method")
+
+    def test_strangers_and_browsers_may_not_ask(self):
+        self.serve_host()
+        self.refused("GET", "/status", 403, UNLISTED, source=UNLISTED)
+        self.refused("POST", "/print/cancel", 403, "browser", Origin="http://evil.example")
+        self.refused("GET", "/status/stream", 403, "browser", **{"User-Agent": "Mozilla/5.0"})
+
+    def test_too_many_clients_of_the_stream_are_refused(self):
+        self.serve_host()
+        streams = [socket.create_connection(("127.0.0.1", self.host_port), timeout=DEADLINE_S) for _ in range(17)]
+        replies = []
+        for stream in streams:
+            self.addCleanup(stream.close)
+            stream.sendall(b"GET /status/stream HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            replies.append(int(stream.recv(4096).split()[1]))
+        self.assertEqual(sorted(replies), [200] * 16 + [503])

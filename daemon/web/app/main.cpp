@@ -23,6 +23,7 @@
 #include "daemon/system/supervisor.hpp"
 #include "daemon/web/announcement.hpp"
 #include "daemon/web/hosts/nanodlp_host.hpp"
+#include "daemon/web/hosts/odyssey_host.hpp"
 #include "daemon/web/listen_sockets.hpp"
 #include "daemon/web/mqtt/home_assistant_link.hpp"
 #include "daemon/web/mqtt/mqtt_settings.hpp"
@@ -65,7 +66,7 @@ std::string device_id() {
 
 // The sockets of the service, by what they serve.
 struct Sockets {
-  std::vector<FileDescriptor> page, nanodlp;
+  std::vector<FileDescriptor> page, nanodlp, odyssey;
 };
 
 // Returns the sockets of the service manager and of --listen. Throws std::runtime_error.
@@ -76,9 +77,12 @@ Sockets open_sockets(const Arguments& args, const WebConfig& config) {
     all.push_back(listen_on(address));
   Sockets sockets;
   for (FileDescriptor& socket : all) {
-    const int port = port_of(socket);
-    std::vector<FileDescriptor>& place =
-        config.nanodlp && config.nanodlp->port == port ? sockets.nanodlp : sockets.page;
+    const auto is_of = [port = port_of(socket)](const std::optional<HostPort>& host) {
+      return host && host->port == port;
+    };
+    std::vector<FileDescriptor>& place = is_of(config.nanodlp)   ? sockets.nanodlp
+                                         : is_of(config.odyssey) ? sockets.odyssey
+                                                                 : sockets.page;
     place.push_back(std::move(socket));
   }
   return sockets;
@@ -113,6 +117,7 @@ int run(const Arguments& args) {
   Supervisor supervisor(loop);
   Sockets sockets = open_sockets(args, config);
   check_sockets(log, "nanodlp", config.nanodlp, sockets.nanodlp);
+  check_sockets(log, "odyssey", config.odyssey, sockets.odyssey);
   const std::vector<std::string> pages = pages_at(addresses_of(sockets.page));
   const auto access = [&config](const HostPort& host) {
     HostAccess made{.clients = host.clients, .names = own_names()};
@@ -123,6 +128,10 @@ int run(const Arguments& args) {
   if (!sockets.nanodlp.empty())
     nanodlp = std::make_unique<NanodlpHost>(loop, log, config, access(*config.nanodlp), CONTOURD_VERSION,
                                             std::move(sockets.nanodlp));
+  std::unique_ptr<OdysseyHost> odyssey;
+  if (!sockets.odyssey.empty())
+    odyssey = std::make_unique<OdysseyHost>(loop, log, config, access(*config.odyssey), CONTOURD_VERSION,
+                                            std::move(sockets.odyssey));
   std::unique_ptr<HomeAssistantLink> home;
   if (mqtt)
     home = std::make_unique<HomeAssistantLink>(loop, log, *mqtt, config.control_socket,
@@ -190,7 +199,8 @@ int start(int argc, char** argv) {
   }
   if (args.set_password || args.set_addresses) {
     const WebConfig config = load_web_config(args.config);
-    if (config.nanodlp) args.files.host_ports.push_back(config.nanodlp->port);
+    for (const std::optional<HostPort>& host : {config.nanodlp, config.odyssey})
+      if (host) args.files.host_ports.push_back(host->port);
   }
   if (args.set_password) return set_password_of(*role_of(args.role), args);
   if (args.set_addresses) return set_addresses(args.addresses, args.files);

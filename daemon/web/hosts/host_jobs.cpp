@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "daemon/formats/model_names.hpp"
 #include "daemon/web/hosts/host_replies.hpp"
 
 namespace contourd::web {
@@ -87,6 +88,10 @@ std::uint32_t id_of(std::string_view name) {
   for (const char letter : name)
     hash = (hash ^ static_cast<unsigned char>(letter)) * 16777619U;
   return std::max(hash & 0x7FFFFFFFU, 1U);
+}
+
+bool HostJob::is_file(const std::string& other) const {
+  return other == file || (is_printing && model_stem(other) == name);
 }
 
 std::optional<HostJob> host_print(const Json& status) {

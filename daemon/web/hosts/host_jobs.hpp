@@ -29,6 +29,8 @@ struct HostJob {
   std::vector<std::string> asks{}, warnings{};
 
   [[nodiscard]] std::uint32_t id() const { return id_of(name); }
+  // True if a client means this job by the name of its file. That of the print under way is no longer known.
+  [[nodiscard]] bool is_file(const std::string& other) const;
 };
 
 // Returns the print under way and the first hundred waiting jobs, by contourd's `status` and `queue`.
@@ -40,9 +42,9 @@ struct HostJob {
 enum class HostPhase { Idle = 0, Starting = 1, Pausing = 2, Paused = 3, Cancelling = 4, Printing = 5 };
 
 struct HostStatus {
-  std::string printer;
+  std::string printer{};
   HostPhase phase = HostPhase::Idle;
-  std::string text;                     // the state for people, with the reason if the printer waits
+  std::string text{};                   // the state for people, with the reason if the printer waits
   std::optional<HostJob> job{};         // the print under way
   std::optional<std::int64_t> layer{};  // the current layer, from 1; of an ended print, the last one
   std::int64_t layers = 0;              // of the print under way, or the ended one

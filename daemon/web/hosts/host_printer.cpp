@@ -103,8 +103,8 @@ void HostPrinter::find(const RequestPtr& request, const HostJobKey& key,
                        std::function<void(const HostJob& job, const Json& status)> found) {
   ask(request, {{"status"}, {"queue"}}, [request, key, found = std::move(found)](const auto& results) {
     std::vector<HostJob> jobs = host_jobs(results[0], results[1]);
-    std::erase_if(jobs,
-                  [&key](const HostJob& job) { return key.id ? job.id() != *key.id : job.file != key.file; });
+    std::erase_if(
+        jobs, [&key](const HostJob& job) { return key.id ? job.id() != *key.id : !job.is_file(key.file); });
     if (jobs.size() == 1) return found(jobs.front(), results[0]);
     if (jobs.empty())
       return refuse_host_request(*request, 404, "the printer has no such job: read the list again");

@@ -8,6 +8,10 @@
 
 namespace contourd::web {
 
+// The refusal of what a client would do by hand.
+inline constexpr const char* kByHandSentence =
+    "the plate is moved and the light is switched by hand only at the printer (contourctl)";
+
 // Returns a text of an object; an empty one if there is none.
 [[nodiscard]] inline std::string json_text(const ControlLink::Json& object, const char* key) {
   const auto found = object.find(key);

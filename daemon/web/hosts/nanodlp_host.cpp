@@ -31,9 +31,7 @@ void refuse_path(HttpRequest& request) {
                                                     "/athena-iot/control/"};
   const auto begins = [&request](std::string_view with) { return request.path().starts_with(with); };
   if (std::ranges::any_of(kByHand, begins)) {
-    refuse_host_request(
-        request, 403,
-        "the plate is moved and the light is switched by hand only at the printer (contourctl)");
+    refuse_host_request(request, 403, kByHandSentence);
     return true;
   }
   if (!begins("/profile/")) return false;

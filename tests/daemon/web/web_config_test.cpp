@@ -54,6 +54,11 @@ TEST_CASE("the ports for clients without a password are off, and have only liste
                               R"(["::g"])", R"(["192.168.1.30:80"])", "null"})
     CHECK_THROWS_AS(config_of(fmt::format(R"({{"nanodlp": {{"clients": {}}}}})", clients)), ConfigError);
   CHECK_THROWS_AS(config_of(R"({"nanodlp": {"port": 80}})"), ConfigError);
+  CHECK(config_of(R"({"odyssey": {"clients": ["127.0.0.1"]}})").odyssey->port == 12357);
+  CHECK(message_of<ConfigError>([] {
+          (void)config_of(
+              R"({"nanodlp": {"port": 9, "clients": ["::1"]}, "odyssey": {"port": 9, "clients": ["::1"]}})");
+        }).find("nanodlp has the port 9, too") != std::string::npos);
   CHECK_THROWS_AS(config_of(R"({"nanodlp": {"port": 0, "clients": ["127.0.0.1"]}})"), ConfigError);
 }
 
