@@ -7,7 +7,7 @@ import subprocess
 import zlib
 
 from harness import BAD_DATA, OK, SLAB, SpoolTest, binary_stl, box, contents, contourctl, read_png, wedge
-from sliced import config_ini, pictures, png, sl1, sl1_svg, slicer_ini, svg
+from sliced import config_ini, nanodlp, pictures, png, sl1, sl1_svg, slicer_ini, svg
 
 WIDTH, HEIGHT = 64, 40
 DISPLAY = {"display": {"width_px": WIDTH, "height_px": HEIGHT}}
@@ -49,6 +49,23 @@ class Sliced(SpoolTest):
             self.assertEqual([round(layer["area_mm2"], 6) for layer in report["layer_records"]], [round(area, 6) for area in areas])
             self.assertEqual(len([w for w in report["model"]["warnings"] if "finished pictures of layers" in w]), 1)
             self.assertIn("pictures of layers", daemon.read("done", job + ".report.html"))
+
+    def test_a_plate_of_nanodlp_is_printed_as_it_is(self):
+        daemon = self.printer({"display": {**DISPLAY["display"], "mirror_x": True}}, LIMITS)
+        data = nanodlp(self.LAYERS)
+        daemon.drop("part.nanodlp", data)
+        report = daemon.wait_done("part")
+        self.assertEqual(self.masks("part"), self.LAYERS)
+        self.assertEqual(contents(daemon.file("done", "part.nanodlp")), data)
+        self.assertEqual((report["layers"], report["layer_height_um"], report["model"]["format"]), (6, 50, "nanodlp"))
+        self.assertEqual(len([w for w in report["model"]["warnings"] if "shown as they are: check that the part is not mirrored" in w]), 1)
+        report = daemon.printed("file.nanodlp", data, {"exposure_from": "file"})
+        self.assertEqual([layer["exposure_asked_ms"] for layer in report["layer_records"]], [20000] * 2 + [2500] * 4)
+        self.assert_words(daemon.refused("fine.nanodlp", nanodlp(self.LAYERS, pitch_mm=0.047)), "47.00 x 47.00 um", "50.00 um")
+        self.assert_words(daemon.refused("gap.nanodlp", nanodlp(self.LAYERS, more={"3.png": None})), "3.png, is missing")
+        self.assert_words(daemon.refused("short.nanodlp", nanodlp(self.LAYERS, more={"6.png": None})), "6 layers (LayersCount)", "5 are there")
+        self.assert_words(daemon.refused("odd.nanodlp", nanodlp(self.LAYERS, more={"options.json": "{", "profile.json": "{}"})), "options.json is damaged")
+        self.assert_words(daemon.refused("no.nanodlp", b"x" * 500), "sliced archive", "no ZIP file")
 
     def test_the_light_on_the_plate_is_that_of_the_sliced_model_whatever_the_mirrors_of_both_displays_are(self):
         for mirror_x, mirror_y in ((False, False), (True, False), (True, True)):
