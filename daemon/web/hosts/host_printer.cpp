@@ -84,8 +84,12 @@ void HostPrinter::ask_next(const std::shared_ptr<Questions>& questions) {
 }
 
 void HostPrinter::call(const RequestPtr& request, Request question, Done done) {
-  log_.info("command", fmt::format("{} from {}", question.method, request->peer()));
+  log_command(*request, question.method);
   ask(request, {std::move(question)}, [done = std::move(done)](const auto& /*results*/) { done(); });
+}
+
+void HostPrinter::log_command(const HttpRequest& request, std::string_view method) const {
+  log_.info("command", fmt::format("{} from {}", method, request.peer()));
 }
 
 void HostPrinter::read_status(const RequestPtr& request, std::function<void(const HostStatus& status)> read) {
@@ -134,7 +138,9 @@ void HostPrinter::remove(const RequestPtr& request, const HostJobKey& key,
 }
 
 void HostPrinter::control(const RequestPtr& request, std::string_view method, Done done) {
-  call(request, {std::string(method)}, [this, method, done = std::move(done)] {
+  log_command(*request, method);
+  ask(request, {{std::string(method)}}, [this, method, done = std::move(done)](const auto& results) {
+    (void)reader_.read(results[0]);  // the reply is a status
     if (method == "cancel") reader_.is_cancelled();
     done();
   });

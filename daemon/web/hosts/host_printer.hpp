@@ -82,6 +82,7 @@ class HostPrinter {
 
   void ask_next(const std::shared_ptr<Questions>& questions);
   void call(const RequestPtr& request, Request question, Done done);
+  void log_command(const HttpRequest& request, std::string_view method) const;
   void show_preview(const RequestPtr& request, const HostJob& job);
 
   const Log& log_;

@@ -29,11 +29,6 @@ std::uint32_t id_of_resin(const Json& resin) {
   return id_of(resin["resin"].get<std::string>());
 }
 
-std::string clock_of(double seconds) {
-  const auto whole = static_cast<std::int64_t>(seconds);
-  return fmt::format("{:02}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
-}
-
 }  // namespace
 
 Json nanodlp_status(const HostStatus& status, std::string_view version) {
@@ -73,7 +68,7 @@ Json nanodlp_plates(const std::vector<HostJob>& jobs) {
       plate["LayersCount"] = plate["LayerCount"] = job.layers;
       plate["LayerThickness"] = job.layer_um;
       plate["LayerHeight"] = job.layer_um / 1000;
-      plate["PrintTime"] = clock_of(job.print_time_s);
+      plate["PrintTime"] = std::llround(job.print_time_s);
       plate["UsedMaterial"] = job.resin_ml;
     }
     plates.push_back(std::move(plate));

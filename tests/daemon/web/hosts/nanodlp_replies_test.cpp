@@ -59,7 +59,7 @@ TEST_CASE("A plate has figures once it is checked") {
   plate = nanodlp_plates({job})[0];
   CHECK(plate["LayersCount"] == 200);
   CHECK(plate["LayerThickness"] == 50);
-  CHECK(plate["PrintTime"] == "01:01:01");
+  CHECK(plate["PrintTime"] == 3662);
   CHECK(nanodlp_plates({}).dump() == "[]");
 }
 
