@@ -197,6 +197,14 @@ class NanodlpTest(HostTest):
         report = self.daemon.report("my gear")
         self.assertEqual((report["model"]["format"], report["layers"], report["resin"]), ("nanodlp", 3, "standard"))
 
+    def test_a_name_that_is_not_ascii_is_that_of_the_field_path(self):
+        self.serve_host()
+        # reqwest writes such a file's name as filename*, which few parsers of forms know.
+        body = form(("Path", None, "h\u00e4ndel"), ("ZipFile", "X", nanodlp(self.layers()))).replace(b'filename="X"', b"filename*=UTF-8''h%C3%A4ndel.nanodlp")
+        status, reply, sentence = self.ask("POST", "/plate/add", body, **{"Content-Type": f"multipart/form-data; boundary={BOUNDARY}"})
+        self.assertEqual(status, 302, sentence)
+        self.assertEqual(self.plate(int(reply["Location"].rsplit("/", 1)[1]))["Path"], "h\u00e4ndel")
+
     def test_orion_follows_pauses_and_cancels_a_print(self):
         self.serve_host(self.printing_slowly())
         number = self.add("part", nanodlp(self.layers()))

@@ -27,7 +27,8 @@ std::string why_no_start(const HostJob& job, const Json& status) {
   if (const std::optional<HostJob> print = host_print(status))
     return fmt::format("{} is being printed: wait for its end, or cancel it", printable(print->name));
   if (json_text(status, "plate") != "clear")
-    return "a part is on the plate: clear the plate, say so on the printer's page (Plate cleared), and start "
+    return "a part is on the plate: clear the plate, say so on the printer's page (The plate is clear), and "
+           "start "
            "again";
   for (const char* reason : {"held", "not_ready_reason"})
     if (std::string why = json_text(status, reason); !why.empty()) return why;
