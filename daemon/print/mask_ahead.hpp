@@ -44,6 +44,8 @@ class MaskAhead {
   // Begins to cut the mask at a height, which replaces one that is ready and was not taken. REQUIRES:
   // !busy().
   void begin(Nanometers height, std::uint8_t white = 255);
+  // True from begin() until take().
+  [[nodiscard]] bool begun() const { return begun_; }
   // True from begin() until the mask is ready. If the clock skips all waiting, waits for that.
   [[nodiscard]] bool busy() const;
   // Returns the mask that is ready. Valid until the next take(). REQUIRES: !busy(), and begin() was called

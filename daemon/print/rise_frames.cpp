@@ -37,7 +37,6 @@ void RiseFrames::stop() {
   end_frame(clock_.now());
   calls_.frame_over = nullptr;
   ++stops_;
-  begun_ = false;
   refresh_.reset();
   hand_over_.reset();
 }
@@ -133,7 +132,7 @@ void RiseFrames::refresh() {
   if (stops != stops_) return;
   const TimePoint vblank = next_vblank();
   // None was begun if the heights were not yet to change enough, at the beginning of the rise for instance.
-  if (!begun_) begin_mask(vblank);
+  if (!masks_.begun()) begin_mask(vblank);
   if (stops != stops_) return;
   hand_over_ = clock_.call_at(vblank - machine_.display().frame() / 2, [this, vblank] { hand_over(vblank); });
   refresh_ = clock_.call_at(vblank, [this] { refresh(); });
@@ -149,7 +148,6 @@ void RiseFrames::begin_mask(TimePoint vblank) {
                       apart(*plate, screen_.plate) >= step;
   if (!is_new || masks_.busy()) return;
   masks_.begin(*section, white_.wanted);
-  begun_ = true;
 }
 
 // Half a refresh before the vblank, the display has told which mask is on the screen. The next look at it is
@@ -165,12 +163,11 @@ void RiseFrames::hand_over(TimePoint vblank) {
         "than {:.0f} um, or resin would gel more than {:.0f} um from the mask's height",
         figures_.missed, in_mm(kFarthest) * 1e3, in_mm(kFarthestCut) * 1e3));
   }
-  if (!begun_) return begin_mask(vblank + frame);
+  if (!masks_.begun()) return begin_mask(vblank + frame);
   if (!masks_.ready()) {
     if (frame_) ++frame_->missed;
     return tell_missed(1);
   }
-  begun_ = false;
   const std::uint64_t stops = stops_;
   screen_.plate = *plate;
   present([this, vblank, frame](TimePoint at) {

@@ -111,7 +111,6 @@ class RiseFrames {
     std::uint8_t passed = 255;     // of the mask that was passed to the display last
     std::uint8_t on_screen = 255;  // of the mask on the screen
   } white_;
-  bool begun_ = false;  // a mask was begun that is to be passed to the display
   FrameFigures figures_;
   std::optional<FrameRecord> frame_;  // the mask that is on the screen
   std::uint64_t stops_ = 0;           // answers of the display from before the last stop are ignored
