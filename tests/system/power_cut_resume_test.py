@@ -147,8 +147,9 @@ class Resume(PowerCutTest):
                 self.assertEqual(self.exposures(report), self.exposures(whole_report)[20 - len(rest):])
                 self.assertEqual(rest, whole[20 - len(rest):])
                 self.assertEqual(first, whole[:len(first)])
-                # No layer is missing, and only the one in which the print was cut may be lit twice.
-                self.assertIn(len(first) + len(rest), (20, 21))
+                # No layer is missing, and only the one in which the print was cut is lit twice, or the one before, too, if the
+                # disk took longer for the record than such a layer, of some hundredths of a second, takes.
+                self.assertIn(len(first) + len(rest), (20, 21, 22))
             daemon.rpc("plate_cleared")
             daemon.restart()
         self.assertGreater(resumed, 0)
