@@ -43,28 +43,32 @@ class FakePrinter {
  public:
   using Json = nlohmann::ordered_json;
 
-  // Answers each call with a status in which every file has three bytes; or refuses it.
+  // Answers each call with a status in which every file has three bytes, with a waiting job a.stl and a
+  // resin; or refuses it.
   FakePrinter(EventLoop& loop, const std::string& socket, const std::string& spool, bool refuses)
       : loop_(loop), listener_(listen_at(socket)), refuses_(refuses) {
-    status_ = {{"printer", "p"},
-               {"spool", spool},
-               {"state", "idle"},
-               {"job", nullptr},
-               {"queued", 0},
-               {"plate", "clear"},
-               {"plate_job", nullptr},
-               {"not_ready_reason", nullptr},
-               {"held", nullptr},
-               {"interrupted", nullptr},
-               {"waiting_for", nullptr},
-               {"reminders", Json::array()},
-               {"last", nullptr},
-               {"dark", true},
-               {"picture", 1},
-               {"version", 1},
-               {"bytes", 3},
-               {"from", 0},
-               {"data", "YWJj"}};
+    status_ = {
+        {"printer", "p"},
+        {"spool", spool},
+        {"state", "idle"},
+        {"job", nullptr},
+        {"queued", 0},
+        {"plate", "clear"},
+        {"plate_job", nullptr},
+        {"not_ready_reason", nullptr},
+        {"held", nullptr},
+        {"interrupted", nullptr},
+        {"waiting_for", nullptr},
+        {"reminders", Json::array()},
+        {"last", nullptr},
+        {"dark", true},
+        {"jobs", {{{"job", "a"}, {"file", "a.stl"}, {"state", "unaccepted"}, {"asks", {"to_be_confirmed"}}}}},
+        {"resins", {{{"resin", "a"}, {"is_default", true}, {"trouble", nullptr}}}},
+        {"picture", 1},
+        {"version", 1},
+        {"bytes", 3},
+        {"from", 0},
+        {"data", "YWJj"}};
     source_ =
         loop.on_ready(listener_.get(), EPOLLIN, "the fake printer", [this](std::uint32_t) { accept(); });
   }

@@ -107,6 +107,13 @@ void write_packed_inputs(const fs::path& folder) {
                           "0.3\ndisplay_mirror_x = 1\n"},
                          {"a00000.png", text},
                          {"a00001.png", text}}));
+  write(folder / "plate.nanodlp",
+        testing::zipped(
+            {{"plate.json", R"({"LayersCount": 2})"},
+             {"profile.json", R"({"Depth": 50, "CureTime": 2.5, "SupportLayerNumber": 1})"},
+             {"options.json", R"({"PWidth": 8, "PHeight": 6, "XPixelSize": 0.05, "YPixelSize": 0.05})"},
+             {"1.png", text},
+             {"2.png", text}}));
   const std::string outlines =
       "<?xml version=\"1.0\" standalone=\"yes\"?><!DOCTYPE svg PUBLIC \"a\" \"b\"><svg width=\"0.4mm\" "
       "height=\"0.3mm\" "
@@ -354,8 +361,45 @@ void write_record_inputs(const fs::path& folder) {
   write(folder / "place_of_a_version", std::string("gcontourd-progress 2 "));
 }
 
+// Requests of other print hosts' clients to contourd-web. The job and the resin of the fake printer are
+// called a, whose number is 1678518572 (FNV-1a).
+void write_host_inputs(const fs::path& folder) {
+  const std::string host = " HTTP/1.1\r\nHost: printer\r\n";
+  const auto form = [](const std::string& key, const std::string& more, const std::string& content) {
+    return "--x\r\nContent-Disposition: form-data; name=\"" + key + "\"" + more + "\r\n\r\n" + content +
+           "\r\n";
+  };
+  const auto send = [&](const std::string& name, char server, const std::string& request,
+                        const std::string& body = "") {
+    const std::string head = body.empty() ? "" : "Content-Type: multipart/form-data; boundary=x\r\n";
+    write(folder / name, server + request + host + head + "Content-Length: " + std::to_string(body.size()) +
+                             "\r\n\r\n" + body);
+  };
+  constexpr char kNanodlp = '\x82', kOdyssey = '\x84';
+  int number = 0;
+  for (const char* path :
+       {"status", "plates/list/json", "json/db/profiles.json", "json/db/machine.json",
+        "printer/start/1678518572", "printer/force-stop", "printer/unpause", "plate/delete/1678518572",
+        "static/plates/1678518572/3d.png", "static/plates/7/2.png", "z-axis/top"})
+    send("nanodlp_" + std::to_string(number++), kNanodlp, std::string("GET /") + path);
+  send("nanodlp_add", kNanodlp, "POST /plate/add",
+       form("Path", "", "part") + form("ProfileID", "", "1678518572") +
+           form("ZipFile", "; filename=\"part.nanodlp\"", "PK") + "--x--\r\n");
+  send("nanodlp_usb", kNanodlp, "POST /plate/add",
+       form("Path", "", "../part") + form("USBFile", "", "/etc/passwd") + "--x--\r\n");
+  for (const char* request :
+       {"GET /status", "GET /status/stream", "GET /files?location=Local&page_index=1&page_size=2",
+        "GET /config", "GET /file/metadata?file_path=a.stl", "GET /file/thumbnail?file_path=a.stl&size=Small",
+        "DELETE /file?file_path=../a.stl", "POST /print/start?file_path=a.stl", "POST /print/cancel",
+        "POST /manual?z=1.0"})
+    send("odyssey_" + std::to_string(number++), kOdyssey, request);
+  send("odyssey_upload", kOdyssey, "POST /files",
+       form("file", "; filename=\"a.stl\"", "solid x\nendsolid x\n") + "--x--\r\n");
+}
+
 // Requests of people, browsers and slicers to contourd-web, and what strangers try.
 void write_web_inputs(const fs::path& folder) {
+  write_host_inputs(folder);
   const std::string host = " HTTP/1.1\r\nHost: printer\r\n", end = "\r\n";
   const std::string key = host + "X-Api-Key: 00112233445566778899aabbccddeeff\r\n";
   const auto get = [&](const std::string& name, const std::string& path, const std::string& more = "") {

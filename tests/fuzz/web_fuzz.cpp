@@ -1,8 +1,9 @@
-// Fuzz target: any bytes to contourd-web's HTTP server, in two portions (the first byte chooses where they
-// are split, and its lowest bit whether contourd refuses every call). The key for slicers is kKey, and each
-// file of contourd has three bytes. Every reply of contourd-web has a known status, and every refusal is one
-// sentence; what libmicrohttpd answers by itself is not looked at. A valid request afterwards, by another
-// client, is answered.
+// Fuzz target: any bytes to an HTTP server of contourd-web, in two portions (the first byte chooses where
+// they are split, its lowest bit whether contourd refuses every call, and the next two bits the server: the
+// page, NanoDLP's or Odyssey's interface). The key for slicers is kKey, and each file of contourd has three
+// bytes. Every reply of contourd-web has a known status, and every refusal is one sentence; what
+// libmicrohttpd answers by itself is not looked at. A valid request afterwards, by another client, is
+// answered.
 #include <sys/epoll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -26,6 +27,8 @@
 #include "daemon/system/event_loop.hpp"
 #include "daemon/system/log.hpp"
 #include "daemon/system/readable.hpp"
+#include "daemon/web/hosts/nanodlp_host.hpp"
+#include "daemon/web/hosts/odyssey_host.hpp"
 #include "daemon/web/web_service.hpp"
 #include "tests/fuzz/demand.hpp"
 #include "tests/fuzz/fake_printer.hpp"
@@ -36,9 +39,26 @@ namespace contourd::fuzz {
 namespace {
 
 constexpr const char* kKey = "00112233445566778899aabbccddeeff";
-constexpr std::string_view kLast =
-    "GET /api/session HTTP/1.1\r\nHost: printer\r\nX-Api-Key: 00112233445566778899aabbccddeeff\r\n"
-    "Connection: close\r\n\r\n";
+enum class Server { Page = 0, Nanodlp = 1, Odyssey = 2 };
+
+// The last request to a server, and the body of its reply.
+struct LastTalk {
+  std::string_view request, reply;
+};
+LastTalk last_talk(Server server) {
+  switch (server) {
+    case Server::Nanodlp:
+      return {"GET /notification HTTP/1.1\r\nHost: printer\r\nConnection: close\r\n\r\n", "[]"};
+    case Server::Odyssey:
+      return {"GET /version HTTP/1.1\r\nHost: printer\r\nConnection: close\r\n\r\n", "contourd 1"};
+    case Server::Page:
+      break;
+  }
+  return {
+      "GET /api/session HTTP/1.1\r\nHost: printer\r\nX-Api-Key: 00112233445566778899aabbccddeeff\r\n"
+      "Connection: close\r\n\r\n",
+      R"({"role":"print"})"};
+}
 // Real time for the first client, whose reply may have no end.
 constexpr std::chrono::milliseconds kPatience{200};
 
@@ -128,8 +148,8 @@ void demand_refusal(std::string_view body) {
 
 // Checks the replies, up to one whose end cannot be known.
 void demand_replies(std::string_view heard, bool is_whole) {
-  constexpr std::array kStatuses{200U, 201U, 204U, 206U, 400U, 401U, 403U, 404U, 405U,
-                                 409U, 411U, 413U, 415U, 416U, 422U, 429U, 503U, 507U};
+  constexpr std::array kStatuses{200U, 201U, 204U, 206U, 302U, 400U, 401U, 403U, 404U, 405U,
+                                 409U, 411U, 413U, 415U, 416U, 422U, 429U, 501U, 503U, 507U};
   while (const std::optional<WebReply> reply = next_reply(heard)) {
     heard = reply->rest;
     if (reply->status == 100) continue;  // the body may follow
@@ -167,17 +187,27 @@ void check(std::uint8_t shape, const std::string& bytes) {
                               .session = std::chrono::hours(1),
                               .largest_upload_bytes = 1000,
                               .min_free_disk_bytes = 0};
-  // No password has this hash, which costs no time.
-  const web::WebService service(loop, log, config, {.password_hash = "*", .key = kKey}, {"printer"},
-                                std::move(listeners));
+  const auto server = static_cast<Server>(shape >> 1U & 3U);
+  // A client of this socket has no address.
+  const web::HostAccess access{.clients = {""}, .names = {"printer"}};
+  std::optional<web::NanodlpHost> nanodlp;
+  std::optional<web::OdysseyHost> odyssey;
+  std::optional<web::WebService> service;
+  if (server == Server::Nanodlp)
+    nanodlp.emplace(loop, log, config, access, "1", std::move(listeners));
+  else if (server == Server::Odyssey)
+    odyssey.emplace(loop, log, config, access, "1", std::move(listeners));
+  else  // no password has this hash, which costs no time
+    service.emplace(loop, log, config, web::WebSecrets{.password_hash = "*", .key = kKey},
+                    std::vector<std::string>{"printer"}, std::move(listeners));
+  const LastTalk ending = last_talk(server);
   std::optional<WebTalk> last;
   const WebTalk talk(loop, web, std::string_view(bytes).substr(0, part), bytes.substr(part),
-                     [&] { last.emplace(loop, web, kLast, "", [&loop] { loop.stop(); }); });
+                     [&] { last.emplace(loop, web, ending.request, "", [&loop] { loop.stop(); }); });
   loop.run();
   demand_replies(talk.heard(), talk.is_whole());
   const std::optional<WebReply> reply = next_reply(last->heard());
-  demand(reply && reply->status == 200 && reply->rest == R"({"role":"print"})",
-         "the last request is not answered");
+  demand(reply && reply->status == 200 && reply->rest == ending.reply, "the last request is not answered");
   for (const auto& each : std::filesystem::directory_iterator(incoming))
     std::filesystem::remove_all(each.path());
 }

@@ -13,6 +13,7 @@ TEST_CASE("A model's file is recognised by its extension, in either case") {
   CHECK(model_extension("plate.SL1") == ".sl1");
   CHECK(model_extension("plate.sl1s") == ".sl1s");
   CHECK(model_extension("plate.SL1_svg") == ".sl1_svg");
+  CHECK(model_extension("plate.NanoDLP") == ".nanodlp");
   for (const std::string_view name :
        {"part.stl.txt", "stl", ".stl", "part.tar.gz", "part.gz", ".stl.gz", "a.stl/b"})
     CHECK(model_extension(name).empty());
