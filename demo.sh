@@ -35,17 +35,18 @@ if [[ -z $model ]]; then
   model=$folder/gyroid-in-a-ball.stl
   "$bin/make-model" gyroid-sphere "$model" 64 >/dev/null
 fi
+layers='\.(sl1|sl1s|sl1_svg|nanodlp)$'  # the names of files with finished layers
 # Refuses a file that is not a model before anything is started. An archive of several models, or of layers, can only be
 # printed.
 if inspected=$("$bin/contourctl" inspect "$model" 2>"$folder/inspect.log"); then
   cat "$folder/inspect.log" >&2
-elif [[ ! ${model,,} =~ \.(zip|sl1|sl1s)$ ]]; then
+elif [[ ! ${model,,} =~ \.zip$ && ! ${model,,} =~ $layers ]]; then
   cat "$folder/inspect.log" >&2
   rm -r "$folder"
   exit 65
 fi
 # The model for the commands that README.md shows. Layers are none.
-[[ $model -ef build/part.stl || ${model,,} =~ \.sl1s?$ ]] || cp -- "$model" build/part.stl
+[[ $model -ef build/part.stl || ${model,,} =~ $layers ]] || cp -- "$model" build/part.stl
 
 "$bin/contourd" --config "$folder/simulated.json" --pace "$pace" >"$folder/contourd.log" 2>&1 &
 daemon=$!
@@ -60,11 +61,11 @@ done
 file=$(basename -- "$model")
 case ${file,,} in
   *.stl.gz | *.obj.gz | *.amf.gz) name=${file%.*.*} ;;
-  *.stl | *.obj | *.3mf | *.amf | *.zip | *.sl1 | *.sl1s) name=${file%.*} ;;
+  *.stl | *.obj | *.3mf | *.amf | *.zip | *.sl1 | *.sl1s | *.sl1_svg | *.nanodlp) name=${file%.*} ;;
   *) name=${file%.*} file=${file%.*}.stl ;;
 esac
 # A model larger than the machine is scaled to it; its size is the line "size X x Y x Z mm".
-if [[ ${file,,} =~ \.sl1s?$ ]]; then
+if [[ ${file,,} =~ $layers ]]; then
   echo "Printing $name, as it was sliced"
 elif awk '$1 == "size" && ($2 > 96 || $4 > 54 || $6 > 150) { exit 1 }' <<<"$inspected"; then
   echo "Printing $name"
@@ -91,4 +92,4 @@ printf '%-9s%s\n' \
   Report "$folder/spool/done/$name.report.html" \
   '' "$folder/spool/done/$name.report.json" \
   Log "$folder/contourd.log"
-[[ ${model,,} =~ \.sl1s?$ ]] || printf '%-9s%s\n' Model "build/part.stl, for the commands in README.md"
+[[ ${model,,} =~ $layers ]] || printf '%-9s%s\n' Model "build/part.stl, for the commands in README.md"
