@@ -33,6 +33,14 @@ class HostTest(WebTest):
         self.options = ("--listen", f"127.0.0.1:{self.host_port}")
         self.serve(daemon, **{self.KEY: {"port": self.host_port, "clients": list(clients)}}, **config)
 
+    def answers(self):
+        # The service listens on the page's port first.
+        return super().answers() and all(self.is_open(int(address.split(":")[1])) for address in self.options[1::2])
+
+    def is_open(self, port):
+        with socket.socket() as probe:
+            return probe.connect_ex(("127.0.0.1", port)) == 0
+
     def ask(self, method, path, body=None, source="127.0.0.1", **headers):
         """Returns the status, the headers and the body; follows no redirection, as DragonFruit."""
         connection = http.client.HTTPConnection("127.0.0.1", self.host_port, timeout=DEADLINE_S, source_address=(source, 0))
