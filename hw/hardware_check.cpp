@@ -72,6 +72,9 @@ void HardwareCheck::check_axis() {
   if (axis.lid) check_input("lid", *axis.lid, "open", "closed");
   if (axis.power_fail)
     check_input("power fail", *axis.power_fail, "active: the power is failing", "inactive");
+  if (axis.force)
+    check_input(kForceInput, axis.force->input, "active: a force, or the line is wired the wrong way round",
+                "inactive");
   if (axis.encoder) {
     for (const auto& [device, line] :
          {std::pair{"encoder A", &axis.encoder->a}, std::pair{"encoder B", &axis.encoder->b}})

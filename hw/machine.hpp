@@ -35,6 +35,18 @@ class Machine : public Interface {
   virtual std::optional<std::filesystem::path> begin_job(std::string_view name) = 0;
 };
 
+// Returns why no print may begin although the machine is ready: the force line is active while nothing moves.
+// Empty if nothing is in the way.
+[[nodiscard]] inline std::string force_at_rest(Machine& machine) {
+  const ZAxis& axis = machine.z_axis();
+  if (axis.moving() || axis.force() != true) return "";
+  std::string line;
+  for (const AxisInputState& input : axis.inputs())
+    if (input.name == kForceInput) line = " (" + input.line + ")";
+  return "the force line" + line +
+         " is active although the plate is at rest: free the plate, or check the line's threshold and wiring";
+}
+
 // Turns the light off, blanks the screen and stops the motor, so that the machine may be left alone.
 inline void make_safe(Machine& machine) noexcept {
   machine.projector().light_off();

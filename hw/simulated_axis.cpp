@@ -7,9 +7,25 @@
 #include "core/contract/expects.hpp"
 
 namespace contourd {
+namespace {
+
+using ForceLine = SimulatedForceConfig::Line;
+
+// The film's stiffness, the threshold of the force's line, and how often the force is computed.
+constexpr double kFilmNPerMm = 5, kThresholdN = 1;
+constexpr Duration kFeel{std::chrono::milliseconds{10}};
+
+HomingResult why_ended(MoveResult result) {
+  return result == MoveResult::Resistance ? HomingResult::Resistance : HomingResult::Stopped;
+}
+
+}  // namespace
 
 SimulatedAxis::SimulatedAxis(Clock& clock, const SimulatedAxisConfig& config)
-    : clock_(clock), config_(config), true_height_(config.start_height) {}
+    : clock_(clock),
+      config_(config),
+      true_height_(config.start_height),
+      force_active_(config.force && config.force->line == ForceLine::StuckActive) {}
 
 Nanometers SimulatedAxis::nearest_step(Nanometers height) const {
   const double steps = std::round(to_millimeters(height).count() * config_.microsteps_per_mm);
@@ -32,6 +48,7 @@ void SimulatedAxis::put_at(Nanometers true_height) {
 void SimulatedAxis::home(std::function<void(HomingResult)> done) {
   expects(!move_, "the axis does not move");
   const bool was_known = std::exchange(homed_, false);
+  contact_ = {};
   homing_shift_.reset();
   homing_done_ = std::move(done);
   const auto slow = MillimetersPerSecond{config_.homing_speed.count() / 2};
@@ -40,7 +57,7 @@ void SimulatedAxis::home(std::function<void(HomingResult)> done) {
   seek_switch(config_.homing_speed, [this, slow, was_known] {
     run(config_.homes_upwards ? -kBackOff : kBackOff, config_.homing_speed,
         [this, slow, was_known](MoveResult result) {
-          if (result != MoveResult::Reached) return end_homing(HomingResult::Stopped);
+          if (result != MoveResult::Reached) return end_homing(why_ended(result));
           if (switch_closed()) return end_homing(HomingResult::StillClosed);
           seek_switch(slow, [this, was_known] {
             if (was_known) homing_shift_ = true_height_ - switch_height();
@@ -60,7 +77,7 @@ void SimulatedAxis::seek_switch(MillimetersPerSecond speed, std::function<void()
                               : config_.homes_upwards ? whole
                                                       : -whole;
   run(distance, speed, [this, found = std::move(found)](MoveResult result) {
-    if (result != MoveResult::Reached) return end_homing(HomingResult::Stopped);
+    if (result != MoveResult::Reached) return end_homing(why_ended(result));
     if (!switch_closed()) return end_homing(HomingResult::NoTrigger);
     found();
   });
@@ -135,16 +152,78 @@ void SimulatedAxis::move_unhomed(Nanometers distance, MillimetersPerSecond speed
 
 void SimulatedAxis::run(Nanometers distance, MillimetersPerSecond speed,
                         std::function<void(MoveResult)> done) {
-  const MotionProfile profile(distance, speed, config_.acceleration);
-  const Nanometers end = true_height_ + distance;
+  const std::optional<Nanometers> met = resistance(true_height_ + distance);
+  const Nanometers end = met.value_or(true_height_ + distance);
+  const MotionProfile profile(end - true_height_, speed, config_.acceleration);
   move_ = Move{clock_.now(), true_height_, nullptr, profile, std::move(done)};
-  move_end_ = clock_.call_after(profile.duration(), [this, end] { finish(end, MoveResult::Reached); });
+  move_end_ = clock_.call_after(profile.duration(), [this, end, met] {
+    finish(end, met ? MoveResult::Resistance : MoveResult::Reached);
+  });
+  feel();
+}
+
+// Returns the height at which a move down to `end` meets resistance; nullopt if nothing is in its way.
+std::optional<Nanometers> SimulatedAxis::resistance(Nanometers end) {
+  if (!config_.force || end >= true_height_) return std::nullopt;
+  const SimulatedForceConfig& force = *config_.force;
+  const bool backs_off = homing_done_ && config_.homes_upwards;
+  if (backs_off) return std::nullopt;
+  const Nanometers normal = homed_ ? contact_ + force.contact_from : end;
+  if (force_active_ && true_height_ > normal) return true_height_;
+  if (!homed_ || !force.obstruction || obstruction_met_ || peels_ < force.obstruction_after_lifts)
+    return std::nullopt;
+  const Nanometers met = nearest_step(contact_ + *force.obstruction);
+  if (met >= true_height_ || met <= std::max(end, normal) || force.line == ForceLine::StuckInactive)
+    return std::nullopt;
+  obstruction_met_ = true;
+  return met;
+}
+
+void SimulatedAxis::cure(double area_mm2, double perimeter_mm) {
+  if (!config_.force || area_mm2 <= 0) return;
+  const SimulatedForceConfig& force = *config_.force;
+  if (force.part_lost_after_lifts && peels_ >= *force.part_lost_after_lifts) return;
+  const double shape = std::cbrt(area_mm2 / (5 * perimeter_mm));
+  stuck_ = Stuck{true_height_, area_mm2 * shape * force.peel_kpa / 1000};
+}
+
+// Computes the force at the plate's present height, and goes on while a layer may let go.
+void SimulatedAxis::feel() {
+  if (!config_.force) return;
+  const Nanometers height = true_height();
+  const double pull_n = stuck_ ? in_mm(height - stuck_->at) * kFilmNPerMm : 0;
+  const bool peels = stuck_ && pull_n < stuck_->force_n;
+  if (stuck_ && !peels) {
+    stuck_.reset();
+    ++peels_;
+  }
+  if (pressed_at_ && height > *pressed_at_) pressed_at_.reset();
+  const bool works = config_.force->line == ForceLine::Works;
+  const bool active = works ? pressed_at_ || (peels && pull_n > kThresholdN) : force_active_;
+  if ((stuck_ || pressed_at_) && move_) feel_ = clock_.call_after(kFeel, [this] { feel(); });
+  if (active == force_active_) return;
+  force_active_ = active;
+  ++force_edges_;
+  // A copy, because the call may replace it.
+  if (const auto call = on_force_) call({active, height_at(clock_.now())});
+}
+
+std::vector<AxisInputState> SimulatedAxis::inputs() const {
+  std::vector<AxisInputState> states{{"limit switch", description(), switch_closed(), switch_edges_}};
+  if (config_.force) states.push_back({kForceInput, description(), force_active_, force_edges_});
+  return states;
+}
+
+Nanometers SimulatedAxis::true_height() const {
+  return move_ ? move_->from + move_->profile.displacement(clock_.now() - move_->start) : true_height_;
 }
 
 void SimulatedAxis::finish(Nanometers end, MoveResult result) {
   put_at(end);
+  if (result == MoveResult::Resistance) pressed_at_ = end;
   const auto done = std::move(move_->done);
   move_.reset();
+  feel();
   done(result);
 }
 
@@ -164,9 +243,10 @@ void SimulatedAxis::stop() {
 
 void SimulatedAxis::abort() noexcept {
   if (!move_) return;
-  put_at(move_->from + move_->profile.displacement(clock_.now() - move_->start));
+  put_at(true_height());
   homed_ = false;
   move_end_.reset();
+  feel_.reset();
   move_.reset();
   homing_done_ = nullptr;
 }

@@ -27,6 +27,13 @@ class SimulatedAxis final : public ZAxis {
   // The plate is at this height from now on: this axis has forgotten where the process before left it.
   void assume_height(Nanometers height) override;
   [[nodiscard]] bool homes_upwards() const override { return config_.homes_upwards; }
+  void expect_contact_at(Nanometers height) override { contact_ = height; }
+  [[nodiscard]] std::optional<bool> force() const override {
+    return config_.force ? std::optional(force_active_) : std::nullopt;
+  }
+  void on_force(std::function<void(const ForceChange&)> call) override { on_force_ = std::move(call); }
+  // Makes a layer of this area and perimeter stick to the film, at the plate's present height.
+  void cure(double area_mm2, double perimeter_mm);
   void stop() override;
   void abort() noexcept override;
   bool release() override;
@@ -38,9 +45,7 @@ class SimulatedAxis final : public ZAxis {
   [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override {
     return MotionProfile(distance, speed, config_.acceleration).duration();
   }
-  [[nodiscard]] std::vector<AxisInputState> inputs() const override {
-    return {{"limit switch", description(), switch_closed(), switch_edges_}};
-  }
+  [[nodiscard]] std::vector<AxisInputState> inputs() const override;
   [[nodiscard]] LateSteps late_steps() const override { return {}; }
   void set_light_cutoff(LightCutoff*) noexcept override {}
   [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {}; }
@@ -62,6 +67,9 @@ class SimulatedAxis final : public ZAxis {
   [[nodiscard]] bool switch_closed() const;
   void move_unhomed(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done);
   void put_at(Nanometers true_height);
+  [[nodiscard]] Nanometers true_height() const;
+  [[nodiscard]] std::optional<Nanometers> resistance(Nanometers end);
+  void feel();
   [[nodiscard]] std::optional<MoveResult> why_not(const RisePlan& plan) const;
   void run(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done);
   void finish(Nanometers end, MoveResult result);
@@ -76,6 +84,19 @@ class SimulatedAxis final : public ZAxis {
   bool homed_ = false;
   std::optional<Nanometers> homing_shift_;
   std::uint64_t switch_edges_ = 0;
+  // A layer on the film, from this height on, until the film pulls with this force.
+  struct Stuck {
+    Nanometers at;
+    double force_n;
+  };
+  std::optional<Stuck> stuck_;
+  Nanometers contact_{};
+  std::optional<Nanometers> pressed_at_;  // the plate presses on something up to this height
+  bool obstruction_met_ = false, force_active_ = false;
+  int peels_ = 0;
+  std::uint64_t force_edges_ = 0;
+  std::function<void(const ForceChange&)> on_force_;
+  std::unique_ptr<Timer> feel_;
   std::optional<Move> move_;
   std::unique_ptr<Timer> move_end_;
   std::function<void(HomingResult)> homing_done_;

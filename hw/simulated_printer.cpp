@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <fstream>
 #include <utility>
+#include <vector>
 
 #include "core/contract/expects.hpp"
 #include "hw/png_file.hpp"
@@ -30,6 +31,30 @@ class SimulatedPrinter::Recording {
   std::ofstream file_;
 };
 
+// The lit pixels of a mask, and the sides between them and dark ones.
+struct LitExtent {
+  std::int64_t pixels = 0, sides = 0;
+};
+
+LitExtent extent_of(const Mask& mask) {
+  constexpr std::uint8_t kLit = 128;
+  LitExtent extent;
+  std::vector<std::uint8_t> above(static_cast<std::size_t>(mask.width().count()), 0);
+  for (std::int32_t y = 0; y < mask.height().count(); ++y) {
+    const auto row = mask.row(y);
+    bool left = false;
+    for (std::size_t x = 0; x < above.size(); ++x) {
+      const bool lit = row[x] >= kLit;
+      extent.pixels += lit;
+      extent.sides += (lit != left) + (lit != (above[x] != 0));
+      left = lit;
+      above[x] = lit;
+    }
+    extent.sides += left;
+  }
+  return extent;
+}
+
 // A screen that saves the masks it shows as 0001.png, 0002.png, ...
 class SimulatedPrinter::Screen final : public MaskDisplay {
  public:
@@ -48,6 +73,7 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
     const bool unplugged_now = config_.lost_after_frames && frames_++ == *config_.lost_after_frames;
     if (unplugged_now || !connected_) return lose(std::move(done));
     ++masks_shown_;
+    if (measures_) extent_ = extent_of(mask);
     if (folder_) write_png(*folder_ / file_name(masks_shown_), mask);
     present(masks_shown_, next_refresh(), std::move(done));
   }
@@ -72,6 +98,11 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
     return {"the display is unplugged"};
   }
   [[nodiscard]] std::string description() const override { return "simulated"; }
+
+  // Measures every mask from now on, for last_extent().
+  void measure() { measures_ = true; }
+  // Returns the extent of the last mask.
+  [[nodiscard]] const LitExtent& last_extent() const { return extent_; }
 
   void keep_masks_in(std::optional<std::filesystem::path> folder) {
     folder_ = std::move(folder);
@@ -125,6 +156,8 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
   std::function<void()> unplugged_;
   bool connected_ = true;
   int frames_ = 0;  // requested so far, in all jobs
+  bool measures_ = false;
+  LitExtent extent_;
   std::optional<std::filesystem::path> folder_;
   int masks_shown_ = 0;
   bool black_ = true;
@@ -264,9 +297,15 @@ SimulatedPrinter::SimulatedPrinter(Clock& clock, const SimulatedPrinterConfig& c
       axis_(std::make_unique<SimulatedAxis>(clock, config.axis)),
       recording_(std::make_unique<Recording>(clock)),
       screen_(std::make_unique<Screen>(clock, config.display, *recording_, [this] { unplug_display(); })),
-      lamp_(std::make_unique<Lamp>(clock, config.projector, [this](bool on) { light_switched(on); })) {}
+      lamp_(std::make_unique<Lamp>(clock, config.projector, [this](bool on) { light_switched(on); })) {
+  if (config.axis.force) screen_->measure();
+}
 
 SimulatedPrinter::~SimulatedPrinter() = default;
+
+ZAxis& SimulatedPrinter::z_axis() {
+  return *axis_;
+}
 
 MaskDisplay& SimulatedPrinter::display() {
   return *screen_;
@@ -309,8 +348,17 @@ void SimulatedPrinter::press_emergency_stop() {
   report(MachineEvent::Kind::Fault, "the emergency stop was pressed", true);
 }
 
+// Cures what the screen has shown last. Its perimeter is that along the sides of pixels.
+void SimulatedPrinter::cure() {
+  const LitExtent& extent = screen_->last_extent();
+  const double side_mm = config_.axis.force->pixel_mm;
+  axis_->cure(static_cast<double>(extent.pixels) * side_mm * side_mm,
+              static_cast<double>(extent.sides) * side_mm);
+}
+
 void SimulatedPrinter::light_switched(bool on) {
   recording_->add(on ? "light on" : "light off");
+  if (!on && config_.axis.force) cure();
   if (!light_until_lid_opens_) return;
   if (!on) {
     *light_until_lid_opens_ -= clock_.now() - light_on_at_;

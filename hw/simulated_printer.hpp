@@ -15,13 +15,15 @@
 
 namespace contourd {
 
+class SimulatedAxis;
+
 class SimulatedPrinter final : public Machine {
  public:
   // The clock must outlive the printer.
   SimulatedPrinter(Clock& clock, const SimulatedPrinterConfig& config);
   ~SimulatedPrinter() override;
 
-  [[nodiscard]] ZAxis& z_axis() override { return *axis_; }
+  [[nodiscard]] ZAxis& z_axis() override;
   [[nodiscard]] MaskDisplay& display() override;
   [[nodiscard]] Projector& projector() override;
   void on_event(std::function<void(const MachineEvent&)> call) override { on_event_ = std::move(call); }
@@ -50,6 +52,7 @@ class SimulatedPrinter final : public Machine {
     if (on_event_) on_event_({kind, what, needs_user});
   }
   void light_switched(bool on);
+  void cure();
 
   Clock& clock_;
   SimulatedPrinterConfig config_;
@@ -58,7 +61,7 @@ class SimulatedPrinter final : public Machine {
   std::optional<Duration> light_until_lid_opens_;
   TimePoint light_on_at_{};
   std::unique_ptr<Timer> lid_, plug_;
-  std::unique_ptr<ZAxis> axis_;
+  std::unique_ptr<SimulatedAxis> axis_;
   std::unique_ptr<Recording> recording_;
   std::unique_ptr<Screen> screen_;
   std::unique_ptr<Lamp> lamp_;

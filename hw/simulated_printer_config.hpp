@@ -10,6 +10,20 @@
 
 namespace contourd {
 
+// The force on the plate, and the line that is active while it exceeds a threshold of 1 N. The film is a
+// spring of 5 N/mm: a layer lets go once the plate has stretched it far enough.
+struct SimulatedForceConfig {
+  Nanometers contact_from{2'000'000};  // as in ForceConfig
+  double pixel_mm = 0.05;
+  double peel_kpa = 20;  // a layer lets go at area x (area / (5 mm x perimeter))^(1/3) x this
+  std::optional<int> part_lost_after_lifts{};  // peels after which the part stays on the film
+  std::optional<Nanometers> obstruction{};     // height of something on the film, met once
+  int obstruction_after_lifts = 0;             // peels after which it lies there
+
+  enum class Line { Works, StuckInactive, StuckActive };
+  Line line = Line::Works;
+};
+
 struct SimulatedAxisConfig {
   Nanometers travel{160'000'000};
   double microsteps_per_mm = 800.0;  // positions are whole steps
@@ -21,6 +35,7 @@ struct SimulatedAxisConfig {
 
   enum class Switch { Works, StuckOpen, StuckClosed };
   Switch limit_switch = Switch::Works;
+  std::optional<SimulatedForceConfig> force;  // nullopt: there is no line
 };
 
 struct SimulatedDisplayConfig {

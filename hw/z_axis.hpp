@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/continuous/rise_plan.hpp"
@@ -25,13 +26,15 @@ enum class HomingResult {
   NoMovement,   // the encoder does not follow the motor
   Fault,        // a machine event says why (emergency stop, a line that cannot be set)
   Stopped,      // stop() came first
+  Resistance,   // the plate met resistance on its way down; it rests there
 };
 template <>
-inline constexpr auto kNames<HomingResult> = names_to<HomingResult::Stopped>(
+inline constexpr auto kNames<HomingResult> = names_to<HomingResult::Resistance>(
     "homed, the limit switch did not trigger after the full travel, "
     "the limit switch is still closed after backing off, "
     "the switch at the other end closed: the motor may turn the wrong way, "
-    "the encoder does not follow the motor, a fault ended homing, homing was stopped");
+    "the encoder does not follow the motor, a fault ended homing, homing was stopped, "
+    "resistance stopped the plate on its way down");
 
 enum class MoveResult {
   Reached,
@@ -41,12 +44,13 @@ enum class MoveResult {
   Fault,          // a machine event says why; the position is unknown
   AtSwitch,       // a nudge met the limit switch: it closed, or was closed already on the way towards it
   PlanRefused,    // the axis cannot follow the plan of a rise; nothing moved
+  Resistance,     // the plate met resistance on its way down and rests there; a known position stays known
 };
 template <>
-inline constexpr auto kNames<MoveResult> = names_to<MoveResult::PlanRefused>(
+inline constexpr auto kNames<MoveResult> = names_to<MoveResult::Resistance>(
     "reached, the move was stopped, the target lies outside the travel, "
     "the position is unknown; home first, a fault ended the move, the limit switch is reached, "
-    "the axis cannot follow the planned rise");
+    "the axis cannot follow the planned rise, the plate met resistance on its way down");
 
 // Steps that were made too late, because the computer was too busy or is too slow.
 struct LateSteps {
@@ -54,13 +58,22 @@ struct LateSteps {
   Duration worst{};         // the longest delay of any step
 };
 
+// A change of the force on the plate that has lasted for the debounce time.
+struct ForceChange {
+  bool active = false;                 // the force exceeds the threshold
+  std::optional<Nanometers> height{};  // of the plate at that time; nullopt while it is unknown
+};
+
+// The force line's name among the inputs.
+inline constexpr const char* kForceInput = "force";
+
 // The state of an input, for the person who wires it.
 struct AxisInputState {
-  std::string name;  // "limit switch"
-  std::string line;  // "line 23 of gpiochip0"
-  std::optional<bool>
-      active;  // switch reached, stop pressed, lid open, power failing, encoder high; nullopt if unreadable
-  std::uint64_t edges = 0;  // since the axis was opened, without those too fast for the kernel
+  std::string name;            // "limit switch"
+  std::string line;            // "line 23 of gpiochip0"
+  std::optional<bool> active;  // switch reached, stop pressed, lid open, power failing, force, encoder high;
+                               // nullopt if unreadable
+  std::uint64_t edges = 0;     // since the axis was opened, without those too fast for the kernel
 };
 
 // Distances that an axis, real or simulated, moves while its position is unknown: in homing, and by hand.
@@ -114,6 +127,17 @@ class ZAxis : public Device {
   virtual void assume_height(Nanometers height) = 0;
   // True if the limit switch is at the top: homing moves the plate up, away from film and resin.
   [[nodiscard]] virtual bool homes_upwards() const = 0;
+
+  // Sets the height at which the plate, or the part on it, meets the film, for moves from now on; 0 at first
+  // and from homing on.
+  // With a force line, a move down that meets resistance further above stops, see MoveResult::Resistance.
+  virtual void expect_contact_at(Nanometers /*height*/) {}
+  // True while the force line is active; nullopt if there is none.
+  [[nodiscard]] virtual std::optional<bool> force() const { return std::nullopt; }
+  // Runs `call` from the event loop for every change of the force from now on; replaces the call before.
+  virtual void on_force(std::function<void(const ForceChange&)> call) {
+    [[maybe_unused]] const auto dropped = std::move(call);
+  }
 
   // Decelerates to a standstill; the move's `done` gets Stopped. Does nothing if the axis does not move.
   virtual void stop() = 0;

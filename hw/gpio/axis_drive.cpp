@@ -1,6 +1,7 @@
 #include "hw/gpio/axis_drive.hpp"
 
 #include <cstdio>
+#include <limits>
 
 #include "core/contract/expects.hpp"
 #include "hw/gpio/axis_fault.hpp"
@@ -14,6 +15,19 @@ namespace {
 constexpr Nanometers kSwitchReach{1'000'000};
 // How often the encoder is checked while the motor turns.
 constexpr Duration kFollow{std::chrono::milliseconds{10}};
+
+// Sets the force's rule for a run down. Homing seeks the switch where the plate may press out resin already,
+// at a height that is unknown. A force that is there before it begins is none of the resin's. A run that
+// backs off goes where the plate came from.
+void watch_force(AxisInputs& inputs, const PlatePosition& position, AxisDrive::RunKind kind,
+                 Nanometers from) {
+  if (kind == AxisDrive::RunKind::BackOff) return;
+  if (kind == AxisDrive::RunKind::Move && position.known())
+    return inputs.set_force_rule(ForceRule::Above, position.above_contact(from).count());
+  if (kind == AxisDrive::RunKind::Seek && !inputs.active(AxisInput::Force))
+    return inputs.set_force_rule(ForceRule::Beyond, position.screw().nearest_step(from).count());
+  inputs.set_force_rule(ForceRule::Above, std::numeric_limits<std::int64_t>::min());
+}
 
 }  // namespace
 
@@ -81,6 +95,8 @@ void AxisDrive::run_on() {
   const Microsteps steps = run_.target - Microsteps{engine_.position()};
   engine_.forget_halt();
   set_rules(config_.homes_upwards ? steps > Microsteps{0} : steps < Microsteps{0});
+  if (config_.force && steps < Microsteps{0})
+    watch_force(inputs_, position_, run_.kind, config_.force->contact_from);
   // Without an encoder a known position is lost when the motor stalls, so the run ends then.
   engine_.start({steps.count(), motion_limits(config_, run_.speed),
                  pull_in_speed(config_).count() * config_.microsteps_per_mm,
@@ -97,7 +113,8 @@ void AxisDrive::end_run() {
 void AxisDrive::set_rules(bool towards_switch) {
   const bool at_other_end = inputs_.active(AxisInput::SecondSwitch);
   inputs_.watch_second_switch(config_.second_switch && !(at_other_end && towards_switch));
-  if (run_.kind == RunKind::Seek) return inputs_.set_limit_rule(LimitRule::AtContact);
+  if (run_.kind == RunKind::Seek || run_.kind == RunKind::Nudge)
+    return inputs_.set_limit_rule(LimitRule::AtContact);
   if (run_.kind == RunKind::BackOff) return inputs_.set_limit_rule(LimitRule::Never);
   const Nanometers reach = config_.homes_upwards ? -kSwitchReach : kSwitchReach;
   inputs_.set_limit_rule(LimitRule::Beyond,
@@ -106,6 +123,7 @@ void AxisDrive::set_rules(bool towards_switch) {
 }
 
 void AxisDrive::drop_rules() noexcept {
+  inputs_.set_force_rule(ForceRule::Never);
   inputs_.set_limit_rule(LimitRule::Never);
   inputs_.watch_second_switch(false);
 }
@@ -165,7 +183,8 @@ void AxisDrive::take_end() {
   const auto end = std::exchange(run_.end, std::nullopt);
   if (!end) return;
   if (engine_.inhibited()) return wiring_.blocked();
-  if (run_.cause) return wiring_.fail(AxisFault(*run_.cause));
+  const bool resisted = run_.cause && run_.cause->homing == HomingResult::Resistance;
+  if (run_.cause && !resisted) return wiring_.fail(AxisFault(*run_.cause));
   if (*end == StepEnd::LineRefused) {
     line_refused_ = true;
     return wiring_.fail({.what = "the kernel refuses to set the step line, " + describe(config_.step) +
@@ -174,6 +193,7 @@ void AxisDrive::take_end() {
   if (*end == StepEnd::Stalled) return fail_stalled();
   report_stall();
   if (wanted_ == Wanted::Nothing) return;  // a callback has aborted the motion
+  if (resisted) return wiring_.resisted();
   if (wiring_.take_contact()) return;
   if (*end == StepEnd::Halted) return;  // by the limit switch's edge, which has not settled yet
   if (wanted_ == Wanted::Rest) return wiring_.stopped();

@@ -23,10 +23,12 @@ namespace contourd {
 
 class AxisDrive {
  public:
-  // The effect of the limit switch on a run.
+  // The effect of the limit switch on a run. Force stops a run down: in a Move above the height at which
+  // contact is expected, in a Seek once the plate has moved on under it, in a Nudge at once.
   enum class RunKind {
     Move,     // halts the run if it closes anywhere but at its height
     Seek,     // halts the run at its first edge
+    Nudge,    // halts the run at its first edge; the plate's position is unknown and stays so
     BackOff,  // none
   };
 
@@ -41,6 +43,7 @@ class AxisDrive {
     // was one.
     std::function<void()> take_changes;
     std::function<bool()> take_contact;
+    std::function<void()> resisted;  // a run down met resistance, and the motor rests
   };
 
   // `enable` is null if the motor has no enable line.
@@ -70,7 +73,8 @@ class AxisDrive {
   void slow_down() {
     if (run_.turning) engine_.stop();
   }
-  // Sets the fault that this run, which was halted, ends with.
+  // Sets the fault that this run, which was halted, ends with; with HomingResult::Resistance it is none, and
+  // the run ends with Wiring::resisted.
   void halted_for(AxisFault cause) { run_.cause = std::move(cause); }
   // Makes no further step and forgets the plate's position.
   void halt() noexcept;

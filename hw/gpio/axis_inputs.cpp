@@ -12,15 +12,17 @@ namespace {
 // How often levels are read, in case the kernel had no room for an edge: while a switch is watched, and
 // always if there is a safety input.
 constexpr Duration kReadLevels{std::chrono::milliseconds{20}};
+// How often the position is compared while a motor moves on under a force.
+constexpr Duration kFollowForce{std::chrono::milliseconds{2}};
 // The light is cut a second time this long after a first edge. The event loop may have been turning it on and
 // have lost its processor before it could see the first cut.
 constexpr Duration kCutAgain{std::chrono::milliseconds{2}};
 
 // The contacts in the order of urgency.
-constexpr std::array kContacts{AxisInput::EmergencyStop, AxisInput::Lid, AxisInput::PowerFail,
-                               AxisInput::LimitSwitch, AxisInput::SecondSwitch};
+constexpr std::array kContacts{AxisInput::EmergencyStop, AxisInput::Lid,          AxisInput::PowerFail,
+                               AxisInput::LimitSwitch,   AxisInput::SecondSwitch, AxisInput::Force};
 constexpr std::array kSafetyInputs{AxisInput::EmergencyStop, AxisInput::Lid, AxisInput::PowerFail};
-constexpr std::array kSwitches{AxisInput::LimitSwitch, AxisInput::SecondSwitch};
+constexpr std::array kSwitches{AxisInput::LimitSwitch, AxisInput::SecondSwitch, AxisInput::Force};
 
 bool is_safety(AxisInput which) noexcept {
   return std::ranges::find(kSafetyInputs, which) != kSafetyInputs.end();
@@ -61,6 +63,13 @@ void AxisInputs::set_limit_rule(LimitRule rule, std::int64_t limit, bool from_ab
 
 void AxisInputs::watch_second_switch(bool watched) noexcept {
   second_watched_ = watched;
+  work_.signal();
+}
+
+void AxisInputs::set_force_rule(ForceRule rule, std::int64_t limit) noexcept {
+  // The limit of a rule that still holds is not touched.
+  if (rule != ForceRule::Never) force_limit_ = limit;
+  force_rule_ = rule;
   work_.signal();
 }
 
@@ -142,7 +151,7 @@ std::array<pollfd, AxisInputs::kDescriptors> AxisInputs::descriptors() const noe
 }
 
 std::optional<TimePoint> AxisInputs::serve() noexcept {
-  const TimePoint now = now_();
+  const TimePoint now = served_ = now_();
   work_.clear();
   for (const AxisInput which : kContacts)
     take_edges(which);
@@ -170,13 +179,15 @@ std::optional<TimePoint> AxisInputs::next_due() const noexcept {
   for (const AxisInput which : kSafetyInputs)
     keep_earlier(next, safety_[index(which)].due());
   keep_earlier(next, cut_again_at_);
+  if (pressed_from_) keep_earlier(next, served_ + kFollowForce);
   if (watching()) keep_earlier(next, levels_read_ + kReadLevels);
   return next;
 }
 
 bool AxisInputs::watching() const noexcept {
   const auto fitted = [this](AxisInput which) { return lines_.contacts[index(which)].line != nullptr; };
-  return limit_rule_ != LimitRule::Never || second_watched_ || std::ranges::any_of(kSafetyInputs, fitted);
+  return limit_rule_ != LimitRule::Never || second_watched_ || fitted(AxisInput::Force) ||
+         std::ranges::any_of(kSafetyInputs, fitted);
 }
 
 void AxisInputs::take_edges(AxisInput which) noexcept {
@@ -257,6 +268,9 @@ void AxisInputs::settle_switch(AxisInput which, TimePoint now) noexcept {
   const auto settled = contact.settle(now);
   if (!settled) return;
   active_[index(which)] = settled->level;
+  // A force that comes and goes must not lose the inputs; only the record of peels suffers.
+  const bool crowded = added_ - taken_ > kChanges / 2;
+  if (which == AxisInput::Force && (crowded || !settled->changed)) return;
   add_change({.which = which,
               .active = settled->level,
               .halted = std::exchange(halted_[index(which)], false),
@@ -293,6 +307,21 @@ void AxisInputs::apply_rules() noexcept {
     add_change({.which = AxisInput::SecondSwitch, .active = true, .halted = true, .at = now_()});
     engine_.halt_soon();
   }
+  if (meets_resistance()) {
+    force_rule_ = ForceRule::Never;
+    add_change({.which = AxisInput::Force, .active = true, .halted = true, .at = now_()});
+    engine_.brake_soon();
+  }
+}
+
+bool AxisInputs::meets_resistance() noexcept {
+  const ForceRule rule = force_rule_;
+  const std::int64_t position = engine_.position();
+  const bool pressed = rule != ForceRule::Never && switches_[index(AxisInput::Force)].settled();
+  if (pressed && rule == ForceRule::Above) return position > force_limit_;
+  if (!pressed || rule == ForceRule::Above) return pressed_from_.reset(), false;
+  if (!pressed_from_) pressed_from_ = position;
+  return *pressed_from_ - position >= force_limit_;
 }
 
 }  // namespace contourd

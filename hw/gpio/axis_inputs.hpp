@@ -1,12 +1,12 @@
-// The axis' switches, emergency stop, lid, power-fail signal and encoder: the work of the input thread, which
-// reads their edges, without its waiting. The input thread halts the steps and cuts the light itself where
-// that is urgent, and queues settled changes for the event loop. Its functions neither allocate, lock, log
-// nor throw.
+// The axis' switches, emergency stop, lid, power-fail signal, force line and encoder: the work of the input
+// thread, which reads their edges, without its waiting. The input thread halts the steps and cuts the light
+// itself where that is urgent, and queues settled changes for the event loop. Its functions neither allocate,
+// lock, log nor throw.
 //
 // The emergency stop, the lid and the power-fail signal are safety inputs. The light is cut at their first
 // edge, or when their level cannot be read, and stays cut until they have settled safe and the event loop has
-// called let_go(). An emergency stop that lasts also inhibits the steps. If a switch cannot be read, no input
-// can be relied on: see lost().
+// called let_go(). An emergency stop that lasts also inhibits the steps. If a switch or the force line cannot
+// be read, no input can be relied on: see lost().
 //
 // Invariants of the state that the two threads share:
 //  1. Only the input thread increments added_, after writing the entry that it counts. Only the event loop
@@ -16,9 +16,10 @@
 //  3. The input thread marks an input as unsafe before it cuts the light and inhibits the steps; the event
 //     loop checks the inputs again after let_go() has undone both. So whichever acts last leaves the light
 //     cut and the steps inhibited while an input is unsafe.
-//  4. A halt by the rule Beyond or by the second switch is queued before the steps are halted. A halt by the
-//     rule AtContact is queued when the contact has settled, with the time of its first edge.
-//  5. Each rule halts once: afterwards the limit rule is Never, and the second switch is no longer watched.
+//  4. A halt by the rule Beyond, by the second switch or by force is queued before the steps are halted. A
+//     halt by the rule AtContact is queued when the contact has settled, with the time of its first edge.
+//  5. Each rule halts once: afterwards the limit rule and the force rule are Never, and the second switch is
+//     no longer watched.
 //  6. The input thread uses cutoff_ only while cutting_ is set.
 #pragma once
 
@@ -38,8 +39,8 @@
 
 namespace contourd {
 
-enum class AxisInput : std::uint8_t { LimitSwitch, SecondSwitch, EmergencyStop, Lid, PowerFail };
-inline constexpr std::size_t kAxisInputs = 5;
+enum class AxisInput : std::uint8_t { LimitSwitch, SecondSwitch, EmergencyStop, Lid, PowerFail, Force };
+inline constexpr std::size_t kAxisInputs = 6;
 
 // A change of the inputs: a switch has settled, or a safety input's state has changed.
 struct InputChange {
@@ -56,6 +57,13 @@ enum class LimitRule : std::uint8_t {
   Never,
   AtContact,  // at its first edge, for homing
   Beyond,     // when it has settled closed at a position where it should be open
+};
+
+// The condition under which a settled force brings the steps to rest (StepEngine::brake_soon()).
+enum class ForceRule : std::uint8_t {
+  Never,
+  Above,   // while the position is above a limit
+  Beyond,  // once the motor has moved down by a distance under this force
 };
 
 class AxisInputs {
@@ -80,11 +88,13 @@ class AxisInputs {
   void set_limit_rule(LimitRule rule, std::int64_t limit = 0, bool from_above = false) noexcept;
   // Sets whether the second switch halts the steps when it has settled closed.
   void watch_second_switch(bool watched) noexcept;
+  // Sets the force's rule, with the limit of its position or the distance; it halts at most once.
+  void set_force_rule(ForceRule rule, std::int64_t limit = 0) noexcept;
   // Sets the light that is cut; null for none. The previous one is no longer used when this has returned.
   void set_light_cutoff(LightCutoff* cutoff) noexcept;
   // Allows steps and light again, unless an input is unsafe by now.
   void let_go() noexcept;
-  // True if a switch is closed, or a safety input is not safe.
+  // True if a switch is closed, a force has settled, or a safety input is not safe.
   [[nodiscard]] bool active(AxisInput which) const noexcept { return active_[index(which)]; }
   // True if a safety input has had an edge and it is not known yet whether the change lasts.
   [[nodiscard]] bool debouncing(AxisInput which) const noexcept {
@@ -149,6 +159,7 @@ class AxisInputs {
   void cut_again(TimePoint now) noexcept;
   [[nodiscard]] std::optional<TimePoint> next_due() const noexcept;
   void apply_rules() noexcept;
+  [[nodiscard]] bool meets_resistance() noexcept;
   void add_change(const InputChange& change) noexcept;
   [[nodiscard]] bool out_of_place(std::int64_t position) const noexcept {
     return from_above_ ? position < limit_ : position > limit_;
@@ -163,6 +174,8 @@ class AxisInputs {
   std::atomic<LimitRule> limit_rule_{LimitRule::Never};
   std::atomic<std::int64_t> limit_{0};
   std::atomic<bool> from_above_{false}, second_watched_{false}, lost_{false};
+  std::atomic<ForceRule> force_rule_{ForceRule::Never};
+  std::atomic<std::int64_t> force_limit_{0};
   std::array<std::atomic<bool>, kAxisInputs> active_{}, unreadable_{};
   std::array<std::atomic<SafetyState>, kAxisInputs> states_{};  // used for the safety inputs
   std::array<std::atomic<std::uint64_t>, kAxisInputs> edges_{};
@@ -185,7 +198,8 @@ class AxisInputs {
   std::array<bool, kAxisInputs> halted_{};  // in this bout of edges
   std::optional<TimePoint> cut_again_at_;
   EncoderEdges encoder_;
-  TimePoint levels_read_{};
+  TimePoint levels_read_{}, served_{};
+  std::optional<std::int64_t> pressed_from_;  // the position at which the rule Beyond found the force
 };
 
 }  // namespace contourd

@@ -42,6 +42,8 @@ void AxisInterlocks::take_change(const InputChange& change) {
            "the second switch (" + describe(config_.second_switch->line) + ") closed" + wiring_.where()});
     case AxisInput::LimitSwitch:
       return take_limit_switch(change);
+    case AxisInput::Force:
+      return wiring_.force_changed(change);
   }
 }
 
@@ -102,6 +104,8 @@ std::string AxisInterlocks::loss() const {
     return "the limit switch cannot be read (" + describe(config_.limit_switch.line) + ")";
   if (!inputs_.readable(AxisInput::SecondSwitch))
     return "the second switch cannot be read (" + describe(config_.second_switch->line) + ")";
+  if (!inputs_.readable(AxisInput::Force))
+    return "the force line cannot be read (" + describe(config_.force->input.line) + ")";
   return "the axis' inputs on " + config_.limit_switch.line.chip +
          " can no longer be read: their chip is gone, or they change faster than they can be handled";
 }

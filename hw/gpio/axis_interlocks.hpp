@@ -1,6 +1,6 @@
 // The reactions of an axis to changes of its inputs: emergency stop, lid, power-fail signal, switches that
-// close in the wrong place, inputs that cannot be read. Each is reported once, with its line. Event loop's
-// thread only.
+// close in the wrong place, force, inputs that cannot be read. Each is reported once, with its line. Event
+// loop's thread only.
 #pragma once
 
 #include <functional>
@@ -24,7 +24,8 @@ class AxisInterlocks {
     std::function<void(const AxisFault&)> halted_for;  // sets the fault of a halted run
     // Called when the limit switch has halted the steps. True if homing or a nudge expected that.
     std::function<bool(const InputChange&)> takes_contact;
-    std::function<std::string()> where;  // " at 12.345 mm", or empty
+    std::function<std::string()> where;                     // " at 12.345 mm", or empty
+    std::function<void(const InputChange&)> force_changed;  // also if the force has halted the run
   };
 
   // Config, engine and inputs must outlive this object.

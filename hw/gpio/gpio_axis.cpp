@@ -29,9 +29,12 @@ std::array<Fitting, kAxisInputs> contacts_of(const GpioAxisConfig& config) {
   const auto optional = [](const char* name, const std::optional<GpioInputConfig>& input) {
     return Fitting{name, input ? &*input : nullptr};
   };
-  return {Fitting{"limit switch", &config.limit_switch}, optional("second switch", config.second_switch),
-          optional("emergency stop", config.emergency_stop), optional("lid", config.lid),
-          optional("power fail", config.power_fail)};
+  return {Fitting{"limit switch", &config.limit_switch},
+          optional("second switch", config.second_switch),
+          optional("emergency stop", config.emergency_stop),
+          optional("lid", config.lid),
+          optional("power fail", config.power_fail),
+          Fitting{kForceInput, config.force ? &config.force->input : nullptr}};
 }
 
 constexpr const char *kEncoderA = "encoder A", *kEncoderB = "encoder B", *kEncoderIndex = "encoder index";
@@ -129,7 +132,8 @@ AxisDrive::Wiring GpioAxis::drive_wiring() {
               },
           .blocked = [this] { interlocks_.blocked(); },
           .take_changes = [this] { inputs_changed(); },
-          .take_contact = [this] { return take_contact(); }};
+          .take_contact = [this] { return take_contact(); },
+          .resisted = [this] { resisted(); }};
 }
 
 Homing::Wiring GpioAxis::homing_wiring() {
@@ -151,8 +155,13 @@ Homing::Wiring GpioAxis::homing_wiring() {
       .know_position = [this] { position_.become_known(); },
       .approach =
           [this](Homing::Call there) {
+            // The few steps back to the switch's height are no way down on which anything could lie.
+            position_.expect_contact_at(config_.switch_height);
             approach_.begin(position_.screw().nearest_step(config_.switch_height), config_.homing_speed,
-                            std::move(there));
+                            [this, there = std::move(there)] {
+                              position_.expect_contact_at({});
+                              there();
+                            });
           },
       .stop = [this] { drive_.stop(); },
       .forget = [this] { drive_.forget(); }};
@@ -164,7 +173,8 @@ AxisInterlocks::Wiring GpioAxis::interlocks_wiring() {
           .slow_down = [this] { drive_.slow_down(); },
           .halted_for = [this](const AxisFault& cause) { drive_.halted_for(cause); },
           .takes_contact = [this](const InputChange& change) { return takes_contact(change); },
-          .where = [this] { return position_.where(); }};
+          .where = [this] { return position_.where(); },
+          .force_changed = [this](const InputChange& change) { force_changed(change); }};
 }
 
 void GpioAxis::home(std::function<void(HomingResult)> done) {
@@ -242,7 +252,7 @@ void GpioAxis::move_unhomed(Nanometers distance, MillimetersPerSecond speed,
     const bool at_switch = inputs_.active(AxisInput::LimitSwitch);
     if (at_switch && towards_switch) return end_move(MoveResult::AtSwitch);
     // Away from a closed switch, the switch opens on the way; otherwise its first edge halts the motor.
-    drive_.run(at_switch ? AxisDrive::RunKind::BackOff : AxisDrive::RunKind::Seek, steps, speed,
+    drive_.run(at_switch ? AxisDrive::RunKind::BackOff : AxisDrive::RunKind::Nudge, steps, speed,
                [this] { end_move(MoveResult::Reached); });
   });
 }
@@ -316,6 +326,18 @@ void GpioAxis::end_move(MoveResult result) {
   drive_.forget();
   nudged_ = nudge_met_switch_ = false;
   if (const auto done = std::exchange(move_done_, nullptr)) done(result);
+}
+
+void GpioAxis::force_changed(const InputChange& change) {
+  if (change.halted) return drive_.halted_for({.homing = HomingResult::Resistance, .what = ""});
+  // A copy, because the call may replace it.
+  if (const auto call = on_force_) call({change.active, position_.height_at(change.at)});
+}
+
+// Ends the motion. The motor has lost no steps, so that a known position stays known.
+void GpioAxis::resisted() {
+  if (homing_.under_way()) return homing_.failed(HomingResult::Resistance);
+  end_move(MoveResult::Resistance);
 }
 
 void GpioAxis::fail(const AxisFault& fault) {

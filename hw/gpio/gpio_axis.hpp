@@ -1,6 +1,6 @@
 // A Z axis with a stepper motor on GPIO lines: step, direction, limit switch, and optionally enable, second
-// switch, encoder, emergency stop and lid. Event loop's thread only; two threads of its own make the steps
-// and read the inputs.
+// switch, encoder, emergency stop, lid, power fail and force. Event loop's thread only; two threads of its
+// own make the steps and read the inputs.
 //
 // Connects the axis' parts: the step engine and the inputs, which the two threads run; the plate's position;
 // the motor; the approach to a height; homing; and the reactions to the inputs' changes.
@@ -65,6 +65,11 @@ class GpioAxis final : public ZAxis {
   void raise(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
   void assume_height(Nanometers height) override;
   [[nodiscard]] bool homes_upwards() const override { return config_.homes_upwards; }
+  void expect_contact_at(Nanometers height) override { position_.expect_contact_at(height); }
+  [[nodiscard]] std::optional<bool> force() const override {
+    return config_.force ? std::optional(inputs_.active(AxisInput::Force)) : std::nullopt;
+  }
+  void on_force(std::function<void(const ForceChange&)> call) override { on_force_ = std::move(call); }
   void stop() override;
   void abort() noexcept override;
   bool release() override;
@@ -113,6 +118,8 @@ class GpioAxis final : public ZAxis {
   [[nodiscard]] bool takes_contact(const InputChange& change);
   [[nodiscard]] bool take_contact();
   void end_move(MoveResult result);
+  void force_changed(const InputChange& change);
+  void resisted();
   void fail(const AxisFault& fault);
   void report(const MachineEvent& event) {
     if (on_event_) on_event_(event);
@@ -128,6 +135,7 @@ class GpioAxis final : public ZAxis {
   Homing homing_;
   AxisInterlocks interlocks_;
   std::function<void(const MachineEvent&)> on_event_;
+  std::function<void(const ForceChange&)> on_force_;
   std::function<void(MoveResult)> move_done_;
   bool nudged_ = false, nudge_met_switch_ = false;  // for the present motion
   std::unique_ptr<DescriptorWatcher::Watch> watch_end_, watch_inputs_;

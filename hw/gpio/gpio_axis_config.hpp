@@ -17,9 +17,9 @@ struct GpioLineConfig {
 
 enum class LineBias { AsIs, PullUp, PullDown, Off };
 
-// The state of a contact at rest: switch not reached, stop not pressed, lid closed, power good. At rest the
-// line of a normally closed contact has its active level, so a broken wire looks like a contact that is not
-// at rest.
+// The state of a contact at rest: switch not reached, stop not pressed, lid closed, power good, no force. At
+// rest the line of a normally closed contact has its active level, so a broken wire looks like a contact that
+// is not at rest.
 enum class Contact { NormallyOpen, NormallyClosed };
 
 struct GpioInputConfig {
@@ -28,12 +28,22 @@ struct GpioInputConfig {
   Duration debounce{std::chrono::milliseconds{5}};  // a level counts when it has lasted this long
   Contact contact = Contact::NormallyOpen;
 
-  // Returns the line as it is requested: active means switch reached, stop pressed, lid open, power failing.
+  // Returns the line as it is requested: active means switch reached, stop pressed, lid open, power failing,
+  // force.
   [[nodiscard]] GpioLineConfig logical_line() const {
     GpioLineConfig logical = line;
     logical.active_low = line.active_low != (contact == Contact::NormallyClosed);
     return logical;
   }
+};
+
+// A line of a comparator that is active while the force on the plate, or on the vat, exceeds its threshold:
+// up or down, as the plate peels a layer off or presses on something.
+struct ForceConfig {
+  GpioInputConfig input;  // active: the force exceeds the threshold
+  // Distance above the film, for the plate or the part on it, within which a force on the way down is that of
+  // the resin which is pressed out. A force further up is resistance.
+  Nanometers contact_from{2'000'000};
 };
 
 struct EncoderConfig {
@@ -90,6 +100,7 @@ struct GpioAxisConfig {
   std::optional<GpioInputConfig> emergency_stop, lid;
   // Active while the supply fails, from a UPS or a comparator: interrupts the print as the lid does.
   std::optional<GpioInputConfig> power_fail;
+  std::optional<ForceConfig> force;  // stops moves down that meet resistance
 
   // The SCHED_FIFO priority of the step thread; the input thread has one more. It must be below that of the
   // kernel's interrupt threads, 50, and 49 where the kernel has two for a line: until such a thread has run,

@@ -64,7 +64,7 @@ class Homing {
 
   void stop() { take(HomingEvent::StopWanted); }
   void stopped() { take(HomingEvent::Stopped); }
-  // Ends homing after a fault. The caller has reported the fault and halted the motor.
+  // Ends homing after a fault, which the caller has reported, or because of resistance. The motor rests.
   void failed(HomingResult result);
   // Ends homing without calling `done`.
   void abort() { take(HomingEvent::Aborted); }

@@ -61,11 +61,18 @@ class PlatePosition {
   void homing_begins() noexcept {
     counted_ = std::exchange(known_, false);
     homing_shift_.reset();
+    contact_ = {};
   }
   // Returns how much higher than before the switch closed in the last homing, by the steps; nullopt if the
   // position was unknown before that homing.
   [[nodiscard]] std::optional<Nanometers> homing_shift() const noexcept {
     return known_ ? homing_shift_ : std::nullopt;
+  }
+  // Sets the height at which the plate, or the part on it, meets the film; 0 at first and from homing on.
+  void expect_contact_at(Nanometers height) noexcept { contact_ = height; }
+  // Returns the motor's position when the plate, on its way down, is this far above that height.
+  [[nodiscard]] Microsteps above_contact(Nanometers distance) const {
+    return screw_.nearest_step(contact_ + distance) - screw_.backlash();
   }
   // Sets the position from the limit switch, which closed at `edge`: the plate is as far from the switch's
   // height as the motor has moved since. REQUIRES: the motor rests.
@@ -121,6 +128,7 @@ class PlatePosition {
   bool known_ = false;
   bool counted_ = false;  // during homing: the position was known before, and all steps since are counted
   std::optional<Nanometers> homing_shift_;
+  Nanometers contact_{};
 };
 
 }  // namespace contourd

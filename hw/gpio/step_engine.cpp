@@ -133,7 +133,8 @@ void StepEngine::rise() noexcept {
   const TimePoint now = now_();
   const Duration late = now.time_since_epoch() - Duration{start_ns_} - planned_;
   if (late > harmless_ && come_to_rest(late)) return start_again(now, late);
-  if (stop_ && !stopped_) return slow_down(now, late);
+  if (brake_ && plan_.speed_at(planned_) <= move_.pull_in) return finish(StepEnd::Halted);
+  if ((stop_ || brake_) && !stopped_) return slow_down(now, late);
   if (now < due_) return;
   if (!make_step(now)) return;
   plan_.advance();
@@ -198,7 +199,7 @@ void StepEngine::start_again(TimePoint now, Duration late) noexcept {
     ++stalls_;
     if (move_.ends_stalled) return finish(StepEnd::Stalled);
   }
-  if (stop_) return finish(StepEnd::Stopped);
+  if (stop_ || brake_) return finish(StepEnd::Stopped);
   const std::int64_t left = plan_.total() - plan_.done();
   start_ns_ = 0;
   made_before_ramp_ += plan_.done();

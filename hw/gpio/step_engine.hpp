@@ -24,9 +24,9 @@
 //     move_ nor end_. It signals ended() only then, so the signal may come during the next move.
 //  4. The event loop reads end_ and writes move_ only while phase_ is Idle. After start(), end_ is the next
 //     move's.
-//  5. Only forget_halt() resets halt_ and only start() resets stop_, both while phase_ is Idle; neither
-//     resets inhibited_. A rule that halts moves is set between forget_halt() and start(), so no step is made
-//     without it, however little the event loop runs.
+//  5. Only forget_halt() resets halt_ and brake_, and only start() resets stop_, both while phase_ is Idle;
+//     neither resets inhibited_. A rule that halts moves is set between forget_halt() and start(), so no step
+//     is made without it, however little the event loop runs.
 //  6. The step thread changes position_ and history_, with each step that the line has accepted, while
 //     stepping_ is set. set_position() changes position_ and from_ while phase_ is Idle.
 //  7. While phase_ is Idle, the position is from_ plus the steps that the history has gained since start().
@@ -97,10 +97,10 @@ class StepEngine {
 
   // Functions for the event loop's thread.
 
-  // Resets earlier halts: halts from now on apply to the next move. REQUIRES: !moving().
+  // Resets earlier halts and brakes: those from now on apply to the next move. REQUIRES: !moving().
   void forget_halt() noexcept {
     expects(!moving(), "no move is under way");
-    halt_ = false;
+    halt_ = brake_ = false;
   }
   // Starts a move. REQUIRES: !moving(); a rise goes upwards, no faster than pull_in.
   void start(const StepMove& move) noexcept;
@@ -130,6 +130,10 @@ class StepEngine {
   void halt() noexcept;
   // Halts the present move without waiting: a step that is just being made is completed.
   void halt_soon() noexcept { halt_ = true; }
+  // Ends the present move without waiting and without losing steps: a motor at its pull-in speed or below
+  // makes no further step, apart from one that is just being made; a faster one slows down to that speed
+  // first.
+  void brake_soon() noexcept { brake_ = true; }
   // Halts like halt_soon(), and no move makes a step until enable().
   void inhibit() noexcept;
   void enable() noexcept { inhibited_ = false; }
@@ -151,7 +155,7 @@ class StepEngine {
   [[nodiscard]] bool interrupted() const noexcept {
     return halt_.load(std::memory_order_relaxed) || inhibited_.load(std::memory_order_relaxed) ||
            all_inhibited_.load(std::memory_order_relaxed) ||
-           (stop_.load(std::memory_order_relaxed) && !stopped_);
+           ((stop_.load(std::memory_order_relaxed) || brake_.load(std::memory_order_relaxed)) && !stopped_);
   }
   void act() noexcept;
   [[nodiscard]] bool running() const noexcept {
@@ -196,7 +200,7 @@ class StepEngine {
   EventDescriptor work_, ended_;
 
   std::atomic<Phase> phase_{Phase::Idle};
-  std::atomic<bool> stop_{false}, halt_{false}, inhibited_{false};
+  std::atomic<bool> stop_{false}, brake_{false}, halt_{false}, inhibited_{false};
   inline static std::atomic<bool> all_inhibited_{false};
   std::atomic<bool> stepping_{false};  // from the check for a halt until the step has been made
   std::atomic<std::int64_t> position_{0};

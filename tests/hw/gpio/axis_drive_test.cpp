@@ -68,7 +68,8 @@ struct DriveFixture : testing::VirtualTimeFixture {
                 [this] {
                   if (cause) drive.halted_for(*cause);
                 },
-            .take_contact = [this] { return std::exchange(contact, false); }};
+            .take_contact = [this] { return std::exchange(contact, false); },
+            .resisted = [this] { did.emplace_back("resisted"); }};
   }
   AxisInputs::Lines input_lines() {
     AxisInputs::Lines lines;

@@ -63,7 +63,11 @@ struct InterlocksFixture {
                   if (homes) did.emplace_back(change.active ? "contact" : "spike");
                   return homes;
                 },
-            .where = [] { return std::string(" at 1.000 mm"); }};
+            .where = [] { return std::string(" at 1.000 mm"); },
+            .force_changed =
+                [this](const InputChange& change) {
+                  did.emplace_back(change.halted ? "resistance" : change.active ? "force" : "no force");
+                }};
   }
 
   GpioAxisConfig config;
@@ -220,4 +224,21 @@ TEST_CASE("The loss of the inputs is a fault that names the input, reported once
     CHECK(fixture.told().empty());
     CHECK(fixture.engine.inhibited());
   }
+}
+
+TEST_CASE_METHOD(InterlocksFixture,
+                 "A force is passed on once it has settled, and one that halts as resistance") {
+  set(AxisInput::Force, true);
+  CHECK(told().empty());
+  pass();
+  CHECK(told() == Words{"force"});
+  set(AxisInput::Force, false);
+  pass();
+  CHECK(told() == Words{"no force"});
+  inputs.set_force_rule(ForceRule::Above, -1);  // the motor is at 0
+  set(AxisInput::Force, true);
+  pass();
+  CHECK(told() == Words{"force", "resistance"});
+  pass(100ms);
+  CHECK(told().empty());
 }

@@ -114,9 +114,12 @@ class Plant : public DescriptorWatcher {
     if (config.enable) parts.lines.enable.reset(enable = new PlantOutput);
     step->changed = [this](bool high) { step_edge(high); };
     direction->changed = [this](bool) { direction_changed_at_ = clock.now(); };
-    const bool fitted[kAxisInputs] = {true, config.second_switch.has_value(),
-                                      config.emergency_stop.has_value(), config.lid.has_value(),
-                                      config.power_fail.has_value()};
+    const bool fitted[kAxisInputs] = {true,
+                                      config.second_switch.has_value(),
+                                      config.emergency_stop.has_value(),
+                                      config.lid.has_value(),
+                                      config.power_fail.has_value(),
+                                      config.force.has_value()};
     for (std::size_t i = 0; i < kAxisInputs; ++i) {
       lines[i] = inputs_[i].get();
       if (fitted[i]) parts.lines.inputs[i] = std::move(inputs_[i]);
