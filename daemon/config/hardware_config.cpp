@@ -78,6 +78,10 @@ GpioAxisConfig read_gpio_axis(const JsonSection& z_axis) {
   config.emergency_stop = read_if_there(z_axis, "emergency_stop", read_input);
   config.lid = read_if_there(z_axis, "lid", read_input);
   config.power_fail = read_if_there(z_axis, "power_fail", read_input);
+  if (z_axis.has("force")) {
+    const JsonSection force = z_axis.section("force");
+    config.force = {.input = read_input(force), .contact_from = force.length("contact_from_mm")};
+  }
   config.realtime_priority = z_axis.integer<int>("realtime_priority");
   return config;
 }
@@ -134,6 +138,7 @@ void check_required_keys(JsonDocument& printer) {
   }
   for (const char* key : {"top_speed_mm_s", "step", "direction", "limit_switch"})
     require(printer, "/z_axis", key);
+  if (has(printer, "/z_axis/force")) require(printer, "/z_axis/force", "line");
   const nlohmann::json& projector = printer.value().at("projector");
   const auto is_there = [&](const char* key) { return projector.contains(key); };
   if (projector.is_object() && std::ranges::none_of(light_keys(), is_there)) {
@@ -233,6 +238,16 @@ void check_homing(JsonDocument& printer) {
                               " mm away from where the plate touches the film, but the switch is at the "
                               "bottom; one at the top needs z_axis/homes_upwards");
   }
+}
+
+// Checks that force is watched somewhere on the way down.
+void check_force(JsonDocument& printer) {
+  const auto from_mm = printer.valid_number("/z_axis/force/contact_from_mm"),
+             travel_mm = printer.valid_number("/z_axis/travel_mm");
+  if (!from_mm || !travel_mm || *from_mm < *travel_mm) return;
+  printer.add_violation("/z_axis/force/contact_from_mm",
+                        plain(*from_mm) + " is not less than z_axis/travel_mm, " + plain(*travel_mm) +
+                            " mm: no force would ever be resistance");
 }
 
 void check_corrections(JsonDocument& printer, double tolerance_um) {
@@ -335,6 +350,7 @@ void check_hardware_rules(JsonDocument& printer) {
   check_double_use(printer);
   check_speeds(printer);
   check_homing(printer);
+  check_force(printer);
   check_encoder(printer);
   check_projector(printer);
 }

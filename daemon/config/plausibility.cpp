@@ -35,6 +35,7 @@ constexpr std::array kInputs{
     Input{"/z_axis/emergency_stop", "pressing it stops nothing"},
     Input{"/z_axis/lid", "the light stays on under an open lid"},
     Input{"/z_axis/power_fail", "a failing supply is found out by the power cut"},
+    Input{"/z_axis/force", "resistance does not stop the plate"},
 };
 
 // Returns why a broken wire would go unnoticed, as the start of a sentence that the consequence completes;

@@ -150,6 +150,34 @@ std::optional<CameraConfig> read_camera(const JsonSection& root, const fs::path&
                       .time_limit = camera.duration("time_limit_s")};
 }
 
+std::optional<ForcePolicy> read_force(const JsonSection& z_axis) {
+  if (!z_axis.has("force")) return std::nullopt;
+  const JsonSection force = z_axis.section("force");
+  return ForcePolicy{.contact_from = force.length("contact_from_mm"),
+                     .resistance_fails = force.text("resistance") == "fail",
+                     .least_peel_area_mm2 = force.number("least_peel_area_mm2"),
+                     .pauses_without_peel = force.text("no_peel") == "pause"};
+}
+
+// Returns the simulated force on the plate, if a line tells of it.
+std::optional<SimulatedForceConfig> read_simulated_force(const JsonSection& root) {
+  const std::optional<ForcePolicy> policy = read_force(root.section("z_axis"));
+  if (!policy) return std::nullopt;
+  using Line = SimulatedForceConfig::Line;
+  const JsonSection simulation = root.section("simulation");
+  const std::string line = simulation.text("force_line");
+  return SimulatedForceConfig{
+      .contact_from = policy->contact_from,
+      .pixel_mm = root.section("display").number("pixel_pitch_um") / 1000,
+      .peel_kpa = simulation.number("peel_kpa"),
+      .part_lost_after_lifts = simulation.find("part_lost_after_lifts", &JsonSection::integer<int>),
+      .obstruction = simulation.find("obstruction_mm", &JsonSection::length),
+      .obstruction_after_lifts = simulation.integer<int>("obstruction_after_lifts"),
+      .line = line == "works"          ? Line::Works
+              : line == "stuck_active" ? Line::StuckActive
+                                       : Line::StuckInactive};
+}
+
 SimulatedPrinterConfig read_simulated(const JsonSection& root, const fs::path& folder) {
   const JsonSection z_axis = root.section("z_axis");
   const JsonSection display = root.section("display");
@@ -163,6 +191,7 @@ SimulatedPrinterConfig read_simulated(const JsonSection& root, const fs::path& f
   config.axis.homes_upwards = z_axis.boolean("homes_upwards");
   config.axis.start_height = simulation.length("start_height_mm");
   config.axis.limit_switch = read_limit_switch(simulation.text("limit_switch"));
+  config.axis.force = read_simulated_force(root);
   config.display.width = Pixels{display.integer<std::int32_t>("width_px")};
   config.display.height = Pixels{display.integer<std::int32_t>("height_px")};
   config.display.frame = Duration{std::llround(1e9 / display.number("refresh_hz"))};
@@ -277,6 +306,7 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .homing_speed = MillimetersPerSecond{root.section("z_axis").number("homing_speed_mm_s")},
       .top_speed = read_top_speed(root.section("z_axis")),
       .stiffness_n_mm = root.section("z_axis").number("stiffness_n_mm"),
+      .force = read_force(root.section("z_axis")),
       .display_width = Pixels{display.integer<std::int32_t>("width_px")},
       .display_height = Pixels{display.integer<std::int32_t>("height_px")},
       .pixel_pitch = Micrometers{display.number("pixel_pitch_um")},

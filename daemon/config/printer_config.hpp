@@ -12,6 +12,7 @@
 #include "core/cure/pixel_light.hpp"
 #include "core/geometry/units.hpp"
 #include "core/mask/exposure_correction.hpp"
+#include "daemon/config/force_policy.hpp"
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/config/resin_profile.hpp"
 #include "daemon/config/wear_part.hpp"
@@ -63,7 +64,8 @@ struct PrinterConfig {
   Nanometers travel;
   MillimetersPerSecond travel_speed, homing_speed;
   std::optional<MillimetersPerSecond> top_speed;
-  double stiffness_n_mm = 0;  // stiffness of plate, axis and vat together
+  double stiffness_n_mm = 0;           // stiffness of plate, axis and vat together
+  std::optional<ForcePolicy> force{};  // nullopt: no line tells of it
 
   Pixels display_width;
   Pixels display_height;

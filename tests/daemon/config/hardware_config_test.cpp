@@ -175,6 +175,48 @@ TEST_CASE("every key of a real machine arrives with its unit") {
   CHECK(config.real->warm_up == std::chrono::milliseconds{31'500});
 }
 
+TEST_CASE(
+    "a force line arrives with its units, its defaults equal those of the C++ types, and it needs a line") {
+  RealPrinterFixture printer;
+  CHECK_FALSE(printer.load().force);
+  CHECK_FALSE(printer.load().real->axis.force);
+  printer.printer["z_axis"]["force"] = {{"line", 12}};
+  const PrinterConfig least = printer.load();
+  REQUIRE(least.real->axis.force);
+  CHECK(least.real->axis.force->input.debounce == GpioInputConfig{}.debounce);
+  CHECK(least.real->axis.force->contact_from == ForceConfig{}.contact_from);
+  REQUIRE(least.force);
+  CHECK(least.force->contact_from == ForceConfig{}.contact_from);
+  CHECK_FALSE(least.force->resistance_fails);
+  CHECK(least.force->pauses_without_peel);
+  CHECK(least.force->least_peel_area_mm2 == 20);
+
+  printer.printer["z_axis"]["force"] =
+      json::parse(R"({"line": 12, "contact": "normally_closed", "bias": "pull_up", "active_low": true,
+                      "debounce_ms": 2.5, "contact_from_mm": 1.25, "resistance": "fail",
+                      "least_peel_area_mm2": 7.5, "no_peel": "tell"})");
+  const PrinterConfig config = printer.load();
+  CHECK(config.warnings.empty());
+  const ForceConfig& force = config.real->axis.force.value();
+  CHECK(force.input.line.line == "12");
+  CHECK(force.input.contact == Contact::NormallyClosed);
+  CHECK(force.input.bias == LineBias::PullUp);
+  CHECK(force.input.debounce == std::chrono::microseconds{2'500});
+  CHECK(force.contact_from == Nanometers{1'250'000});
+  CHECK(config.force->resistance_fails);
+  CHECK_FALSE(config.force->pauses_without_peel);
+  CHECK(config.force->least_peel_area_mm2 == 7.5);
+
+  printer.printer["z_axis"]["force"] = {{"contact_from_mm", 45}};
+  printer.printer["z_axis"]["travel_mm"] = 40;
+  const Complaints complaints = printer.complaints();
+  REQUIRE(complaints.size() == 2);
+  CHECK(complaints[1].starts_with("/z_axis/force/line: this key is missing, and \"hardware\" is \"real\": "));
+  CHECK(complaints[0] ==
+        "/z_axis/force/contact_from_mm: 45 is not less than z_axis/travel_mm, 40 mm: no force would ever be "
+        "resistance");
+}
+
 TEST_CASE("the warm-up is the longer one of the printer's and its projector table's") {
   RealPrinterFixture printer;
   printer.printer["projector"].update(json::parse(R"({"light": {"line": 24}, "warm_up_s": 1.5})"));
