@@ -159,8 +159,7 @@ ControlMethods ManualControl::methods() {
                            {Parameter::one_of("power", {"on", "off"}, "the projector's power")})},
       {"inputs",
        {.description = "Reads the current inputs of the axis: the switches, the emergency stop, the lid, the "
-                       "power-fail signal and the "
-                       "encoder's lines, if they are fitted.",
+                       "power-fail signal, the force line and the encoder's lines, if they are fitted.",
         .call = [this](const Json&, const ControlCaller&) { return inputs(); }}}};
 }
 

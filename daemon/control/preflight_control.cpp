@@ -51,6 +51,7 @@ PreflightFacts PreflightControl::facts() const {
   MaskDisplay& display = context_.machine.display();
   PreflightFacts facts;
   facts.not_ready = context_.machine.why_not_ready();
+  if (facts.not_ready.empty()) facts.not_ready = force_at_rest(context_.machine);
   facts.queue_waits = parts_.hold.reason_to_wait();
   const double frame_s = std::chrono::duration<double>(display.frame()).count();
   facts.display = fmt::format("{} x {} pixels at {:.4g} Hz", display.width().count(),

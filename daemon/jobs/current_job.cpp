@@ -517,6 +517,11 @@ void CurrentJob::layer_done(const LayerRecord& layer) {
   observer_.job_changed("layer");
 }
 
+void CurrentJob::warned(const std::string& what) {
+  context_.log.warning("peel", fmt::format("{}: {}", printable(name()), what), job_fields(name()));
+  observer_.job_changed("state");
+}
+
 void CurrentJob::interrupted(const std::string& what) {
   job_->record->add_interruption(print_->layer(), what);
   log_.interrupted(name(), print_->layer(), what,

@@ -120,6 +120,8 @@ class CurrentJob final : private PrintObserver {
   void light_due() override;
   void state_changed(const PrintState& state) override;
   void layer_done(const LayerRecord& layer) override;
+  void layer_peeled(std::int32_t layer, const PeelRecord& peel) override { job_->record->add(layer, peel); }
+  void warned(const std::string& what) override;
   void frame_over(const FrameRecord& frame) override { frames_.add(frame); }
   void progressed(const PrintProgress& print) override { progress_.keep(print); }
   void interrupted(const std::string& what) override;

@@ -71,6 +71,7 @@ void JobScheduler::wait_because(const std::string& reason) {
 std::string JobScheduler::reason_to_wait() const {
   if (use_.controlled_by_hand()) return "the printer is controlled by hand; \"contourctl stop\" ends that";
   if (std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty()) return not_ready;
+  if (std::string force = force_at_rest(context_.machine); !force.empty()) return force;
   if (std::string reason = hold_.reason_to_wait(); !reason.empty()) return reason;
   if (!queue_.has_first()) return question_about(queue_.jobs().front().file, queue_.jobs().front().asks);
   return queue_.first_unanalyzed();

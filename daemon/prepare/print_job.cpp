@@ -52,6 +52,7 @@ void take_settings(const PrinterConfig& printer, const ResinProfile& resin, Prin
   plan.travel_speed = printer.travel_speed;
   plan.homing_speed = printer.homing_speed;
   plan.tolerance = resin.tolerance;
+  plan.force = printer.force;
   plan.warm_up = printer.real ? printer.real->warm_up : printer.simulated.projector.warm_up;
   if (printer.real) plan.home_height = printer.real->axis.switch_height;
 }

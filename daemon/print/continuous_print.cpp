@@ -471,10 +471,22 @@ void ContinuousPrint::move_to(Nanometers target, MillimetersPerSecond speed, std
   estimate(axis.move_duration(distance, speed));
   axis.move_to(target, speed, [this, arrived = std::move(arrived)](MoveResult result) {
     if (result == MoveResult::Reached && !is_in(ContinuousState::Braking)) return arrived();
-    if (is_in(ContinuousState::Braking) && (result == MoveResult::Stopped || result == MoveResult::Reached))
+    const bool rests = result == MoveResult::Stopped || result == MoveResult::Resistance;
+    if (is_in(ContinuousState::Braking) && (rests || result == MoveResult::Reached))
       return handle(ContinuousEvent::MoveEnded);
+    if (result == MoveResult::Resistance) return meet_resistance();
     fail(fmt::format("the plate did not arrive: {}", name_of(result)));
   });
+}
+
+// The plate rests where it met resistance, and the print is in the dark.
+void ContinuousPrint::meet_resistance() {
+  const ForcePolicy policy = plan_->force.value_or(ForcePolicy{});
+  const Nanometers target = rises_.rest().points.front().height;
+  const std::string what = describe_resistance(current_height(), target, policy);
+  if (policy.resistance_fails) return fail(what);
+  interrupt(what);
+  handle(ContinuousEvent::MoveEnded);
 }
 
 // Lowers the plate to the height from which it rises, slowly at the end, where it presses out resin.
@@ -487,6 +499,7 @@ void ContinuousPrint::lower() {
   set_white();
   const LayerMotion& motion = plan_->motion;
   const Nanometers height = rises_.rest().points.front().height;
+  machine_.z_axis().expect_contact_at(height);
   const Nanometers slow_from = std::min(height + motion.slow_retract, current_height());
   const auto there = [this] { handle(ContinuousEvent::MoveEnded); };
   if (slow_from <= height) return move_to(height, motion.retract_speed, there);

@@ -72,6 +72,10 @@ class ContinuousPrint final : public PrintMode,
   void light_due() override { observer_.light_due(); }
   void state_changed(const PrintState& state) override;
   void layer_done(const LayerRecord& layer) override { observer_.layer_done(layer); }
+  void layer_peeled(std::int32_t layer, const PeelRecord& peel) override {
+    observer_.layer_peeled(layer, peel);
+  }
+  void warned(const std::string& what) override { observer_.warned(what); }
   void progressed(const PrintProgress& progress) override { observer_.progressed(progress); }
   void interrupted(const std::string& what) override { observer_.interrupted(what); }
   void light_gone() override { observer_.light_gone(); }
@@ -89,6 +93,7 @@ class ContinuousPrint final : public PrintMode,
   void estimate(Duration duration) { estimated_end_ = clock_.now() + duration; }
   [[nodiscard]] Nanometers current_height() const;
   void move_to(Nanometers target, MillimetersPerSecond speed, std::function<void()> arrived);
+  void meet_resistance();
   void lower();
   void lift();
   void print_more_layers();

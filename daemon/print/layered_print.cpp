@@ -35,6 +35,7 @@ LayeredPrint::LayeredPrint(Machine& machine, Clock& clock, PrintObserver& observ
 }
 
 LayeredPrint::~LayeredPrint() {
+  machine_.z_axis().on_force({});
   make_machine_safe();
   machine_.projector().power_off();
 }
@@ -88,6 +89,8 @@ void LayeredPrint::begin(PrintPlan plan, std::int32_t layer, Nanometers bottom) 
   interruption_.clear();
   new_settings_.reset();
   new_exclusions_.clear();
+  peels_.reset();
+  if (plan_->force) peels_.emplace(plan_->force->least_peel_area_mm2);
   begin_layer(bottom);
   expect_layers();
   if (layer_ > 0 && rise_begins_at(*plan_, bottom)) take_layer_beneath();
@@ -146,7 +149,7 @@ void LayeredPrint::begin_layer(Nanometers bottom) {
   if (!thickness) throw std::logic_error("a print has no layer on top of its last");
   bottom_ = bottom;
   thickness_ = *thickness;
-  layer_exposed_ = layer_reported_ = false;
+  layer_exposed_ = layer_reported_ = layer_peeled_ = false;
   record_ = LayerRecord{};
   record_.layer = layer_;
   record_.bottom = bottom_;
@@ -434,24 +437,80 @@ void LayeredPrint::lower() {
   const LayerMotion& motion = plan_->motion;
   const MillimetersPerSecond speed = layer_ == 0 ? plan_->travel_speed : motion.retract_speed;
   const Nanometers slow_from = std::min(layer_top() + motion.slow_retract, current_height());
+  machine_.z_axis().expect_contact_at(layer_top());
   if (motion.slow_retract == Nanometers{} || slow_from <= layer_top()) return move_to({layer_top(), speed});
   move_to({slow_from, speed}, Stage{layer_top(), motion.slow_retract_speed});
 }
 
+// The plate rests where it met resistance, and the print is in the dark.
+void LayeredPrint::meet_resistance() {
+  const ForcePolicy policy = plan_->force.value_or(ForcePolicy{});
+  const std::string what = describe_resistance(current_height(), layer_top(), policy);
+  if (policy.resistance_fails) return fail(what);
+  interrupt(what);
+  handle(LayeredEvent::MoveEnded);
+}
+
 // Peels the layer off, and rises on so that fresh resin flows in.
 void LayeredPrint::lift() {
+  watch_peel();
   const LayerMotion& motion = plan_->motion;
   const Nanometers from = current_height(), highest = machine_.z_axis().travel();
   move_to({std::min(from + motion.lift, highest), motion.lift_speed},
           Stage{std::min(from + motion.whole_lift(), highest), motion.second_lift_speed});
 }
 
+// Watches the force of a lift that peels off a layer with all its light.
+void LayeredPrint::watch_peel() {
+  ZAxis& axis = machine_.z_axis();
+  const std::optional<bool> force = axis.force();
+  let_go_ = false;
+  peel_begun_.reset();
+  if (!peels_ || !force || !layer_exposed_ || plan_->dry || std::exchange(layer_peeled_, true)) return;
+  peel_begun_ = clock_.now();
+  peels_->lift(current_height(), *force);
+  axis.on_force(while_in_state<ForceChange>([this](const ForceChange& change) { take_force(change); }));
+}
+
+// Ends the slow stage of the lift when the layer has let go.
+void LayeredPrint::take_force(const ForceChange& change) {
+  if (!peel_begun_ || !change.height || !peels_->change(change.active, *change.height)) return;
+  if (!second_stage_ || std::exchange(let_go_, true)) return;
+  machine_.z_axis().stop();
+}
+
+// Reports the peel of a lift that is over, and judges it.
+void LayeredPrint::judge_peel() {
+  const Duration took = clock_.now() - *std::exchange(peel_begun_, std::nullopt);
+  machine_.z_axis().on_force({});
+  const PeelFinding finding = peels_->judge(record_.area_mm2);
+  PeelRecord peel{peels_->peel().felt, peels_->peel().distance, {}, finding != PeelFinding::None};
+  if (let_go_)
+    peel.saved = std::max(Duration{}, lift_duration(plan_->motion, moves_of(machine_.z_axis())) - took);
+  observer_.layer_peeled(layer_, peel);
+  if (finding == PeelFinding::None) return;
+  const std::string what =
+      finding == PeelFinding::CameOff
+          ? fmt::format(
+                "no force was felt while layer {} of {:.0f} mm² was peeled off, although smaller "
+                "layers were felt: the part has probably come off the plate and lies on the film",
+                layer_ + 1, record_.area_mm2)
+          : fmt::format(
+                "no force was felt in the first {} lifts of at least {:g} mm²: the part does not "
+                "stick to the plate, or the force line does not work",
+                PeelWatch::kSilentFromStart, plan_->force->least_peel_area_mm2);
+  plan_->force->pauses_without_peel ? pause_because(what) : observer_.warned(what);
+}
+
 void LayeredPrint::after_move(LayeredState move_state, MoveResult result) {
-  if (result == MoveResult::Reached && is_in(move_state) && second_stage_)
+  const bool stage_over = result == MoveResult::Reached || (let_go_ && result == MoveResult::Stopped);
+  if (stage_over && is_in(move_state) && second_stage_)
     return move_to(*std::exchange(second_stage_, std::nullopt));
-  if (result != MoveResult::Reached &&
-      !(is_in({LayeredState::Halting, LayeredState::Braking}) && result == MoveResult::Stopped))
+  const bool rests = result == MoveResult::Stopped || result == MoveResult::Resistance;
+  if (result == MoveResult::Resistance && is_in(LayeredState::Lowering)) return meet_resistance();
+  if (result != MoveResult::Reached && !(is_in({LayeredState::Halting, LayeredState::Braking}) && rests))
     return fail(fmt::format("the plate did not arrive: {}", name_of(result)));
+  if (is_in(LayeredState::Lifting) && peel_begun_) judge_peel();
   handle(LayeredEvent::MoveEnded);
 }
 
@@ -612,8 +671,7 @@ void LayeredPrint::take_press_shape() {
   if (next_shape_.valid()) pressed_shape_mm4_ = next_shape_.get();
 }
 
-// Requests a pause if the layer's exposure is less certain than its resin tolerates. No other transition is
-// needed: the plate is already up, or is lifted next.
+// Requests a pause if the layer's exposure is less certain than its resin tolerates.
 void LayeredPrint::judge_exposure() {
   const Duration apart = record_.exposure_most - record_.exposure_least;
   if (apart <= plan_->tolerance.bounds || plan_->tolerance.policy == ExposureTolerance::Policy::Warn) return;
@@ -621,6 +679,11 @@ void LayeredPrint::judge_exposure() {
       "the exposure of layer {} is uncertain by {:.0f} ms, but its resin tolerates only {:.0f} ms",
       layer_ + 1, std::chrono::duration<double, std::milli>(apart).count(),
       std::chrono::duration<double, std::milli>(plan_->tolerance.bounds).count());
+  pause_because(what);
+}
+
+// Requests a pause, for which the plate is up already or is lifted next.
+void LayeredPrint::pause_because(const std::string& what) {
   interruption_ += (interruption_.empty() ? "" : "; ") + what;
   resume_wanted_ = false;
   pause_wanted_ = true;

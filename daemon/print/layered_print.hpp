@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/peel/peel_watch.hpp"
 #include "daemon/print/layered_states.hpp"
 #include "daemon/print/machine_process.hpp"
 #include "daemon/print/print_mode.hpp"
@@ -91,7 +92,11 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   };
   void move_to(Stage first, std::optional<Stage> second = std::nullopt);
   void lower();
+  void meet_resistance();
   void lift();
+  void watch_peel();
+  void take_force(const ForceChange& change);
+  void judge_peel();
   void show_black();
   void home();
   void find_plate();
@@ -122,6 +127,7 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   void count_light();
   void report_layer();
   void judge_exposure();
+  void pause_because(const std::string& what);
   void display_lost();
   [[nodiscard]] LayeredEvent next_due() const;
   [[nodiscard]] bool has_all_light() const;
@@ -143,11 +149,15 @@ class LayeredPrint final : public PrintMode, private MachineProcess<LayeredTrans
   double pressed_shape_mm4_ = 0;               // factor of the face that presses out resin next
   std::future<double> next_shape_;             // this factor, while a thread computes it
   ShownMask shown_;
-  bool layer_exposed_ = false;         // the layer has had all its light
-  bool layer_reported_ = false;        // the record has been passed to the observer
-  std::optional<Stage> second_stage_;  // follows the move under way
-  std::optional<LightSpan> light_;     // the requested light, as known when it was turned off
-  std::vector<Duration> left_after_;   // by expected layer: the time for it, all later layers and parking
+  bool layer_exposed_ = false;           // the layer has had all its light
+  bool layer_reported_ = false;          // the record has been passed to the observer
+  std::optional<Stage> second_stage_;    // follows the move under way
+  std::optional<PeelWatch> peels_;       // if there is a force line
+  bool layer_peeled_ = false;            // the layer's peel has been watched
+  std::optional<TimePoint> peel_begun_;  // of the lift under way, if its peel is watched
+  bool let_go_ = false;                  // the first stage of this lift ends early, because the layer let go
+  std::optional<LightSpan> light_;       // the requested light, as known when it was turned off
+  std::vector<Duration> left_after_;     // by expected layer: the time for it, all later layers and parking
 };
 
 }  // namespace contourd

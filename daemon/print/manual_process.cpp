@@ -191,6 +191,7 @@ void ManualProcess::start_move() {
   const std::optional<Nanometers> height = machine_.z_axis().height();
   if (!height) throw std::runtime_error("the plate's position is unknown");
   expect_move(target_ - *height, speed_, "the move to end");
+  machine_.z_axis().expect_contact_at({});
   machine_.z_axis().move_to(target_, speed_, [this](MoveResult result) {
     motion_ended(result == MoveResult::Reached, fmt::format("the plate did not arrive: {}", name_of(result)));
   });

@@ -31,6 +31,15 @@ std::string describe(const PausePoint& point) {
   return fmt::format("before layer {}", std::get<std::int32_t>(point) + 1);
 }
 
+std::string describe_resistance(Nanometers met, Nanometers target, const ForcePolicy& force) {
+  return fmt::format(
+      "the plate met resistance at {:.3f} mm on its way down to {:.3f} mm, where force is expected only "
+      "below "
+      "{:.3f} mm: remove what lies on the film or came off the plate, or check the force line, before it "
+      "goes on",
+      in_mm(met), in_mm(target), in_mm(target + force.contact_from));
+}
+
 void leave_dark(PrintPlan& plan, const ExcludedCopy& copy, std::int32_t layer, Nanometers from) {
   const auto supports = copy.supports_left ? copy.supports_left() : nullptr;
   plan.engine->darken(copy.model, copy.copy, from);

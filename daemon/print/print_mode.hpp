@@ -79,6 +79,10 @@ using PausePoint = std::variant<std::int32_t, Nanometers>;
 // Returns "before layer 12" or "at 3.500 mm".
 [[nodiscard]] std::string describe(const PausePoint& point);
 
+// Returns a sentence about a plate that met resistance at a height, on its way down to a layer or rise at
+// `target`.
+[[nodiscard]] std::string describe_resistance(Nanometers met, Nanometers target, const ForcePolicy& force);
+
 // A copy of a model that is to stay dark, by the numbers in the plan's engine.
 struct ExcludedCopy {
   std::size_t model = 0, copy = 0;
@@ -108,6 +112,10 @@ class PrintObserver {
   virtual void light_due() = 0;
   virtual void state_changed(const PrintState& state) = 0;
   virtual void layer_done(const LayerRecord& layer) = 0;
+  // Called after the lift of a layer that had all its light, if there is a force line.
+  virtual void layer_peeled(std::int32_t /*layer*/, const PeelRecord& /*peel*/) {}
+  // Called when the user should know of something that does not interrupt the print.
+  virtual void warned(const std::string& /*what*/) {}
   // Called when another mask has replaced one on the screen while the plate rises, or when the rise stops.
   virtual void frame_over(const FrameRecord& /*frame*/) {}
   // Called when a phase of the print begins, with the light off.

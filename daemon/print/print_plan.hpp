@@ -16,6 +16,7 @@
 #include "core/engine/contour_engine.hpp"
 #include "core/layers/print_layers.hpp"
 #include "core/peel/pressed_resin.hpp"
+#include "daemon/config/force_policy.hpp"
 #include "daemon/config/resin_profile.hpp"
 #include "daemon/print/print_settings.hpp"
 #include "daemon/print/split_exposure.hpp"
@@ -77,6 +78,7 @@ struct PrintPlan {
   std::optional<PressedResin> pressed;  // nullopt: areas do not count for the wait before the light
   double plate_shape_mm4 = 0;           // factor of the plate, which presses out resin before the first layer
   std::vector<double> expected_shapes{};  // factor of each expected layer, used only for the time left
+  std::optional<ForcePolicy> force{};     // nullopt: no line tells of the force on the plate
   MillimetersPerSecond travel_speed, homing_speed;
   // Used only for the time left: the lamp's warm-up time, and the plate's height after homing.
   Duration warm_up{};
@@ -180,6 +182,14 @@ struct FrameFigures {
   }
 };
 
+// The peel of a layer by the force on the plate, known after its lift.
+struct PeelRecord {
+  bool felt = false;                     // the force rose above the threshold
+  std::optional<Nanometers> distance{};  // way of the plate until the layer let go
+  Duration saved{};                      // time by which the lift was shorter
+  bool missed = false;                   // it should have been felt, and the user was told
+};
+
 // The measured facts about one layer, or about a slice of a rise that is as thick as one.
 struct LayerRecord {
   std::int32_t layer = 0;  // from 0
@@ -202,7 +212,8 @@ struct LayerRecord {
   Duration late_picture{};     // by how much a picture came later than planned, at most
   bool rises = false;          // a slice of a rise
   FrameFigures frames;         // figures of a slice of a rise
-  bool undersides_found = true;  // false if undersides kept their light for lack of time
+  bool undersides_found = true;      // false if undersides kept their light for lack of time
+  std::optional<PeelRecord> peel{};  // nullopt: no force line, or no lift yet
   std::uint32_t intersecting_facets = 0;
   std::uint32_t loops = 0;
   LayerCracks cracks;
@@ -236,6 +247,23 @@ struct SplitFigures {
   FrameFigures figures;
   for (const LayerRecord& layer : layers)
     figures += layer.frames;
+  return figures;
+}
+
+// The peels of a print.
+struct PeelFigures {
+  std::int64_t judged = 0, felt = 0, missed = 0;  // layers
+  Duration saved{};
+};
+[[nodiscard]] inline PeelFigures peel_figures(const std::vector<LayerRecord>& layers) {
+  PeelFigures figures;
+  for (const LayerRecord& layer : layers) {
+    if (!layer.peel) continue;
+    ++figures.judged;
+    figures.felt += layer.peel->felt;
+    figures.missed += layer.peel->missed;
+    figures.saved += layer.peel->saved;
+  }
   return figures;
 }
 

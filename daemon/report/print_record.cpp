@@ -24,6 +24,12 @@ PrintRecord::PrintRecord(Machine& machine, Clock& clock, std::optional<std::file
       started_at_(std::chrono::system_clock::now()),
       states_(started_) {}
 
+void PrintRecord::add(std::int32_t layer, const PeelRecord& peel) {
+  const auto last = std::find_if(layers_.rbegin(), layers_.rend(),
+                                 [layer](const LayerRecord& record) { return record.layer <= layer; });
+  if (last != layers_.rend() && last->layer == layer) last->peel = peel;
+}
+
 void PrintRecord::enter(const PrintState& state, std::int32_t layer) {
   const bool stopped = state.activity == PrintActivity::Stopped;
   const bool was_stopped = states_.state().activity == PrintActivity::Stopped;

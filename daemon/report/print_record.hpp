@@ -28,6 +28,8 @@ class PrintRecord {
     layers_.push_back(layer);
     layers_.back().done_after = elapsed();
   }
+  // Adds the peel of a layer to its record, which is among the last.
+  void add(std::int32_t layer, const PeelRecord& peel);
   // Records that the print is in this state from now on, at this layer, counted from 0.
   void enter(const PrintState& state, std::int32_t layer);
   void add_interruption(std::int32_t layer, const std::string& what);

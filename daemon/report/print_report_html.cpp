@@ -148,6 +148,19 @@ std::string pictures_row(const std::vector<LayerRecord>& layers) {
                                split.most_pictures, 100 * split.light_error, in_ms(split.late_picture)));
 }
 
+// Returns the row about the peels, if there is a force line.
+std::string peels_row(const std::vector<LayerRecord>& layers) {
+  const PeelFigures peels = peel_figures(layers);
+  if (peels.judged == 0) return "";
+  std::string text = fmt::format("felt in {} of {}, lifts shorter by {:.1f} s", peels.felt,
+                                 count_of(static_cast<std::size_t>(peels.judged), "layer", "layers"),
+                                 in_seconds(peels.saved));
+  if (peels.missed > 0)
+    text += fmt::format("; missed {}: the part may have come off",
+                        count_of(static_cast<std::size_t>(peels.missed), "time", "times"));
+  return table_row("Peel", text);
+}
+
 // Returns the row about the masks of a rise, if there was one.
 std::string frames_row(const PrintReport& report) {
   const FrameFigures frames = frame_figures(report.layers);
@@ -226,7 +239,8 @@ std::string facts(const PrintReport& report) {
   rows += settings_rows(report) + exposure_rows(report.layers) + trouble_rows(report);
   rows += table_row("First mask",
                     fmt::format("{:.1f} ms after the job's turn came", in_ms(report.first_mask_after)));
-  rows += mask_row(report.layers) + pictures_row(report.layers) + frames_row(report);
+  rows +=
+      mask_row(report.layers) + pictures_row(report.layers) + frames_row(report) + peels_row(report.layers);
   if (report.findings) rows += table_row("Analysis", findings_line(*report.findings));
   return rows;
 }
@@ -395,12 +409,22 @@ std::string cured_part_section(const PrintReport& report) {
   return html + "</table>\n" + cured_section(part.figures.section) + distance_plots(part.figures);
 }
 
+// Returns the plot of the way until each layer let go of the film, if a force line tells of it.
+std::string peel_plot(const PrintReport& report) {
+  std::vector<PlotPoint> points;
+  for (const LayerRecord& layer : report.layers)
+    if (layer.peel && layer.peel->distance)
+      points.push_back({in_mm(layer.mask_height), in_mm(*layer.peel->distance)});
+  return points.empty() ? "" : svg_plot("Peel, mm until the layer let go of the film, by height", points);
+}
+
 std::string plots(const PrintReport& report) {
   if (report.layers.empty()) return "";
   return plot_of(report, "Exposed area, mm² by height", [](const LayerRecord& l) { return l.area_mm2; }) +
          plot_of(report, "Time from height to mask, ms by height",
                  [](const LayerRecord& l) { return in_ms(l.mask_time); }) +
-         plot_of(report, "Contour loops by height", [](const LayerRecord& l) { return l.loops; });
+         plot_of(report, "Contour loops by height", [](const LayerRecord& l) { return l.loops; }) +
+         peel_plot(report);
 }
 
 // Returns the picture of the part, if there is one.

@@ -210,6 +210,25 @@ Json rises_json(const PrintReport& report) {
   return json;
 }
 
+// Returns the peel of a layer; null if it is not known.
+Json peel_json(const std::optional<PeelRecord>& peel) {
+  if (!peel) return {};
+  return {{"felt", peel->felt},
+          {"distance_mm", peel->distance ? Json(in_mm(*peel->distance)) : Json()},
+          {"saved_s", in_seconds(peel->saved)},
+          {"missed", peel->missed}};
+}
+
+// Returns the peels of the print; null if none is known.
+Json peels_json(const PrintReport& report) {
+  const PeelFigures peels = peel_figures(report.layers);
+  if (peels.judged == 0) return {};
+  return {{"layers", peels.judged},
+          {"felt", peels.felt},
+          {"missed", peels.missed},
+          {"saved_s", in_seconds(peels.saved)}};
+}
+
 Json layer_json(const LayerRecord& layer) {
   Json json{{"layer", layer.layer + 1},
             {"thickness_um", in_mm(layer.thickness) * 1000},
@@ -229,6 +248,7 @@ Json layer_json(const LayerRecord& layer) {
             {"shown_at_s", in_ms(layer.shown_at.time_since_epoch()) / 1000},  // by the machine's clock
             {"mask_ms", in_ms(layer.mask_time)},
             {"area_mm2", layer.area_mm2},
+            {"peel", peel_json(layer.peel)},
             {"intersecting_facets", layer.intersecting_facets},
             {"loops", layer.loops}};
   json.update(cracks_json(layer.cracks));
@@ -277,6 +297,7 @@ std::string report_as_json(const PrintReport& report) {
   add_stops(report, json);
   json["continuous"] = rises_json(report);
   json["frames"] = rise_json(report);
+  json["peel"] = peels_json(report);
   json["unfound_undersides"] = layers_with_unfound_undersides(report.layers);
   json["late_steps"] = report.late_steps;
   json["loop_busy_ms_worst_lit"] = in_ms(report.busiest_lit.busy);

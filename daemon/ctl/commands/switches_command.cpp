@@ -28,6 +28,7 @@ std::string switch_state(const Json& input) {
   const std::string name = input.value("name", "");
   if (name == "emergency stop") return active.get<bool>() ? "pressed" : "released";
   if (name == "power fail") return active.get<bool>() ? "failing" : "good";
+  if (name == "force") return active.get<bool>() ? "active" : "inactive";
   if (name == "lid") return active.get<bool>() ? "open" : "closed";
   if (name.starts_with("encoder")) return active.get<bool>() ? "high" : "low";
   return active.get<bool>() ? "reached" : "not reached";

@@ -124,8 +124,9 @@ class NotedFrames final : public testing::PlainDisplay {
 
 class ContinuousPrintFixture final : public Machine, public PrintObserver {
  public:
-  explicit ContinuousPrintFixture(ContourEngine engine = cone_engine())
-      : printer(clock, testing::small_printer()),
+  explicit ContinuousPrintFixture(ContourEngine engine = cone_engine(),
+                                  const SimulatedPrinterConfig& config = testing::small_printer())
+      : printer(clock, config),
         screen(printer.display(), clock),
         threaded(clock),
         reference(std::move(engine)),
@@ -1302,4 +1303,28 @@ TEST_CASE("A change within a rise that would outlast the window's oxygen is refu
   RiseSettings settings = fixture.process.settings().rise;
   settings.speed_mm_h = 10;
   CHECK(testing::lacking(change(fixture, settings), {"0.10 to 1.00 mm", "oxygen", "240", "window_s"}) == "");
+}
+
+TEST_CASE("Resistance on the way down to a rise pauses the print in the dark, and it goes on without it") {
+  for (const bool fails : {false, true}) {
+    SimulatedPrinterConfig config = testing::small_printer();
+    config.axis.force =
+        SimulatedForceConfig{.obstruction = Nanometers{3'000'000}, .obstruction_after_lifts = kFirstLayers};
+    ContinuousPrintFixture fixture(cone_engine(), config);
+    PrintPlan plan = cone_plan();
+    plan.force = ForcePolicy{.contact_from = Nanometers{2'000'000}, .resistance_fails = fails};
+    fixture.process.start(std::move(plan));
+    REQUIRE(fixture.run_to(C::Lowering));
+    CHECK(fixture.run_to(C::Paused) != fails);
+    if (!fails) {
+      REQUIRE(fixture.interruptions.size() == 1);
+      CHECK(fixture.interruptions[0].starts_with(
+          "the plate met resistance at 3.100 mm on its way down to 0.100 mm, where force is expected only "
+          "below 2.100 mm: "));
+      fixture.process.resume();
+      fixture.run_out();
+    }
+    CHECK(fixture.ends == std::vector{fails ? PrintOutcome::Failed : PrintOutcome::Done});
+    CHECK(fixture.dangers().empty());
+  }
 }

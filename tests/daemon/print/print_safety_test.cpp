@@ -8,6 +8,7 @@
 #include "tests/catch.hpp"
 #include "tests/daemon/print/box_print.hpp"
 #include "tests/hw/gpio/plant.hpp"
+#include "tests/models/dice.hpp"
 
 namespace {
 
@@ -22,6 +23,7 @@ GpioAxisConfig axis_config() {
   config.emergency_stop = GpioInputConfig{{"gpiochip0", "5", false}};
   config.lid = GpioInputConfig{{"gpiochip0", "6", false}};
   config.power_fail = GpioInputConfig{{"gpiochip0", "13", false}};
+  config.force = ForceConfig{.input = {{"gpiochip0", "14", false}}, .contact_from = Nanometers{2'000'000}};
   return config;
 }
 
@@ -217,4 +219,49 @@ TEST_CASE("Several spikes pause the print each time, and it can still be finishe
   fixture.run_out();
   CHECK(fixture.outcome == PrintOutcome::Done);
   CHECK(fixture.layers.size() == kLayers);
+}
+
+TEST_CASE(
+    "Force at any instant of a print never shines, loses no step, and leaves a print that can be finished") {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    CAPTURE(seed);
+    models::Dice dice(seed, 0);
+    PrintSafetyFixture fixture;
+    fixture.plant.pull_in = 2'020;  // steps/s; the motor loses steps when it stops dead from above
+    PrintPlan plan = print_plan();
+    plan.motion.second_lift = Nanometers{2'000'000};
+    plan.motion.second_lift_speed = MillimetersPerSecond{4};
+    plan.force = ForcePolicy{.contact_from = Nanometers{2'000'000}, .least_peel_area_mm2 = 1e6};
+    fixture.process->start(std::move(plan));
+    std::vector<std::unique_ptr<Timer>> presses;
+    for (auto left = dice.whole(1, 6); left > 0; --left) {
+      const Duration at = dice.between(20s, 60s), lasting = dice.spread(1ms, 3s);
+      for (const bool pressed : {true, false})
+        presses.push_back(fixture.plant.clock.call_after(pressed ? at : at + lasting, [&fixture, pressed] {
+          fixture.plant.press(AxisInput::Force, pressed);
+        }));
+    }
+    const EnumSet<S> lit{S::Igniting, S::Exposing};
+    bool lit_wrongly = false;
+    for (int resumed = 0; !fixture.outcome && resumed < 1'000; ++resumed) {
+      fixture.plant.run([&] {
+        lit_wrongly = lit_wrongly || (fixture.line->level && !lit.contains(fixture.process->layered_state()));
+        return fixture.outcome || fixture.process->layered_state() == S::Paused;
+      });
+      if (!fixture.outcome) fixture.process->resume();
+    }
+    CHECK_FALSE(lit_wrongly);
+    CHECK(fixture.reason.empty());
+    REQUIRE(fixture.outcome == PrintOutcome::Done);
+    REQUIRE(fixture.plant.axis->height().has_value());
+    const double off =
+        in_mm(*fixture.plant.axis->height()) * 800 - static_cast<double>(fixture.plant.plate());
+    CHECK(std::fabs(off) < 0.01);
+    REQUIRE(fixture.layers.size() == kLayers);
+    for (const LayerRecord& layer : fixture.layers) {
+      CHECK(layer.exposure_least >= kExposure - 1ms);
+      CHECK(layer.exposure_most <= kExposure + 1ms);
+      CHECK(layer.exposure_parts == 1);
+    }
+  }
 }
