@@ -19,7 +19,7 @@ constexpr Pixels kWidth{16}, kHeight{12};
 constexpr std::int64_t kFieldPeriod = 4;
 
 // A coarse screw for prints without a rise, so that a step is long (12.5 um) and a print takes few of them.
-GpioAxisConfig axis_of(const Scenario& scenario) {
+GpioAxisConfig axis_of(const Scenario& scenario, Nanometers contact_from) {
   GpioAxisConfig config;
   config.travel = Nanometers{5'000'000};
   config.microsteps_per_mm = scenario.steps_per_mm();
@@ -30,6 +30,7 @@ GpioAxisConfig axis_of(const Scenario& scenario) {
   config.limit_switch.line.line = "23";
   config.emergency_stop = GpioInputConfig{{"gpiochip0", "5", false}};
   config.lid = GpioInputConfig{{"gpiochip0", "6", false}};
+  config.force = ForceConfig{.input = {{"gpiochip0", "12", false}}, .contact_from = contact_from};
   if (scenario.encoder == EncoderKind::None) return config;
   config.encoder = EncoderConfig{};
   config.encoder->counts_per_mm = scenario.steps_per_mm();
@@ -51,7 +52,7 @@ bool switches_light(LightKind kind) {
 }  // namespace
 
 MachineModel::MachineModel(const Scenario& scenario)
-    : plant(axis_of(scenario)),
+    : plant(axis_of(scenario, kContactFrom)),
       loop(plant.clock),
       screen(plant.clock, loop, kWidth, kHeight),
       kind_(scenario.light),

@@ -69,6 +69,8 @@ class MachineModel final : public Machine {
   [[nodiscard]] bool stray() const { return kind_ == LightKind::Serial && model_->came_up_lit(); }
   [[nodiscard]] bool lamp_is_on() const { return serial_ && model_->powered(); }
   [[nodiscard]] Nanometers plate() const;
+  // Returns the height up to which a force on the plate is normal.
+  [[nodiscard]] Nanometers normal_force_up_to() const { return contact_ + kContactFrom; }
   [[nodiscard]] std::uint64_t line_faults() const { return model_->faults_made(); }
   [[nodiscard]] TimePoint off_sent() const { return model_->off_sent(); }
 
@@ -109,6 +111,7 @@ class MachineModel final : public Machine {
     explicit NotedAxis(MachineModel& machine) : machine_(machine) {}
     void home(std::function<void(HomingResult)> done) override {
       machine_.move_asked();
+      machine_.contact_ = {};
       now().home(std::move(done));
     }
     void move_to(Nanometers target, MillimetersPerSecond speed,
@@ -116,6 +119,12 @@ class MachineModel final : public Machine {
       machine_.move_asked();
       now().move_to(target, speed, std::move(done));
     }
+    void expect_contact_at(Nanometers height) override {
+      machine_.contact_ = height;
+      now().expect_contact_at(height);
+    }
+    [[nodiscard]] std::optional<bool> force() const override { return now().force(); }
+    void on_force(std::function<void(const ForceChange&)> call) override { now().on_force(std::move(call)); }
     void stop() override {
       machine_.stop_asked();
       now().stop();
@@ -152,7 +161,10 @@ class MachineModel final : public Machine {
   void search();
   void tell(const MachineEvent& event);
 
+  static constexpr Nanometers kContactFrom{300'000};
+
   const LightKind kind_;
+  Nanometers contact_{};
   const ProjectorTable table_;
   std::function<void(const MachineEvent&)> on_event_;
   NotedProjector light_;

@@ -45,6 +45,7 @@ constexpr std::array kKinds{
     KindTraits{Kind::EncoderLoses, "encoder loses counts", 2, 1s, 30s},
     KindTraits{Kind::EncoderLosesUpwards, "encoder loses counts upwards", 1, 1s, 30s},
     KindTraits{Kind::RiseChanges, "speed of the rise changed", 2, 0s, 0s},
+    KindTraits{Kind::PressForce, "force on the plate", 0, 1ms, 3s},
 };
 
 const KindTraits& traits_of(Kind kind) {
@@ -65,7 +66,7 @@ Kind draw_kind(Dice& dice) {
 
 constexpr std::int64_t kStates = 36;
 // Shares of the scenarios that have a theme, and a rise.
-constexpr double kThemed = 0.5, kRises = 0.3;
+constexpr double kThemed = 0.5, kRises = 0.3, kForces = 0.3;
 
 Happening draw_happening(Dice& dice) {
   Happening happening{draw_kind(dice), static_cast<int>(dice.whole(1, kStates)), {}, {}, 1};
@@ -104,6 +105,18 @@ LineFaults draw_faults(Dice& dice) {
     if (dice.chance(0.4)) *each = 0.01 * static_cast<double>(dice.whole(1, 12));
   }
   return faults;
+}
+
+// Adds forces, some of which come and go. No other draw depends on them.
+void draw_forces(Dice& dice, Scenario& scenario) {
+  const KindTraits& traits = traits_of(Kind::PressForce);
+  for (std::int64_t left = dice.whole(1, 3); left > 0; --left) {
+    Happening force{Kind::PressForce, static_cast<int>(dice.whole(1, kStates)), {}, {}, 1};
+    force.after = dice.spread(100us, 2s);
+    force.length = dice.spread(traits.shortest, traits.longest);
+    if (dice.chance(0.3)) force.times = static_cast<int>(dice.whole(2, 20));
+    scenario.happenings.push_back(force);
+  }
 }
 
 // The number of states that a print enters before its rise, without those of its layers, if nothing happens.
@@ -148,6 +161,7 @@ Scenario draw_scenario(std::uint64_t seed) {
   scenario.splits = Dice(seed, 5).chance(0.5);
   if (Dice rise(seed, 6); rise.chance(kRises)) draw_rise(rise, scenario);
   if (Dice themes(seed, 4); themes.chance(kThemed)) draw_theme(themes, scenario);
+  if (Dice forces(seed, 7); forces.chance(kForces)) draw_forces(forces, scenario);
   return scenario;
 }
 

@@ -43,6 +43,7 @@ struct Happening {
     EncoderLoses,  // some counts are lost
     EncoderLosesUpwards,
     RiseChanges,  // the user changes the speed of the rise
+    PressForce,   // the force on the plate exceeds its threshold
   };
   Kind kind;
   int state = 0;      // the number of states that the print has entered before

@@ -109,6 +109,12 @@ PrintPlan World::plan() const {
   plan.motion.retract_speed = plan.travel_speed = plan.homing_speed = MillimetersPerSecond{5};
   plan.motion.settle = scenario_.settle;
   plan.motion.rest = scenario_.rest;
+  if (scenario_.has({Kind::PressForce})) {
+    plan.motion.lift = plan.motion.second_lift = Nanometers{500'000};
+    plan.motion.second_lift_speed = MillimetersPerSecond{4};
+    plan.force =
+        ForcePolicy{.contact_from = machine_.plant.config.force->contact_from, .least_peel_area_mm2 = 1e9};
+  }
   if (scenario_.rises) plan.rises = rises();
   return plan;
 }
@@ -254,6 +260,7 @@ void World::look_at_motion() {
           fmt::format("{:.3f} mm after stop, the profile needs at most {:.3f} mm", ran_mm, most_mm),
           machine_.loop.now());
   }
+  look_at_force();
   const ZAxis& axis = machine_.z_axis();
   if (axis.moving()) return;
   const auto height = axis.height();
@@ -261,6 +268,24 @@ void World::look_at_motion() {
     verdict_.break_rule("f: the position believed is true",
                         fmt::format("{:.4f} mm believed, {:.4f} mm true", to_millimeters(*height).count(),
                                     to_millimeters(machine_.plate()).count()),
+                        machine_.loop.now());
+}
+
+// Checks that a plate which meets resistance comes to rest, unless the inputs or steps are late. While it
+// homes, it may go on a little.
+void World::look_at_force() {
+  const std::int64_t motor = machine_.plant.motor;
+  const bool settled = machine_.z_axis().force() == true;
+  const bool late = scenario_.has({Kind::InputsHeldUp, Kind::StepsHeldUp});
+  if (!settled || late || machine_.plate() <= machine_.normal_force_up_to()) return pressed_at_.reset();
+  pressed_at_ = std::max(pressed_at_.value_or(motor), motor);
+  constexpr double kBraking_mm = (5.0 * 5.0 - 2.5 * 2.5) / 2 / 50;
+  const double most_mm = kBraking_mm + in_mm(machine_.plant.config.force->contact_from) +
+                         in_mm(machine_.plant.config.backlash) + 2 / scenario_.steps_per_mm();
+  const double went_mm = static_cast<double>(*pressed_at_ - motor) / scenario_.steps_per_mm();
+  if (went_mm > most_mm)
+    verdict_.break_rule("l: a plate that meets resistance comes to rest",
+                        fmt::format("{:.3f} mm down, at most {:.3f} mm are needed", went_mm, most_mm),
                         machine_.loop.now());
 }
 
@@ -330,6 +355,8 @@ void World::happen(const Happening& happening) {
       return machine_.lose_display(happening.length);
     case Kind::LineRefuses:
       return machine_.refuse_line(happening.length);
+    case Kind::PressForce:
+      return press(AxisInput::Force, happening);
     case Kind::RiseChanges:
       return machine_.loop.post([this] { change_rises(); });
     case Kind::EncoderLoses:
@@ -342,7 +369,7 @@ void World::happen(const Happening& happening) {
 }
 
 void World::press(AxisInput input, const Happening& happening) {
-  expect_dark_soon();
+  if (input != AxisInput::Force) expect_dark_soon();
   for (int i = 0; i < 2 * happening.times; ++i) {
     timers_.push_back(machine_.plant.clock.call_after(
         happening.length * i, [this, input, pressed = i % 2 == 0] { machine_.plant.press(input, pressed); }));

@@ -46,6 +46,7 @@ class World final : private PrintObserver {
   void step();
   void look();
   void look_at_motion();
+  void look_at_force();
   void happen(const Happening& happening);
   void press(AxisInput input, const Happening& happening);
   void expect_dark_soon();
@@ -66,6 +67,7 @@ class World final : private PrintObserver {
   std::vector<std::unique_ptr<Timer>> timers_;
   std::unique_ptr<Timer> user_timer_;
   std::optional<std::int64_t> stopped_at_;  // motor position when the stop was requested
+  std::optional<std::int64_t> pressed_at_;  // the motor's highest position under a force that is resistance
   TimePoint encoder_loses_until_{}, encoder_loses_upwards_until_{};
   bool ending_ = false;
   TimePoint ending_since_{};  // start of the last state that waits only for darkness
