@@ -129,8 +129,8 @@ class ZAxis : public Device {
   [[nodiscard]] virtual bool homes_upwards() const = 0;
 
   // Sets the height at which the plate, or the part on it, meets the film, for moves from now on; 0 at first
-  // and from homing on.
-  // With a force line, a move down that meets resistance further above stops, see MoveResult::Resistance.
+  // and from homing on. With a force line, a move down that meets resistance further above ends with
+  // MoveResult::Resistance.
   virtual void expect_contact_at(Nanometers /*height*/) {}
   // True while the force line is active; nullopt if there is none.
   [[nodiscard]] virtual std::optional<bool> force() const { return std::nullopt; }
