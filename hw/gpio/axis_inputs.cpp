@@ -55,8 +55,11 @@ AxisInputs::AxisInputs(StepEngine& engine, const Lines& lines, StepEngine::Now n
 }
 
 void AxisInputs::set_limit_rule(LimitRule rule, std::int64_t limit, bool from_above) noexcept {
-  limit_ = limit;
-  from_above_ = from_above;
+  // The limit of a rule that still holds is not touched.
+  if (rule != LimitRule::Never) {
+    limit_ = limit;
+    from_above_ = from_above;
+  }
   limit_rule_ = rule;
   work_.signal();
 }
