@@ -28,14 +28,22 @@ JsonDocument document_of(const fs::path& file) {
   return JsonDocument::from_file(file);
 }
 
-// Returns the address as the kernel writes it; nullopt if the text is no address.
+// Returns the address as HttpRequest::peer() has it; nullopt if the text is no address of a single computer.
 std::optional<std::string> address_in(const std::string& text) {
-  std::array<std::uint8_t, sizeof(in6_addr)> bytes{};
+  in6_addr six{};
   std::array<char, INET6_ADDRSTRLEN> written{};
-  const int family = text.find(':') == std::string::npos ? AF_INET : AF_INET6;
-  if (::inet_pton(family, text.c_str(), bytes.data()) != 1) return std::nullopt;
-  if (::inet_ntop(family, bytes.data(), written.data(), written.size()) == nullptr) return std::nullopt;
-  return written.data();
+  // An IPv4 address is the end of an IPv6 one.
+  const bool is_four = text.find(':') == std::string::npos;
+  const std::string mapped = is_four ? "::ffff:" + text : text;
+  if (::inet_pton(AF_INET6, mapped.c_str(), &six) != 1) return std::nullopt;
+  if (!IN6_IS_ADDR_V4MAPPED(&six)) {
+    if (IN6_IS_ADDR_UNSPECIFIED(&six) || IN6_IS_ADDR_MULTICAST(&six)) return std::nullopt;
+    return ::inet_ntop(AF_INET6, &six, written.data(), written.size());
+  }
+  constexpr std::uint8_t kFirstMulticast = 224;
+  const std::uint8_t* const four = &six.s6_addr[12];
+  if (four[0] == 0 || four[0] >= kFirstMulticast) return std::nullopt;
+  return ::inet_ntop(AF_INET, four, written.data(), written.size());
 }
 
 std::optional<HostPort> host_port(const JsonSection& settings, const char* key) {

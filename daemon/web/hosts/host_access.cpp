@@ -22,7 +22,7 @@ std::string why_no_client(const HostCaller& caller, const HostAccess& access) {
         "/etc/contourd/web.json",
         caller.host.empty() ? "no Host" : printable(shortened(caller.host, kMostShown)));
   if (!caller.origin.empty() || !caller.sec_fetch_site.empty() || !caller.referer.empty() ||
-      caller.user_agent.starts_with("Mozilla/"))
+      !caller.accept_language.empty() || caller.user_agent.starts_with("Mozilla/"))
     return "this port is for slicers and not for a browser: open the printer's page";
   return "";
 }
@@ -36,7 +36,8 @@ HttpServer::Handler for_clients_only(HostAccess access, HttpServer::Handler hand
                                            .origin = request->header("Origin"),
                                            .sec_fetch_site = request->header("Sec-Fetch-Site"),
                                            .referer = request->header("Referer"),
-                                           .user_agent = request->header("User-Agent")},
+                                           .user_agent = request->header("User-Agent"),
+                                           .accept_language = request->header("Accept-Language")},
                                           access);
     if (!why.empty()) return request->answer({.status = 403, .body = why + "\n"});
     request->has_logged_in();

@@ -18,12 +18,12 @@ struct HostAccess {
 struct HostCaller {
   std::string peer, local;  // as of HttpRequest
   std::string host;
-  std::string origin{}, sec_fetch_site{}, referer{}, user_agent{};
+  std::string origin{}, sec_fetch_site{}, referer{}, user_agent{}, accept_language{};
 };
 
 // Returns why the caller may not use the port, a sentence; empty if it may. A browser is refused, since a
 // page of any site can have it send a GET request, which these interfaces act on: on plain HTTP it need not
-// say where such a request comes from, but it always names itself as Mozilla.
+// say where such a request comes from, but it always says which language it prefers.
 [[nodiscard]] std::string why_no_client(const HostCaller& caller, const HostAccess& access);
 
 // Returns a handler that answers requests of others with the reason (403), and passes on those of clients.

@@ -50,8 +50,14 @@ TEST_CASE("the ports for clients without a password are off, and have only liste
   REQUIRE(config.nanodlp);
   CHECK(config.nanodlp->port == 80);
   CHECK(config.nanodlp->clients == std::vector<std::string>{"192.168.1.30", "fe80::1"});
-  for (const char* clients : {"[]", R"(["printer"])", R"(["192.168.1.0/24"])", R"(["192.168.1.300"])",
-                              R"(["::g"])", R"(["192.168.1.30:80"])", "null"})
+  // An IPv4 client comes without the IPv6 address in which a socket for both kinds has it.
+  CHECK(config_of(R"({"nanodlp": {"clients": ["::FFFF:192.168.1.30", "0:0::1"]}})").nanodlp->clients ==
+        std::vector<std::string>{"192.168.1.30", "::1"});
+  for (const char* clients :
+       {"[]", R"(["printer"])", R"(["192.168.1.0/24"])", R"(["192.168.1.300"])", R"(["::g"])",
+        R"(["192.168.1.30:80"])", R"(["192.168.001.030"])", R"(["::ffff:192.168.1"])", R"(["fe80::1%eth0"])",
+        R"(["0.0.0.0"])", R"(["::"])", R"(["::ffff:0:0"])", R"(["255.255.255.255"])", R"(["224.0.0.251"])",
+        R"(["ff02::1"])", "null"})
     CHECK_THROWS_AS(config_of(fmt::format(R"({{"nanodlp": {{"clients": {}}}}})", clients)), ConfigError);
   CHECK_THROWS_AS(config_of(R"({"nanodlp": {"port": 80}})"), ConfigError);
   CHECK(config_of(R"({"odyssey": {"clients": ["127.0.0.1"]}})").odyssey->port == 12357);

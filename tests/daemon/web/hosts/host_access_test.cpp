@@ -38,6 +38,7 @@ TEST_CASE("A browser may not use the port, wherever its page is from") {
        {client_with(&HostCaller::origin, "http://192.168.1.20"), client_with(&HostCaller::origin, "null"),
         client_with(&HostCaller::sec_fetch_site, "none"),
         client_with(&HostCaller::referer, "http://192.168.1.20:8080/"),
-        client_with(&HostCaller::user_agent, "Mozilla/5.0 (iPhone)")})
+        client_with(&HostCaller::user_agent, "Mozilla/5.0 (iPhone)"),
+        client_with(&HostCaller::accept_language, "en")})
     CHECK(why_no_client(caller, kAccess).find("not for a browser") != std::string::npos);
 }
