@@ -50,7 +50,9 @@ class PlateFigures {
 
   [[nodiscard]] std::optional<double> number(const char* key, const FigureRange& range) const {
     const auto found = values_.find(key);
-    if (found == values_.end() || !found->is_number()) return std::nullopt;
+    if (found == values_.end() || found->is_null()) return std::nullopt;
+    if (!found->is_number())
+      throw ModelError(fmt::format("{} of {} is no number: slice the model again", key, file_));
     const double number = found->get<double>();
     if (number == 0) return std::nullopt;
     if (!(number >= range.least && number <= range.most))

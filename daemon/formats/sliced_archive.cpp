@@ -138,6 +138,15 @@ void check_pitch(const SlicedDisplay& sliced, const DisplayGeometry& display) {
   }
 }
 
+// `file` names the display.
+void check_size(const SlicedDisplay& sliced, const PictureSize& size, const char* file) {
+  const PictureSize on_plate{sliced.pixels[0], sliced.pixels[1]};
+  if ((sliced.on_end ? on_plate.turned() : on_plate) == size) return;
+  throw ModelError(
+      fmt::format("{} names a display of {} pixels, and the pictures have {}: slice the model again", file,
+                  on_plate.text(), size.text()));
+}
+
 // Returns the turn from pictures of this size to the display. Throws ModelError if they do not agree with it.
 Turn turn_for(const std::optional<SlicedDisplay>& sliced, const PictureSize& size,
               const DisplayGeometry& display) {
@@ -148,14 +157,11 @@ Turn turn_for(const std::optional<SlicedDisplay>& sliced, const PictureSize& siz
   };
   if (!sliced || !sliced->mirrors_known) {
     if (size != wanted) refuse();
+    if (sliced) check_size(*sliced, size, "options.json");
     if (sliced) check_pitch(*sliced, display);
     return {};
   }
-  const PictureSize on_plate{sliced->pixels[0], sliced->pixels[1]};
-  if ((sliced->on_end ? on_plate.turned() : on_plate) != size)
-    throw ModelError(fmt::format(
-        "prusaslicer.ini names a display of {} pixels, and the pictures have {}: slice the model again",
-        on_plate.text(), size.text()));
+  check_size(*sliced, size, "prusaslicer.ini");
   if (size != wanted && size.turned() != wanted) refuse();
   check_pitch(*sliced, display);
   const bool is_square = size == size.turned();

@@ -68,8 +68,8 @@ class ZipEntryStream : public ByteStream {
 void refuse_entries(std::uint64_t entries) {
   if (entries > kMostEntries)
     throw ModelError(
-        fmt::format("the archive holds {} entries, and the limit is {}: unpack it, and print the "
-                    "models that are in it",
+        fmt::format("the archive holds {} entries, and the limit is {}: unpack it and print its models, "
+                    "or slice the model with thicker layers",
                     entries, kMostEntries));
 }
 

@@ -89,6 +89,9 @@ TEST_CASE("A plate for another display is refused, but not one whose pixels were
   CHECK(testing::lacking(plate_refusal(plate(), {Pixels{12}, Pixels{8}, Micrometers{52}}), {"50.00", "52.00"})
             .empty());
   CHECK(plate_refusal(plate(), {Pixels{12}, Pixels{8}, Micrometers{50.45}}).empty());
+  NanodlpTexts texts = kPlateTexts;
+  texts.options = R"({"PWidth": 13, "PHeight": 8, "XPixelSize": 0.05, "YPixelSize": 0.05, "Thickness": 50})";
+  CHECK(testing::lacking(plate_refusal(plate(texts)), {"options.json", "13x8", "12x8"}).empty());
 }
 
 TEST_CASE("The settings of a plate have defaults, and wrong ones are refused with their place") {
@@ -100,13 +103,15 @@ TEST_CASE("The settings of a plate have defaults, and wrong ones are refused wit
   CHECK(settings.first_layer == Nanometers{25'000});
   CHECK_FALSE(settings.exposures);
   CHECK_FALSE(settings.display);
-  for (const auto& [profile, words] :
-       std::vector<std::pair<std::string, std::vector<std::string>>>{{"{}", {"thickness"}},
-                                                                     {"[]", {"profile.json", "damaged"}},
-                                                                     {"{", {"profile.json", "damaged"}},
-                                                                     {R"({"Depth": -5})", {"Depth", "-5"}},
-                                                                     {R"({"Depth": 1e9})", {"Depth", "1000"}},
-                                                                     {R"({"Depth": "50"})", {"thickness"}}}) {
+  for (const auto& [profile, words] : std::vector<std::pair<std::string, std::vector<std::string>>>{
+           {"{}", {"thickness"}},
+           {"[]", {"profile.json", "damaged"}},
+           {"{", {"profile.json", "damaged"}},
+           {R"({"Depth": -5})", {"Depth", "-5"}},
+           {R"({"Depth": 1e9})", {"Depth", "1000"}},
+           {R"({"Depth": "50"})", {"Depth", "no number"}},
+           {R"({"Depth": 50, "CureTime": [2]})", {"CureTime", "no number"}},
+           {R"({"Depth": null})", {"thickness"}}}) {
     texts.profile = profile;
     const std::string why = testing::message_of<ModelError>([&] { (void)read_nanodlp_settings(texts); });
     for (const std::string& word : words)
