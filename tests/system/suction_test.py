@@ -104,6 +104,8 @@ class Suction(FolderTest):
         for wrong in ("0.1", "31", "nan"):
             result = contourctl("slice", part, *printer, "--hollow", wrong, "--masks", self.path("masks"))
             self.assert_refusal(result, BAD_USAGE, f"--hollow {wrong}", "0.2 to 30")
+        # The command line is checked before a file is read.
+        self.assert_refusal(contourctl("slice", self.path("none.stl"), *printer, "--hollow", "31"), BAD_USAGE, "--hollow 31")
 
     # --- drain holes
 

@@ -190,6 +190,7 @@ std::unique_ptr<GivenLight> PrintSubject::given_light() const {
 
 PrintSubject print_subject(const PrintArgs& args) {
   (void)parse_size(args.size);
+  (void)parse_hollow(args.hollow_mm);
   if (args.undersides && !args.printer && !args.resin)
     throw UsageError("--undersides needs --printer, or --resin with the resin's profile");
   return args.printer ? subject_of_printer(args) : subject_alone(args);
