@@ -88,7 +88,7 @@ class StrangersTest(HostTest):
         self.serve_host(self.printing_slowly())
         self.daemon.begin("part.stl", SMALL)
         for headers in ({"Origin": "http://evil.example"}, {"Origin": "null"}, {"Origin": f"http://127.0.0.1:{self.host_port}"},
-                        {"Sec-Fetch-Site": "cross-site"}, {"Sec-Fetch-Site": "none"}, {"Referer": "http://evil.example/"},
+                        {"Sec-Fetch-Site": "cross-site"}, {"Sec-Fetch-Site": "none"}, {"Referer": "http://evil.example/"}, {"Accept-Language": "en"},
                         {"User-Agent": "Mozilla/5.0 (X11; Linux x86_64) Gecko/20100101 Firefox/128.0"}):  # fmt: skip
             with self.subTest(headers=headers):
                 self.refused("GET", "/printer/stop", 403, "browser", **headers)
@@ -265,6 +265,44 @@ class NanodlpTest(HostTest):
         self.assertEqual(self.ask("GET", f"/printer/start/{number}")[0], 200)
         self.assertEqual(self.daemon.wait_ended("second")["outcome"], "done")
 
+    def test_an_interrupted_print_is_named_before_its_part_on_the_plate(self):
+        self.serve_host(self.printing_slowly())
+        self.daemon.begin("part.stl", SMALL)
+        number = self.add("second", nanodlp(self.layers()))
+        self.plate(number)
+        self.daemon.process.kill()
+        self.daemon.process.wait()
+        self.daemon.start()
+        wait_until(lambda: self.ask("GET", "/status")[0] == 200, "contourd")
+        self.plate(number)
+        self.refused("GET", f"/printer/start/{number}", 409, "contourctl resume")
+
+    def test_of_two_starts_at_once_one_is_refused_and_its_plate_still_waits(self):
+        self.serve_host(self.printing_slowly())
+        plates = {self.add(name, nanodlp(self.layers())): name for name in ("one", "two")}
+        started = []
+        for number in plates:
+            self.plate(number)
+        clients = {number: socket.create_connection(("127.0.0.1", self.host_port), timeout=DEADLINE_S) for number in plates}
+        for number, client in clients.items():
+            self.addCleanup(client.close)
+            client.sendall(f"GET /printer/start/{number} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+        for number, client in clients.items():
+            reply = client.recv(65536)
+            self.assertIn(reply.split()[1], (b"200", b"409"))
+            if reply.split()[1] == b"200":
+                started.append(plates[number])
+            else:
+                self.assert_one_line(reply.partition(b"\r\n\r\n")[2])
+        self.assertEqual(len(started), 1)
+        (other,) = set(plates.values()) - set(started)
+        late = {number: name for number, name in plates.items() if name == other}.popitem()[0]
+        while self.daemon.status()["state"] != "exposing":
+            self.assertEqual(self.ask("GET", f"/printer/start/{late}")[0], 409)
+        self.assertEqual(self.status()["Path"], started[0])
+        # It would print after the first one if its start had been taken.
+        self.assertEqual(self.daemon.job(other)["asks"], ["to_be_confirmed"])
+
     def test_a_plate_is_deleted_and_other_numbers_are_refused(self):
         self.serve_host()
         number = self.add("part", nanodlp(self.layers()))
@@ -319,6 +357,8 @@ class NanodlpTest(HostTest):
         self.assertEqual(self.send("/plate/add", ("Path", None, "part"), ("ProfileID", None, profile))[0], 400)
         self.assertEqual(self.ask("POST", "/plate/add", plate)[0], 415)
         self.assertEqual(self.incoming(), [])
+        # A field that is left empty names no file.
+        self.assertEqual(self.send("/plate/add", ("Path", None, "part"), ("USBFile", None, ""), ("ZipFile", "part.nanodlp", plate))[0], 302)
         # A name in the file's part alone, as of another client.
         self.assertEqual(self.send("/plate/add", ("ProfileID", None, profile), ("ZipFile", "umlaut-\u00e4.nanodlp", plate))[0], 302)
         wait_until(lambda: "umlaut-\u00e4.nanodlp" in self.incoming(), "the job")

@@ -22,6 +22,7 @@
 #include "daemon/system/standard_output.hpp"
 #include "daemon/system/supervisor.hpp"
 #include "daemon/web/announcement.hpp"
+#include "daemon/web/hosts/host_printer.hpp"
 #include "daemon/web/hosts/nanodlp_host.hpp"
 #include "daemon/web/hosts/odyssey_host.hpp"
 #include "daemon/web/listen_sockets.hpp"
@@ -124,13 +125,15 @@ int run(const Arguments& args) {
     made.names.insert(made.names.end(), config.names.begin(), config.names.end());
     return made;
   };
+  std::optional<HostPrinter> printer;
+  if (!sockets.nanodlp.empty() || !sockets.odyssey.empty()) printer.emplace(loop, log, config);
   std::unique_ptr<NanodlpHost> nanodlp;
   if (!sockets.nanodlp.empty())
-    nanodlp = std::make_unique<NanodlpHost>(loop, log, config, access(*config.nanodlp), CONTOURD_VERSION,
+    nanodlp = std::make_unique<NanodlpHost>(loop, *printer, access(*config.nanodlp), CONTOURD_VERSION,
                                             std::move(sockets.nanodlp));
   std::unique_ptr<OdysseyHost> odyssey;
   if (!sockets.odyssey.empty())
-    odyssey = std::make_unique<OdysseyHost>(loop, log, config, access(*config.odyssey), CONTOURD_VERSION,
+    odyssey = std::make_unique<OdysseyHost>(loop, *printer, access(*config.odyssey), CONTOURD_VERSION,
                                             std::move(sockets.odyssey));
   std::unique_ptr<HomeAssistantLink> home;
   if (mqtt)

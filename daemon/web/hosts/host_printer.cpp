@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "core/contract/expects.hpp"
@@ -17,21 +18,42 @@ namespace {
 
 using Json = ControlLink::Json;
 
+// Time for which a job that leaves the queue may be neither in it nor under way, if the disk is slow.
+constexpr std::chrono::seconds kLongestLeaving{10};
+
 bool is_host_method(std::string_view method) {
   return method == kHostStop || std::ranges::find(kHostMethods, method) != kHostMethods.end();
 }
 
+// Returns the job that would begin instead of this one; null if there is none. A job that asks for nothing
+// begins when its turn comes, and one that is ready may be about to.
+const HostJob* rival_of(const HostJob& job, const std::vector<HostJob>& jobs) {
+  bool is_before = true;
+  for (const HostJob& each : jobs) {
+    if (each.file == job.file) {
+      is_before = false;
+    } else if (!each.is_printing && each.asks.empty() &&
+               (is_before || (each.state == "ready" && job.state != "ready"))) {
+      return &each;
+    }
+  }
+  return nullptr;
+}
+
 // Returns why a job cannot begin at once; empty if it can.
-std::string why_no_start(const HostJob& job, const Json& status) {
+std::string why_no_start(const HostJob& job, const std::vector<HostJob>& jobs, const Json& status) {
   if (job.is_printing) return fmt::format("{} is being printed already", printable(job.name));
   if (const std::optional<HostJob> print = host_print(status))
     return fmt::format("{} is being printed: wait for its end, or cancel it", printable(print->name));
-  if (json_text(status, "plate") != "clear")
-    return "a part is on the plate: clear the plate, say so on the printer's page (The plate is clear), and "
-           "start "
-           "again";
+  // A held queue comes first: the part of an interrupted print may be on the plate to be gone on with.
   for (const char* reason : {"held", "not_ready_reason"})
     if (std::string why = json_text(status, reason); !why.empty()) return why;
+  if (json_text(status, "plate") != "clear")
+    return "a part is on the plate: clear the plate, say so on the printer's page (The plate is clear), and "
+           "start again";
+  if (const HostJob* const rival = rival_of(job, jobs))
+    return fmt::format("{0} is printed first: wait for its end, or remove {0} from the queue",
+                       printable(rival->file));
   if (job.state == "ready") return "";
   if (job.state != "unaccepted")
     return job.waiting_for.empty()
@@ -56,6 +78,7 @@ struct HostPrinter::Questions {
 
 HostPrinter::HostPrinter(EventLoop& loop, const Log& log, const WebConfig& config)
     : log_(log),
+      socket_(config.control_socket),
       printer_(loop, config.control_socket),
       slow_(loop, config.control_socket, ControlLink::kLongPatience),
       mask_(printer_),
@@ -105,12 +128,13 @@ void HostPrinter::list_jobs(const RequestPtr& request,
 }
 
 void HostPrinter::find(const RequestPtr& request, const HostJobKey& key,
-                       std::function<void(const HostJob& job, const Json& status)> found) {
+                       std::function<void(const HostJob& job, const Found& among)> found) {
   ask(request, {{"status"}, {"queue"}}, [request, key, found = std::move(found)](const auto& results) {
-    std::vector<HostJob> jobs = host_jobs(results[0], results[1]);
+    const Found among{host_jobs(results[0], results[1]), results[0]};
+    std::vector<HostJob> jobs = among.jobs;
     std::erase_if(
         jobs, [&key](const HostJob& job) { return key.id ? job.id() != *key.id : !job.is_file(key.file); });
-    if (jobs.size() == 1) return found(jobs.front(), results[0]);
+    if (jobs.size() == 1) return found(jobs.front(), among);
     if (jobs.empty())
       return refuse_host_request(*request, 404, "the printer has no such job: read the list again");
     refuse_host_request(*request, 409,
@@ -120,17 +144,27 @@ void HostPrinter::find(const RequestPtr& request, const HostJobKey& key,
 }
 
 void HostPrinter::start(const RequestPtr& request, const HostJobKey& key, Done done) {
-  find(request, key, [this, request, done = std::move(done)](const HostJob& job, const Json& status) {
-    if (const std::string why = why_no_start(job, status); !why.empty())
-      return refuse_host_request(*request, kConflict, why);
+  if (!start_.expired())
+    return refuse_host_request(*request, kConflict, "a job is being started: start this one in a moment");
+  const auto turn = std::make_shared<const bool>();
+  start_ = turn;
+  find(request, key, [this, request, turn, done = std::move(done)](const HostJob& job, const Found& among) {
+    std::string why = why_no_start(job, among.jobs, among.status);
+    if (why.empty() && leaving_ && std::chrono::steady_clock::now() < leaving_->until &&
+        std::ranges::find(among.jobs, leaving_->file, &HostJob::file) == among.jobs.end())
+      why = fmt::format("{} was started just now: wait for its end, or cancel it", printable(leaving_->file));
+    if (!why.empty()) return refuse_host_request(*request, kConflict, why);
     if (job.state == "ready") return done();
-    call(request, {"accept", {{"job", job.file}}}, done);
+    call(request, {"accept", {{"job", job.file}}}, [this, turn, done, file = job.file] {
+      leaving_ = {file, std::chrono::steady_clock::now() + kLongestLeaving};
+      done();
+    });
   });
 }
 
 void HostPrinter::remove(const RequestPtr& request, const HostJobKey& key,
                          std::function<void(const HostJob& job)> removed) {
-  find(request, key, [this, request, removed = std::move(removed)](const HostJob& job, const Json&) {
+  find(request, key, [this, request, removed = std::move(removed)](const HostJob& job, const Found&) {
     if (job.is_printing)
       return refuse_host_request(*request, kConflict,
                                  fmt::format("{} is being printed: cancel it first", printable(job.name)));
@@ -154,7 +188,7 @@ void HostPrinter::stop_all(const RequestPtr& request, Done done) {
 }
 
 void HostPrinter::show(const RequestPtr& request, const HostJobKey& key) {
-  find(request, key, [this, request](const HostJob& job, const Json&) {
+  find(request, key, [this, request](const HostJob& job, const Found&) {
     if (job.is_printing) return show_mask(request);
     show_preview(request, job);
   });

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -43,6 +44,12 @@ class HostPrinter {
   using Done = std::function<void()>;
 
   HostPrinter(EventLoop& loop, const Log& log, const WebConfig& config);
+  // All jobs, and the status.
+  struct Found {
+    std::vector<HostJob> jobs;
+    Json status;
+  };
+
   HostPrinter(const HostPrinter&) = delete;
   HostPrinter& operator=(const HostPrinter&) = delete;
 
@@ -56,9 +63,10 @@ class HostPrinter {
   void list_jobs(const RequestPtr& request, std::function<void(const std::vector<HostJob>& jobs)> listed);
   // Finds the only job with this key.
   void find(const RequestPtr& request, const HostJobKey& key,
-            std::function<void(const HostJob& job, const Json& status)> found);
-  // Begins a waiting job now. Refuses it if the printer cannot print at once, or asks about the job's
-  // findings, which the client does not show.
+            std::function<void(const HostJob& job, const Found& among)> found);
+  // Begins a waiting job now. Refuses it if the printer cannot print at once, prints another job first, or
+  // asks about the job's findings, which the client does not show. Serves one start at a time, since a job
+  // that is accepted while another one begins would be printed after it.
   void start(const RequestPtr& request, const HostJobKey& key, Done done);
   // Removes a waiting job.
   void remove(const RequestPtr& request, const HostJobKey& key,
@@ -74,11 +82,17 @@ class HostPrinter {
 
   [[nodiscard]] UploadPlaces& uploads() { return uploads_; }
   [[nodiscard]] HostStatusReader& reader() { return reader_; }
+  [[nodiscard]] const std::filesystem::path& control_socket() const { return socket_; }
   // Logs that a client has uploaded a job.
   void note_upload(const HttpRequest& request, const std::string& job) const;
 
  private:
   struct Questions;
+  // The job that was started last, which is neither in the queue nor under way for a moment.
+  struct Leaving {
+    std::string file;
+    TimePoint until;
+  };
 
   void ask_next(const std::shared_ptr<Questions>& questions);
   void call(const RequestPtr& request, Request question, Done done);
@@ -86,11 +100,14 @@ class HostPrinter {
   void show_preview(const RequestPtr& request, const HostJob& job);
 
   const Log& log_;
+  std::filesystem::path socket_;
   ControlLink printer_, slow_;  // `slow_` is for methods that wait for a disk or a thread
   MaskPicture mask_;
   Worker disk_;
   UploadPlaces uploads_;
   HostStatusReader reader_;
+  std::weak_ptr<const bool> start_;  // exists while a job is being started
+  std::optional<Leaving> leaving_;
 };
 
 }  // namespace contourd::web

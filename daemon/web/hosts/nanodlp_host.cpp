@@ -48,10 +48,10 @@ void with_plate(HttpRequest& request, std::string_view text, Serve serve) {
 
 }  // namespace
 
-NanodlpHost::NanodlpHost(EventLoop& loop, const Log& log, const WebConfig& config, HostAccess access,
-                         std::string version, std::vector<FileDescriptor> listeners)
+NanodlpHost::NanodlpHost(EventLoop& loop, HostPrinter& printer, HostAccess access, std::string version,
+                         std::vector<FileDescriptor> listeners)
     : version_(std::move(version)),
-      printer_(loop, log, config),
+      printer_(printer),
       server_(loop, std::move(listeners),
               for_clients_only(std::move(access), [this](const RequestPtr& request) { serve(request); })) {}
 

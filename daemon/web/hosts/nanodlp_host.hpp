@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "daemon/system/event_loop.hpp"
-#include "daemon/system/log.hpp"
 #include "daemon/web/hosts/host_access.hpp"
 #include "daemon/web/hosts/host_printer.hpp"
 #include "daemon/web/http_server.hpp"
@@ -17,9 +16,10 @@ namespace contourd::web {
 
 class NanodlpHost {
  public:
-  // Serves the clients of these listening sockets. `version` is contourd's. Throws std::runtime_error.
-  NanodlpHost(EventLoop& loop, const Log& log, const WebConfig& config, HostAccess access,
-              std::string version, std::vector<FileDescriptor> listeners);
+  // Serves the clients of these listening sockets. The printer must outlive the object. `version` is
+  // contourd's. Throws std::runtime_error.
+  NanodlpHost(EventLoop& loop, HostPrinter& printer, HostAccess access, std::string version,
+              std::vector<FileDescriptor> listeners);
 
  private:
   using RequestPtr = std::shared_ptr<HttpRequest>;
@@ -31,7 +31,7 @@ class NanodlpHost {
   void serve_machine(const RequestPtr& request);
 
   std::string version_;
-  HostPrinter printer_;
+  HostPrinter& printer_;
   HttpServer server_;  // last: its requests refer to the others
 };
 

@@ -39,7 +39,7 @@ std::optional<std::string> NanodlpUpload::name_of(const char* file) const {
 }
 
 void NanodlpUpload::take_field(std::string_view key, std::string_view piece) {
-  if (key == "USBFile")
+  if (key == "USBFile" && !piece.empty())
     return refuse(
         {kForbidden,
          "the printer takes no file by its path: send the file, or let the printer's own reader of USB "

@@ -52,11 +52,11 @@ std::optional<std::size_t> number_in(const HttpRequest& request, const char* nam
 
 }  // namespace
 
-OdysseyHost::OdysseyHost(EventLoop& loop, const Log& log, const WebConfig& config, HostAccess access,
-                         std::string version, std::vector<FileDescriptor> listeners)
+OdysseyHost::OdysseyHost(EventLoop& loop, HostPrinter& printer, HostAccess access, std::string version,
+                         std::vector<FileDescriptor> listeners)
     : version_(std::move(version)),
-      printer_(loop, log, config),
-      feed_(loop, config.control_socket,
+      printer_(printer),
+      feed_(loop, printer_.control_socket(),
             [this](const Json& status) {
               return status.contains("unreachable") ? "" : odyssey_event(printer_.reader().read(status));
             }),
@@ -89,7 +89,7 @@ void OdysseyHost::serve_get(const RequestPtr& request) {
     return with_file(*request, [&](const HostJobKey& key) { printer_.show(request, key); });
   if (path == "/file/metadata")
     return with_file(*request, [&](const HostJobKey& key) {
-      printer_.find(request, key, [request](const HostJob& job, const Json&) {
+      printer_.find(request, key, [request](const HostJob& job, const auto&) {
         answer_json(*request, odyssey_metadata(job));
       });
     });
