@@ -108,6 +108,13 @@ class StrangersTest(HostTest):
         self.assertEqual(Browser(int(self.options[1].split(":")[1])).get("/api/status")[0], 401)
         self.assertIn("nothing listens", contents(self.path("web.log")).decode())
 
+    def test_a_page_that_has_lost_all_its_addresses_is_reported(self):
+        self.serve_host()
+        self.web.terminate()
+        self.web.wait(DEADLINE_S)
+        self.options, self.port = (), self.host_port
+        self.start_web()
+        self.assertIn("the page has no address", contents(self.path("web.log")).decode())
 
     def test_only_the_addresses_of_the_page_are_announced(self):
         config = self.write("web.json", json.dumps({"nanodlp": {"port": 80, "clients": ["192.0.2.9"]}, "odyssey": {"clients": ["192.0.2.9"]}}))
@@ -264,6 +271,26 @@ class NanodlpTest(HostTest):
         self.assertEqual(self.daemon.job("second")["state"], "unaccepted")
         self.assertEqual(self.ask("GET", f"/printer/start/{number}")[0], 200)
         self.assertEqual(self.daemon.wait_ended("second")["outcome"], "done")
+
+    def test_no_print_is_started_while_somebody_moves_the_printer_by_hand(self):
+        self.serve_host(self.printing_slowly())
+        number = self.add("part", nanodlp(self.layers()))
+        self.plate(number)
+        self.daemon.rpc("home")
+        # The emergency stop would end the homing, and so let the job begin.
+        self.refused("GET", f"/printer/start/{number}", 409, "by hand")
+        self.assertEqual(self.ask("GET", "/printer/force-stop")[0], 200)
+        wait_until(lambda: self.daemon.status()["manual"]["state"] == "idle", "the end of the homing")
+        self.assertEqual(self.daemon.job("part")["asks"], ["to_be_confirmed"])
+        self.assertEqual(self.ask("GET", f"/printer/start/{number}")[0], 200)
+        # The job may be on its way from the queue to the printer.
+        wait_until(lambda: self.ask("GET", "/printer/force-stop")[0] == 200, "the stop of the print")
+        self.assertEqual(self.daemon.wait_ended("part")["outcome"], "cancelled")
+        self.daemon.rpc("plate_cleared")
+        # A print that has ended stands in the way of no other one.
+        number = self.add("next", nanodlp(self.layers()))
+        self.plate(number)
+        self.assertEqual(self.ask("GET", f"/printer/start/{number}")[0], 200)
 
     def test_an_interrupted_print_is_named_before_its_part_on_the_plate(self):
         self.serve_host(self.printing_slowly())

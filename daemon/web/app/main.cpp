@@ -119,6 +119,11 @@ int run(const Arguments& args) {
   Sockets sockets = open_sockets(args, config);
   check_sockets(log, "nanodlp", config.nanodlp, sockets.nanodlp);
   check_sockets(log, "odyssey", config.odyssey, sockets.odyssey);
+  if (sockets.page.empty())
+    log.warning(
+        "not_served",
+        "the page has no address, since web.json gives the ports of all to nanodlp and odyssey: add an "
+        "address with another port with contourctl web addresses");
   const std::vector<std::string> pages = pages_at(addresses_of(sockets.page));
   const auto access = [&config](const HostPort& host) {
     HostAccess made{.clients = host.clients, .names = own_names()};

@@ -111,7 +111,7 @@ std::vector<HostJob> host_jobs(const Json& status, const Json& queue) {
   if (std::optional<HostJob> print = host_print(status)) jobs.push_back(std::move(*print));
   if (const auto found = queue.find("jobs"); found != queue.end() && found->is_array())
     for (const Json& job : *found)
-      if (job.is_object()) jobs.push_back(waiting_job(job));
+      if (job.is_object() && json_text(job, "state") != "leaving") jobs.push_back(waiting_job(job));
   return jobs;
 }
 

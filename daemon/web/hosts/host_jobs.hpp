@@ -33,7 +33,8 @@ struct HostJob {
   [[nodiscard]] bool is_file(const std::string& other) const;
 };
 
-// Returns the print under way and the first hundred waiting jobs, by contourd's `status` and `queue`.
+// Returns the print under way and the first hundred waiting jobs, by contourd's `status` and `queue`, without
+// those that are being removed.
 [[nodiscard]] std::vector<HostJob> host_jobs(const ControlLink::Json& status, const ControlLink::Json& queue);
 // Returns the print under way.
 [[nodiscard]] std::optional<HostJob> host_print(const ControlLink::Json& status);

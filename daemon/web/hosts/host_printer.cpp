@@ -48,6 +48,9 @@ std::string why_no_start(const HostJob& job, const std::vector<HostJob>& jobs, c
   // A held queue comes first: the part of an interrupted print may be on the plate to be gone on with.
   for (const char* reason : {"held", "not_ready_reason"})
     if (std::string why = json_text(status, reason); !why.empty()) return why;
+  if (const auto manual = status.find("manual");
+      manual != status.end() && manual->is_object() && json_text(*manual, "state") != "idle")
+    return "somebody moves or lights the printer by hand: start again when that has ended";
   if (json_text(status, "plate") != "clear")
     return "a part is on the plate: clear the plate, say so on the printer's page (The plate is clear), and "
            "start again";
@@ -103,8 +106,21 @@ void HostPrinter::ask_next(const std::shared_ptr<Questions>& questions) {
   link.call(std::move(question), [this, questions](const Json& answer) {
     if (!answer.contains("result")) return questions->request->answer(reply_of(answer));
     questions->results.push_back(answer["result"]);
+    note_begin(answer["result"]);
     ask_next(questions);
   });
+}
+
+bool HostPrinter::is_leaving() const {
+  return leaving_ && std::chrono::steady_clock::now() < leaving_->until;
+}
+
+// Notes by a status that the job which was started last has begun, or has ended.
+void HostPrinter::note_begin(const Json& status) {
+  const auto last = status.find("last");
+  const bool has_ended =
+      leaving_ && last != status.end() && last->is_object() && json_text(*last, "job") == leaving_->name;
+  if (has_ended || host_print(status)) leaving_.reset();
 }
 
 void HostPrinter::call(const RequestPtr& request, Request question, Done done) {
@@ -150,13 +166,13 @@ void HostPrinter::start(const RequestPtr& request, const HostJobKey& key, Done d
   start_ = turn;
   find(request, key, [this, request, turn, done = std::move(done)](const HostJob& job, const Found& among) {
     std::string why = why_no_start(job, among.jobs, among.status);
-    if (why.empty() && leaving_ && std::chrono::steady_clock::now() < leaving_->until &&
+    if (why.empty() && is_leaving() &&
         std::ranges::find(among.jobs, leaving_->file, &HostJob::file) == among.jobs.end())
-      why = fmt::format("{} was started just now: wait for its end, or cancel it", printable(leaving_->file));
+      why = fmt::format("{} is printed first: wait for its end, or cancel it", printable(leaving_->name));
     if (!why.empty()) return refuse_host_request(*request, kConflict, why);
     if (job.state == "ready") return done();
-    call(request, {"accept", {{"job", job.file}}}, [this, turn, done, file = job.file] {
-      leaving_ = {file, std::chrono::steady_clock::now() + kLongestLeaving};
+    call(request, {"accept", {{"job", job.file}}}, [this, turn, done, name = job.name, file = job.file] {
+      leaving_ = {name, file, std::chrono::steady_clock::now() + kLongestLeaving};
       done();
     });
   });
@@ -183,6 +199,11 @@ void HostPrinter::control(const RequestPtr& request, std::string_view method, Do
 
 void HostPrinter::stop_all(const RequestPtr& request, Done done) {
   read_status(request, [this, request, done = std::move(done)](const HostStatus& status) {
+    if (is_leaving())
+      return refuse_host_request(
+          *request, kConflict,
+          fmt::format("{} is about to begin, and cannot be cancelled yet: stop it again",
+                      printable(leaving_->name)));
     control(request, status.job ? "cancel" : kHostStop, done);
   });
 }

@@ -90,12 +90,14 @@ class HostPrinter {
   struct Questions;
   // The job that was started last, which is neither in the queue nor under way for a moment.
   struct Leaving {
-    std::string file;
+    std::string name, file;
     TimePoint until;
   };
 
   void ask_next(const std::shared_ptr<Questions>& questions);
   void call(const RequestPtr& request, Request question, Done done);
+  [[nodiscard]] bool is_leaving() const;
+  void note_begin(const Json& status);
   void log_command(const HttpRequest& request, std::string_view method) const;
   void show_preview(const RequestPtr& request, const HostJob& job);
 

@@ -109,3 +109,12 @@ TEST_CASE("Other hosts' interfaces call only methods that the role print may cal
   }
   CHECK(page_method(kHostStop)->least <= Role::Print);
 }
+
+TEST_CASE("A job that is being removed is no longer one of the jobs") {
+  const Json queue{{"jobs",
+                    {{{"job", "gone"}, {"file", "gone.stl"}, {"state", "leaving"}},
+                     {{"job", "gear"}, {"file", "gear.stl"}, {"state", "ready"}}}}};
+  const std::vector<HostJob> jobs = host_jobs(status_in("idle"), queue);
+  REQUIRE(jobs.size() == 1);
+  CHECK(jobs.front().name == "gear");
+}
