@@ -277,7 +277,7 @@ class NanodlpTest(HostTest):
         self.serve_host(Daemon(self, realtime(z_axis={"homing_speed_mm_s": 0.5}), ENDLESS).start())
         number = self.add("part", nanodlp(self.layers()))
         self.plate(number)
-        self.daemon.rpc("home")
+        self.daemon.client().call("home")  # which goes on as long as its client is connected
         # The emergency stop would end the homing, and so let the job begin.
         self.refused("GET", f"/printer/start/{number}", 409, "by hand")
         self.assertEqual(self.ask("GET", "/printer/force-stop")[0], 200)
