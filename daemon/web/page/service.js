@@ -1,4 +1,4 @@
-// Service at the machine: homing, stopping, light off, and a look at the switches.
+// Service at the machine: homing, stopping, light off, a look at the switches and the log, and a diagnosis.
 import {$, call, confirmed, element, get, live} from "./base.js";
 
 export function showManual() {
@@ -32,4 +32,20 @@ $("look").addEventListener("click", () => act(async () => {
   const {inputs} = await get("/api/inputs");
   const texts = inputs.map((each) => [each.name, each.active === null ? "cannot be read" : each.active ? "active" : "not active"]);
   $("inputs").replaceChildren(...(texts.length ? texts : [["No inputs", ""]]).map(([name, text]) => element("li", "", "", element("span", "what", name), element("span", "faint", text))));
+}));
+// Saves what the printer says of itself as a file, for a bug report.
+$("diagnose").addEventListener("click", () => act(async () => {
+  const said = {saved: new Date().toISOString()};
+  for (const what of ["status", "queue", "history", "inputs", "log", "usage", "vat", "resins", "settings"]) {
+    try {
+      said[what] = await get(`/api/${what}`);
+    } catch (error) {
+      said[what] = {refused: error.message};
+    }
+  }
+  const link = element("a");
+  link.href = URL.createObjectURL(new Blob([JSON.stringify(said, null, 1)], {type: "application/json"}));
+  link.download = `contourd-diagnosis-${said.saved.slice(0, 19).replace(/:/g, "-")}.json`;
+  link.click();
+  URL.revokeObjectURL(link.href);
 }));
