@@ -190,13 +190,15 @@ void check(std::uint8_t shape, const std::string& bytes) {
   const auto server = static_cast<Server>(shape >> 1U & 3U);
   // A client of this socket has no address.
   const web::HostAccess access{.clients = {""}, .names = {"printer"}};
+  std::optional<web::HostPrinter> hosts_printer;
+  if (server == Server::Nanodlp || server == Server::Odyssey) hosts_printer.emplace(loop, log, config);
   std::optional<web::NanodlpHost> nanodlp;
   std::optional<web::OdysseyHost> odyssey;
   std::optional<web::WebService> service;
   if (server == Server::Nanodlp)
-    nanodlp.emplace(loop, log, config, access, "1", std::move(listeners));
+    nanodlp.emplace(loop, *hosts_printer, access, "1", std::move(listeners));
   else if (server == Server::Odyssey)
-    odyssey.emplace(loop, log, config, access, "1", std::move(listeners));
+    odyssey.emplace(loop, *hosts_printer, access, "1", std::move(listeners));
   else  // no password has this hash, which costs no time
     service.emplace(loop, log, config, web::WebSecrets{.password_hash = "*", .key = kKey},
                     std::vector<std::string>{"printer"}, std::move(listeners));
