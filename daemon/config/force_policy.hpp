@@ -9,7 +9,7 @@ struct ForcePolicy {
   Nanometers contact_from{};         // as in ForceConfig
   bool resistance_fails = false;     // otherwise it pauses the print
   double least_peel_area_mm2 = 0;    // of a layer whose peel is felt
-  bool pauses_without_peel = false;  // otherwise the user is only told
+  bool pauses_without_peel = false;  // otherwise the user is only warned
 };
 
 }  // namespace contourd

@@ -159,7 +159,7 @@ std::optional<ForcePolicy> read_force(const JsonSection& z_axis) {
                      .pauses_without_peel = force.text("no_peel") == "pause"};
 }
 
-// Returns the simulated force on the plate, if a line tells of it.
+// Returns the simulated force on the plate, if there is a force line.
 std::optional<SimulatedForceConfig> read_simulated_force(const JsonSection& root) {
   const std::optional<ForcePolicy> policy = read_force(root.section("z_axis"));
   if (!policy) return std::nullopt;

@@ -65,7 +65,7 @@ struct PrinterConfig {
   MillimetersPerSecond travel_speed, homing_speed;
   std::optional<MillimetersPerSecond> top_speed;
   double stiffness_n_mm = 0;           // stiffness of plate, axis and vat together
-  std::optional<ForcePolicy> force{};  // nullopt: no line tells of it
+  std::optional<ForcePolicy> force{};  // nullopt: there is no force line
 
   Pixels display_width;
   Pixels display_height;

@@ -188,13 +188,11 @@ class Preparation {
     if (!file.display)
       warn(
           "the file does not say for which display its layers are (prusaslicer.ini or, for NanoDLP, "
-          "options.json): "
-          "check that the part is not mirrored, and measure it");
+          "options.json): check that the part is not mirrored, and measure it");
     else if (!file.display->mirrors_known)
       warn(
           "the file does not say whether its pictures are mirrored for their display, so they are shown as "
-          "they "
-          "are: check that the part is not mirrored");
+          "they are: check that the part is not mirrored");
   }
 
   void take_printer() {

@@ -34,9 +34,8 @@ std::string describe(const PausePoint& point) {
 std::string describe_resistance(Nanometers met, Nanometers target, const ForcePolicy& force) {
   return fmt::format(
       "the plate met resistance at {:.3f} mm on its way down to {:.3f} mm, where force is expected only "
-      "below "
-      "{:.3f} mm: remove what lies on the film or came off the plate, or check the force line, before it "
-      "goes on",
+      "below {:.3f} mm: remove what lies on the film or came off the plate, or check the force line, before "
+      "it goes on",
       in_mm(met), in_mm(target), in_mm(target + force.contact_from));
 }
 

@@ -78,7 +78,7 @@ struct PrintPlan {
   std::optional<PressedResin> pressed;  // nullopt: areas do not count for the wait before the light
   double plate_shape_mm4 = 0;           // factor of the plate, which presses out resin before the first layer
   std::vector<double> expected_shapes{};  // factor of each expected layer, used only for the time left
-  std::optional<ForcePolicy> force{};     // nullopt: no line tells of the force on the plate
+  std::optional<ForcePolicy> force{};     // nullopt: there is no force line
   MillimetersPerSecond travel_speed, homing_speed;
   // Used only for the time left: the lamp's warm-up time, and the plate's height after homing.
   Duration warm_up{};
@@ -187,7 +187,7 @@ struct PeelRecord {
   bool felt = false;                     // the force rose above the threshold
   std::optional<Nanometers> distance{};  // way of the plate until the layer let go
   Duration saved{};                      // time by which the lift was shorter
-  bool missed = false;                   // it should have been felt, and the user was told
+  bool missed = false;                   // the layer should have been felt, and the user was warned
 };
 
 // The measured facts about one layer, or about a slice of a rise that is as thick as one.

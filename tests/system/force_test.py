@@ -57,7 +57,7 @@ class Force(FolderTest):
         self.assertEqual(last["outcome"], "failed")
         self.assert_words(last["reason"], "the plate met resistance at 2.700 mm", "force is expected only below 2.200 mm")
 
-    def test_a_part_that_comes_off_is_told_at_its_layer(self):
+    def test_a_part_that_comes_off_is_reported_at_its_layer(self):
         daemon = self.daemon(with_force(part_lost_after_lifts=5))
         job = self.paused(daemon, "block")
         self.assert_words(json.dumps(job), "no force was felt while layer 6 of 100 mm", "come off")

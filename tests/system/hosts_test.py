@@ -250,7 +250,7 @@ class NanodlpTest(HostTest):
         idle = self.status()
         self.assertEqual((idle["Printing"], idle.get("PlateID"), idle.get("LayerID")), (False, None, None))
 
-    def test_the_end_of_a_print_that_was_followed_is_told_by_its_layers(self):
+    def test_the_end_of_a_print_that_was_followed_shows_in_its_layers(self):
         self.serve_host()
         number = self.add("part", nanodlp(self.layers(40)))
         self.plate(number)

@@ -21,6 +21,14 @@ SimulatedPrinterConfig force_printer() {
   config.axis.force = SimulatedForceConfig{.pixel_mm = 0.1, .peel_kpa = 1000};
   return config;
 }
+
+// Something lies on the film when the third layer's plate comes down.
+SimulatedPrinterConfig obstructed_printer() {
+  SimulatedPrinterConfig config = force_printer();
+  config.axis.force->obstruction = height_mm(3);
+  config.axis.force->obstruction_after_lifts = 2;
+  return config;
+}
 constexpr double kLetsGoMm = 0.59, kSampledMm = 0.03;  // 10 ms at 2 mm/s, and rounding
 
 PrintPlan force_plan(int layers) {
@@ -123,10 +131,7 @@ TEST_CASE("The slow stage of a lift ends when the layer lets go, and the lift is
 }
 
 TEST_CASE("Resistance on the way down pauses the print in the dark, and it goes on when nothing is there") {
-  SimulatedPrinterConfig config = force_printer();
-  config.axis.force->obstruction = height_mm(3);
-  config.axis.force->obstruction_after_lifts = 2;
-  ForcePrintFixture fixture(config);
+  ForcePrintFixture fixture(obstructed_printer());
   fixture.process.start(force_plan(4));
   REQUIRE(fixture.run_to(S::Paused));
   CHECK(fixture.layers.size() == 2);
@@ -157,10 +162,7 @@ TEST_CASE("Resistance near the film is the resin's") {
 }
 
 TEST_CASE("Resistance ends the print where the printer's file says so, and leaves the plate where it is") {
-  SimulatedPrinterConfig config = force_printer();
-  config.axis.force->obstruction = height_mm(3);
-  config.axis.force->obstruction_after_lifts = 2;
-  ForcePrintFixture fixture(config);
+  ForcePrintFixture fixture(obstructed_printer());
   PrintPlan plan = force_plan(4);
   plan.force->resistance_fails = true;
   fixture.process.start(std::move(plan));
@@ -170,7 +172,7 @@ TEST_CASE("Resistance ends the print where the printer's file says so, and leave
   CHECK(in_mm(fixture.machine.z_axis().height().value()) == Approx(3.15));
 }
 
-TEST_CASE("A part that comes off is told of with the layer that is not felt, and pauses the print") {
+TEST_CASE("A part that comes off is reported at the layer that is not felt, and pauses the print") {
   SimulatedPrinterConfig config = force_printer();
   config.axis.force->part_lost_after_lifts = 4;
   ForcePrintFixture fixture(config);
@@ -197,7 +199,7 @@ TEST_CASE("A part that comes off is told of with the layer that is not felt, and
   CHECK(other.warnings[0] == fixture.interruptions[0]);
 }
 
-TEST_CASE("A force line that is never active is told of after five layers") {
+TEST_CASE("A force line that is never active is reported after five layers") {
   SimulatedPrinterConfig config = force_printer();
   config.axis.force->line = SimulatedForceConfig::Line::StuckInactive;
   ForcePrintFixture fixture(config);

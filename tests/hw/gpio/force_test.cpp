@@ -46,7 +46,7 @@ TEST_CASE("A plate that meets resistance on its way down stops within a step, at
   CHECK(in_mm(*plant.axis->height()) * kForceStepsPerMm == Approx(testing::plate_above_switch(plant)));
   CHECK(plant.axis->force() == true);
 
-  // It can go up at once, and down again when the force is gone.
+  // The plate can go up at once, and down again when the force is gone.
   CHECK(plant.move_to(52) == MoveResult::Reached);
   plant.press(AxisInput::Force, false);
   plant.run_for(10ms);

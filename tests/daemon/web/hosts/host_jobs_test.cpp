@@ -62,7 +62,7 @@ TEST_CASE("A print that a client has cancelled is being cancelled until it has e
   CHECK(reader.read(status_in("exposing", print_of("gear"))).phase == HostPhase::Printing);
 }
 
-TEST_CASE("Layers are told of a print, and of one that was done, but not of one that was cancelled") {
+TEST_CASE("A print and one that was done have their layers, and one that was cancelled has none") {
   HostStatusReader reader;
   const HostStatus during = reader.read(status_in("exposing", print_of("gear")));
   CHECK((during.layer == 3 && during.layers == 9 && during.is_lit && during.height_mm == 0.15));
