@@ -205,6 +205,10 @@ void PrinterStatus::add_print(Json& job) const {
   for_first(record.exclusions(), kMaxDetailed,
             [&](const Exclusion& each) { job["excluded"].push_back(each.copy); });
   job["interruption"] = or_null(print.interruption());
+  const std::vector<std::string>& warnings = parts_.job.job()->warnings;
+  job["warnings"] = Json::array();
+  for_first(warnings, kMaxIncomplete, [&](const std::string& each) { job["warnings"].push_back(each); });
+  job["warnings_more"] = beyond(warnings.size(), kMaxIncomplete);
 }
 
 Json PrinterStatus::camera() const {

@@ -519,6 +519,7 @@ void CurrentJob::layer_done(const LayerRecord& layer) {
 
 void CurrentJob::warned(const std::string& what) {
   context_.log.warning("peel", fmt::format("{}: {}", printable(name()), what), job_fields(name()));
+  job_->warnings.push_back(what);
   observer_.job_changed("state");
 }
 

@@ -67,6 +67,7 @@ class CurrentJob final : private PrintObserver {
     bool had_light = false;                     // the light of its first layer was due
     int readings = 0;                           // number of readings that found too little memory
     bool plans_rises = false;                   // set_rises() is under way
+    std::vector<std::string> warnings;          // about the print under way, a sentence each
     std::optional<RiseSettings> rise_settings;  // of the print that a power cut ended, until it goes on
   };
 

@@ -75,6 +75,10 @@ void print_status(const Json& status) {
       for (const Json& copy : job.value("excluded", Json::array()))
         line("excluded  ", printable(copy.get<std::string>()));
       line("stopped   ", text_of(job, "interruption"));
+      for (const Json& warning : job.value("warnings", Json::array()))
+        line("warning   ", printable(warning.get<std::string>()));
+      if (const auto more = job.value("warnings_more", std::size_t{0}); more > 0)
+        fmt::print("warning   {} more: see the log\n", more);
     }
     const Json supports = job.value("supports", Json());
     if (const auto carriers = supports.is_object() ? supports.value("carriers", 0U) : 0; carriers > 0)

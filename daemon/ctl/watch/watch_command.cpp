@@ -297,9 +297,14 @@ class ProgressLines {
   }
 
   void show_warnings(const Json& job) {
-    if (!job.contains("analysis") || !job["analysis"].is_object()) return;
+    if (const auto during = job.find("warnings"); during != job.end()) show_warnings(job, *during);
+    if (const auto analysis = job.find("analysis"); analysis != job.end() && analysis->is_object())
+      show_warnings(job, (*analysis)["warnings"]);
+  }
+
+  void show_warnings(const Json& job, const Json& warnings) {
     const std::string name = job.value("name", "");
-    for (const Json& each : job["analysis"]["warnings"]) {
+    for (const Json& each : warnings) {
       const std::string warning = printable(each.get<std::string>());
       if (warned_.insert(fmt::format("{}\n{}", name, warning)).second)
         fmt::print("{}: warning: {}\n", printable(name), warning);

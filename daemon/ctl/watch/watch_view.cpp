@@ -262,6 +262,7 @@ class View {
 
   void add_stops() {
     add_if("stopped", text_of(job_, "interruption"), kStopped, Ink::Warning);
+    add_each("warning", part_of(job_, "warnings"), kWarning, Ink::Warning);
     if (state() == "paused") add("", "continue with: contourctl resume", kStopped, Ink::Strong);
   }
 

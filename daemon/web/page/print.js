@@ -22,7 +22,7 @@ export function showNow() {
 
 function showNotices(status) {
   const texts = [status.not_ready_reason, status.held, status.interrupted && `A power cut ended the print of ${status.interrupted.job} at layer ${status.interrupted.layer}; decide at the printer (contourctl go-on).`,
-    status.job && status.job.interruption, status.manual.problem, status.waiting_for && withoutCommand(status.waiting_for).replace(/^to be confirmed$/, ""), ...status.reminders].filter(Boolean);
+    status.job && status.job.interruption, ...(status.job && status.job.warnings || []), status.manual.problem, status.waiting_for && withoutCommand(status.waiting_for).replace(/^to be confirmed$/, ""), ...status.reminders].filter(Boolean);
   const shown = [...new Set(texts)];
   if (shown.join("\n") !== [...$("notices").children].map((each) => each.textContent).join("\n"))
     $("notices").replaceChildren(...shown.map((text) => element("li", "", text)));

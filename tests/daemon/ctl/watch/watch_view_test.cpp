@@ -177,6 +177,8 @@ TEST_CASE("A paused print has no end time") {
   const std::string text = text_of(printer(status));
   CHECK_FALSE(has(text, "until"));
   CHECK(has(text, "stopped   the lid was opened"));
+  status["job"]["warnings"] = {"no force was felt"};
+  CHECK(has(text_of(printer(status)), "warning   no force was felt"));
   CHECK(has(text, "contourctl resume"));
 }
 
