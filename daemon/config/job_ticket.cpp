@@ -272,7 +272,9 @@ JobTicket read_job_ticket(JsonDocument document) {
 }  // namespace
 
 SupportPolicy support_policy(std::string_view name) {
-  return name == "on" ? SupportPolicy::On : name == "auto" ? SupportPolicy::Auto : SupportPolicy::Off;
+  if (name == "on") return SupportPolicy::On;
+  if (name == "in the file") return SupportPolicy::InFile;
+  return name == "auto" ? SupportPolicy::Auto : SupportPolicy::Off;
 }
 
 JobTicket load_job_ticket(const std::filesystem::path& path, Links links) {

@@ -56,11 +56,16 @@ enum class CrackPolicy {
   Refuse,  // print nothing
 };
 
-// The choice between printing overhangs as they are and generating supports for them. A model that carries
-// supports in its file keeps to them with Auto, and gets others with On.
-enum class SupportPolicy { Off, Auto, On };
-// Returns the policy with the name "auto" or "on"; Off for any other name.
+// The choice between printing overhangs as they are and generating supports for them. A model that contourd
+// recognises as carrying supports in its file keeps to them with Auto, and gets others with On. With InFile,
+// every model is one that carries them.
+enum class SupportPolicy { Off, Auto, On, InFile };
+// Returns the policy with the name "auto", "on" or "in the file"; Off for any other name.
 [[nodiscard]] SupportPolicy support_policy(std::string_view name);
+// True if models may be lifted and get supports.
+[[nodiscard]] constexpr bool adds_supports(SupportPolicy policy) {
+  return policy == SupportPolicy::Auto || policy == SupportPolicy::On;
+}
 
 // The supports that a ticket asks for.
 struct SupportTicket {

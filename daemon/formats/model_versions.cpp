@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 
+#include "daemon/formats/model_names.hpp"
+
 namespace contourd {
 namespace {
 
@@ -107,6 +109,10 @@ VersionName version_name(std::string_view path, std::string_view extension) {
     if (!words.empty()) name.model += '/';
   }
   return name;
+}
+
+bool says_supported(std::string_view path) {
+  return version_name(path, model_extension(path)).supports == NamedSupports::With;
 }
 
 }  // namespace contourd

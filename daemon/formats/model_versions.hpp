@@ -25,4 +25,7 @@ struct VersionName {
 // of formats do not count in folders.
 [[nodiscard]] VersionName version_name(std::string_view path, std::string_view extension);
 
+// True if the path of a model says that it carries supports.
+[[nodiscard]] bool says_supported(std::string_view path);
+
 }  // namespace contourd

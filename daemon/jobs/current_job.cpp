@@ -51,11 +51,11 @@ std::string why_unaccepted(const PreparedJob& job, const std::vector<std::string
   if (*finding == kToBeConfirmed)
     return "its ticket has it wait (\"confirm\": true); put it into incoming again, and it waits for "
            "\"contourctl accept\"";
-  if (*finding == kLeftOutModels || *finding == kUnitInDoubt)
-    return (*finding == kUnitInDoubt ? job.summary.unit_question : job.summary.left_out) +
-           "; put it into incoming again, and it waits for \"contourctl accept\"";
-  return unheld_sentence(job.summary.supports->unheld) +
-         "; put it into incoming again, and it waits for \"contourctl accept\"";
+  const std::string found = *finding == kUnitInDoubt       ? job.summary.unit_question
+                            : *finding == kSupportsInDoubt ? job.summary.supports_question
+                            : *finding == kLeftOutModels   ? job.summary.left_out
+                                                           : unheld_sentence(job.summary.supports->unheld);
+  return found + "; put it into incoming again, and it waits for \"contourctl accept\"";
 }
 
 // Returns the light that a print's split exposures gave; null if none was split.

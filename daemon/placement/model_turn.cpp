@@ -8,7 +8,7 @@ namespace {
 // Returns the height that models with `fit` leave free beneath them, since they may have to stand on
 // supports, a whole number of layers high.
 double room_for_supports_mm(const JobSettings& settings) {
-  if (settings.supports == SupportPolicy::Off) return 0;
+  if (!adds_supports(settings.supports)) return 0;
   return (settings.resin.supports.lift + to_millimeters(settings.resin.layer_height_max)).count();
 }
 

@@ -29,7 +29,7 @@ OrientationLimits orientation_limits(const MakingContext& making) {
       resin.shrinkage_factors,
       resin.orientation,
       resin.supports};
-  if (making.settings.supports == SupportPolicy::Off) limits.supports.lift = Millimeters{};
+  if (!adds_supports(making.settings.supports)) limits.supports.lift = Millimeters{};
   limits.keep_own_supports = making.settings.supports != SupportPolicy::On;
   return limits;
 }
@@ -82,7 +82,9 @@ ModelSummary make_model(JobContent& content, std::size_t number, const MakingCon
   figures.format = content.format(file);
   figures.mesh.watertight = summary.sliced;
   figures.rotation_deg = ticket.rotation;
-  figures.carries_supports = content.is_supported(file) && making.settings.supports != SupportPolicy::On;
+  const SupportPolicy policy = making.settings.supports;
+  figures.carries_supports =
+      policy == SupportPolicy::InFile || (content.is_supported(file) && policy != SupportPolicy::On);
   if (figures.carries_supports && ticket.orientation)
     summary.warnings.push_back(name + " is not turned: the supports in its file hold it as it is drawn");
   std::vector<Facet> facets = content.take_facets(number);

@@ -46,7 +46,7 @@ struct ModelSummary {
   std::optional<Direction> up;
   std::size_t drain_holes = 0;  // the ticket's
   std::optional<HollowSummary> hollow{};
-  bool carries_supports = false;                // as its name in an archive says
+  bool carries_supports = false;                // as its name in an archive, or the ticket, says
   std::optional<ModelOrientation> orientation;  // the search that found `up`; nullopt if there was none
   std::vector<Point> centers;                   // one for each copy, from the plate's centre, in millimetres
 };
@@ -93,7 +93,9 @@ struct JobSummary {
   std::vector<std::string> rise_warnings{};  // from plan_rises_of(); warnings, too
   std::string unit_hint;  // from unit_hint(), of the first model that has one; a warning, too
   std::string
-      unit_question;      // the first unit_hint() about a model whose ticket names no unit; a warning, too
+      unit_question;  // the first unit_hint() about a model whose ticket names no unit; a warning, too
+  std::string supports_question{};  // about the first model that is supported and, by its name, carries
+                                    // supports in its file; a warning, too
   std::string left_out;   // a sentence about an archive's models without room on the plate; a warning, too
   std::string wide_gaps;  // a sentence about the first model with gaps far wider than a pixel; a warning, too
 };

@@ -44,6 +44,7 @@ Millimeters gap_for_supports(const SupportSettings& settings) {
 OwnSupports find_own_supports(const std::shared_ptr<const HeightIndex>& model,
                               const SupportSettings& settings, SupportPolicy policy,
                               const std::stop_token& stop) {
+  if (policy == SupportPolicy::InFile) return OwnSupports::Kept;
   const bool low_enough = Millimeters{model->bounds().size_z()} <= kHighestSweep;
   if (!low_enough || !carries_supports(model, settings, stop)) return OwnSupports::None;
   return policy == SupportPolicy::On ? OwnSupports::Overruled : OwnSupports::Kept;

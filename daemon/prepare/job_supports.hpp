@@ -17,8 +17,8 @@
 
 namespace contourd {
 
-// Finds the supports that a model carries in its file. The policy On overrules them. Blocks as
-// carries_supports() does.
+// Finds the supports that a model carries in its file. The policy On overrules them; InFile presupposes them.
+// Blocks as carries_supports() does.
 [[nodiscard]] OwnSupports find_own_supports(const std::shared_ptr<const HeightIndex>& model,
                                             const SupportSettings& settings, SupportPolicy policy,
                                             const std::stop_token& stop = {});

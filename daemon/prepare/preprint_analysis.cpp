@@ -21,6 +21,7 @@ std::vector<std::string> always_asked(const JobSummary& job) {
   if (job.supports && !job.supports->unheld.empty()) findings.emplace_back(kUnheldPlaces);
   if (!job.wide_gaps.empty()) findings.emplace_back(kWideGaps);
   if (!job.unit_question.empty()) findings.emplace_back(kUnitInDoubt);
+  if (!job.supports_question.empty()) findings.emplace_back(kSupportsInDoubt);
   if (!job.left_out.empty()) findings.emplace_back(kLeftOutModels);
   if (job.confirm) findings.emplace_back(kToBeConfirmed);
   return findings;

@@ -37,14 +37,17 @@ inline constexpr std::string_view kLeftOutModels = "left_out_models";
 // Finding of a job with a model whose size is plausible only in another unit than mm, or whose file names
 // another, and whose ticket names none. Needs confirmation even if ask_before does not name it.
 inline constexpr std::string_view kUnitInDoubt = "unit_in_doubt";
+// Finding of a job with a model that gets supports although its name says that it carries some in its file,
+// unless the ticket says which it has. Needs confirmation even if ask_before does not name it.
+inline constexpr std::string_view kSupportsInDoubt = "supports_in_doubt";
 
 // Finding of a job whose ticket has it wait until a user accepts it. Needs confirmation even if ask_before
 // does not name it.
 inline constexpr std::string_view kToBeConfirmed = "to_be_confirmed";
 
 // The findings above that the preparation of a job makes.
-inline constexpr std::array<std::string_view, 5> kFoundByPreparation{kUnheldPlaces, kWideGaps, kUnitInDoubt,
-                                                                     kLeftOutModels, kToBeConfirmed};
+inline constexpr std::array<std::string_view, 6> kFoundByPreparation{
+    kUnheldPlaces, kWideGaps, kUnitInDoubt, kSupportsInDoubt, kLeftOutModels, kToBeConfirmed};
 
 // An analysis, and the job's content and settings at that time.
 struct AnalyzedJob {

@@ -12,6 +12,7 @@
 #include "core/cure/stop_check.hpp"
 #include "core/support/support_lift.hpp"
 #include "daemon/config/sliced_settings.hpp"
+#include "daemon/formats/model_versions.hpp"
 #include "daemon/placement/drain_holes.hpp"
 #include "daemon/placement/hollow_job_model.hpp"
 #include "daemon/prepare/job_content.hpp"
@@ -322,7 +323,7 @@ class Preparation {
   // Leaves out the models of an archive that have no room on the plate beside the others and their supports.
   void leave_out_without_room() {
     const Millimeters gap =
-        settings_.supports == SupportPolicy::Off ? kCopyGap : gap_for_supports(settings_.resin.supports);
+        adds_supports(settings_.supports) ? gap_for_supports(settings_.resin.supports) : kCopyGap;
     std::vector<std::string> left_out;
     while (content_.is_archive_plate()) {
       try {
@@ -381,7 +382,25 @@ class Preparation {
     for (const std::string& warning : supports_warnings(held->supports))
       warn(warning);
     summary_.supports = std::move(held->supports);
+    doubt_supports();
     return std::move(held->arrangement);
+  }
+
+  // Asks about a model that gets supports although its name says that it carries some in its file.
+  void doubt_supports() {
+    const bool answered = settings_.ticket.supports && settings_.supports != SupportPolicy::Auto;
+    if (answered || summary_.supports->contacts.empty()) return;
+    for (std::size_t i = 0; i < models_.size(); ++i) {
+      const std::string& path = content_.models()[i].path;
+      if (models_[i].own_supports != OwnSupports::None || !says_supported(path.empty() ? files_.name : path))
+        continue;
+      summary_.supports_question = fmt::format(
+          "{} carries supports in its file, as its name says, but contourd does not recognise them and adds "
+          "its own: \"supports\": \"in the file\" in the ticket prints the model as it is drawn, and \"on\" "
+          "supports it (contourctl submit --supports)",
+          models_[i].name);
+      return warn(summary_.supports_question);
+    }
   }
 
   void make_engines(const Arrangement& arrangement) {

@@ -205,8 +205,9 @@ PrintOptions add_print_options(Command& command, PrintArgs& args, const char* la
       command.option("--resin", args.resin, "Profile of the resin, without --printer").excludes(printer);
   command
       .option("--supports", args.supports,
-              "Generate supports: auto, on or off (default: as configured, or off)")
-      .one_of({"auto", "on", "off"});
+              "Supports: auto, on, off, or \"in the file\": the model carries them (default: as configured, "
+              "or off)")
+      .one_of({"auto", "on", "off", "in the file"});
   command.option("--undersides", args.undersides, kUndersidesHelp).one_of({"plain", "dose"});
   add_size_options(command, args.size);
   command.option("--up", args.up, kUpHelp).suggests(up_presets).excludes(printer);

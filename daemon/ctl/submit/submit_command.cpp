@@ -237,8 +237,9 @@ void add_submit(Command& program) {
   add("--copies", options.copies, "Number of copies of each model");
   add("--dry", options.dry, "Dry run: all moves and masks, but no light");
   add("--up", options.up, kUpHelp).suggests(up_presets);
-  add("--supports", options.supports, "Generate supports: auto, on or off (default: as configured)")
-      .one_of({"auto", "on", "off"});
+  add("--supports", options.supports,
+      "Supports: auto, on, off, or \"in the file\": the model carries them (default: as configured)")
+      .one_of({"auto", "on", "off", "in the file"});
   add("--unit", options.unit, kUnitHelp).suggests(unit_names);
   const Option& scale = add("--scale", options.scale, kScaleHelp);
   add("--fit", options.fit, "Scale the model to fill the display").excludes(scale);

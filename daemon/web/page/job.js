@@ -41,7 +41,7 @@ class TicketForm {
       this.layer.placeholder = profile && profile.layer_height_um ? profile.layer_height_um : "";
       this.range.textContent = profile && profile.layer_height_um ? `${profile.layer_height_min_um} to ${profile.layer_height_max_um}; empty: ${this.ticket.adaptive_layers ? "adaptive" : profile.layer_height_um}` : "";
     };
-    this.supports = choice(withKept([["", "as the printer is set"], ["auto", "auto"], ["on", "on"], ["off", "off"]], supports), supports);
+    this.supports = choice(withKept([["", "as the printer is set"], ["auto", "auto"], ["on", "on"], ["off", "off"], ["in the file", "in the file"]], supports), supports);
     this.up = choice(withKept([["", "as in the file"], ["auto", "the printer chooses"], ["fast", "low, for a fast print"], ["clean", "few supports"], ["safe", "little peel force"],
       ...Object.keys(AXES).map((axis) => [axis, `${axis} up`])], up), up);
     this.copies = element("input");

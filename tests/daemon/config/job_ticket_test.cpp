@@ -92,11 +92,12 @@ TEST_CASE("a ticket's unit is one of those that a model may be in") {
   CHECK(ticket_complaints(R"({"unit": 25.4})").size() == 1);
 }
 
-TEST_CASE("a ticket sets supports to auto, on or off, or to on with its own values") {
+TEST_CASE("a ticket sets supports to auto, on, off or in the file, or to on with its own values") {
   CHECK_FALSE(load_ticket("{}").supports);
   CHECK(load_ticket(R"({"supports": "off"})").supports == SupportTicket{SupportPolicy::Off, {}});
   CHECK(load_ticket(R"({"supports": "auto"})").supports == SupportTicket{SupportPolicy::Auto, {}});
   CHECK(load_ticket(R"({"supports": "on"})").supports == SupportTicket{SupportPolicy::On, {}});
+  CHECK(load_ticket(R"({"supports": "in the file"})").supports == SupportTicket{SupportPolicy::InFile, {}});
   CHECK(load_ticket(R"({"supports": {"lift_mm": 7.5, "tip_diameter_mm": 0.3}})").supports ==
         SupportTicket{SupportPolicy::On, {{"tip_diameter_mm", 0.3}, {"lift_mm", 7.5}}});
   CHECK(load_plate(R"({"supports": "off", "models": [{"file": "a.stl"}]})").supports ==

@@ -112,6 +112,28 @@ TEST_CASE_METHOD(ArchiveFixture, "Models of an archive without room on the plate
   CHECK(lacking(refusal_of_archive(R"({"model": "huge.stl"})"), {"200.00"}).empty());
 }
 
+TEST_CASE_METHOD(ArchiveFixture,
+                 "A model that only its name calls supported waits until the ticket answers") {
+  pack("Supported/ball.stl", models::sphere(6, 24));
+  const auto findings = [this](const std::string& ticket) {
+    const auto analysis = analysis_of_preparation(prepare_archive(ticket).summary);
+    return analysis ? asked_findings(*analysis, printer) : std::vector<std::string>{};
+  };
+  for (const char* const ticket : {R"({"supports": "auto"})", R"({"supports": "auto", "up": "auto"})"})
+    CHECK(findings(ticket) == std::vector<std::string>{"supports_in_doubt"});
+  CHECK(lacking(prepare_archive(R"({"supports": "auto"})").summary.supports_question,
+                {"carries supports in its file, as its name says", "\"supports\": \"in the file\""})
+            .empty());
+  for (const char* const answer : {R"({"supports": "in the file"})", R"({"supports": "on"})",
+                                   R"({"supports": "off"})", R"({"supports": {"lift_mm": 6}})"})
+    CHECK(findings(answer).empty());
+}
+
+TEST_CASE_METHOD(ArchiveFixture, "The name of a model that needs no supports does not make it wait") {
+  pack("cube_supported.stl", testing::kCube);
+  CHECK_FALSE(analysis_of_preparation(prepare_archive(R"({"supports": "auto"})").summary));
+}
+
 TEST_CASE_METHOD(ArchiveFixture, "A model that its archive calls supported is printed as it is") {
   // A ball on a few pins would get supports.
   const models::Facets ball = models::sphere(6, 24);

@@ -462,6 +462,20 @@ TEST_CASE_METHOD(PlateFixture,
   }
 }
 
+TEST_CASE_METHOD(PlateFixture, "Models that carry supports by their ticket are printed as they are drawn") {
+  add("ball.stl", models::sphere(5, 32));
+  // Lies on its side, which stands better on the plate.
+  add("slab.stl", models::box({0, 0, 0}, {2, 20, 20}));
+  const JobSummary job = prepare(R"({"supports": "in the file", "models": [
+    {"file": "ball.stl", "copies": 2}, {"file": "slab.stl", "up": "auto"}]})")
+                             .summary;
+  CHECK(job.height_mm == testing::Approx(20));
+  CHECK_FALSE(counts_of(*job.supports).any());
+  CHECK(counts_of(*job.supports).carriers == 2);
+  CHECK(job.warnings.at(0) == "slab.stl is not turned: the supports in its file hold it as it is drawn");
+  CHECK(job.warnings.at(1) == "ball.stl carries supports in its file, so contourd adds none");
+}
+
 TEST_CASE_METHOD(PrintJobFixture, "The printer's file turns supports on, and a ticket can turn them off") {
   printer.supports = SupportPolicy::Auto;
   CHECK(prepare(models::sphere(5, 32)).summary.supports);
@@ -480,6 +494,9 @@ TEST_CASE_METHOD(PrintJobFixture, "A model with fit leaves room for supports ben
   const PreparedJob job =
       prepare(models::box({0, 0, 0}, {2, 2, 100}), R"({"supports": "auto", "fit": true})");
   CHECK(job.summary.height_mm == testing::Approx(156.5 - 5 - 0.1));  // the thickest layer is 0.1 mm
+  const PreparedJob carried =
+      prepare(models::box({0, 0, 0}, {2, 2, 100}), R"({"supports": "in the file", "fit": true})");
+  CHECK(carried.summary.height_mm == testing::Approx(156.5));
 }
 
 TEST_CASE_METHOD(PrintJobFixture, "Copies with supports are spaced so that a foot fits between them") {
