@@ -1,5 +1,6 @@
 """The interfaces of other print hosts in contourd-web: each held to the requests that its clients send, read by the clients' rules."""
 
+import contextlib
 import http.client
 import json
 import os
@@ -31,7 +32,7 @@ class HostTest(WebTest):
     def serve_host(self, daemon=None, clients=("127.0.0.1", "127.0.0.2"), **config):
         self.host_port = free_port()
         self.options = ("--listen", f"127.0.0.1:{self.host_port}")
-        self.serve(daemon, **{self.KEY: {"port": self.host_port, "clients": list(clients)}}, **config)
+        return self.serve(daemon, **{self.KEY: {"port": self.host_port, "clients": list(clients)}}, **config)
 
     def answers(self):
         # The service listens on the page's port first.
@@ -83,6 +84,19 @@ class StrangersTest(HostTest):
         status, _, _ = self.ask("POST", "/plate/add", form(("ZipFile", "a.stl", SMALL)), source=UNLISTED)
         self.assertEqual((status, self.incoming()), (403, []))
         self.assertEqual(self.ask("GET", "/status", source="127.0.0.2")[0], 200)
+
+    def test_two_hundred_silent_clients_keep_no_one_out(self):
+        browser = self.serve_host()
+        for source in (UNLISTED, "127.0.0.2"):
+            with self.subTest(source=source):
+                silent = [socket.create_connection(("127.0.0.1", self.host_port), DEADLINE_S, (source, 0)) for _ in range(200)]
+                for each in silent:
+                    self.addCleanup(each.close)
+                    with contextlib.suppress(OSError):  # contourd-web has closed the connection
+                        each.sendall(b"GET /status HTTP/1.1\r\n")
+                self.assertEqual(self.ask("GET", "/status")[0], 200)
+                self.assertEqual(browser.log_in()[0], 204)
+                self.assertLess(len(os.listdir(f"/proc/{self.web.pid}/fd")), 160)
 
     def test_a_browser_on_a_listed_address_may_not_ask(self):
         self.serve_host(self.printing_slowly())
