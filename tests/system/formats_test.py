@@ -94,6 +94,18 @@ class Formats(SpoolTest):
         self.assertEqual(report["model"]["size_mm"][2], 2)
         self.assertAlmostEqual(report["model"]["size_mm"][1], 0.2, 6)
 
+    def test_every_command_that_reads_an_obj_model_says_that_y_is_up(self):
+        # A flat part whose only level face is its base, at the lowest y.
+        faces = "f 1 2 3 4\nf 2 1 5\nf 3 2 5\nf 4 3 5\nf 1 4 5\n"
+        flat = self.write("flat.obj", ("v 0 0 1\nv 10 0 0\nv 10 0 20\nv 0 0 20\nv 3 2 8\n" + faces).encode())
+        standing = self.write("standing.obj", ("v 0 -1 0\nv 10 0 0\nv 10 -20 0\nv 0 -20 0\nv 3 -8 2\n" + faces).encode())
+        for command in (("inspect",), ("slice", "--z", "1"), ("support",), ("orient",), ("preview", "-o", self.path("flat.png"))):
+            with self.subTest(command=command[0]):
+                result = contourctl(command[0], flat, *command[1:], expect=OK)
+                self.assertIn(b"y is up", result.stderr + result.stdout)
+        contourctl("preview", "-o", self.path("standing.png"), standing, expect=OK)
+        self.assertEqual(contents(self.path("flat.png")), contents(self.path("standing.png")))
+
     def test_the_ticket_names_the_model_of_an_archive(self):
         daemon = self.daemon().start()
         archive = zipped({"Supported/part.stl": binary_stl(WEDGE), "Unsupported/part.stl": SLAB})

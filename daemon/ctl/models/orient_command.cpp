@@ -130,7 +130,9 @@ int orient(const OrientOptions& options) {
   if (options.force && !options.pictures) throw UsageError("--force needs --pictures");
   refuse_to_overwrite_model(options.model, "--html", options.html);
   const OrientationLimits limits = limits_of(options);
-  const std::vector<Facet> facets = read_model(options.model).model.facets;
+  const Model model = read_model(options.model).model;
+  print_warnings(model.warnings);
+  const std::vector<Facet>& facets = model.facets;
   if (facets.empty()) throw ModelError(options.model.string() + ": the file holds no facets");
   if (options.pictures)
     open_layer_folder(*options.pictures, ".png", options.force ? Earlier::Replace : Earlier::Refuse);

@@ -20,6 +20,7 @@
 #include "daemon/ctl/models/layer_measurements.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/read_model.hpp"
+#include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/terminal/client.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
 #include "daemon/ctl/terminal/picture_output.hpp"
@@ -241,7 +242,11 @@ NotedPicture shaded_job(const PreviewSubject& subject, const PreparedJob& job) {
 
 std::vector<Facet> facets_of(const PreviewSubject& subject) {
   const JobFiles& files = subject.files;
-  if (!subject.spooled) return read_model(files.model).model.facets;
+  if (!subject.spooled) {
+    Model model = read_turned_model(files.model, std::nullopt, std::nullopt);
+    print_warnings(model.warnings);
+    return std::move(model.facets);
+  }
   try {
     JobContent content(files, JobTicket{}, false);
     content.read(DisplayGeometry{}, memory_room(std::nullopt), {});

@@ -1,11 +1,15 @@
 #include "daemon/ctl/models/read_model.hpp"
 
+#include <fmt/format.h>
+
+#include <cstdio>
 #include <memory>
 #include <utility>
 
 #include "daemon/formats/model_input.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/prepare/job_memory.hpp"
+#include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -30,6 +34,11 @@ ModelOfFile read_model(const std::filesystem::path& path, const std::vector<std:
   } catch (const JobTooLarge& error) {
     throw ModelError(path.string() + ": " + error.what());
   }
+}
+
+void print_warnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings)
+    fmt::print(stderr, "contourctl: warning: {}\n", printable(warning));
 }
 
 void look_at_models(const std::filesystem::path& path, const std::vector<std::string>& names) {

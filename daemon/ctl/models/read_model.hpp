@@ -22,6 +22,8 @@ struct ModelOfFile {
 // ModelError, and std::system_error if the file cannot be read.
 [[nodiscard]] ModelOfFile read_model(const std::filesystem::path& path,
                                      const std::vector<std::string>& names = {});
+// Prints warnings about a model on stderr, a line each.
+void print_warnings(const std::vector<std::string>& warnings);
 // Throws the exceptions of read_model() for defects that the beginning of the file shows.
 // A ZIP archive may hold several models.
 void look_at_models(const std::filesystem::path& path, const std::vector<std::string>& names);

@@ -25,6 +25,7 @@
 #include "daemon/ctl/models/layer_measurements.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/ctl/models/print_subject.hpp"
+#include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/models/sl1_file.hpp"
 #include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
@@ -377,8 +378,7 @@ int slice_print(SliceOptions options) {
   options.print.uniformity = std::move(options.engine.uniformity);
   const PrintSubject subject = print_subject(options.print);
   options.engine = subject.settings;
-  for (const std::string& warning : subject.warnings)
-    fmt::print(stderr, "contourctl: warning: {}\n", printable(warning));
+  print_warnings(subject.warnings);
   LayersToSlice layers{subject.engine->models().front(), middles_of(subject.layers), subject.supports, [&] {
                          return MaskMaker{*subject.engine, subject.dimmed_masks(), subject.given_light()};
                        }};
@@ -403,13 +403,12 @@ void warn_if_erased(const SliceOptions& options, const SupportedModel& supported
 
 // Slices the model as it is in its file, or with supports.
 int slice_model(const SliceOptions& options) {
-  const auto model = std::make_shared<const HeightIndex>(
-      read_turned_model(options.print.model, options.up, parse_size(options.print.size)).facets);
-  for (const std::string& warning : mesh_warnings(model->turned_outwards(), model->repairs()))
-    fmt::print(stderr, "contourctl: warning: {}\n", warning);
+  Model read = read_turned_model(options.print.model, options.up, parse_size(options.print.size));
+  print_warnings(read.warnings);
+  const auto model = std::make_shared<const HeightIndex>(std::move(read.facets));
+  print_warnings(mesh_warnings(model->turned_outwards(), model->repairs()));
   const SupportedModel supported = stand(model, options);
-  for (const std::string& warning : supported.warnings())
-    fmt::print(stderr, "contourctl: warning: {}\n", warning);
+  print_warnings(supported.warnings());
   if (options.z) {
     if (const auto height = to_nanometers(*options.z - supported.model.z_at(Nanometers{})))
       warn_if_erased(options, supported, {*height});

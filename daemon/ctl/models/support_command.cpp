@@ -13,6 +13,7 @@
 #include "core/support/support_mesh.hpp"
 #include "daemon/ctl/models/layer_files.hpp"
 #include "daemon/ctl/models/model_arguments.hpp"
+#include "daemon/ctl/models/read_model.hpp"
 #include "daemon/ctl/models/stl_file.hpp"
 #include "daemon/ctl/models/supported_model.hpp"
 #include "daemon/ctl/terminal/exit_codes.hpp"
@@ -91,6 +92,7 @@ int support(const SupportOptions& options) {
   refuse_to_overwrite_model(options.model, "--stl", options.stl);
   if (options.with_model && !options.stl) throw UsageError("--with-model needs --stl");
   Model model = read_turned_model(options.model, up, parse_size(options.size));
+  print_warnings(model.warnings);
   const SupportedModel supported =
       support_model(std::make_shared<const HeightIndex>(std::move(model.facets)), supporting);
   if (supported.own_supports == OwnSupports::Overruled)
