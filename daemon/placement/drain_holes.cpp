@@ -9,6 +9,7 @@
 #include "core/support/support_structure.hpp"
 #include "daemon/placement/model_turn.hpp"
 #include "daemon/placement/plate_arrangement.hpp"
+#include "daemon/system/readable.hpp"
 
 namespace contourd {
 namespace {
@@ -113,14 +114,15 @@ void refuse_holes_beside(const DrilledModel& drilled, const std::string& name, c
     const DrainHole& hole = drilled.ticket.drain[i];
     const Bounds& bounds = drilled.model.model->bounds();
     const Frustum& made = drilled.cylinders[i];
-    throw JobRefused(fmt::format(
-        "drain hole {} of {} misses it: the hole starts at {:g}, {:g}, {:g} mm, is {:g} mm wide "
-        "and {:g} mm deep, and removes nothing; as printed, it reaches from {:.2f}, {:.2f}, {:.2f} "
-        "to {:.2f}, {:.2f}, {:.2f} mm, and the model from {:.2f}, {:.2f}, {:.2f} to {:.2f}, "
-        "{:.2f}, {:.2f} mm",
-        i + 1, name, hole.x_mm, hole.y_mm, hole.z_mm, hole.diameter_mm, hole.depth_mm, made.lower.x,
-        made.lower.y, made.lower.z, made.upper.x, made.upper.y, made.upper.z, bounds.min_x, bounds.min_y,
-        bounds.min_z, bounds.max_x, bounds.max_y, bounds.max_z));
+    throw JobRefused(
+        fmt::format("drain hole {} of {} misses it: the hole starts at {:g}, {:g}, {:g} mm, is {:g} mm wide "
+                    "and {:g} mm deep, and removes nothing; as printed, it reaches from {} to {} mm, and the "
+                    "model from {} to {} mm",
+                    i + 1, name, hole.x_mm, hole.y_mm, hole.z_mm, hole.diameter_mm, hole.depth_mm,
+                    coordinates({made.lower.x, made.lower.y, made.lower.z}),
+                    coordinates({made.upper.x, made.upper.y, made.upper.z}),
+                    coordinates({bounds.min_x, bounds.min_y, bounds.min_z}),
+                    coordinates({bounds.max_x, bounds.max_y, bounds.max_z})));
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/plate/plate_collision.hpp"
 #include "core/plate/plate_packing.hpp"
+#include "daemon/system/readable.hpp"
 
 namespace contourd {
 namespace {
@@ -154,10 +155,10 @@ void check_inside(const ModelToPlace& model, std::size_t copy, const Point& cent
   check(half_y + center.y - volume.depth_mm() / 2, "back");
   if (edges.empty()) return;
   throw JobRefused(
-      fmt::format("{} ({:.2f} x {:.2f} mm, its centre {:.2f}, {:.2f} mm from the plate's) reaches {} of the "
+      fmt::format("{} ({:.2f} x {:.2f} mm, its centre {} mm from the plate's) reaches {} of the "
                   "build area ({:.2f} x {:.2f} mm)",
-                  copy_name(model, copy), bounds.size_x(), bounds.size_y(), center.x, center.y, edges,
-                  volume.width_mm(), volume.depth_mm()));
+                  copy_name(model, copy), bounds.size_x(), bounds.size_y(), coordinates({center.x, center.y}),
+                  edges, volume.width_mm(), volume.depth_mm()));
 }
 
 }  // namespace
@@ -190,9 +191,9 @@ void check_arrangement(const std::vector<ModelToPlace>& models, const Arrangemen
       const auto collision = find_collision(copies[a].placed, copies[b].placed, volume.display, layer);
       if (!collision) continue;
       throw JobRefused(fmt::format(
-          "{} and {} collide: at a height of {:.3f} mm both are at {:.2f}, {:.2f} mm from the plate's centre",
+          "{} and {} collide: at a height of {:.3f} mm both are at {} mm from the plate's centre",
           copy_name(copies[a].model, copies[a].number), copy_name(copies[b].model, copies[b].number),
-          to_millimeters(collision->height).count(), collision->place.x, collision->place.y));
+          to_millimeters(collision->height).count(), coordinates({collision->place.x, collision->place.y})));
     }
   }
 }

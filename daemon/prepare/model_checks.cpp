@@ -86,9 +86,9 @@ bool lights_a_pixel(const PlateModel& model, const LightSearch& search, const st
 std::string place_of(const Vertex& vertex, const PlateModel& model, const Point& center) {
   const Bounds& bounds = model.model->bounds();
   const Point middle = bounds.center();
-  return fmt::format("{:.2f}, {:.2f} mm from the plate's centre at a height of {:.2f} mm",
-                     vertex.x - middle.x + center.x, vertex.y - middle.y + center.y,
-                     vertex.z + model.elevation.lift(bounds).count());
+  return fmt::format("{} mm from the plate's centre at a height of {} mm",
+                     coordinates({vertex.x - middle.x + center.x, vertex.y - middle.y + center.y}),
+                     coordinates({vertex.z + model.elevation.lift(bounds).count()}));
 }
 
 // Adds the mesh's figures and warnings.
@@ -197,10 +197,10 @@ std::string erased_sentence(const std::vector<PlateModel>& models, const LightSe
   return fmt::format(
       "the compensation moves outlines by {:.0f} um in layer {} and erases walls and pins thinner than twice "
       "that: "
-      "nothing is left at {:.2f}, {:.2f} mm from the plate's centre ({:.3g} mm²){}; thicken them, or "
+      "nothing is left at {} mm from the plate's centre ({:.3g} mm²){}; thicken them, or "
       "reduce growth_um or elephant_foot_um",
       search.settings.compensation.offset_at(search.heights[static_cast<std::size_t>(part.layer)]).count(),
-      part.layer + 1, part.plate_mm.x, part.plate_mm.y, part.area_mm2,
+      part.layer + 1, coordinates({part.plate_mm.x, part.plate_mm.y}), part.area_mm2,
       erased.count > 1 ? fmt::format(", and {} more", erased.count - 1) : "");
 }
 
@@ -253,11 +253,11 @@ std::string unmet_parts_warning(const PlateModel& model, const DisplayGeometry& 
   return fmt::format(
       "parts of the model are thinner than a layer, lie between two layers and are not printed, at {}: the "
       "first "
-      "is {:.3g} mm thick, at {:.2f}, {:.2f} mm from the plate's centre at a height of {:.3f} mm ({:.3g} "
+      "is {:.3g} mm thick, at {} mm from the plate's centre at a height of {:.3f} mm ({:.3g} "
       "mm²); "
       "make them thicker, or print thinner layers",
-      count_of(parts.size(), "height", "heights"), first.thickness.count(), first.plate_mm.x,
-      first.plate_mm.y, in_mm(first.height), first.area_mm2);
+      count_of(parts.size(), "height", "heights"), first.thickness.count(),
+      coordinates({first.plate_mm.x, first.plate_mm.y}), in_mm(first.height), first.area_mm2);
 }
 
 std::string prefix_of(const NamedModel& model, const JobSummary& summary) {

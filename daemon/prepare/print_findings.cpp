@@ -89,8 +89,8 @@ FindingWarning island_warning(const PrintFindings& findings) {
                    count == 1 ? "it" : "them"),
        "island", count},
       findings.islands, &Island::area_mm2, &Island::layer, [](const Island& island) {
-        return fmt::format("layer {} at {:.2f}, {:.2f} mm from the plate's centre ({})", island.layer + 1,
-                           island.plate_mm.x, island.plate_mm.y, area_text(island.area_mm2));
+        return fmt::format("layer {} at {} mm from the plate's centre ({})", island.layer + 1,
+                           coordinates({island.plate_mm.x, island.plate_mm.y}), area_text(island.area_mm2));
       });
 }
 
@@ -106,8 +106,8 @@ std::string place_text(const PrintVoid& each) {
       each.first_layer == each.last_layer
           ? fmt::format("layer {}, at", each.first_layer + 1)
           : fmt::format("layers {} to {}, at", each.first_layer + 1, each.last_layer + 1);
-  return fmt::format("{} {:.2f}, {:.2f} mm from the plate's centre in layer {}", layers, each.plate_mm.x,
-                     each.plate_mm.y, each.widest_layer + 1);
+  return fmt::format("{} {} mm from the plate's centre in layer {}", layers,
+                     coordinates({each.plate_mm.x, each.plate_mm.y}), each.widest_layer + 1);
 }
 
 // `figure`: by which the largest voids are chosen.

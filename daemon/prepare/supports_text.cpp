@@ -30,8 +30,8 @@ Json contacts_json(const std::vector<SupportContact>& contacts) {
 }
 
 std::string place_text(const PlatePoint& place) {
-  return fmt::format("{:.2f}, {:.2f} mm from the plate's centre, {:.2f} mm above the plate", place.x, place.y,
-                     place.z);
+  return fmt::format("{} mm from the plate's centre, {} mm above the plate", coordinates({place.x, place.y}),
+                     coordinates({place.z}));
 }
 
 // Returns the clause, the first place and what to do; empty if there are no contacts.

@@ -11,6 +11,7 @@
 
 #include "daemon/report/cured_part_text.hpp"
 #include "daemon/report/html_page.hpp"
+#include "daemon/system/readable.hpp"
 
 namespace contourd {
 namespace {
@@ -147,7 +148,7 @@ std::string cured_section(const CureSection& section) {
                    at.height_mm + around};
   const std::string pictures =
       drawing(section, frame_of(section), &near,
-              fmt::format("The section along x at y = {:.2f} mm", at.plate_mm.y)) +
+              fmt::format("The section along x at y = {} mm", coordinates({at.plate_mm.y}))) +
       drawing(section, near, nullptr,
               fmt::format("The worst place, {:+.0f} um, {}", section.worst_um, place_text(at)));
   return "<h2>Section through the worst place</h2>\n<div class=\"sections\">\n" + pictures +

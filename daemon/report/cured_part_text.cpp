@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/report/first_items.hpp"
+#include "daemon/system/readable.hpp"
 
 namespace contourd {
 namespace {
@@ -64,8 +65,8 @@ Json pixel_light_json(const PixelLight& light) {
 }
 
 std::string place_text(const CurePlace& place) {
-  return fmt::format("at {:.2f}, {:.2f} mm, {:.2f} mm above the plate", place.plate_mm.x, place.plate_mm.y,
-                     place.height_mm);
+  return fmt::format("at {} mm, {} mm above the plate", coordinates({place.plate_mm.x, place.plate_mm.y}),
+                     coordinates({place.height_mm}));
 }
 
 std::string distances_text(const SurfaceDistances& distances) {

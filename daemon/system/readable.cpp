@@ -85,6 +85,17 @@ std::string count_of(std::uint64_t count, std::string_view one, std::string_view
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
+std::string coordinates(std::initializer_list<double> mm, int decimals) {
+  std::string text;
+  for (const double each : mm) {
+    const std::string number = fmt::format("{:.{}f}", each, decimals);
+    const bool is_zero = number.find_first_not_of("-0.") == std::string::npos;
+    text += fmt::format("{}{}", text.empty() ? "" : ", ",
+                        is_zero && number[0] == '-' ? number.substr(1) : number);
+  }
+  return text;
+}
+
 std::string local_time(std::chrono::system_clock::time_point time) {
   return fmt::format("{:%Y-%m-%d %H:%M:%S %z}", fmt::localtime(std::chrono::system_clock::to_time_t(time)));
 }

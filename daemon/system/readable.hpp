@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <ratio>
 #include <string>
 #include <string_view>
@@ -27,6 +28,8 @@ namespace contourd {
 [[nodiscard]] std::string readable(Duration duration);
 // Returns "1 layer" or "2 layers".
 [[nodiscard]] std::string count_of(std::uint64_t count, std::string_view one, std::string_view many);
+// Returns coordinates, such as "12.30, 0.00, -4.25". One that is rounded to zero has no sign.
+[[nodiscard]] std::string coordinates(std::initializer_list<double> mm, int decimals = 2);
 // Returns the time in UTC: "2026-11-20T19:05:00Z".
 [[nodiscard]] std::string iso_time(std::chrono::system_clock::time_point time);
 // Returns the time in the time zone of this process, with its offset from UTC: "2026-11-20 20:05:00 +0100".

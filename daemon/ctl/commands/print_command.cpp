@@ -77,8 +77,8 @@ void add_set(Command& program) {
 void print_copies(const Json& result) {
   for (const Json& copy : result["copies"]) {
     const Json& from = copy["excluded_from"];
-    fmt::print("{:>3}  {}, at {:.1f}, {:.1f} mm{}\n", copy.value("number", 0), text_of(copy, "name"),
-               copy["position_mm"][0].get<double>(), copy["position_mm"][1].get<double>(),
+    fmt::print("{:>3}  {}, at {} mm{}\n", copy.value("number", 0), text_of(copy, "name"),
+               coordinates({copy["position_mm"][0].get<double>(), copy["position_mm"][1].get<double>()}, 1),
                from.is_number() ? fmt::format(", dark from layer {} on", from.get<int>()) : "");
   }
   if (const auto more = result.value("more", std::size_t{0}); more > 0) fmt::print("and {} more\n", more);

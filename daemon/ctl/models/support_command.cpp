@@ -20,6 +20,7 @@
 #include "daemon/prepare/job_supports.hpp"
 #include "daemon/prepare/supports_text.hpp"
 #include "daemon/report/first_items.hpp"
+#include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -72,8 +73,9 @@ void print_text(const SupportedModel& supported) {
   fmt::print("supports   {}\n", supports_line(counts));
   fmt::print("lift       {:.6g} mm\n", to_millimeters(supported.model.elevation.above_plate()).count());
   for (const SupportContact& contact : first_items(supports.contacts, kMostLines)) {
-    fmt::print("{:<10} at {:.2f}, {:.2f} mm, {:.2f} mm above the plate, holds {:.3g} mm²\n",
-               name_of(contact.cause), contact.place.x, contact.place.y, contact.place.z, contact.load_mm2);
+    fmt::print("{:<10} at {} mm, {} mm above the plate, holds {:.3g} mm²\n", name_of(contact.cause),
+               coordinates({contact.place.x, contact.place.y}), coordinates({contact.place.z}),
+               contact.load_mm2);
   }
   if (supports.contacts.size() > kMostLines)
     fmt::print("and {} more contacts; --json has all\n", supports.contacts.size() - kMostLines);

@@ -111,7 +111,7 @@ async function showCopies() {
 }
 
 function copyItem(copy) {
-  const place = `${copy.position_mm.map((each) => each.toFixed(1)).join(", ")} mm from the middle`;
+  const place = `${copy.position_mm.map((each) => (Math.round(each * 10) / 10 + 0).toFixed(1)).join(", ")} mm from the middle`;
   const item = element("li", "", "", element("div", "what", "", element("div", "name", copy.name), element("div", "more", place)));
   if (copy.excluded_from !== null) {
     item.append(element("span", "faint", `left out from layer ${copy.excluded_from}`));

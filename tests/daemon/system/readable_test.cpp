@@ -2,6 +2,13 @@
 
 #include "tests/catch.hpp"
 
+TEST_CASE("Coordinates that are rounded to zero have no sign") {
+  CHECK(coordinates({-0.0, -0.004, 0.004}) == "0.00, 0.00, 0.00");
+  CHECK(coordinates({-0.006, 12.3, -4.25}) == "-0.01, 12.30, -4.25");
+  CHECK(coordinates({-0.04, -0.06}, 1) == "0.0, -0.1");
+  CHECK(coordinates({-0.4}, 0) == "0");
+}
+
 TEST_CASE("A time for people is in the time zone of the process, with its offset") {
   ::setenv("TZ", "CET-1", 1);
   ::tzset();
