@@ -94,14 +94,46 @@ std::string from_to(double low, double high) {
   return first == last ? first : first + " to " + last;
 }
 
-Json range_json(const ContinuousRange& range) {
+// The consequences of a slowest and of a fastest speed; at the slowest, resin cures furthest.
+struct GelRange {
+  Gel slowest, fastest;
+
+  [[nodiscard]] std::string margin() const { return from_to(fastest.margin, slowest.margin); }
+  [[nodiscard]] std::string gap_um() const { return from_to(slowest.gap_um, fastest.gap_um); }
+  [[nodiscard]] std::string through_um() const { return from_to(fastest.through_um, slowest.through_um); }
+};
+GelRange gel_between(const ContinuousForecast& forecast, const Speeds& speeds) {
+  return {gel_at(forecast, speeds.slowest), gel_at(forecast, speeds.fastest)};
+}
+GelRange gel_of(const ContinuousForecast& forecast, const ContinuousRange& range) {
+  return gel_between(forecast, {range.slowest, range.fastest});
+}
+
+void add_gel(const GelRange& gel, Json& json) {
+  json["margin"] = {gel.fastest.margin, gel.slowest.margin};
+  json["gel_gap_um"] = {gel.slowest.gap_um, gel.fastest.gap_um};
+  json["print_through_um"] = {gel.fastest.through_um, gel.slowest.through_um};
+}
+
+Json range_json(const ContinuousForecast& forecast, const ContinuousRange& range) {
   Json json{{"bottom_mm", in_mm(range.bottom)},
             {"top_mm", in_mm(range.top)},
             {"limit", range.limit ? Json(name_of(*range.limit)) : Json()},
             {"time_s", seconds(range.time)}};
-  if (range.limit) json["speed_mm_h"] = {mm_h(range.slowest), mm_h(range.fastest)};
+  if (range.limit) {
+    json["speed_mm_h"] = {mm_h(range.slowest), mm_h(range.fastest)};
+    add_gel(gel_of(forecast, range), json);
+  }
   json["rest_s"] = seconds(range.rest);
   return json;
+}
+
+// Returns the cells with the speeds of a rise and their consequences.
+std::string rise_cells(const ContinuousForecast& forecast, const ContinuousRange& range) {
+  const GelRange gel = gel_of(forecast, range);
+  return fmt::format("<td>{}</td><td>{}</td><td>{}</td><td>{}</td>",
+                     from_to(mm_h(range.slowest), mm_h(range.fastest)), gel.margin(), gel.gap_um(),
+                     gel.through_um());
 }
 
 }  // namespace
@@ -120,10 +152,9 @@ std::string gel_line(const ContinuousForecast& forecast) {
   if (!speeds)
     return fmt::format("none: nowhere can the plate rise a millimetre at {:.3g} mm/h or faster",
                        mm_h(forecast.bounds.slowest));
-  const Gel narrowest = gel_at(forecast, speeds->slowest), widest = gel_at(forecast, speeds->fastest);
-  return fmt::format(
-      "{} um wide, cured {} um through undersides (margin {})", from_to(narrowest.gap_um, widest.gap_um),
-      from_to(widest.through_um, narrowest.through_um), from_to(widest.margin, narrowest.margin));
+  const GelRange gel = gel_between(forecast, *speeds);
+  return fmt::format("{} um wide, cured {} um through undersides (margin {})", gel.gap_um(), gel.through_um(),
+                     gel.margin());
 }
 
 std::vector<std::string> range_lines(const ContinuousForecast& forecast) {
@@ -137,6 +168,9 @@ std::vector<std::string> range_lines(const ContinuousForecast& forecast) {
     lines.push_back(fmt::format("{:8.2f} to {:8.2f} mm  {:7}  {:20}  {}{}", in_mm(range.bottom),
                                 in_mm(range.top), name_of(range), speeds, readable(range.time),
                                 range.rest > Duration{} ? ", then a rest of " + readable(range.rest) : ""));
+    if (!range.limit) continue;
+    const GelRange gel = gel_of(forecast, range);
+    lines.back() += fmt::format("; margin {}, cured {} um through", gel.margin(), gel.through_um());
   }
   return lines;
 }
@@ -144,15 +178,16 @@ std::vector<std::string> range_lines(const ContinuousForecast& forecast) {
 std::string ranges_table(const ContinuousForecast& forecast, std::span<const std::optional<Duration>> took) {
   std::string table =
       "<table class=\"figures\" id=\"ranges\">\n<tr><th>from, mm</th><th>to, mm</th><th>limit</th>"
-      "<th>speed, mm/h</th><th>planned</th>";
+      "<th>speed, mm/h</th><th>margin</th><th>gel gap, um</th><th>cured through undersides, um</th>"
+      "<th>planned</th>";
   table += took.empty() ? "<th>rest</th></tr>\n" : "<th>took</th><th>rest</th></tr>\n";
   const std::size_t shown = std::min(forecast.ranges.size(), kMostLines);
   for (std::size_t i = 0; i < shown; ++i) {
     const ContinuousRange& range = forecast.ranges[i];
-    table += fmt::format("<tr><td>{:.2f}</td><td>{:.2f}</td><td>{}</td><td>{}</td><td>{}</td>",
-                         in_mm(range.bottom), in_mm(range.top), name_of(range),
-                         range.limit ? from_to(mm_h(range.slowest), mm_h(range.fastest)) : "",
-                         readable(range.time));
+    table += fmt::format("<tr><td>{:.2f}</td><td>{:.2f}</td><td>{}</td>", in_mm(range.bottom),
+                         in_mm(range.top), name_of(range));
+    table += range.limit ? rise_cells(forecast, range) : "<td></td><td></td><td></td><td></td>";
+    table += fmt::format("<td>{}</td>", readable(range.time));
     if (!took.empty()) table += fmt::format("<td>{}</td>", took[i] ? readable(*took[i]) : "");
     table += fmt::format("<td>{}</td></tr>\n", range.rest > Duration{} ? readable(range.rest) : "");
   }
@@ -170,15 +205,12 @@ nlohmann::ordered_json continuous_json(const ContinuousForecast& forecast,
             {"rests", rests_of(forecast).count},
             {"rests_s", seconds(rests_of(forecast).time)}};
   if (const std::optional<Speeds> speeds = speeds_of(forecast)) {
-    const Gel narrowest = gel_at(forecast, speeds->slowest), widest = gel_at(forecast, speeds->fastest);
     json["speed_mm_h"] = {mm_h(speeds->slowest), mm_h(speeds->fastest)};
-    json["margin"] = {widest.margin, narrowest.margin};
-    json["gel_gap_um"] = {narrowest.gap_um, widest.gap_um};
-    json["print_through_um"] = {widest.through_um, narrowest.through_um};
+    add_gel(gel_between(forecast, *speeds), json);
   }
   json["ranges"] = Json::array();
   for (std::size_t i = 0; i < forecast.ranges.size(); ++i) {
-    json["ranges"].push_back(range_json(forecast.ranges[i]));
+    json["ranges"].push_back(range_json(forecast, forecast.ranges[i]));
     if (!took.empty()) json["ranges"].back()["took_s"] = took[i] ? Json(seconds(*took[i])) : Json();
   }
   return json;

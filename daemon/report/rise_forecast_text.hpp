@@ -16,7 +16,8 @@ namespace contourd {
 // Returns one line with the gap that resin flows through and the depth to which light cures through
 // undersides, or with the reason why nothing is continuous.
 [[nodiscard]] std::string gel_line(const ContinuousForecast& forecast);
-// Returns a line for each of the first ranges: its heights, what holds its speed down, speeds and time.
+// Returns a line for each of the first ranges: its heights, what holds its speed down, speeds, time,
+// and for a rise the margin of its dose and the depth to which light cures through undersides.
 [[nodiscard]] std::vector<std::string> range_lines(const ContinuousForecast& forecast);
 
 // Returns the plan, and for each range how long it took; `took` is empty before the print.

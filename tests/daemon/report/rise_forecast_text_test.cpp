@@ -42,8 +42,11 @@ TEST_CASE("The forecast of a continuous print is a few lines, and JSON") {
   CHECK(range_lines(forecast) ==
         std::vector<std::string>{
             "    0.00 to     1.00 mm  layers                         1 min 40 s",
-            "    1.00 to    18.00 mm  cure     55.3 mm/h             18 min 20 s, then a rest of 2 min 00 s",
-            "   18.00 to    20.00 mm  refill   27.6 to 55.3 mm/h     5 min 00 s"});
+            "    1.00 to    18.00 mm  cure     55.3 mm/h             18 min 20 s, then a rest of 2 min 00 s; "
+            "margin 4, cured 208 um through",
+            "   18.00 to    20.00 mm  refill   27.6 to 55.3 mm/h     5 min 00 s; margin 4 to 8, cured 208 to "
+            "312 um "
+            "through"});
   const nlohmann::ordered_json json = continuous_json(forecast);
   CHECK(json["time_s"] == 1620);
   CHECK(json["rests"] == 1);
@@ -53,6 +56,13 @@ TEST_CASE("The forecast of a continuous print is a few lines, and JSON") {
   CHECK(json["ranges"][1]["limit"] == "cure");
   CHECK(json["ranges"][1]["rest_s"] == 120);
   CHECK(json["rests_s"] == 120);
+  CHECK_FALSE(json["ranges"][0].contains("margin"));
+  CHECK(json["ranges"][2]["margin"][1].get<double>() == Approx(8));
+  CHECK(json["ranges"][2]["gel_gap_um"][0].get<double>() == Approx(50.03).epsilon(1e-3));
+  CHECK(json["ranges"][2]["print_through_um"][1].get<double>() == Approx(311.9).epsilon(1e-3));
+  CHECK(ranges_table(forecast).find(
+            "<td>refill</td><td>27.6 to 55.3</td><td>4 to 8</td><td>50 to 73.2</td><td>208 to 312</td>") !=
+        std::string::npos);
   CHECK(json["ranges"][2]["speed_mm_h"][0].get<double>() == Approx(27.63).epsilon(1e-3));
 }
 
