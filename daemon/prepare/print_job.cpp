@@ -216,6 +216,19 @@ class Preparation {
     constexpr int kSlack = 4;
     job_.analysis = {summary_.resin.support, kSlack * printer_.mask_budget};
     take_settings(printer_, summary_.resin, job_.plan);
+    warn(unwatched_way_down());
+  }
+
+  // Returns a warning if the force line watches no part of the plate's way down between layers; empty if it
+  // does.
+  [[nodiscard]] std::string unwatched_way_down() const {
+    const Nanometers lift = summary_.resin.motion.whole_lift();
+    if (!printer_.force || printer_.force->contact_from < lift) return {};
+    return fmt::format(
+        "nothing on the film stops the plate between layers: it is lifted by {:g} mm, and the force line "
+        "counts as resistance only {:g} mm and more above a layer (z_axis/force/contact_from_mm); lift "
+        "higher, or measure a smaller contact_from_mm",
+        in_mm(lift), in_mm(printer_.force->contact_from));
   }
 
   // Throws JobRefused if the job asks for a continuous print that is not possible whatever the model is.

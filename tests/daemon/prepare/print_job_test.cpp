@@ -294,6 +294,20 @@ TEST_CASE_METHOD(PrintJobFixture, "A hollow job has its cavity, its hole and its
   }
 }
 
+TEST_CASE_METHOD(PrintJobFixture, "A lift that the force line does not watch is a warning") {
+  resin.motion.lift = Nanometers{1'000'000};
+  resin.motion.second_lift = Nanometers{1'500'000};
+  printer.force = ForcePolicy{.contact_from = Nanometers{2'500'000}};
+  CHECK(prepare(kCube).summary.warnings ==
+        std::vector<std::string>{
+            "nothing on the film stops the plate between layers: it is lifted by 2.5 mm, and the force line "
+            "counts as resistance only 2.5 mm and more above a layer (z_axis/force/contact_from_mm); lift "
+            "higher, or measure a smaller contact_from_mm"});
+  CHECK(prepare(kCube, R"({"lift_mm": 1.1})").summary.warnings.empty());
+  printer.force.reset();
+  CHECK(prepare(kCube).summary.warnings.empty());
+}
+
 TEST_CASE_METHOD(PrintJobFixture, "A model without room for a cavity is printed solid, with a warning") {
   const PreparedJob job = prepare(models::box({0, 0, 0}, {10, 10, 3}), R"({"hollow": {"wall_mm": 1.5}})");
   CHECK(job.summary.models[0].hollow->cavities == 0);
