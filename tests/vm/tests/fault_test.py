@@ -232,6 +232,48 @@ contourctl resume || true"""
     return f"light off {(off - at) / 1e6:.2f} ms after the edge"
 
 
+_POWER_FAIL = 7
+_RECORDED = 8  # the scenario sets it when the record has changed, for the time in the axis' log
+_WRITTEN_NS = 500_000_000  # from the edge until the state is on the disk, which is in memory here; stated in docs/printing.md
+
+
+def _input(line):
+    return {"chip": "zplant", "line": line}
+
+
+@vm_test("full")
+def power_fails_in_an_exposure():
+    """The power-fail line becomes active in an exposure: the light is off and the print's state is written within the stated times, so
+    that after the cut the next start knows the layer and the light that it has had."""
+    outcome = run(
+        config=guests.real_config(z_axis={"power_fail": _input(_POWER_FAIL)}),
+        scenario=_SCENARIO.replace("wait_for_print\n", "").replace("sleep 1\nkeep_logs", "keep_logs"),
+        during=f"""wait_for 300 "layer 2" exposing 2
+sleep 1
+record=$(find $SPOOL -name print-progress)
+cp $record /before
+echo in {_POWER_FAIL} 1 >$PLANT/ctl
+while cmp -s $record /before; do :; done
+echo in {_RECORDED} 1 >$PLANT/ctl
+kill -KILL $DAEMON
+sleep 2
+echo in {_POWER_FAIL} 0 >$PLANT/ctl
+rm -f /run/contourd/control.sock
+start_daemon
+contourctl status --json >/out/status""",
+    )
+    edges = outcome.edges
+    failed, recorded = (int(edges.edges(line)["time_ns"][0]) for line in (_POWER_FAIL, _RECORDED))
+    on, off = edges.active(edges.lines.light)[-1]
+    assert 0 <= off - failed <= _CUT_NS, f"the light went off {off - failed} ns after the edge"
+    assert off <= recorded <= failed + _WRITTEN_NS, f"the state was written {recorded - failed} ns after the edge"
+    interrupted = json.loads(outcome.results.text("status"))["result"]["interrupted"]
+    assert (interrupted["job"], interrupted["layer"]) == ("part", 2), interrupted
+    assert abs(interrupted["light_s"] - (off - on) / 1e9) < 0.02, f"{interrupted}, and the light was on for {off - on} ns"
+    outcome.was_dark()
+    return f"light off {(off - failed) / 1e6:.2f} ms and state written {(recorded - failed) / 1e6:.1f} ms after the edge"
+
+
 # --- The display
 
 _UNPLUG, _PLUG = "echo unplug >$SCREEN/ctl", "echo plug >$SCREEN/ctl"
