@@ -2,7 +2,7 @@
 
 import json
 
-from harness import BAD_CONFIG, OK, Daemon, FolderTest, binary_stl, box, check_config, wait_until
+from harness import BAD_CONFIG, NIMBLE_RESIN, OK, Daemon, FolderTest, binary_stl, box, check_config, realtime, wait_until
 from power_cuts import SWITCH_AT_THE_TOP, PowerCutTest
 
 FORCE = {"z_axis": {"force": {}}, "simulation": {"peel_kpa": 100}}
@@ -65,12 +65,15 @@ class Force(FolderTest):
         report = daemon.wait_ended("block")
         self.assertEqual(report["outcome"], "cancelled")
         daemon.stop()
-        daemon = self.daemon(with_force({"no_peel": "tell"}, part_lost_after_lifts=5))
-        daemon.drop("told.stl", BLOCK)
-        told = wait_until(lambda: (daemon.status()["job"] or {}).get("warnings"), "the warning")
+        config = realtime(**with_force({"no_peel": "tell"}, part_lost_after_lifts=5))
+        daemon = Daemon(self, config, {**NIMBLE_RESIN, "bottom_exposure_ms": 3000, "lift_mm": 2.5}).start()
+        daemon.begin("told.stl", BLOCK)
+        self.assertEqual(daemon.ctl("pause", "--at-layer", "8").returncode, OK)
+        told = daemon.wait_state("paused") and daemon.status()["job"]["warnings"]
         self.assert_words(told[0], "no force was felt while layer 6 of 100 mm", "come off")
         self.assertEqual((len(told), daemon.status()["job"]["warnings_more"]), (1, 0))
         self.assert_words(daemon.ctl("status").stdout.decode(), "warning", "no force was felt while layer 6")
+        self.assertEqual(daemon.ctl("resume").returncode, OK)
         report = daemon.wait_done("told")
         self.assertEqual((report["interruptions"], report["peel"]["missed"]), ([], 1))
         self.assertTrue(report["layer_records"][5]["peel"]["missed"])

@@ -303,7 +303,8 @@ TEST_CASE_METHOD(PrintJobFixture, "A lift that the force line does not watch is 
             "nothing on the film stops the plate between layers: it is lifted by 2.5 mm, and the force line "
             "counts as resistance only 2.5 mm and more above a layer (z_axis/force/contact_from_mm); lift "
             "higher, or measure a smaller contact_from_mm"});
-  CHECK(prepare(kCube, R"({"lift_mm": 1.1})").summary.warnings.empty());
+  printer.force->contact_from = Nanometers{2'499'999};
+  CHECK(prepare(kCube).summary.warnings.empty());
   printer.force.reset();
   CHECK(prepare(kCube).summary.warnings.empty());
 }
