@@ -120,7 +120,7 @@ class StrangersTest(HostTest):
         self.web.wait(DEADLINE_S)
         self.start_web()
         self.assertEqual(Browser(int(self.options[1].split(":")[1])).get("/api/status")[0], 401)
-        self.assertIn("nothing listens", contents(self.path("web.log")).decode())
+        wait_until(lambda: b"nothing listens" in contents(self.path("web.log")), "the sentence in the log")
 
     def test_a_page_that_has_lost_all_its_addresses_is_reported(self):
         self.serve_host()
@@ -128,7 +128,7 @@ class StrangersTest(HostTest):
         self.web.wait(DEADLINE_S)
         self.options, self.port = (), self.host_port
         self.start_web()
-        self.assertIn("the page has no address", contents(self.path("web.log")).decode())
+        wait_until(lambda: b"the page has no address" in contents(self.path("web.log")), "the sentence in the log")
 
     def test_only_the_addresses_of_the_page_are_announced(self):
         config = self.write("web.json", json.dumps({"nanodlp": {"port": 80, "clients": ["192.0.2.9"]}, "odyssey": {"clients": ["192.0.2.9"]}}))
