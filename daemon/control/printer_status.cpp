@@ -14,7 +14,7 @@ namespace {
 
 using Json = PrinterStatus::Json;
 
-constexpr std::size_t kMaxQueued = 1'000, kMaxDetailed = 100, kMaxIncomplete = 10;
+constexpr std::size_t kMaxQueued = 1'000, kMaxDetailed = 100, kMaxIncomplete = 10, kMaxWarnings = 10;
 
 template <typename All, typename Take>
 void for_first(const All& all, std::size_t most, const Take& take) {
@@ -207,8 +207,8 @@ void PrinterStatus::add_print(Json& job) const {
   job["interruption"] = or_null(print.interruption());
   const std::vector<std::string>& warnings = parts_.job.job()->warnings;
   job["warnings"] = Json::array();
-  for_first(warnings, kMaxIncomplete, [&](const std::string& each) { job["warnings"].push_back(each); });
-  job["warnings_more"] = beyond(warnings.size(), kMaxIncomplete);
+  for_first(warnings, kMaxWarnings, [&](const std::string& each) { job["warnings"].push_back(each); });
+  job["warnings_more"] = beyond(warnings.size(), kMaxWarnings);
 }
 
 Json PrinterStatus::camera() const {

@@ -94,8 +94,9 @@ struct JobSummary {
   std::string unit_hint;  // from unit_hint(), of the first model that has one; a warning, too
   std::string
       unit_question;  // the first unit_hint() about a model whose ticket names no unit; a warning, too
-  std::string supports_question{};  // about the first model that is supported and, by its name, carries
-                                    // supports in its file; a warning, too
+  // A sentence about the first model that gets supports although its name says that it carries some in its
+  // file; a warning, too.
+  std::string supports_question{};
   std::string left_out;   // a sentence about an archive's models without room on the plate; a warning, too
   std::string wide_gaps;  // a sentence about the first model with gaps far wider than a pixel; a warning, too
 };

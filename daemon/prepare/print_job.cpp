@@ -79,6 +79,17 @@ ContinuousSubject continuous_subject(const PreparedJob& job) {
   return {job.display, layers.front(), std::accumulate(layers.begin(), layers.end(), Nanometers{})};
 }
 
+// True if a support meets the model: a contact lies within the box of one of its copies.
+bool has_contact(const ModelToPlace& model, const std::vector<Point>& centers, const Supports& supports) {
+  const Bounds& bounds = model.model->bounds();
+  return std::ranges::any_of(centers, [&](const Point& center) {
+    return std::ranges::any_of(supports.contacts, [&](const SupportContact& contact) {
+      return std::abs(contact.place.x - center.x) <= bounds.size_x() / 2 &&
+             std::abs(contact.place.y - center.y) <= bounds.size_y() / 2;
+    });
+  });
+}
+
 // Prepares one job: prepare_job() in steps.
 class Preparation {
  public:
@@ -219,15 +230,15 @@ class Preparation {
     warn(unwatched_way_down());
   }
 
-  // Returns a warning if the force line watches no part of the plate's way down between layers; empty if it
-  // does.
+  // Returns a warning if the force line watches no part of the plate's way down between two layers; empty if
+  // it does, or if there is none.
   [[nodiscard]] std::string unwatched_way_down() const {
     const Nanometers lift = summary_.resin.motion.whole_lift();
     if (!printer_.force || printer_.force->contact_from < lift) return {};
     return fmt::format(
-        "nothing on the film stops the plate between layers: it is lifted by {:g} mm, and the force line "
-        "counts as resistance only {:g} mm and more above a layer (z_axis/force/contact_from_mm); lift "
-        "higher, or measure a smaller contact_from_mm",
+        "the force line does not watch the plate's way down between two layers: the plate is lifted by {:g} "
+        "mm, and a force counts as resistance only from {:g} mm above a layer on "
+        "(z_axis/force/contact_from_mm); lift higher, or measure a smaller contact_from_mm",
         in_mm(lift), in_mm(printer_.force->contact_from));
   }
 
@@ -395,22 +406,24 @@ class Preparation {
     for (const std::string& warning : supports_warnings(held->supports))
       warn(warning);
     summary_.supports = std::move(held->supports);
-    doubt_supports();
+    doubt_supports(held->arrangement);
     return std::move(held->arrangement);
   }
 
   // Asks about a model that gets supports although its name says that it carries some in its file.
-  void doubt_supports() {
-    const bool answered = settings_.ticket.supports && settings_.supports != SupportPolicy::Auto;
-    if (answered || summary_.supports->contacts.empty()) return;
+  void doubt_supports(const Arrangement& arrangement) {
+    // Any other policy is the ticket's answer.
+    if (settings_.supports != SupportPolicy::Auto) return;
     for (std::size_t i = 0; i < models_.size(); ++i) {
       const std::string& path = content_.models()[i].path;
-      if (models_[i].own_supports != OwnSupports::None || !says_supported(path.empty() ? files_.name : path))
+      if (models_[i].own_supports != OwnSupports::None ||
+          !says_supported(path.empty() ? files_.name : path) ||
+          !has_contact(models_[i], arrangement[i], *summary_.supports))
         continue;
       summary_.supports_question = fmt::format(
-          "{} carries supports in its file, as its name says, but contourd does not recognise them and adds "
-          "its own: \"supports\": \"in the file\" in the ticket prints the model as it is drawn, and \"on\" "
-          "supports it (contourctl submit --supports)",
+          "the name of {} says that it carries supports in its file, but contourd recognises none there and "
+          "adds its own: \"supports\": \"in the file\" in the ticket prints the model as it is drawn, and "
+          "\"on\" supports it (contourctl submit --supports)",
           models_[i].name);
       return warn(summary_.supports_question);
     }

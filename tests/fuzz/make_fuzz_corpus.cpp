@@ -249,6 +249,7 @@ void write_job_inputs(const fs::path& folder) {
       folder / "odd", box,
       R"({"layer_height_um": 50, "up": {"x": 0.5, "y": 0, "z": 1}, "scale": {"x": 2, "y": 1, "z": 1}, "unit": "mm"})");
   write(folder / "unit", box + R"({"unit": "inch", "scale": 0.1})");
+  write(folder / "in-the-file", box + R"({"up": "auto", "fit": true, "supports": "in the file"})");
   write(folder / "auto", box + R"({"up": "auto", "keep_clean": [{"z": 1}], "supports": {"lift_mm": 3}})");
   write(folder / "no_direction", box + R"({"up": {"y": 0}})");
   write(folder / "plate", "\x04\xF1" + std::string(R"({"models": [{"file": "ball.stl", "copies": 2},

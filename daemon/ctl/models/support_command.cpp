@@ -100,8 +100,7 @@ int support(const SupportOptions& options) {
   if (supported.own_supports == OwnSupports::Overruled)
     fmt::print(stderr, "contourctl: warning: {}\n",
                own_supports_sentence("the model", supported.own_supports, "contourctl"));
-  for (const std::string& sentence : staying_sentences(*supported.supports))
-    fmt::print(stderr, "contourctl: warning: {}\n", sentence);
+  print_warnings(staying_sentences(*supported.supports));
   if (!supported.tilt.empty()) fmt::print(stderr, "contourctl: warning: {}\n", supported.tilt);
   if (options.stl) write_text(*options.stl, binary_stl(facets_of(supported, options.with_model), "supports"));
   if (options.json) {

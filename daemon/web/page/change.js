@@ -111,7 +111,9 @@ async function showCopies() {
 }
 
 function copyItem(copy) {
-  const place = `${copy.position_mm.map((each) => (Math.round(each * 10) / 10 + 0).toFixed(1)).join(", ")} mm from the middle`;
+  // Adding 0 makes -0 a 0 without a sign.
+  const rounded = (mm) => (Math.round(mm * 10) / 10 + 0).toFixed(1);
+  const place = `${copy.position_mm.map(rounded).join(", ")} mm from the middle`;
   const item = element("li", "", "", element("div", "what", "", element("div", "name", copy.name), element("div", "more", place)));
   if (copy.excluded_from !== null) {
     item.append(element("span", "faint", `left out from layer ${copy.excluded_from}`));

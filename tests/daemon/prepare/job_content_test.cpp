@@ -121,7 +121,7 @@ TEST_CASE_METHOD(ArchiveFixture,
   };
   CHECK(findings(R"({"supports": "auto"})") == std::vector<std::string>{"supports_in_doubt"});
   CHECK(lacking(prepare_archive(R"({"supports": "auto"})").summary.supports_question,
-                {"carries supports in its file, as its name says", "\"supports\": \"in the file\""})
+                {"the name of the model says that it carries supports", "\"supports\": \"in the file\""})
             .empty());
   for (const char* const answer : {R"({"supports": "in the file"})", R"({"supports": "on"})",
                                    R"({"supports": "off"})", R"({"supports": {"lift_mm": 6}})"})
@@ -131,6 +131,11 @@ TEST_CASE_METHOD(ArchiveFixture,
 TEST_CASE_METHOD(ArchiveFixture, "The name of a model that needs no supports does not make it wait") {
   pack("cube_supported.stl", testing::kCube);
   CHECK_FALSE(analysis_of_preparation(prepare_archive(R"({"supports": "auto"})").summary));
+  // Nor do the supports of another model of its plate.
+  pack("ball.stl", models::sphere(6, 24));
+  const JobSummary plate = prepare_archive(R"({"supports": "auto"})").summary;
+  CHECK_FALSE(plate.supports->contacts.empty());
+  CHECK(plate.supports_question.empty());
 }
 
 TEST_CASE_METHOD(ArchiveFixture, "A model that its archive calls supported is printed as it is") {

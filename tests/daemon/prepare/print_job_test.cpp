@@ -300,9 +300,9 @@ TEST_CASE_METHOD(PrintJobFixture, "A lift that the force line does not watch is 
   printer.force = ForcePolicy{.contact_from = Nanometers{2'500'000}};
   CHECK(prepare(kCube).summary.warnings ==
         std::vector<std::string>{
-            "nothing on the film stops the plate between layers: it is lifted by 2.5 mm, and the force line "
-            "counts as resistance only 2.5 mm and more above a layer (z_axis/force/contact_from_mm); lift "
-            "higher, or measure a smaller contact_from_mm"});
+            "the force line does not watch the plate's way down between two layers: the plate is lifted by "
+            "2.5 mm, and a force counts as resistance only from 2.5 mm above a layer on "
+            "(z_axis/force/contact_from_mm); lift higher, or measure a smaller contact_from_mm"});
   printer.force->contact_from = Nanometers{2'499'999};
   CHECK(prepare(kCube).summary.warnings.empty());
   printer.force.reset();
@@ -479,7 +479,7 @@ TEST_CASE_METHOD(PlateFixture,
 
 TEST_CASE_METHOD(PlateFixture, "Models that carry supports by their ticket are printed as they are drawn") {
   add("ball.stl", models::sphere(5, 32));
-  // Lies on its side, which stands better on the plate.
+  // A slab that stands on its edge: an orientation that contourd chose would lay it down.
   add("slab.stl", models::box({0, 0, 0}, {2, 20, 20}));
   const JobSummary job = prepare(R"({"supports": "in the file", "models": [
     {"file": "ball.stl", "copies": 2}, {"file": "slab.stl", "up": "auto"}]})")
@@ -489,6 +489,9 @@ TEST_CASE_METHOD(PlateFixture, "Models that carry supports by their ticket are p
   CHECK(counts_of(*job.supports).carriers == 2);
   CHECK(job.warnings.at(0) == "slab.stl is not turned: the supports in its file hold it as it is drawn");
   CHECK(job.warnings.at(1) == "ball.stl carries supports in its file, so contourd adds none");
+  const JobSummary turned =
+      prepare(R"({"supports": "in the file", "models": [{"file": "slab.stl", "up": {"x": 1}}]})").summary;
+  CHECK(turned.height_mm == testing::Approx(2));
 }
 
 TEST_CASE_METHOD(PrintJobFixture, "The printer's file turns supports on, and a ticket can turn them off") {

@@ -45,8 +45,7 @@ TEST_CASE("The forecast of a continuous print is a few lines, and JSON") {
             "    1.00 to    18.00 mm  cure     55.3 mm/h             18 min 20 s, then a rest of 2 min 00 s; "
             "margin 4, cured 208 um through",
             "   18.00 to    20.00 mm  refill   27.6 to 55.3 mm/h     5 min 00 s; margin 4 to 8, cured 208 to "
-            "312 um "
-            "through"});
+            "312 um through"});
   const nlohmann::ordered_json json = continuous_json(forecast);
   CHECK(json["time_s"] == 1620);
   CHECK(json["rests"] == 1);
