@@ -114,7 +114,7 @@ TEST_CASE_METHOD(ArchiveFixture, "Models of an archive without room on the plate
 
 TEST_CASE_METHOD(ArchiveFixture,
                  "A model that only its name calls supported waits until the ticket answers") {
-  pack("Supported/ball.stl", models::sphere(6, 24));
+  pack("Supported/ball.stl", models::sphere(2, 12));
   const auto findings = [this](const std::string& ticket) {
     const auto analysis = analysis_of_preparation(prepare_archive(ticket).summary);
     return analysis ? asked_findings(*analysis, printer) : std::vector<std::string>{};
@@ -132,7 +132,7 @@ TEST_CASE_METHOD(ArchiveFixture, "The name of a model that needs no supports doe
   pack("cube_supported.stl", testing::kCube);
   CHECK_FALSE(analysis_of_preparation(prepare_archive(R"({"supports": "auto"})").summary));
   // Nor do the supports of another model of its plate.
-  pack("ball.stl", models::sphere(6, 24));
+  pack("ball.stl", models::sphere(2, 12));
   const JobSummary plate = prepare_archive(R"({"supports": "auto"})").summary;
   CHECK_FALSE(plate.supports->contacts.empty());
   CHECK(plate.supports_question.empty());
