@@ -112,8 +112,8 @@ TEST_CASE_METHOD(ArchiveFixture, "Models of an archive without room on the plate
   CHECK(lacking(refusal_of_archive(R"({"model": "huge.stl"})"), {"200.00"}).empty());
 }
 
-TEST_CASE_METHOD(ArchiveFixture,
-                 "A model that only its name calls supported waits until the ticket answers") {
+TEST_CASE_METHOD(ArchiveFixture, "A model that only its name calls supported waits until the ticket answers",
+                 "[long]") {
   pack("Supported/ball.stl", models::sphere(2, 12));
   const JobSummary in_doubt = prepare_archive(R"({"supports": "auto"})").summary;
   const auto analysis = analysis_of_preparation(in_doubt);
