@@ -437,7 +437,7 @@ class SizeTest(MqttTest):
         print(f"{100 * share:.3f} % of a core, {own / 1024:.1f} MiB of its own, {all_ / 1024:.1f} MiB with the pages of libraries")
         if not SANITIZED:
             self.assertLess(share, 0.001)
-            self.assertLess(own, 12 * 1024)
+            self.assertLess(all_, 12 * 1024)
 
 
 class SettingsTest(FolderTest):

@@ -306,10 +306,16 @@ class UnitTest(WebTest):
         wait_until(lambda: time.monotonic() > begin + 3, "three seconds")
         self.assertLess(processor_s(self.web.pid) - before, 0.001 * (time.monotonic() - begin))
         with open(f"/proc/{self.web.pid}/status", encoding="utf-8") as status:
-            memory = int(re.search(r"RssAnon:\s+(\d+)", status.read())[1])
-        print(f"{memory / 1024:.1f} MiB of its own when idle")
+            memory = int(re.search(r"VmRSS:\s+(\d+)", status.read())[1])
+        print(f"{memory / 1024:.1f} MiB with the pages of libraries when idle")
         if not SANITIZED:
             self.assertLess(memory, 12 * 1024)
+
+    def test_the_process_that_faces_the_network_has_no_code_for_devices_or_model_files(self):
+        self.serve()
+        libraries = set(re.findall(r"/lib([a-z_]+)[^/\s]*\.so", contents(f"/proc/{self.web.pid}/maps").decode()))
+        self.assertIn("microhttpd", libraries)
+        self.assertEqual(libraries & {"drm", "expat", "gpiod", "png", "serialport", "sqlite", "zip"}, set())
 
 
 class AddressesTest(WebTest):
