@@ -145,9 +145,9 @@ std::vector<const ZipEntry*> nanodlp_layers(const ZipArchive& archive, std::int6
           "the picture of layer {0}, {0}.png, is missing: copy the archive again, or slice the model again",
           i + 1));
   }
-  if (static_cast<std::int64_t>(found.size()) < layers)
+  if (layers > 0 && static_cast<std::int64_t>(found.size()) != layers)
     throw ModelError(fmt::format(
-        "plate.json names {} layers (LayersCount), and pictures of {} are there: copy the archive "
+        "plate.json names {} layers (LayersCount), but the archive has pictures of {}: copy the archive "
         "again, or slice the model again",
         layers, found.size()));
   return found;

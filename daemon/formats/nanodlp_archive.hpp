@@ -24,8 +24,8 @@ struct NanodlpTexts {
 // thickness.
 [[nodiscard]] SlicedSettings read_nanodlp_settings(const NanodlpTexts& texts);
 
-// Returns the pictures from the lowest layer up. Throws ModelError if one is missing, or if there are fewer
-// than `layers`. REQUIRES: is_nanodlp().
+// Returns the pictures from the lowest layer up. Throws ModelError if one is missing, or if there are not
+// `layers` (0: any number). REQUIRES: is_nanodlp().
 [[nodiscard]] std::vector<const ZipEntry*> nanodlp_layers(const ZipArchive& archive, std::int64_t layers);
 
 }  // namespace contourd

@@ -118,7 +118,7 @@ struct UploadForm::Callback {
     }
     const std::string_view name = key == nullptr ? "" : key;
     if (name != form.part_) {
-      form.take_field(name, {data, bytes});
+      form.take_field(name, {data, bytes}, offset == 0);
       return MHD_YES;
     }
     const std::optional<std::string> model = form.name_of(file);

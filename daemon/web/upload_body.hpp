@@ -102,8 +102,8 @@ class UploadForm : public UploadBody {
  protected:
   // Returns the model's name; nullopt if the part is no file. `file` is the part's own name, or null.
   [[nodiscard]] virtual std::optional<std::string> name_of(const char* file) const;
-  // Takes a piece of another part.
-  virtual void take_field(std::string_view /*key*/, std::string_view /*piece*/) {}
+  // Takes a piece of another part; `begins` with the part's first piece.
+  virtual void take_field(std::string_view /*key*/, std::string_view /*piece*/, bool /*begins*/) {}
 
  private:
   struct Callback;

@@ -395,6 +395,10 @@ class NanodlpTest(HostTest):
         status, _, sentence = self.send("/plate/add", ("Path", None, "part"), ("ProfileID", None, "4711"), ("ZipFile", "part.nanodlp", plate))
         self.assertEqual(status, 400)
         self.assert_one_line(sentence, b"4711")
+        for key, value in (("Path", "part"), ("ProfileID", profile)):
+            status, _, sentence = self.send("/plate/add", (key, None, value), ("Path", None, "part"), ("ProfileID", None, profile), ("ZipFile", "a.nanodlp", plate))
+            self.assertEqual(status, 400)
+            self.assert_one_line(sentence, f"more than one {key}".encode())
         self.assertEqual(self.send("/plate/add", ("Path", None, "y" * 300), ("ZipFile", "a.nanodlp", plate))[0], 400)
         self.assertEqual(self.send("/plate/add", ("Path", None, "part"), ("ProfileID", None, profile))[0], 400)
         self.assertEqual(self.ask("POST", "/plate/add", plate)[0], 415)

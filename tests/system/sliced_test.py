@@ -63,7 +63,7 @@ class Sliced(SpoolTest):
         self.assertEqual([layer["exposure_asked_ms"] for layer in report["layer_records"]], [20000] * 2 + [2500] * 4)
         self.assert_words(daemon.refused("fine.nanodlp", nanodlp(self.LAYERS, pitch_mm=0.047)), "47.00 x 47.00 um", "50.00 um")
         self.assert_words(daemon.refused("gap.nanodlp", nanodlp(self.LAYERS, more={"3.png": None})), "3.png, is missing")
-        self.assert_words(daemon.refused("short.nanodlp", nanodlp(self.LAYERS, more={"6.png": None})), "6 layers (LayersCount)", "5 are there")
+        self.assert_words(daemon.refused("short.nanodlp", nanodlp(self.LAYERS, more={"6.png": None})), "6 layers (LayersCount)", "pictures of 5")
         self.assert_words(daemon.refused("odd.nanodlp", nanodlp(self.LAYERS, more={"options.json": "{", "profile.json": "{}"})), "options.json is damaged")
         self.assert_words(daemon.refused("no.nanodlp", b"x" * 500), "sliced archive", "no ZIP file")
 

@@ -38,7 +38,7 @@ std::optional<std::string> NanodlpUpload::name_of(const char* file) const {
   return model_extension(path_).empty() ? path_ + std::string(kExtension) : path_;
 }
 
-void NanodlpUpload::take_field(std::string_view key, std::string_view piece) {
+void NanodlpUpload::take_field(std::string_view key, std::string_view piece, bool begins) {
   if (key == "USBFile" && !piece.empty())
     return refuse(
         {kForbidden,
@@ -46,6 +46,8 @@ void NanodlpUpload::take_field(std::string_view key, std::string_view piece) {
          "sticks take it"});
   if (key != "Path" && key != "ProfileID") return;
   std::string& field = key == "Path" ? path_ : profile_;
+  if (begins && !field.empty())
+    return refuse({kBadRequest, fmt::format("the form has more than one {}: send one plate at a time", key)});
   field += piece;
   if (field.size() > kLongestField)
     refuse({kBadRequest, fmt::format("{} has more than {} bytes", key, kLongestField)});

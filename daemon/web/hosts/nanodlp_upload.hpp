@@ -24,7 +24,7 @@ class NanodlpUpload final : public UploadForm {
 
  private:
   [[nodiscard]] std::optional<std::string> name_of(const char* file) const override;
-  void take_field(std::string_view key, std::string_view piece) override;
+  void take_field(std::string_view key, std::string_view piece, bool begins) override;
   void settle_ticket(std::function<void()> next) override;
 
   HostPrinter& printer_;

@@ -119,13 +119,16 @@ TEST_CASE("The settings of a plate have defaults, and wrong ones are refused wit
   }
 }
 
-TEST_CASE("A plate without one of its pictures, or with two of a layer, is refused") {
+TEST_CASE("A plate without one of its pictures, with two of a layer or with one too many is refused") {
   std::vector<testing::PackedFile> files = plate();
   std::erase_if(files, [](const testing::PackedFile& file) { return file.name == "2.png"; });
   CHECK(testing::lacking(plate_refusal(files), {"2.png", "missing"}).empty());
   files = plate();
   std::erase_if(files, [](const testing::PackedFile& file) { return file.name == "3.png"; });
   CHECK(testing::lacking(plate_refusal(files), {"plate.json names 3 layers", "of 2"}).empty());
+  files = plate();  // as if left by an earlier, longer plate
+  files.push_back({"4.png", plate_picture(4)});
+  CHECK(testing::lacking(plate_refusal(files), {"plate.json names 3 layers", "of 4"}).empty());
   files = plate();
   files.back().content = plate_picture(3, 11);
   CHECK(testing::lacking(plate_refusal(files), {"3.png", "11x8"}).empty());
