@@ -46,7 +46,7 @@ void JobQuestions::ended() {
 
 std::string question_about(const std::string& file, const std::vector<std::string>& findings) {
   if (findings.empty()) return "";
-  return fmt::format("{}; run \"contourctl accept {}\" to print it as it is", findings_text(findings),
+  return fmt::format("{}; run \"contourctl accept {}\" to print it anyway", findings_text(findings),
                      shell_word(job_name_of(file)));
 }
 

@@ -46,7 +46,7 @@ class Accept(FolderTest):
         self.assertEqual((job["number"], job["asks"]), (1, ["islands"]))
         for command in (["queue"], ["queue", "show", "odd"], ["status"]):
             result = daemon.ctl(*command).stdout.decode()
-            self.assertIn('islands; run "contourctl accept odd" to print it as it is', result, command)
+            self.assertIn('islands; run "contourctl accept odd" to print it anyway', result, command)
         shown = daemon.ctl("queue", "show", "odd").stdout.decode()
         self.assertRegex(shown, r"(?m)^state     waits to be accepted$")
         self.assertRegex(shown, r"(?m)^warning   1 island begins with nothing under it: layer 3 ")
@@ -100,7 +100,7 @@ class Accept(FolderTest):
             for line in waiting.stdout:
                 if "contourctl accept" in line:
                     break
-            self.assertEqual(line, 'odd: waits: islands; run "contourctl accept odd" to print it as it is\n')
+            self.assertEqual(line, 'odd: waits: islands; run "contourctl accept odd" to print it anyway\n')
             self.accept(daemon, "odd")
             self.assertEqual(waiting.stdout.read().splitlines()[-1], "odd: done")
         self.assertEqual(waiting.returncode, OK)

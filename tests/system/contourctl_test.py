@@ -63,6 +63,10 @@ class Inspect(FolderTest):
         result = contourctl("inspect", self.write("cube.stl", binary_stl(cube(20))), expect=OK)
         self.assert_words(result.stdout, b"binary", b"12", b"20 x 20 x 20 mm", "8000 mm³".encode(), b"watertight")
         self.assertNotIn(b"{", result.stdout)
+        slab = "solid\n" + "".join("facet normal 0 0 1\nouter loop\n" + "".join(f"vertex {'-0' if each == 0 else each} 1 2\n" for each in facet) + "endloop\nendfacet\n"
+                                   for facet in ((0, 1, 2), (2, 0, 3))) + "endsolid\n"  # fmt: skip
+        result = contourctl("inspect", self.write("zero.stl", slab), expect=OK)
+        self.assert_words(result.stdout, b"x 0 to 3")
 
     def test_a_turned_facet_flips_three_edges(self):
         facets = cube(20)

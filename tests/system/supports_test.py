@@ -114,7 +114,7 @@ class Supports(FolderTest):
         self.assertEqual(job["asks"], ["unheld_places"])
         self.assertGreaterEqual(job["supports"]["unheld"], 1)
         self.assertRegex(" ".join(job["warnings"]), r"places? cannot be held: at -?\d+\.\d\d, -?\d+\.\d\d mm from the plate's centre, \d+\.\d\d mm above the plate \(")
-        self.assertIn('caged.stl waits: unheld places; run "contourctl accept caged" to print it as it is', daemon.log())
+        self.assertIn('caged.stl waits: unheld places; run "contourctl accept caged" to print it anyway', daemon.log())
         shown = daemon.ctl("queue", "show", "caged").stdout.decode()
         self.assertRegex(shown, r"(?m)^supports  .*[1-9]\d* places? not held")
         self.assertRegex(shown, r"(?m)^warning   .*places? cannot be held: at ")

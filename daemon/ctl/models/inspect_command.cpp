@@ -93,7 +93,10 @@ void print(const Model& model, std::string_view format, const MeshReport& report
 int inspect(const InspectOptions& options) {
   auto [model, format] = read_model(options.model);
   convert(model, parse_unit(options.unit));
-  const MeshReport report = inspect_mesh(model.facets);
+  MeshReport report = inspect_mesh(model.facets);
+  Bounds& b = report.bounds;
+  for (double* const coordinate : {&b.min_x, &b.min_y, &b.min_z, &b.max_x, &b.max_y, &b.max_z})
+    *coordinate += 0.0;  // makes -0, which some programs write, 0
   const HeightIndex index(std::move(model.facets));
   std::ranges::move(mesh_warnings(report.inside_out, index.repairs()), std::back_inserter(model.warnings));
   const auto place_of = [](const Vertex& at) {

@@ -76,7 +76,7 @@ class JobItem {
     const made = [];
     if (job.state === "unaccepted")
       made.push(only("print", button(asks.length ? "Print anyway" : "Print", `${asks.length ? "Print anyway:" : "Print"} ${job.job}`, async () => {
-        if (asks.length === 0 || await confirmed(`Print ${job.job} as it is?`)) this.control("accept", {job: this.file});
+        if (asks.length === 0 || await confirmed(`Print ${job.job} anyway?`)) this.control("accept", {job: this.file});
       }, asks.length ? "quiet" : "main")));
     made.push(this.toggle);
     if (job.number > 1) made.push(only("print", button("\u2191", `Move ${job.job} up`, () => this.control("queue_move", {job: this.file, to: job.number - 1}))));

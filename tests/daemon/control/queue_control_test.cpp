@@ -163,7 +163,7 @@ TEST_CASE(
   fixture.queue.check_next();
   const Json job = fixture.call("queue", {{"job", "a"}})["jobs"][0];
   CHECK(job["state"] == "unaccepted");
-  CHECK(job["waiting_for"] == "islands; run \"contourctl accept a\" to print it as it is");
+  CHECK(job["waiting_for"] == "islands; run \"contourctl accept a\" to print it anyway");
   CHECK(job["asks"] == Json({"islands"}));
   CHECK(job["warnings"] == Json({"islands"}));
   CHECK(job["resin_ml"] == 1.5);

@@ -371,7 +371,7 @@ TEST_CASE_METHOD(
   arrive("part.stl");
   find("part.stl", {"islands"});
   CHECK(begun().empty());
-  CHECK(scheduler.waiting_for() == "islands; run \"contourctl accept part\" to print it as it is");
+  CHECK(scheduler.waiting_for() == "islands; run \"contourctl accept part\" to print it anyway");
   CHECK(log.count("contourctl accept part") == 1);
   queue.accept("part.stl", "user me");
   CHECK(begun() == Names{"part"});

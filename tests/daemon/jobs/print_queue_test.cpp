@@ -517,7 +517,7 @@ TEST_CASE_METHOD(AskingQueueFixture, "A job that waits for confirmation is skipp
   arrive({"a.stl", "b.stl"});
   analyze({{"islands", "empty_layers"}, {}});
   CHECK(queue.jobs()[0].asks == Names{"islands"});
-  CHECK(log.has("warning: a.stl waits: islands; run \"contourctl accept a\" to print it as it is"));
+  CHECK(log.has("warning: a.stl waits: islands; run \"contourctl accept a\" to print it anyway"));
   CHECK(log.has("warning: a.stl: it has islands"));
   REQUIRE(queue.has_first());
   CHECK(queue.first() == 1);
@@ -654,7 +654,7 @@ TEST_CASE_METHOD(AskingQueueFixture, "A job that is removed during its analysis 
 
 TEST_CASE("The command that accepts a job is valid in a shell for every job name") {
   const auto question = [](const char* file) { return question_about(file, {"cracks"}); };
-  CHECK(question("a-1.b.stl") == "cracks; run \"contourctl accept a-1.b\" to print it as it is");
+  CHECK(question("a-1.b.stl") == "cracks; run \"contourctl accept a-1.b\" to print it anyway");
   CHECK(question("two words.stl").find("accept 'two words'\"") != std::string::npos);
   CHECK(question("it's.stl").find(R"(accept 'it'\''s'")") != std::string::npos);
   CHECK(question("-x.stl").find("accept -- -x\"") != std::string::npos);
