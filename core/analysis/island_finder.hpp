@@ -3,8 +3,8 @@
 //
 // Only pixels bright enough to cure hard count: a faint pixel neither carries nor connects, nor is it part of
 // a group. A mere corner does not carry either, but a small group needs only a third of itself above bright
-// pixels: a thin pin stands on its own. A speck in its first layer that is gone in the next, or has joined a
-// carried part there, is no island: one layer's light is too little to cure it, and afterwards it is held.
+// pixels: a thin pin stands on its own. A speck (an island of at most speck_grey) is reported only if a group
+// of the next layer would not be carried without it: one layer's light is too little to cure a speck.
 // Keeps its memory between calls: allocates only while masks grow. Not thread-safe.
 #pragma once
 

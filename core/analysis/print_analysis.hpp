@@ -1,4 +1,4 @@
-// Analyses a whole print before it is printed: resin, exposed areas, islands, suction cups and resin traps,
+// Analyzes a whole print: resin, exposed areas, islands, suction cups and resin traps,
 // damage by cracks in the model, and duration. One pass over the layers' masks, from the bottom up, a layer
 // at a time.
 #pragma once

@@ -61,7 +61,8 @@ LinearFit fit_lengths(std::span<const MeasuredLength> measured, const MeasuredAx
       "to outer side and in gaps");
 }
 
-// Returns the shrinkage of parts whose models were enlarged for another one, and have this scale.
+// Returns the shrinkage of a resin from the measured `scale` of a part whose model was enlarged to compensate
+// for `printed_percent`.
 Estimate shrinkage(const Estimate& scale, double printed_percent) {
   const double unshrunk = 1 - printed_percent / 100;
   return {100 * (1 - scale.value * unshrunk), 100 * scale.uncertainty * unshrunk};

@@ -23,8 +23,8 @@ class ClearanceField {
   // Distances are whole multiples of kUnit_mm, rounded down, and at most kGreatest_mm.
   static constexpr double kUnit_mm = 0.02;
   static constexpr double kGreatest_mm = 3;
-  // Distance between two samples along a segment. If both are clear, the segment between them can be hardly a
-  // micrometre nearer.
+  // Distance between two samples along a segment. Where both are clear by R, the segment between them is
+  // clear by at least R - kLook_mm^2 / (8 R): 10 um less at R = 0.5 mm.
   static constexpr double kLook_mm = 0.2;
   // Length of the first part of a tip or a foot on a model, which the surface at its end may touch.
   static constexpr double kAtSurface_mm = 0.4;
@@ -37,8 +37,9 @@ class ClearanceField {
     double clearance_mm = 0;  // to the models; none to the build area's edges
   };
 
-  // Every point that is asked about must lie in the region, kGreatest_mm below its top: outside it nothing is
-  // clear. `layers` must outlive the field. The field is unusable if `stop` was requested.
+  // Every queried point must lie in the region and at least kGreatest_mm below its top, because nothing
+  // counts as clear outside the region. `layers` must outlive the field. The field is unusable if `stop` was
+  // requested.
   ClearanceField(const LitLayers& layers, const Region& region, const Settings& settings,
                  const std::stop_token& stop);
 

@@ -1,8 +1,8 @@
-// A cost field for support paths, solved level by level. A path leads around the models down to the plate or
-// to a model's upper side, never flatter than 45 degrees. The field holds the cost of the cheapest path from
-// each cell of a clearance field, computed from the plate up: a cell's cost is the least over the cells
-// beneath it plus the move. A path then follows the cheapest cells and is drawn straight wherever there is
-// room.
+// A cost field for support paths. A path leads around the models down to the plate or to a model's upper
+// side, never flatter than 45 degrees. The field holds the cost of the cheapest path from each cell of a
+// clearance field. It is computed from the plate up: the cost of a cell is the minimum, over its neighbours
+// in the level beneath, of the neighbour's cost plus the cost of the move. A path then follows the cheapest
+// cells and is drawn straight wherever there is room.
 //
 // Immutable once built; thread-safe. Deterministic. Memory: 2 bytes per cell of the clearance field.
 #pragma once

@@ -10,7 +10,7 @@
 
 namespace contourd {
 
-// A rectangle in grid lines from the plate's left front corner.
+// A rectangle on the pixel grid, in pixels from the plate's left front corner.
 struct PlateRectangle {
   std::int64_t left = 0, front = 0, width = 0, depth = 0;
   bool operator==(const PlateRectangle&) const = default;
@@ -23,7 +23,7 @@ class PlatePacking {
   // Keeps `gap` between rectangles, but none to the plate's edges.
   PlatePacking(Pixels width, Pixels depth, Pixels gap);
 
-  // Occupies a place, even if it is taken or off the plate.
+  // Marks the rectangle as occupied, even if it is occupied already or lies off the plate.
   void occupy(const PlateRectangle& rectangle);
 
   // Occupies and returns the free place that is farthest to the front, then to the left; nullopt if there is

@@ -1,9 +1,9 @@
 // Repairs a mesh whose facets disagree with each other before it is sliced: facets that are turned against
 // their neighbours, that are there more than once, or that are walls within a solid. Pure, thread-safe.
 //
-// Only repairs that need no guess about the surface are made: no vertex moves, no facet is added. Facets that
-// share an edge with one other facet are turned alike; where more meet, they are turned so that each edge is
-// walked as often one way as the other. Gaps are left to ContourLinker, which closes them section by section.
+// Repairs only turn or drop facets: no vertex moves, no facet is added. Facets that share an edge with one
+// other facet are turned alike; where more meet, they are turned so that each edge is walked as often one way
+// as the other. Gaps are left to ContourLinker, which closes them section by section.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct MeshRepairs {
   std::uint64_t reversed = 0;     // dropped: a duplicate, turned the other way
   std::uint64_t inner_walls = 0;  // dropped: part of a one-sided wall within a solid
 
-  // True if the print goes beyond what the file says. Dropping a duplicate is no guess.
+  // True if a repair guessed what the file means: more than dropping a duplicate that is turned alike.
   [[nodiscard]] bool has_guesses() const { return turned > 0 || reversed > 0 || inner_walls > 0; }
   bool operator==(const MeshRepairs&) const = default;
 };

@@ -1,4 +1,4 @@
-// A place at which a print has to be held, and why. Values; thread-safe as any value is.
+// A place at which a support has to hold a print, and the cause. Values; thread-safe as any value is.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ struct PlatePoint {
   bool operator==(const PlatePoint&) const = default;
 };
 
-// The maximum number of contacts that are held: a mesh of noise has a million.
+// Maximum number of contacts that get a support; a mesh of noise would have a million.
 inline constexpr std::size_t kMostContacts = 4096;
 
 enum class ContactCause : std::uint8_t {

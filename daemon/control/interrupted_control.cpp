@@ -44,8 +44,8 @@ ControlMethods InterruptedControl::methods() {
               go_on(given.value("trust_position", false), later);
             }}},
       {"rescue",
-       {.description = "Lifts the part of a print that a power cut ended out of the resin: the plate "
-                       "moves up, and nothing else.",
+       {.description = "Lifts the part out of the resin after a power cut has ended its print: the plate "
+                       "moves up, and nothing else happens.",
         .call = [this](const Json&, const ControlCaller&) { return rescue(); },
         .changes = true,
         .needs_service_rights = true}}};

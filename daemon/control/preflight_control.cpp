@@ -17,9 +17,9 @@ using Json = PreflightControl::Json;
 
 ControlMethods PreflightControl::methods() {
   return {{"vat",
-           {.description = "Reports the resin in the vat, or records what a user has filled in.",
+           {.description = "Reports how much resin the vat holds, or records the amount after filling.",
             .parameters = {ControlParameter::number("filled_ml", 0, 100'000, "ml",
-                                                    "what the vat holds now that it was filled")},
+                                                    "the amount of resin in the vat after filling")},
             .changes = true,
             .reports_when_bare = true,
             .call_later = [this](const Json& given, const ControlCaller&,

@@ -64,8 +64,8 @@ std::vector<ControlParameter> set_parameters() {
           ControlParameter::number("value", 0, 1'000'000, "",
                                    "its value: `exposure` in percent of each layer's planned exposure, "
                                    "`lift` in mm, speeds of lifts in mm/s, `rest` in ms; of a rise, `speed` "
-                                   "in mm/h at most, `light` in percent, and `margin`, the least dose over "
-                                   "the critical one")
+                                   "in mm/h at most, `light` in percent, and `margin`, the minimum ratio of "
+                                   "the dose to the critical energy")
               .needed()
               .described_as("a number from 0 to 1000000")};
 }

@@ -106,7 +106,7 @@ Mask turned(const Mask& picture, Quarter quarter) {
   return made;
 }
 
-// The way of a picture to the display: it is mirrored, then turned, then mirrored.
+// The transformation of a picture for the display: mirrored, then turned, then mirrored again.
 struct Turn {
   bool mirror_columns = false, mirror_rows = false;
   Quarter quarter = Quarter::None;

@@ -130,7 +130,7 @@ bool WebService::refuse_stranger(HttpRequest& request) const {
   if (!is_own_host(host_of(header), request.local(), names_)) {
     request.answer(
         {.status = 403,
-         .body = fmt::format("{}: this printer has another name or address; a further name is a key "
+         .body = fmt::format("{}: not a name or an address of this printer; further names belong in "
                              "\"names\" of /etc/contourd/web.json\n",
                              header.empty() ? "no Host" : printable(shortened(header, 100)))});
     return true;

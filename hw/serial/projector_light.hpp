@@ -1,7 +1,8 @@
 // A serial projector's light: looks each event up in the table of projector_light_states.hpp and carries out
 // the effects of its row. Event loop's thread only.
 //
-// All data except the state are the callbacks to call, their arguments and their times.
+// The state alone decides what happens; all other members only hold callbacks, their arguments and their
+// times.
 #pragma once
 
 #include <functional>
@@ -22,7 +23,7 @@ namespace contourd {
 class ProjectorLight {
  public:
   struct Wiring {
-    std::function<TimePoint()> warm_at;  // time until which a refused light off is not a fault
+    std::function<TimePoint()> warm_at;  // end of the warm-up; until then a refused light off is no fault
     std::function<void(MachineEvent::Kind, const std::string&)> report;
   };
 

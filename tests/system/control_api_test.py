@@ -144,7 +144,7 @@ class ControlApiTest(FolderTest):
                 self.assert_fields(parameter, PARAMETER)
         for job in result.get("ended", ()):
             self.assert_fields(job, PAST_JOB)
-        for resin in result["resins"] if reply[1] == "a-shelf" else ():
+        for resin in result["resins"] if reply[1] == "a-list-of-resins" else ():
             self.assert_fields(resin, rows("### A resin"))
             for calibration in resin["calibrations"]:
                 self.assert_fields(calibration, rows("### A calibration"))

@@ -453,7 +453,7 @@ class IgnoredFiles(SpoolTest):
         self.assertEqual((status["ignored_more"], status["queued"]), (0, 0))
         shown = daemon.ctl("status").stdout.decode()
         for name in (*files, "folder", "link"):
-            self.assertIn(f"unprinted {name} in incoming: ", shown)
+            self.assertIn(f"ignored   {name} in incoming: ", shown)
             self.assertEqual(daemon.log().count(f"{name}: is ignored"), 1)
         self.assertEqual(len(daemon.names_in("incoming")), 12)
         # Each file is logged once, even if others change.

@@ -170,9 +170,10 @@ class LampCalibration {
     const double factor = lamp.darkest.light / (lamp.surface.at(middle).value * share_at(middle));
     result.values.push_back({kIrradianceKey, rounded(printer_.irradiance_mw_cm2 * factor)});
     result.notes.push_back(fmt::format(
-        "with the mask, white has the darkest place's light everywhere: in the middle, {:.3g} times "
-        "that of now, and irradiance_mw_cm2 changes with it; exposures by a working curve become "
-        "{:.3g} times as long",
+        "with the mask, a white pixel gives the light of the darkest place everywhere; in the middle, this "
+        "is "
+        "{:.3g} times the present light, so irradiance_mw_cm2 changes by this factor, and exposures by a "
+        "working curve become {:.3g} times as long",
         factor, 1 / factor));
     const std::vector<std::string> fixed = fixed_exposures();
     if (!fixed.empty())
@@ -222,14 +223,15 @@ void add_fit_lamp(Command& fit) {
                                       "30,20,430,20,430,245,30,245")
                               .needs(photo);
   const Option& encoding =
-      command.option("--encoding", args.photo.encoding, "The photo's samples over its light")
+      command.option("--encoding", args.photo.encoding, "Encoding of the photo: linear in the light, or sRGB")
           .one_of({"linear", "srgb"})
           .needs(photo);
   photo.needs(corners).needs(encoding);
   command.option("--grid", args.grid, "Columns and rows of fields (default: 5x3; of a photo, 9x9)")
       .excludes(table);
   command
-      .option("--through-mask", args.through_mask, "The readings were taken with the present uniformity mask")
+      .option("--through-mask", args.through_mask,
+              "Treat the readings as taken through the present uniformity mask")
       .needs(readings);
   add_fit_options(command, args.fit);
   command.run = [&args] { return LampCalibration(args).run(); };

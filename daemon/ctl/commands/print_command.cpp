@@ -99,7 +99,7 @@ void print_vat(const Json& result) {
   if (result["ml"].is_number())
     fmt::print("the vat holds about {:.0f} ml of resin\n", result["ml"].get<double>());
   else
-    fmt::print("what the vat holds is not known: contourctl vat filled ML\n");
+    fmt::print("the amount of resin in the vat is unknown: record it with contourctl vat filled ML\n");
 }
 
 void print_preflight(const Json& result) {
@@ -142,7 +142,7 @@ void add_vat(Command& program) {
   Command& vat = program.add("vat", "Show how much resin the vat holds, or record that it was filled");
   ClientOptions& client = add_client_options(vat);
   vat.run = [&client] { return request(client, {"vat"}, print_vat); };
-  Command& filled = vat.add("filled", "Record what the vat holds now that it was filled");
+  Command& filled = vat.add("filled", "Record the amount of resin in the vat after filling");
   auto& ml = filled.arguments<double>();
   filled.option("ML", ml, "Resin in the vat, ml").required();
   add_client_options(filled, client);

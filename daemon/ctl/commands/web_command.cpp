@@ -49,7 +49,7 @@ void add_mqtt(Command& web) {
   const Option& broker =
       mqtt.option("BROKER", given.broker, "HOST or HOST:PORT, such as homeassistant.local");
   mqtt.option("--user", given.user, "User at the broker; the password is asked for").needs(broker);
-  mqtt.option("--ca", given.ca_file, "Connect by TLS; FILE has the broker's authority").needs(broker);
+  mqtt.option("--ca", given.ca_file, "Connect by TLS; FILE: certificate of the broker's CA").needs(broker);
   mqtt.option("--prefix", given.prefix, "Prefix of Home Assistant's topics").needs(broker);
   mqtt.option("--off", given.off, "Use no broker").excludes(broker);
   mqtt.run = [&given]() -> int {

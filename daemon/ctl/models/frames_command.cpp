@@ -54,7 +54,7 @@ void print_summary(const FrameFile& file, const FrameSummary& all) {
   fmt::print("light         {}\n", readable(all.lit));
   fmt::print("missed        {} of {} showed an older mask\n", all.missed,
              count_of(all.refreshes, "refresh", "refreshes"));
-  fmt::print("cuts          {:.2f} um below the plate, at {:.3f} mm, to {:.2f} um, at {:.3f} mm\n",
+  fmt::print("cuts          {:.2f} um (at {:.3f} mm) to {:.2f} um (at {:.3f} mm) below the plate\n",
              um(all.nearest.way), in_mm(all.nearest.at), um(all.farthest.way), in_mm(all.farthest.at));
   fmt::print("while shown   the plate rose at most {:.2f} um, to {:.3f} mm\n", um(all.longest.way),
              in_mm(all.longest.at));

@@ -99,9 +99,9 @@ void print_status(const Json& status) {
     fmt::print("deletable {} in incoming: it is finished, but cannot be moved away\n",
                printable(file.get<std::string>()));
   for (const auto& [file, why] : status["ignored"].items())
-    fmt::print("unprinted {} in incoming: {}\n", printable(file), printable(why.get<std::string>()));
+    fmt::print("ignored   {} in incoming: {}\n", printable(file), printable(why.get<std::string>()));
   if (const auto more = status.value("ignored_more", std::size_t{0}); more > 0)
-    fmt::print("unprinted {} more in incoming\n", more);
+    fmt::print("ignored   {} more in incoming\n", more);
   line("machine   ", text_of(status, "not_ready_reason"));
   line("held      ", text_of(status, "held"));
   const Json &waiting_for = status["waiting_for"], &unaccepted = status["unaccepted"];

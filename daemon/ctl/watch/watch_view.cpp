@@ -333,7 +333,7 @@ class View {
 
   void add_files() {
     for (const auto& [what, name] : {std::pair("unaccepted", "accept"), std::pair("postponed", "postponed"),
-                                     std::pair("ignored", "unprinted")}) {
+                                     std::pair("ignored", "ignored")}) {
       for (const auto& [file, why] : part_of(status_, what).items())
         if (why.is_string())
           add(name, fmt::format("{}: {}", printable(file), printable(why.get<std::string>())), kUnprinted,

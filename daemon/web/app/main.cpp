@@ -156,7 +156,8 @@ int run(const Arguments& args) {
 int set_password_of(Role role, const Arguments& args) {
   if (role != Role::Print) return set_role_password(role, args.remove, args.files);
   if (args.remove)
-    throw std::runtime_error("without the password of the role print there is no page: contourctl web off");
+    throw std::runtime_error(
+        "the password of the role print cannot be removed alone: contourctl web off turns the page off");
   return set_password(args.files);
 }
 
@@ -188,7 +189,8 @@ int start(int argc, char** argv) {
   app.add_option("--mqtt-file", args.mqtt.file, "Settings of the MQTT broker")->capture_default_str();
   app.add_option("--broker", args.mqtt.broker, "HOST or HOST:PORT for --set-mqtt")->needs(mqtt);
   app.add_option("--user", args.mqtt.user, "User at the broker, whose password is asked for")->needs(mqtt);
-  app.add_option("--ca", args.mqtt.ca_file, "Connect by TLS; FILE has the broker's authority")->needs(mqtt);
+  app.add_option("--ca", args.mqtt.ca_file, "Connect by TLS; FILE: certificate of the broker's CA")
+      ->needs(mqtt);
   app.add_option("--prefix", args.mqtt.prefix, "Prefix of Home Assistant's topics")
       ->capture_default_str()
       ->needs(mqtt);

@@ -18,7 +18,7 @@ std::string why_no_client(const HostCaller& caller, const HostAccess& access) {
                        caller.peer.empty() ? "this computer" : caller.peer);
   if (!is_own_host(host_of(caller.host), caller.local, access.names))
     return fmt::format(
-        "{}: this printer has another name or address; a further name is a key \"names\" of "
+        "{}: not a name or an address of this printer; further names belong in \"names\" of "
         "/etc/contourd/web.json",
         caller.host.empty() ? "no Host" : printable(shortened(caller.host, kMostShown)));
   if (!caller.origin.empty() || !caller.sec_fetch_site.empty() || !caller.referer.empty() ||

@@ -50,7 +50,7 @@ std::string why_no_start(const HostJob& job, const std::vector<HostJob>& jobs, c
     if (std::string why = json_text(status, reason); !why.empty()) return why;
   if (const auto manual = status.find("manual");
       manual != status.end() && manual->is_object() && json_text(*manual, "state") != "idle")
-    return "somebody moves or lights the printer by hand: start again when that has ended";
+    return "the printer is controlled by hand: start again when manual control has ended";
   if (json_text(status, "plate") != "clear")
     return "a part is on the plate: clear the plate, say so on the printer's page (The plate is clear), and "
            "start again";

@@ -43,7 +43,7 @@ std::string reason_of(int result, int error) {
     case MOSQ_ERR_KEEPALIVE:
       return "it does not answer";
     case MOSQ_ERR_TLS:
-      return "TLS fails: see its certificate, and the file of --ca";
+      return "the TLS handshake failed: check its certificate and the file given by --ca";
     default:
       return mosquitto_strerror(result);
   }

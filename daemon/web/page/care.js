@@ -23,7 +23,7 @@ function partItem(part) {
   const used = [share(part.lamp_h.toFixed(1), part.lamp_h_limit, "h of light"), share(part.layers, part.layers_limit, "layers"), share(part.prints, part.prints_limit, "prints")].join(" \u00b7 ");
   const item = element("li", "", "", element("div", "what", "", element("div", "name", NAMES[part.part] || part.part), element("div", "more", used), element("div", "more", since)));
   if (part.reminder) item.firstChild.append(element("div", "error", part.reminder));
-  item.append(only("print", button("It is new", `The ${part.part} is new`, async () => {
+  item.append(only("print", button("Replaced", `The ${part.part} was replaced`, async () => {
     if (await confirmed(`Is the ${part.part} new? Its use counts from now on.`)) change("replaced", {part: part.part});
   })));
   return item;
@@ -40,7 +40,7 @@ function resinItem(resin) {
     ["Exposure", `${(resin.exposure_ms / 1000).toFixed(2)} s`],
     ["First layers", `${(resin.bottom_exposure_ms / 1000).toFixed(2)} s, ${resin.bottom_layers} layers`],
     ["Lift", `${resin.lift_mm} mm`],
-    ["Way", resin.continuous ? "rises without a stop" : "layer by layer"],
+    ["Print mode", resin.continuous ? "continuous" : "layered"],
   ]));
   item.append(element("h3", "", "Calibrations"));
   if (resin.calibrations.length === 0) item.append(element("p", "more", "None; contourctl fit makes them."));
@@ -54,7 +54,7 @@ function resinItem(resin) {
 async function showCare() {
   try {
     const [vat, usage, profiles] = await Promise.all([get("/api/vat"), get("/api/usage"), resins()]);
-    $("vat").textContent = vat.ml === null ? "What the vat holds is unknown." : `The vat holds ${vat.ml.toFixed(0)} ml.`;
+    $("vat").textContent = vat.ml === null ? "The amount of resin in the vat is unknown." : `The vat holds ${vat.ml.toFixed(0)} ml.`;
     $("parts").replaceChildren(...usage.parts.map(partItem));
     $("usage").replaceChildren(facts([["Jobs", String(usage.jobs)], ["Layers", String(usage.layers)], ["Light", `${usage.lamp_h.toFixed(1)} h`], ["Resin", `${usage.resin_ml.toFixed(0)} ml`]]));
     $("resins").replaceChildren(...profiles.map(resinItem));
@@ -68,7 +68,7 @@ const filled = element("input");
 Object.assign(filled, {type: "number", min: 0, max: 100000, step: "any", required: true, inputMode: "decimal"});
 const submit = element("button", "", "Filled");
 submit.type = "submit";
-$("vat-form").append(field("What the vat holds now in ml", filled), submit);
+$("vat-form").append(field("Resin in the vat now, in ml", filled), submit);
 $("vat-form").addEventListener("submit", (event) => {
   event.preventDefault();
   change("vat", {filled_ml: Number(filled.value)});

@@ -24,7 +24,7 @@ function numberForm(label, step, text, act) {
     try {
       await act(Number(input.value));
       told.className = "more";
-      told.textContent = `${input.value} holds from the next layer on.`;
+      told.textContent = `${input.value} applies from ${label.startsWith("Rise: ") ? "now" : "the next layer"} on.`;
       input.value = "";
       showSettings();
     } catch (error) {
@@ -120,7 +120,7 @@ function copyItem(copy) {
     return item;
   }
   item.append(button("Leave out", `Leave out ${copy.name}`, async () => {
-    if (!await confirmed(`Leave ${copy.name} dark from the next layer on? It cannot be taken back.`)) return;
+    if (!await confirmed(`Leave ${copy.name} dark from the next layer on? This cannot be undone.`)) return;
     $("change-error").textContent = "";
     try {
       await call("exclude", {copy: String(copy.number)});

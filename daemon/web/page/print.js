@@ -21,7 +21,7 @@ export function showNow() {
 }
 
 function showNotices(status) {
-  const texts = [status.not_ready_reason, status.held, status.interrupted && `A power cut ended the print of ${status.interrupted.job} at layer ${status.interrupted.layer}; decide at the printer (contourctl go-on).`,
+  const texts = [status.not_ready_reason, status.held, status.interrupted && `A power cut, a crash or a kill ended the print of ${status.interrupted.job} at layer ${status.interrupted.layer}; decide at the printer (contourctl resume, rescue or plate-cleared).`,
     status.job && status.job.interruption, ...(status.job && status.job.warnings || []), status.manual.problem, status.waiting_for && withoutCommand(status.waiting_for).replace(/^to be confirmed$/, ""), ...status.reminders].filter(Boolean);
   const shown = [...new Set(texts)];
   if (shown.join("\n") !== [...$("notices").children].map((each) => each.textContent).join("\n"))
@@ -124,7 +124,7 @@ $("pause").addEventListener("click", () => control("pause"));
 $("resume").addEventListener("click", () => control("resume"));
 $("cancel").addEventListener("click", async () => {
   const job = live.status && live.status.job;
-  if (await confirmed(`Cancel the print${job ? ` of "${job.name}"` : ""}? It cannot be continued.`)) control("cancel");
+  if (await confirmed(`Cancel the print${job ? ` of "${job.name}"` : ""}? A cancelled print cannot be resumed.`)) control("cancel");
 });
 $("cleared").addEventListener("click", async () => {
   if (await confirmed("Is the plate free of parts, and the printer ready? The next job begins at once.")) control("plate_cleared");

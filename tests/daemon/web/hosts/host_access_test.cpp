@@ -29,7 +29,7 @@ TEST_CASE("A client that is not listed, or names another computer, may not use t
     CHECK(why_no_client(client_with(&HostCaller::peer, peer), kAccess).find("may not use this port") !=
           std::string::npos);
   for (const char* host : {"evil.example", "", "192.168.1.21"})
-    CHECK(why_no_client(client_with(&HostCaller::host, host), kAccess).find("another name or address") !=
+    CHECK(why_no_client(client_with(&HostCaller::host, host), kAccess).find("not a name or an address") !=
           std::string::npos);
 }
 
