@@ -16,6 +16,7 @@ namespace {
 
 // Encoding pictures for clients is less urgent than all other work.
 constexpr int kPictureNiceness = 10;
+constexpr Duration kChangeInterval = std::chrono::milliseconds(20);
 
 // Logs the command with the user and the process of its caller.
 void log_command(const Log& log, const std::string& method, const ControlServer::Peer& peer) {
@@ -89,6 +90,7 @@ void PrinterService::start() {
   });
   server_->on_call(
       [&log](const std::string& method, const ControlServer::Peer& peer) { log_command(log, method, peer); });
+  server_->on_changed([this] { note_change(); });
   queue_.load_order(spool_.order());
   queue_.questions().load_accepted(spool_.records().accepted());
   spool_.open();
@@ -261,6 +263,15 @@ void PrinterService::note_end(EndedJob job) {
   history_.add(std::move(job));
   context_.supervisor.status(fmt::format("{}; {}", readiness(), last));
   notify("ended", ControlServer::Delivery::Certain);
+}
+
+void PrinterService::note_change() {
+  if (change_timer_) return;
+  change_timer_ =
+      context_.loop.at(std::chrono::steady_clock::now() + kChangeInterval, "the watching clients", [this] {
+        change_timer_.reset();
+        notify("change", ControlServer::Delivery::Lossy);
+      });
 }
 
 // Logs a failure of the socket: it must not disturb a print.

@@ -76,7 +76,10 @@ class PrinterService final : private JobObserver, private QueueObserver, private
   void may_stop() override { stop_.try_to_stop(); }
   void hold_changed() override { scheduler_.hold_changed(); }
 
-  void queue_changed() override { scheduler_.run(); }
+  void queue_changed() override {
+    scheduler_.run();
+    note_change();
+  }
   void question_changed() override { notify("question", ControlServer::Delivery::Lossy); }
   void job_refused(EndedJob job) override;
 
@@ -103,6 +106,9 @@ class PrinterService final : private JobObserver, private QueueObserver, private
   // Adds the job to the recent history and notifies all watching clients.
   void note_end(EndedJob job);
   void notify(const std::string& what, ControlServer::Delivery delivery);
+  // Notifies all watching clients soon that a method, or the queue, has changed something. Changes in quick
+  // succession are one notification.
+  void note_change();
 
   PrinterContext context_;
   IncomingRouter incoming_router_;
@@ -140,7 +146,7 @@ class PrinterService final : private JobObserver, private QueueObserver, private
   std::uint64_t manual_operations_logged_ = 0;
   std::function<void(bool)> printing_;
   bool lifting_ = false;  // the plate moves up after a layer
-  EventLoop::SourcePtr low_resin_timer_;
+  EventLoop::SourcePtr low_resin_timer_, change_timer_;
 };
 
 }  // namespace contourd

@@ -81,6 +81,10 @@ struct ControlMethod {
   using Later = std::function<void(std::variant<Json, ControlRefusal> result)>;
   std::function<void(const Json& parameters, const ControlCaller& caller, Later later)> call_later{};
 
+  // True if a call with these parameters changes something.
+  [[nodiscard]] bool changes_with(const Json& params) const {
+    return changes && !(reports_when_bare && params.empty());
+  }
   // Checks the "params" of a request for the method `name`; null if there are none. Returns them as an
   // object. Throws InvalidParameters.
   [[nodiscard]] Json check(const std::string& name, const Json& params) const;

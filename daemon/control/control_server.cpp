@@ -414,10 +414,12 @@ Json ControlServer::call(const Json& message, Client& client) {
                                  "contourd-service, then log in again",
                                  name));
     }
-    const bool only_reports = method->second.reports_when_bare && parameters.empty();
-    if (called_ && method->second.changes && !only_reports) called_(name, client.peer);
+    const bool changes = method->second.changes_with(parameters);
+    if (called_ && changes) called_(name, client.peer);
     if (method->second.call_later) return call_later(method->second, parameters, message, client);
-    return Json{{"result", method->second.call(parameters, {client.number, client.peer.user})}};
+    Json result{{"result", method->second.call(parameters, {client.number, client.peer.user})}};
+    if (changed_ && changes) changed_();
+    return result;
   } catch (const InvalidParameters& invalid) {
     return failure(kInvalidParams, invalid.what());
   } catch (const ControlRefusal& refusal) {
@@ -437,7 +439,9 @@ Json ControlServer::call_later(const ControlMethod& method, const Json& paramete
   };
   const auto call = std::make_shared<Call>();
   const Json id = message.contains("id") ? message["id"] : Json(Json::value_t::discarded);
-  const auto later = [this, alive = std::weak_ptr(alive_), number = client.number, id, call](Result result) {
+  const auto later = [this, alive = std::weak_ptr(alive_), changes = method.changes_with(parameters),
+                      number = client.number, id, call](Result result) {
+    if (!alive.expired() && changes && changed_ && std::holds_alternative<Json>(result)) changed_();
     if (!call->returned) {
       call->result = std::move(result);
       return;

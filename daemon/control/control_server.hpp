@@ -45,6 +45,8 @@ class ControlServer {
   void on_call(std::function<void(const std::string& method, const Peer& peer)> call) {
     called_ = std::move(call);
   }
+  // Calls `call` after each method that has changed something, before its answer is sent.
+  void on_changed(std::function<void()> call) { changed_ = std::move(call); }
 
   // Calls `call` once for each closed connection, as soon as the close is noticed. Never from inside a
   // method.
@@ -89,6 +91,7 @@ class ControlServer {
   std::map<int, std::unique_ptr<Client>> clients_;
   std::map<uid_t, TimePoint> paid_until_;  // for users who had turns recently
   std::function<void(const std::string&, const Peer&)> called_;
+  std::function<void()> changed_;
   std::function<void(std::uint64_t)> disconnected_;
   std::optional<gid_t> service_group_;
   std::uint64_t connections_ = 0;  // accepted so far

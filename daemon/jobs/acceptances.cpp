@@ -29,6 +29,11 @@ void Acceptances::remove(const std::string& content) {
   keeper_.keep(lines_);
 }
 
+void Acceptances::remove(const std::string& content, std::string_view finding) {
+  std::erase(lines_, fmt::format("{} {}", content, finding));
+  keeper_.keep(lines_);
+}
+
 bool Acceptances::has(const std::string& content, const std::string& finding) const {
   return std::ranges::find(lines_, fmt::format("{} {}", content, finding)) != lines_.end();
 }

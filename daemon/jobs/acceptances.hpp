@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "daemon/jobs/record_keeper.hpp"
@@ -24,6 +25,8 @@ class Acceptances {
   void add(const std::string& content, const std::vector<std::string>& findings);
   // Forgets all findings accepted for this content.
   void remove(const std::string& content);
+  // Forgets one of them.
+  void remove(const std::string& content, std::string_view finding);
   [[nodiscard]] bool has(const std::string& content, const std::string& finding) const;
 
   // Number of findings that are kept; the oldest are forgotten first.

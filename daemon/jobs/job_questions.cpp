@@ -40,6 +40,13 @@ bool JobQuestions::knows(const std::optional<AnalyzedJob>& job, const std::strin
   return job && settings && job->settings == *settings && !content.empty() && job->content == content;
 }
 
+bool JobQuestions::withdraw_confirmation(const AnalyzedJob& job) {
+  const std::string finding(kToBeConfirmed);
+  if (!acceptances_.has(job.content, finding)) return false;
+  acceptances_.remove(job.content, finding);
+  return true;
+}
+
 void JobQuestions::ended() {
   if (!begun_.empty()) acceptances_.remove(std::exchange(begun_, ""));
 }

@@ -39,6 +39,10 @@ class JobQuestions {
   [[nodiscard]] bool knows(const std::optional<AnalyzedJob>& job, const std::string& content,
                            const std::optional<JobSettings>& settings) const;
 
+  // Forgets that a user has confirmed the job (to_be_confirmed): what the user saw is not what would be
+  // printed. Returns true if one had.
+  bool withdraw_confirmation(const AnalyzedJob& job);
+
   // Notes that the job's turn has come. Its acceptances are kept until ended(), because until then the job
   // may return to the queue.
   void begun(const std::optional<AnalyzedJob>& job) { begun_ = job ? job->content : ""; }

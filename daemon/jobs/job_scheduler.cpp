@@ -117,6 +117,14 @@ void JobScheduler::claim_next(const JobLook& look) {
   if (job.check == WaitingJob::Check::Passed && !job.outlook) job.check_again();
   if (look.is_there && job.check == WaitingJob::Check::Wanted) return queue_.check_next();
   if (look.is_there && !queue_.questions().knows(job.analyzed, look.content, look.settings)) {
+    if (job.analyzed && queue_.questions().withdraw_confirmation(*job.analyzed))
+      context_.log.info(
+          "changed",
+          fmt::format(
+              "{}: its files or the resin's profile have changed since it was accepted: it is checked "
+              "again, and has to be accepted again",
+              printable(job.file)),
+          file_fields(job.file));
     job.check_again();
     return run_soon();
   }

@@ -44,6 +44,19 @@ class ConfirmTest(FolderTest):
         daemon.rpc("accept", job="part")
         daemon.wait_done("part")
 
+    def test_a_job_whose_profile_changes_after_the_forecast_has_to_be_accepted_again(self):
+        daemon = Daemon(self).start()
+        daemon.drop("part.stl", SLAB, CONFIRM)
+        self.assertEqual(daemon.wait_job("part")["layers"], 20)
+        daemon.write_resin("standard", {"layer_height_um": 100})
+        daemon.rpc("accept", job="part")
+        wait_until(lambda: (daemon.job("part") or {}).get("layers") == 10, "the new forecast")
+        self.assertEqual(daemon.wait_job("part")["asks"], ["to_be_confirmed"])
+        self.assertIn("part.stl: its files or the resin's profile have changed since it was accepted", daemon.log())
+        daemon.rpc("accept", job="part")
+        daemon.wait_done("part")
+        self.assertEqual(daemon.report("part")["layers_exposed"], 10)
+
     def test_a_plate_can_wait_to_be_confirmed(self):
         daemon = Daemon(self).start()
         daemon.drop_plate("plate", {"models": [{"file": "a.stl"}], **CONFIRM}, {"a.stl": SMALL})

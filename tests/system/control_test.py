@@ -9,7 +9,7 @@ import threading
 import time
 
 from harness import (
-    BAD_USAGE, CONTOURCTL, CONTOURD, DEADLINE_S, ENDLESS, FAILED, NIMBLE_RESIN, OK, REALTIME, SANITIZED, SLAB, UNAVAILABLE, Daemon, FolderTest,
+    BAD_USAGE, CONTOURCTL, CONTOURD, DEADLINE_S, ENDLESS, FAILED, NIMBLE_RESIN, OK, REALTIME, SANITIZED, SLAB, SMALL, UNAVAILABLE, Daemon, FolderTest,
     binary_stl, box, contents, contourctl, realtime, run, wait_until,
 )  # fmt: skip
 
@@ -249,6 +249,16 @@ class Watching(ControlTest):
         last = seen[-1]["params"]
         self.assertEqual(last["last"], {"job": "part", "outcome": "done", "reason": ""})
         self.assertEqual((last["state"], last["job"]), ("idle", None))
+
+    def test_what_a_method_or_the_queue_changes_is_notified_at_once(self):
+        daemon = self.printing()
+        for method, parameters, shown in (("pause", {}, lambda job: job["pause_pending"]), ("resume", {}, lambda job: not job["pause_pending"]),
+                                          ("pause", {"at_layer": 3}, lambda job: job["planned_pause"])):  # fmt: skip
+            self.assertIn("result", daemon.client().call(method, **parameters))
+            change = daemon.watcher.wait_for(lambda m: m.get("method") == "change", "the change")
+            self.assertTrue(shown(change["params"]["job"]), method)
+        daemon.drop("next.stl", SMALL)
+        daemon.watcher.wait_for(lambda m: m.get("method") == "change" and m["params"]["queued"] == 1, "the arrival")
 
     def test_a_client_that_does_not_watch_gets_no_notifications(self):
         daemon = self.fast()
