@@ -114,7 +114,11 @@ struct Extent {
   std::uint64_t facets;
   std::vector<std::string> warnings;
   bool fills_file;  // if not, the file's other data is looked at too, in memory
+  bool lacks_facets = false;
 };
+
+// The number of facets that a program writes before it knows it.
+constexpr std::uint32_t kUnknownCount = 0xFFFFFFFF;
 
 // Finds the part of a file that is used. Throws ModelError if the file is cut short.
 Extent extent_of(const FileStart& start) {
@@ -133,8 +137,10 @@ Extent extent_of(const FileStart& start) {
       throw ModelError("the file is cut short: " + claim + ", but it ends after " + std::to_string(whole) +
                        " whole facets and " + std::to_string(rest) + " bytes");
     }
-    return {
-        whole, {claim + ", but the file holds " + std::to_string(whole) + "; all of them are used"}, true};
+    return {whole,
+            {claim + ", but the file holds " + std::to_string(whole) + "; all of them are used"},
+            true,
+            claimed != 0 && claimed != kUnknownCount};
   }
   const std::uint64_t surplus = data_bytes - claimed * kFacetBytes;
   return {
@@ -157,6 +163,7 @@ ModelOutline binary_outline(const FileStart& start) {
 Model read_binary(const FileStart& start, const ReadBytes& read) {
   Extent extent = extent_of(start);
   Model model{{}, std::move(extent.warnings)};
+  model.lacks_facets = extent.lacks_facets;
   std::array<std::byte, kHeaderBytes> header{};
   read(header);
   if (extent.fills_file) {

@@ -82,6 +82,8 @@ class JobContent {
   [[nodiscard]] bool is_supported(std::size_t file) const { return files_[file].is_supported(); }
   // Returns the unit that a file names. Valid after read().
   [[nodiscard]] std::optional<LengthUnit> unit(std::size_t file) const { return read_[file].unit; }
+  // True if a file says that it has more facets than it holds. Valid after read().
+  [[nodiscard]] bool lacks_facets(std::size_t file) const { return read_[file].lacks_facets; }
   // True if the shape suggests that the file's y axis points up. Valid after read().
   [[nodiscard]] bool y_is_up(std::size_t file) const { return read_[file].y_is_up; }
   // Returns the facets of the model's file. Call it in the models' order, only for models whose `made_as` is

@@ -505,7 +505,14 @@ class Preparation {
     if (settings_.ticket.cracks) return;
     const std::vector<Nanometers> heights = middles_of(job_.plan.expected_layers);
     for (std::size_t i = 0; i < models_.size() && summary_.wide_gaps.empty(); ++i) {
-      if (content_.models()[i].made_as == i && !summary_.models[i].mesh.watertight)
+      const NamedModel& named = content_.models()[i];
+      if (named.made_as != i) continue;
+      if (content_.lacks_facets(named.file))
+        summary_.wide_gaps = fmt::format(
+            "the file of {} has fewer facets than its header says, so a part of it may be missing: copy "
+            "or export it again",
+            named.name);
+      else if (!summary_.models[i].mesh.watertight)
         summary_.wide_gaps = wide_gaps_sentence(models_[i], heights, to_millimeters(printer_.pixel_pitch));
     }
     warn(summary_.wide_gaps);

@@ -76,6 +76,22 @@ class Accept(FolderTest):
     def test_such_a_model_waits_without_supports_too_even_if_the_printer_is_idle(self):
         self.check_half("off")
 
+    def test_a_copy_that_broke_off_after_a_whole_facet_waits_to_be_accepted(self):
+        daemon = Daemon(self).start()
+        both = binary_stl([*box((0, 0, 0), (5, 5, 0.2)), *box((8, 0, 0), (12, 5, 0.2))])
+        one = both[: 84 + 12 * 50]  # without the second box; the first is whole
+        daemon.drop("copy.stl", one)
+        self.wait_unaccepted(daemon, "copy")
+        job = daemon.job("copy")
+        self.assertEqual(job["asks"], ["wide_gaps"])
+        self.assertTrue(any("has fewer facets than its header says" in each for each in job["warnings"]), job)
+        self.accept(daemon, "copy")
+        daemon.wait_done("copy")
+        daemon.printed("repair.stl", one, {"cracks": "repair"})
+        # A program that does not know the number beforehand.
+        daemon.printed("unknown.stl", one[:80] + b"\xff" * 4 + one[84:])
+        daemon.printed("zero.stl", one[:80] + bytes(4) + one[84:])
+
     def check_half(self, supports):
         daemon = Daemon(self, {"supports": supports}).start()
         model = self.write("half.stl", HALF)
