@@ -23,8 +23,8 @@ std::string trouble_of(const JobMarks& now, const JobMarks& before) {
   if (now.files.empty() || now.files != before.files)
     return "the print cannot go on: its model or its ticket has changed since it began";
   if (now.settings != before.settings)
-    return "the print cannot go on: the resin's profile or the display's settings have changed since it "
-           "began";
+    return "the print cannot go on: the resin's profile, or the printer's display, light, supports or "
+           "microsteps, have changed since it began; restore them, or see \"contourctl rescue\"";
   return "";
 }
 
@@ -91,7 +91,7 @@ void InterruptedControl::go_on(bool trusted, const ControlMethod::Later& later) 
     throw ControlRefusal("the print cannot go on: " + not_ready);
   if (const std::string why = why_not_resumable(interrupted, upwards, trusted); !why.empty())
     throw ControlRefusal("the print cannot go on: " + why);
-  const ClaimedJob::Resumed resumed{interrupted.progress, resume_point(interrupted.progress, trusted)};
+  const ClaimedJob::Resumed resumed{interrupted, resume_point(interrupted.progress, trusted)};
   const auto look = [&spool = parts_.spool, &config = context_.config, files = interrupted.files,
                      marks = interrupted.progress.marks]() -> Look {
     try {
@@ -111,6 +111,11 @@ void InterruptedControl::go_on_by_policy() {
   const bool wanted = context_.config.resumes_after_power_cut && parts_.hold.interrupted();
   if (!wanted || tried_ || !context_.machine.why_not_ready().empty()) return;
   tried_ = true;
+  if (parts_.hold.interrupted()->ended_reading)
+    return context_.log.warning(
+        "interrupted",
+        "contourd ended while it read the interrupted print's model: it tries again only when "
+        "a user resumes the print");
   const auto note = [this](const ControlRefusal& refusal) {
     context_.log.warning("interrupted", refusal.what());
   };
@@ -130,7 +135,7 @@ void InterruptedControl::looked_at(const ClaimedJob::Resumed& resumed, const Loo
     const InterruptedPrint& interrupted = require_interrupted();
     const JobFiles files = interrupted.files;
     // The plate may have been moved meanwhile.
-    if (interrupted.progress.print != resumed.progress.print)
+    if (interrupted.progress.print != resumed.print.progress.print)
       throw ControlRefusal("the print cannot go on: the plate was moved by hand since the power cut");
     parts_.hold.interrupted_goes_on();
     // A print that has begun was accepted.

@@ -286,7 +286,8 @@ PausePoint PrinterControl::pause_point(const Json& parameters) const {
 }
 
 void PrinterControl::resume(ControlMethod::Later later) {
-  if (hold_.interrupted() && !has_unfinished_job()) throw ControlRefusal(hold_.sentence());
+  if ((hold_.interrupted() || hold_.part_may_hang()) && !has_unfinished_job())
+    throw ControlRefusal(hold_.sentence());
   if (hold_.reason() && !has_unfinished_job()) return later(resume_queue());
   require_resumable();
   job_.leave_pause([this, later = std::move(later)](bool recorded) {
@@ -319,7 +320,8 @@ Json PrinterControl::resume_queue() {
 }
 
 Json PrinterControl::cancel() {
-  if (!has_unfinished_job()) throw ControlRefusal("there is no print to cancel");
+  if (!has_unfinished_job())
+    throw ControlRefusal(hold_.interrupted() ? hold_.sentence() : "there is no print to cancel");
   const PrintMode& print = job_.print();
   if (print.under_way() && !print.can_cancel()) throw ControlRefusal(std::string(print.why_it_ends()));
   job_.cancel();

@@ -210,7 +210,27 @@ JobEnd CurrentJob::end_as(PrintOutcome outcome, const std::string& reason) const
           .ended = std::chrono::system_clock::now()};
 }
 
+// Leaves a print that cannot go on after a power cut to the user: its part still hangs on the plate.
+void CurrentJob::wait_again(const std::string& reason) {
+  context_.log.error("interrupted",
+                     fmt::format("{}: the print does not go on: {}", printable(name()), printable(reason)),
+                     job_fields(name()));
+  job_->leaving = true;
+  history_.forget();
+  InterruptedPrint print = job_->claimed.resumed->print;
+  print.trouble = reason;
+  // A reading whose end would be told to this job may still run.
+  spool_.run([] { return true; },
+             [this, print = std::move(print)](bool) {
+               job_.reset();
+               hold_.interrupted_waits(print);
+               observer_.job_changed("state");
+               observer_.may_stop();
+             });
+}
+
 void CurrentJob::refuse(PrintOutcome outcome, const std::string& reason) {
+  if (job_->claimed.resumed) return wait_again(reason);
   log_.refused(name(), reason);
   job_->leaving = true;
   JobEnd end = end_as(outcome, reason);
@@ -306,11 +326,21 @@ void CurrentJob::plate_saved(const std::string& trouble) {
          "cannot record that the plate is not clear from now on: " + printable(trouble));
 }
 
+// Returns why the prepared job is not the one whose print a power cut ended; empty if it is, or if the print
+// begins.
+std::string CurrentJob::why_not_continued() const {
+  if (!job_->claimed.resumed) return "";
+  const std::int32_t layers = job_->claimed.resumed->print.progress.layers;
+  const std::size_t now = job_->prepared->plan.expected_layers.size();
+  if (now == static_cast<std::size_t>(layers)) return "";
+  return fmt::format("the job has {} layers now, and had {} when its print began: restore the printer's file",
+                     now, layers);
+}
+
 void CurrentJob::start_print() {
   Machine& machine = context_.machine;
   std::optional<std::filesystem::path> masks;
-  if (job_->claimed.resumed && !job_->prepared->plan.layers.thickness_at(job_->claimed.resumed->point.bottom))
-    return refuse(PrintOutcome::Failed, "the print cannot go on: its model has no layer above the last one");
+  if (const std::string why = why_not_continued(); !why.empty()) return refuse(PrintOutcome::Failed, why);
   try {
     masks = machine.begin_job(name());
   } catch (const std::system_error& error) {
@@ -338,7 +368,7 @@ void CurrentJob::start_print() {
 
 // Lets the print go on where a power cut ended it, and marks the seam in the report and the history.
 void CurrentJob::go_on() {
-  const JobProgress& progress = job_->claimed.resumed->progress;
+  const JobProgress& progress = job_->claimed.resumed->print.progress;
   PreparedJob& prepared = *job_->prepared;
   prepared.plan.resume = job_->claimed.resumed->point;
   const std::optional<CureSettings>& cure = prepared.settings.resin.cure;

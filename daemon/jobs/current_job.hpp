@@ -133,7 +133,10 @@ class CurrentJob final : private PrintObserver {
   void add_lit_turn(const EventLoop::Turn& turn);
   void read();
   void was_read(ReadJob result);
-  // Moves the job to failed/, then reports its end.
+  void wait_again(const std::string& reason);
+  [[nodiscard]] std::string why_not_continued() const;
+  // Moves the job to failed/, then reports its end; but a print that a power cut ended waits for the user
+  // again.
   void refuse(PrintOutcome outcome, const std::string& reason);
   void given_back(const std::string& trouble);
   void refusal_filed(const JobEnd& end, const std::string& why_it_stays);

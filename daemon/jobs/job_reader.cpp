@@ -7,6 +7,7 @@
 #include <exception>
 #include <fstream>
 #include <iterator>
+#include <span>
 #include <utility>
 
 #include "daemon/jobs/acceptances.hpp"
@@ -36,10 +37,17 @@ constexpr const char* kReadingRecord = "reading";
 JobMarks marks_of(const JobFiles& files, const std::string& resin, const PrinterConfig& config) {
   std::ifstream profile(config.resins_folder / (resin + ".json"), std::ios::binary);
   std::string text(std::istreambuf_iterator<char>(profile), {});
-  text += fmt::format(" {} {} {} {} {} {} {} {}", config.display_width.count(), config.display_height.count(),
-                      config.pixel_pitch.count(), config.mirror_x, config.mirror_y, config.anti_aliasing,
-                      config.grey_bits, config.irradiance_mw_cm2);
-  return {content_mark(files), checksum_of(text)};
+  text += fmt::format(" {} {} {} {} {} {} {} {} {} {} {} {} {}", config.display_width.count(),
+                      config.display_height.count(), config.pixel_pitch.count(), config.mirror_x,
+                      config.mirror_y, config.anti_aliasing, config.grey_bits, config.irradiance_mw_cm2,
+                      config.tone.gamma, config.tone.threshold, config.gamma_of_light,
+                      static_cast<int>(config.supports), config.simulated.axis.microsteps_per_mm);
+  std::uint64_t settings = checksum_of(text);
+  if (config.uniformity) {
+    const std::span<const std::uint8_t> pixels = config.uniformity->pixels();
+    settings = checksum_of({reinterpret_cast<const char*>(pixels.data()), pixels.size()}, settings);
+  }
+  return {content_mark(files), settings};
 }
 
 JobReader::JobReader(const PrinterConfig& config, Spool& spool, EventLoop& loop)

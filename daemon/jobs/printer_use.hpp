@@ -22,7 +22,7 @@ struct ClaimedJob {
   std::vector<std::string> accepted{};  // findings of the preparation that a user accepted
   // How far its print was when a power cut ended it, and where it goes on; nullopt: the print begins.
   struct Resumed {
-    JobProgress progress;
+    InterruptedPrint print;
     ResumePoint point;
   };
   std::optional<Resumed> resumed{};

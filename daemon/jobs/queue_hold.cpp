@@ -20,6 +20,9 @@ struct SetValue {
   void operator()(std::promise<void>* promise) const { promise->set_value(); }
 };
 
+// The words after the job's name in the reason of a hold.
+constexpr std::string_view kWasInterrupted = " was interrupted: ";
+
 // Writes the progress of an interrupted print, and returns why that failed; empty if it did not.
 std::string write_over(const std::filesystem::path& file, const JobProgress& progress) {
   try {
@@ -50,16 +53,40 @@ void QueueHold::adopt_left_jobs(const std::function<bool(const JobFiles&)>& ende
   std::set<std::string> left;
   progress_ = ProgressRecord(progress_file(context_.config.spool_folder)).read();
   for (const JobFiles& files : spool_.interrupted()) {
-    // The print of a job whose part is on the plate had begun.
-    adopt(files, plate_occupant_ != files.name && ended_in_reading(files));
+    // The print of a job whose part is on the plate had begun: it was read to be continued.
+    const bool ended = ended_in_reading(files), had_begun = plate_occupant_ == files.name;
+    adopt(files, ended && !had_begun);
+    if (interrupted_ && interrupted_->files.name == files.name) interrupted_->ended_reading = ended;
     left.insert(files.name);
   }
   // The last process has filed the others.
   for (const JobEndRecord::Pending& each : spool_.ends().pending())
     if (!left.contains(each.end.job)) spool_.ends().files_taken(each.end.job);
-  // A job of the same name must not be taken for the recorded one.
-  if (!interrupted_) ProgressRecord(progress_file(context_.config.spool_folder)).end();
-  if (interrupted_ || !unfiled_.empty()) keep_now();
+  // The files of a print that was filed after its last record are in another folder.
+  const bool has_files = !progress_.progress || spool_.ends().end_of(progress_.progress->job) ||
+                         SpoolFolders(context_.config.spool_folder).unused_name(progress_.progress->job) !=
+                             progress_.progress->job;
+  if (!has_files && has_part(progress_.progress->print))
+    adopt_without_files(*progress_.progress);
+  else if (!interrupted_)  // a job of the same name must not be taken for the recorded one
+    ProgressRecord(progress_file(context_.config.spool_folder)).end();
+  if (interrupted_ || without_files_ || !unfiled_.empty()) keep_now();
+}
+
+void QueueHold::adopt_without_files(const JobProgress& progress) {
+  without_files_ = true;
+  plate_occupant_ = progress.job;
+  reason_ = fmt::format(
+      "{}{}{}, {}; its files are not in {}: if their disk is not mounted, mount it and restart "
+      "contourd, which then can continue the print",
+      progress.job, kWasInterrupted, kWhyInterrupted, describe(progress),
+      spool_.folder(Spool::Folder::Printing).string());
+  context_.log.error("interrupted", printable(*reason_), job_fields(progress.job));
+}
+
+bool QueueHold::part_may_hang() const {
+  return !context_.config.wait_for_plate_cleared && reason_ && plate_occupant_ &&
+         reason_->starts_with(*plate_occupant_ + std::string(kWasInterrupted));
 }
 
 void QueueHold::adopt(const JobFiles& files, bool ended_in_reading) {
@@ -76,14 +103,19 @@ void QueueHold::adopt(const JobFiles& files, bool ended_in_reading) {
       interrupted ? "contourd stopped before this print ended"
                   : fmt::format("contourd stopped before it moved the files of this print, which was {}",
                                 end.outcome);
-  const std::string where = interrupted && progress_of(files) ? ", " + describe(*progress_.progress) : "";
+  const std::string where = !interrupted                 ? ""
+                            : progress_of(files)         ? ", " + describe(*progress_.progress)
+                            : !progress_.trouble.empty() ? ", and the record of its progress is damaged"
+                                                         : "";
   context_.log.error("interrupted",
                      fmt::format("{}: {} (power cut, crash or kill){}", printable(files.name), how, where),
                      job_fields(files.name));
   if (interrupted) plate_occupant_ = files.name;
-  if (reason_ || end.outcome != name_of(PrintOutcome::Failed)) return;
-  reason_ = fmt::format("{} {}: {}", files.name, interrupted ? "was interrupted" : "failed",
-                        interrupted ? std::string(kWhyInterrupted) + where : end.reason);
+  // The reason of a start without the job's files is outdated.
+  const bool was_without = reason_ && reason_->starts_with(files.name + std::string(kWasInterrupted));
+  if ((reason_ && !was_without) || end.outcome != name_of(PrintOutcome::Failed)) return;
+  reason_ = files.name + (interrupted ? std::string(kWasInterrupted) + std::string(kWhyInterrupted) + where
+                                      : " failed: " + end.reason);
 }
 
 const JobProgress* QueueHold::progress_of(const JobFiles& files) const {
@@ -108,14 +140,16 @@ bool QueueHold::await_decision(const JobFiles& files, JobEnd& end) {
 }
 
 void QueueHold::give_up_interrupted() {
-  if (!interrupted_) return;
-  const JobFiles files = std::exchange(interrupted_, std::nullopt)->files;
+  if (!interrupted_ && !without_files_) return;
   spool_.run(
       [file = progress_file(context_.config.spool_folder)] {
         ProgressRecord(file).end();
         return true;
       },
       [](bool) {});
+  without_files_ = false;
+  if (!interrupted_) return;
+  const JobFiles files = std::exchange(interrupted_, std::nullopt)->files;
   add_unfiled(files, spool_.ends().end_of(files.name).value_or(interruption(new_job_key(), files.name)));
 }
 
@@ -162,18 +196,32 @@ void QueueHold::release() {
 
 std::string QueueHold::sentence() const {
   if (!reason_) return "";
-  if (interrupted_) {
-    const bool can_go_on = why_not_resumable(*interrupted_, true, false).empty();
+  if (interrupted_)
     return fmt::format(
         "the queue is held: {}; its part hangs on the plate: {}, \"contourctl rescue\" lifts the part out, "
         "\"contourctl plate-cleared\" gives the print up once the plate is clear",
-        printable(*reason_),
-        can_go_on ? "\"contourctl resume\" continues the print" : "the print cannot go on");
-  }
+        printable(*reason_), way_on());
+  if (part_may_hang())
+    return fmt::format(
+        "the queue is held: {}; its part may hang on the plate: clear the plate, then run \"contourctl "
+        "plate-cleared\"",
+        printable(*reason_));
   const bool plate_too = context_.config.wait_for_plate_cleared && plate_occupant_;
   return fmt::format("the queue is held: {}; check the printer{}, then run \"contourctl {}\"",
                      printable(*reason_), plate_too ? " and clear the plate" : "",
                      plate_too ? "plate-cleared" : "resume");
+}
+
+std::string QueueHold::way_on() const {
+  const std::string tried = interrupted_->trouble.empty() ? ""
+                                                          : fmt::format("the print did not go on: {}; ",
+                                                                        printable(interrupted_->trouble));
+  const bool upwards = context_.machine.z_axis().homes_upwards();
+  if (why_not_resumable(*interrupted_, upwards, false).empty())
+    return tried + "\"contourctl resume\" continues the print";
+  if (why_not_resumable(*interrupted_, upwards, true).empty())
+    return tried + "\"contourctl resume --trust-position\" continues the print";
+  return tried + "the print cannot go on";
 }
 
 void QueueHold::set_plate_occupant(const std::optional<std::string>& job, Saved saved) {

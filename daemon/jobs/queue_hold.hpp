@@ -8,6 +8,7 @@
 #include <future>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/jobs/printer_context.hpp"
@@ -42,6 +43,12 @@ class QueueHold {
   void interrupted_moves(std::optional<Nanometers> distance);
   // Forgets the interrupted print, which goes on. The queue stays held until release().
   void interrupted_goes_on() { interrupted_.reset(); }
+  // Takes an interrupted print back that could not go on, until the user decides again.
+  void interrupted_waits(InterruptedPrint print) { interrupted_ = std::move(print); }
+  // True if the queue is held because a print was interrupted whose part may hang on the plate, and no
+  // setting of the printer keeps the next job from it: only a user who has cleared the plate may release the
+  // queue.
+  [[nodiscard]] bool part_may_hang() const;
 
   // Lets no job begin until release(), even if the plate is clear. If the queue is held already, the first
   // reason stays.
@@ -81,6 +88,11 @@ class QueueHold {
   [[nodiscard]] const JobProgress* progress_of(const JobFiles& files) const;
   // Keeps an interrupted print for the user's decision; false if the record does not tell how far it was.
   bool await_decision(const JobFiles& files, JobEnd& end);
+  // Holds the queue for a print whose progress is recorded and whose files are gone from printing/, as if its
+  // disk were not mounted. The record stays for the start at which they are back.
+  void adopt_without_files(const JobProgress& progress);
+  // Returns what the user can do with the interrupted print, apart from giving it up.
+  [[nodiscard]] std::string way_on() const;
   // Returns the recorded end of a job in printing/, or records that it has none.
   [[nodiscard]] JobEnd end_of_left(const std::string& job, bool ended_in_reading);
   // Saves the records for the next start, then files the unfiled jobs.
@@ -96,8 +108,9 @@ class QueueHold {
   std::optional<std::string> reason_, plate_occupant_;
   ProgressRecord::Found progress_;  // as the last process left it
   std::optional<InterruptedPrint> interrupted_;
-  std::string trouble_;  // why saving or filing failed; empty if all is on the disk
-  int attempts_ = 0;     // under way
+  bool without_files_ = false;  // the record of a print stays although its files are gone
+  std::string trouble_;         // why saving or filing failed; empty if all is on the disk
+  int attempts_ = 0;            // under way
   std::shared_future<void> last_attempt_;
 };
 

@@ -35,6 +35,19 @@ std::string describe_phase(PrintPhase phase) {
   return "?";
 }
 
+// Returns why the recorded position cannot be trusted; empty if it can.
+std::string why_not_trusted(const InterruptedPrint& interrupted) {
+  if (!interrupted.is_latest)
+    return "the recorded position cannot be trusted: the latest record is damaged, and the plate may have "
+           "moved after the one before";
+  if (!is_at_rest(interrupted.progress.print))
+    return "the recorded position cannot be trusted: the plate was moving";
+  return "";
+}
+
+constexpr const char* kWaysOut =
+    "; \"contourctl rescue\" lifts the part out, \"contourctl plate-cleared\" gives the print up";
+
 double millimetres(Nanometers height) {
   return to_millimeters(height).count();
 }
@@ -65,14 +78,12 @@ std::string why_not_resumable(const InterruptedPrint& interrupted, bool homes_up
   if (!interrupted.progress.changes.complete)
     return "more copies were left dark than the record of the print holds";
   if (!trusted && homes_upwards) return "";
-  if (!trusted)
-    return "the plate's position is unknown, and the limit switch is at the bottom, where the part would be "
-           "crushed; \"contourctl resume --trust-position\" trusts the recorded position";
-  if (!interrupted.is_latest)
-    return "the recorded position cannot be trusted: the latest record is damaged, and the plate may have "
-           "moved after the one before";
-  if (!is_at_rest(print)) return "the recorded position cannot be trusted: the plate was moving";
-  return "";
+  const std::string distrust = why_not_trusted(interrupted);
+  if (trusted) return distrust.empty() ? "" : distrust + kWaysOut;
+  return "the plate's position is unknown, and the limit switch is at the bottom, where the part would be "
+         "crushed; " +
+         (distrust.empty() ? "\"contourctl resume --trust-position\" trusts the recorded position"
+                           : distrust + kWaysOut);
 }
 
 void move_by_hand(PrintProgress& print, std::optional<Nanometers> distance) {

@@ -14,7 +14,9 @@ namespace contourd {
 struct InterruptedPrint {
   JobFiles files;  // in printing/
   JobProgress progress;
-  bool is_latest = true;  // false if the latest copy of the record is damaged
+  bool is_latest = true;       // false if the latest copy of the record is damaged
+  bool ended_reading = false;  // a process ended while it read the job to continue its print
+  std::string trouble{};       // why the print did not go on when it was to; empty if nobody tried
 };
 
 // Returns where the print was: "in layer 12 of 200, before or during its light (0.600 mm above the film)".

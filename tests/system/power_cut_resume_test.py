@@ -1,11 +1,13 @@
 """A print that a power cut ended: how the user lifts the part out, or goes on with it."""
 
 import glob
+import json
 import os
 import random
+import shutil
 import time
 
-from harness import BAD_USAGE, FAILED, OK, binary_stl, contents, cube, read_png, realtime, wait_until
+from harness import BAD_USAGE, FAILED, OK, binary_stl, contents, cube, merge, read_png, realtime, wait_until, wedge
 from power_cuts import QUICK, SLOW, RAMP, SWITCH_AT_THE_TOP, PowerCutTest
 
 
@@ -105,6 +107,80 @@ class Resume(PowerCutTest):
             os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
         self.assertEqual(daemon.ctl("resume", "--trust-position", "--yes").returncode, OK)
         daemon.wait_done("part")
+
+    def test_a_print_whose_printer_has_changed_does_not_go_on(self):
+        daemon = self.cut_in_layer_2(supports="auto")
+        before = json.loads(json.dumps(daemon.config))
+        for changes in ({"supports": "off"}, {"display": {"gamma": 2.2}}, {"z_axis": {"microsteps_per_mm": 1600}}):
+            with self.subTest(changes):
+                daemon.stop()
+                daemon.config = merge(json.loads(json.dumps(before)), changes)
+                daemon.write_config()
+                daemon.start("--pace", "fast")
+                self.assert_refusal(daemon.ctl("resume", "--trust-position", "--yes"), FAILED, "have changed since it began")
+                self.assert_still(daemon)
+        daemon.stop()
+        daemon.config = before
+        daemon.write_config()
+        daemon.start("--pace", "fast")
+        self.assertEqual(daemon.ctl("resume", "--trust-position", "--yes").returncode, OK)
+        daemon.wait_done("part")
+
+    def test_a_job_that_cannot_be_read_to_go_on_waits_for_the_user_again(self):
+        daemon = self.cut_in_layer_2(model=binary_stl(wedge(10, 5, 3)))
+        daemon.stop()
+        daemon.config["z_axis"]["travel_mm"] = 2  # less than the part's height
+        daemon.write_config()
+        daemon.start("--pace", "fast")
+        self.assertEqual(daemon.ctl("resume", "--trust-position", "--yes").returncode, OK)
+        wait_until(lambda: "the print did not go on" in (daemon.status()["held"] or ""), "the refusal")
+        self.assert_still(daemon)
+        self.assertTrue(daemon.has("printing", "part.stl"))
+        daemon.stop()
+        daemon.config["z_axis"]["travel_mm"] = 12
+        daemon.write_config()
+        daemon.start("--pace", "fast")
+        self.assertEqual(daemon.ctl("resume", "--trust-position", "--yes").returncode, OK)
+        daemon.wait_done("part")
+
+    def test_a_print_whose_spool_is_not_mounted_at_the_start_holds_the_queue_and_goes_on_once_it_is(self):
+        for wait in (False, True):
+            with self.subTest(wait_for_plate_cleared=wait):
+                job = f"part-{wait}"
+                daemon = self.cut_in_layer_2(job, wait_for_plate_cleared=wait)
+                daemon.stop()
+                os.rename(daemon.spool, self.path("disk"))
+                daemon.start("--pace", "fast")
+                self.assertIn("its files are not in", daemon.status()["held"])
+                daemon.drop("next.stl", RAMP)
+                self.looks_pass(daemon)
+                self.assert_still(daemon)
+                if not wait:
+                    self.assert_refusal(daemon.ctl("resume"), FAILED, "its part may hang on the plate", "plate-cleared")
+                daemon.stop()
+                shutil.rmtree(daemon.spool)
+                os.rename(self.path("disk"), daemon.spool)
+                daemon.start("--pace", "fast")
+                self.assertEqual(daemon.ctl("resume", "--trust-position", "--yes").returncode, OK)
+                daemon.wait_done(job)
+                daemon.rpc("plate_cleared")
+                daemon.stop()
+
+    def test_a_damaged_record_lets_no_job_begin_before_the_plate_is_clear(self):
+        daemon = self.cut_in_layer_2(wait_for_plate_cleared=False)
+        daemon.stop()
+        with open(os.path.join(daemon.state_folder, "print-progress"), "r+b") as file:
+            size = os.path.getsize(file.name)
+            file.write(b"\xff" * size)
+        daemon.start("--pace", "fast")
+        for word in ("the record of its progress is damaged", "may hang on the plate", "plate-cleared"):
+            self.assertIn(word, daemon.status()["held"])
+        daemon.drop("next.stl", RAMP)
+        self.assert_refusal(daemon.ctl("resume"), FAILED, "plate-cleared")
+        self.looks_pass(daemon)
+        self.assert_still(daemon)
+        daemon.rpc("plate_cleared")
+        daemon.wait_done("next")
 
     def test_what_was_changed_while_it_printed_holds_after_the_cut(self):
         daemon = self.daemon(realtime(), SLOW, masks=True).start()

@@ -27,11 +27,11 @@ class PowerCutTest(SpoolTest):
         self.assertEqual((status["state"], status["dark"], status["job"]), ("idle", True, None))
         self.assertIsNone(status["manual"]["height_mm"], "the plate was moved")
 
-    def cut_in_layer_2(self, job="part", masks=False, **config):
+    def cut_in_layer_2(self, job="part", masks=False, model=RAMP, **config):
         """Returns a daemon that was started again after a cut in the light of the job's second layer. Its machine is as fast as
         it can be."""
         daemon = self.daemon(realtime(**config), SLOW, masks=masks).start()
-        daemon.begin(job + ".stl", RAMP)
+        daemon.begin(job + ".stl", model)
         self.wait_layer(daemon, 2, "exposing")
         daemon.kill()
         return daemon.start("--pace", "fast")

@@ -136,6 +136,21 @@ TEST_CASE("A print that did not end holds the queue, occupies the plate and goes
   CHECK(fixture.has_record(kOccupied));
 }
 
+TEST_CASE("A print that is cut while it is read to go on is no model that ended its process") {
+  QueueHoldFixture fixture;
+  fixture.put(Spool::Folder::Printing, "part.stl");
+  fixture.hold->set_plate_occupant("part");
+  int asked = 0;
+  fixture.hold->adopt_left_jobs([&](const JobFiles& files) {
+    CHECK(files.name == "part");
+    return ++asked > 0;
+  });
+  REQUIRE(fixture.run({}));
+  CHECK(asked == 1);  // the job is no longer in the record, so that the user can resume its print
+  CHECK(fixture.hold->reason() ==
+        "part was interrupted: the power was cut, or contourd was killed or crashed");
+}
+
 TEST_CASE("A print that ended but was not filed is filed by its end, and holds the queue if it failed") {
   QueueHoldFixture fixture;
   fixture.put(Spool::Folder::Printing, "part.stl");
