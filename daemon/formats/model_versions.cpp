@@ -20,7 +20,12 @@ constexpr std::array<std::string_view, 9> kWithout{"unsup",     "unsupp",     "u
 constexpr std::array<std::string_view, 2> kNouns{"support", "supports"};
 constexpr std::array<std::string_view, 5> kNegations{"un", "no", "non", "not", "without"};
 constexpr std::array<std::string_view, 2> kAffirmations{"pre", "with"};
-constexpr std::array<std::string_view, 6> kFormatFolders{"stl", "stls", "obj", "3mf", "lys", "files"};
+constexpr std::array<std::string_view, 7> kFormatFolders{"stl", "stls", "obj", "3mf", "lys", "raw", "files"};
+// Words beside those for supports in the name of a folder: "01_Lychee Supported".
+constexpr std::array<std::string_view, 7> kBesideInFolders{"lychee", "chitubox", "chitu",   "prusa",
+                                                           "slicer", "version",  "versions"};
+// Endings of a word: "knightsupported".
+constexpr std::array<std::string_view, 4> kEndings{"unsupported", "nosupports", "presupported", "supported"};
 
 template <std::size_t Count>
 bool is_one_of(const std::array<std::string_view, Count>& words, std::string_view word) {
@@ -55,9 +60,27 @@ Words words_of(std::string_view name) {
   return words;
 }
 
+// Makes a word that ends with one for supports two words.
+void split_endings(Words& words) {
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const auto* const ending = std::ranges::find_if(kEndings, [&](std::string_view each) {
+      return words[i].size() > each.size() && words[i].ends_with(each);
+    });
+    if (ending == kEndings.end() || is_one_of(kWith, words[i]) || is_one_of(kWithout, words[i])) continue;
+    const std::string begin = words[i].substr(0, words[i].size() - ending->size());
+    words[i] = begin;
+    words.insert(words.begin() + static_cast<std::ptrdiff_t>(++i), std::string(*ending));
+  }
+}
+
+bool is_number(std::string_view word) {
+  return std::ranges::all_of(word, is_digit);
+}
+
 // Takes the words for supports out of a part of a path.
 NamedSupports take_supports(Words& words, bool is_folder) {
   NamedSupports found = NamedSupports::Unsaid;
+  split_endings(words);
   Words rest;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const bool has_next = i + 1 < words.size();
@@ -103,7 +126,10 @@ VersionName version_name(std::string_view path, std::string_view extension) {
     if (supports == NamedSupports::Without || name.supports == NamedSupports::Unsaid)
       name.supports = supports;
     if (is_folder)
-      std::erase_if(words, [](const std::string& word) { return is_one_of(kFormatFolders, word); });
+      std::erase_if(words, [&](const std::string& word) {
+        return is_one_of(kFormatFolders, word) ||
+               (supports != NamedSupports::Unsaid && (is_number(word) || is_one_of(kBesideInFolders, word)));
+      });
     for (const std::string& word : words)
       name.model += word + ' ';
     if (!words.empty()) name.model += '/';
