@@ -311,7 +311,7 @@ class TlsTest(MqttTest):
         port = web_test.free_port()
         mqtt.Mosquitto(self, port, "allow_anonymous true", f"certfile {self.path('elsewhere.pem')}", f"keyfile {self.path('broker.key')}")
         self.connect(port, None, "--ca", self.path("ca.pem"))
-        self.wait_logged("TLS fails")
+        self.wait_logged("TLS handshake failed")
         self.assertNotIn("connected to", self.web_log())
 
     def test_a_silent_broker_keeps_no_processor_busy(self):
@@ -329,7 +329,7 @@ class TlsTest(MqttTest):
         plain = web_test.free_port()
         broker = mqtt.Mosquitto(self, port, f"certfile {self.path('broker.pem')}", f"keyfile {self.path('broker.key')}", f"listener {plain} 127.0.0.1", "allow_anonymous true")
         self.connect(port, None, "--ca", self.path("other.pem"))
-        self.wait_logged("TLS fails")
+        self.wait_logged("TLS handshake failed")
         self.assertNotIn("connected to", self.web_log())
         self.set_broker(port, "--ca", self.path("ca.pem"))
         self.web.terminate()
