@@ -1,5 +1,7 @@
 #include "daemon/web/web_sessions.hpp"
 
+#include <algorithm>
+
 #include "daemon/web/web_secrets.hpp"
 
 namespace contourd::web {
@@ -7,7 +9,9 @@ namespace contourd::web {
 std::string WebSessions::open(Role role, TimePoint now) {
   constexpr std::size_t kTokenBytes = 32;
   std::erase_if(sessions_, [now](const Session& each) { return each.ends <= now; });
-  if (sessions_.size() >= kMost) sessions_.erase(sessions_.begin());
+  const auto of_role = [role](const Session& each) { return each.role == role; };
+  if (std::ranges::count_if(sessions_, of_role) >= static_cast<std::ptrdiff_t>(kMostOfRole))
+    sessions_.erase(std::ranges::find_if(sessions_, of_role));
   sessions_.push_back({random_hex(kTokenBytes), role, now + lifetime_});
   return sessions_.back().token;
 }

@@ -16,12 +16,13 @@ class WebSessions {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
 
-  static constexpr std::size_t kMost = 32;
+  static constexpr std::size_t kMostOfRole = 32;
 
   explicit WebSessions(std::chrono::seconds lifetime) : lifetime_(lifetime) {}
 
   [[nodiscard]] std::chrono::seconds lifetime() const { return lifetime_; }
-  // Opens a session and returns its token, 64 hexadecimal digits. The oldest of kMost sessions ends.
+  // Opens a session and returns its token, 64 hexadecimal digits. With kMostOfRole sessions of
+  // the role, the oldest of them ends.
   [[nodiscard]] std::string open(Role role, TimePoint now);
   // Returns the role of the open session with this token; nullopt if there is none. Takes the same time for
   // every token of that length.

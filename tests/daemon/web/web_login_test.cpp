@@ -137,6 +137,18 @@ TEST_CASE("tries are forgotten after a while, and any number of addresses takes 
   CHECK(guard.wait_of("new", later) > 0s);
 }
 
+TEST_CASE("the logins of a role end no session of another role") {
+  WebSessions sessions(1h);
+  const std::string print = sessions.open(Role::Print, kStart),
+                    service = sessions.open(Role::Service, kStart);
+  const std::string first = sessions.open(Role::Watch, kStart);
+  for (std::size_t i = 0; i < WebSessions::kMostOfRole; ++i)
+    (void)sessions.open(Role::Watch, kStart);
+  CHECK(sessions.role_of(print, kStart) == Role::Print);
+  CHECK(sessions.role_of(service, kStart) == Role::Service);
+  CHECK_FALSE(sessions.role_of(first, kStart));
+}
+
 TEST_CASE("a session is open until it expires, is closed, or is the oldest of too many") {
   WebSessions sessions(1h);
   const std::string token = sessions.open(Role::Service, kStart);
@@ -149,7 +161,7 @@ TEST_CASE("a session is open until it expires, is closed, or is the oldest of to
   const std::string second = sessions.open(Role::Service, kStart);
   sessions.close(second);
   CHECK_FALSE(sessions.role_of(second, kStart));
-  for (std::size_t i = 0; i < WebSessions::kMost; ++i)
+  for (std::size_t i = 0; i < WebSessions::kMostOfRole; ++i)
     (void)sessions.open(Role::Service, kStart);
   CHECK_FALSE(sessions.role_of(token, kStart));
 }
