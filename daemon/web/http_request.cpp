@@ -140,7 +140,7 @@ bool HttpRequest::send() {
 bool HttpRequest::send_stream() {
   constexpr std::size_t kBlock = 16384;
   const auto read = [](void* self, std::uint64_t, char* buffer, std::size_t most) {
-    return static_cast<ssize_t>(static_cast<HttpRequest*>(self)->read_stream(buffer, most));
+    return static_cast<HttpRequest*>(self)->read_stream(buffer, most);
   };
   const ResponsePtr response(MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, kBlock, read, this, nullptr),
                              MHD_destroy_response);
@@ -149,7 +149,8 @@ bool HttpRequest::send_stream() {
   return MHD_queue_response(connection_, MHD_HTTP_OK, response.get()) == MHD_YES;
 }
 
-std::size_t HttpRequest::read_stream(char* buffer, std::size_t most) {
+ssize_t HttpRequest::read_stream(char* buffer, std::size_t most) {
+  if (piece_.empty() && stream_->has_ended()) return MHD_CONTENT_READER_END_OF_STREAM;
   if (piece_.empty()) piece_ = stream_->next();
   client_->deadline = std::chrono::steady_clock::now() + kBodyTime;
   if (piece_.empty()) {
@@ -159,7 +160,7 @@ std::size_t HttpRequest::read_stream(char* buffer, std::size_t most) {
   const std::size_t bytes = std::min(most, piece_.size());
   std::memcpy(buffer, piece_.data(), bytes);
   piece_.erase(0, bytes);
-  return bytes;
+  return static_cast<ssize_t>(bytes);
 }
 
 }  // namespace contourd::web

@@ -1,6 +1,8 @@
 // A request of a client of the HTTP server, and its reply. Event loop's thread only.
 #pragma once
 
+#include <sys/types.h>
+
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -46,12 +48,14 @@ class HttpBody {
   virtual void end() = 0;
 };
 
-// Produces a reply without an end.
+// Produces a reply whose end is not known beforehand.
 class HttpStream {
  public:
   virtual ~HttpStream() = default;
   // Returns the next piece. Empty: there is none before HttpRequest::go_on().
   [[nodiscard]] virtual std::string next() = 0;
+  // True if the reply is complete; asked before each piece.
+  [[nodiscard]] virtual bool has_ended() const = 0;
 };
 
 // The ends of a connection: the client, and this computer as the client reached it.
@@ -122,7 +126,8 @@ class HttpRequest {
   [[nodiscard]] bool end();
   [[nodiscard]] bool send();
   [[nodiscard]] bool send_stream();
-  [[nodiscard]] std::size_t read_stream(char* buffer, std::size_t most);
+  // Returns the number of bytes, or the end of the stream as libmicrohttpd names it.
+  [[nodiscard]] ssize_t read_stream(char* buffer, std::size_t most);
   [[nodiscard]] bool has_reply() const { return reply_ || stream_; }
   void wait();
   void allow_time(std::uint64_t bytes);

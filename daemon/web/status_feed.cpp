@@ -10,15 +10,22 @@ namespace {
 using Json = ControlLink::Json;
 
 constexpr std::string_view kFeedName = "the status for open pages";
-// A line without meaning keeps connections open, and finds those whose client is gone.
-constexpr Duration kBeat = std::chrono::seconds(15);
+// A beat keeps connections open, and finds those whose client is gone. The page takes a connection without
+// beats for a dead one (start.js).
+constexpr Duration kBeat = std::chrono::seconds(5);
+constexpr const char* kComment = ":\n\n";
+constexpr const char* kBeatEvent = "event: beat\ndata: {}\n\n";
+
+std::string plain_event(const Json& status) {
+  return fmt::format("data: {}\n\n", status.dump(-1, ' ', true, Json::error_handler_t::replace));
+}
 
 }  // namespace
 
 class StatusFeed::Page final : public HttpStream {
  public:
-  Page(StatusFeed& feed, const std::shared_ptr<HttpRequest>& request)
-      : feed_(feed), request_(request), beats_(feed.beats_) {
+  Page(StatusFeed& feed, const std::shared_ptr<HttpRequest>& request, MayGoOn may_go_on)
+      : feed_(feed), request_(request), may_go_on_(std::move(may_go_on)), beats_(feed.beats_) {
     feed_.pages_.insert(this);
   }
   ~Page() override { feed_.pages_.erase(this); }
@@ -27,8 +34,9 @@ class StatusFeed::Page final : public HttpStream {
   [[nodiscard]] std::string next() override {
     const bool beat_due = std::exchange(beats_, feed_.beats_) != feed_.beats_;
     if (std::exchange(sent_, feed_.version_) != feed_.version_) return feed_.event_;
-    return beat_due ? ":\n\n" : "";
+    return beat_due ? feed_.beat_ : "";
   }
+  [[nodiscard]] bool has_ended() const override { return !may_go_on_(); }
   void wake() {
     if (const std::shared_ptr<HttpRequest> request = request_.lock()) request->go_on();
   }
@@ -36,21 +44,25 @@ class StatusFeed::Page final : public HttpStream {
  private:
   StatusFeed& feed_;
   std::weak_ptr<HttpRequest> request_;
+  MayGoOn may_go_on_;
   std::uint64_t sent_ = 0, beats_ = 0;
 };
 
+StatusFeed::StatusFeed(EventLoop& loop, const std::filesystem::path& socket)
+    : StatusFeed(loop, socket, plain_event, kBeatEvent) {}
+
 StatusFeed::StatusFeed(EventLoop& loop, const std::filesystem::path& socket, Event event)
+    : StatusFeed(loop, socket, std::move(event), kComment) {}
+
+StatusFeed::StatusFeed(EventLoop& loop, const std::filesystem::path& socket, Event event, std::string beat)
     : loop_(loop),
       event_of_(std::move(event)),
+      beat_(std::move(beat)),
       watch_(loop, socket, [this](const Json& status) { tell(status); }) {}
 
-std::string StatusFeed::plain_event(const Json& status) {
-  return fmt::format("data: {}\n\n", status.dump(-1, ' ', true, Json::error_handler_t::replace));
-}
-
-void StatusFeed::serve(const std::shared_ptr<HttpRequest>& request) {
+void StatusFeed::serve(const std::shared_ptr<HttpRequest>& request, MayGoOn may_go_on) {
   const bool first = pages_.empty();
-  request->answer(std::make_shared<Page>(*this, request));
+  request->answer(std::make_shared<Page>(*this, request, std::move(may_go_on)));
   if (!first) return;
   watch_.start();
   beat();

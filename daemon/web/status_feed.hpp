@@ -23,20 +23,28 @@ class StatusFeed {
   // Returns the server-sent event for a status, or for {"unreachable": "why"}; an empty text is not sent.
   using Event = std::function<std::string(const StatusWatch::Json& status)>;
 
-  // Connects to contourd's control socket when the first page is open.
-  StatusFeed(EventLoop& loop, const std::filesystem::path& socket, Event event = plain_event);
+  // True as long as a page may get the status.
+  using MayGoOn = std::function<bool()>;
+
+  // Connects to contourd's control socket when the first page is open. The events are those of the printer's
+  // page: statuses, and a "beat" every few seconds, by which scripts notice a connection that is dead.
+  StatusFeed(EventLoop& loop, const std::filesystem::path& socket);
+  // Does the same with other events, and beats that are comments.
+  StatusFeed(EventLoop& loop, const std::filesystem::path& socket, Event event);
   StatusFeed(const StatusFeed&) = delete;
   StatusFeed& operator=(const StatusFeed&) = delete;
 
   // True if one more page can be served.
   [[nodiscard]] bool has_room() const { return pages_.size() < kMostPages; }
-  // Answers the request with an endless stream of events.
-  void serve(const std::shared_ptr<HttpRequest>& request);
+  // Answers the request with a stream of events, which ends at the next event or beat after `may_go_on` has
+  // become false; no status is sent from then on.
+  void serve(
+      const std::shared_ptr<HttpRequest>& request, MayGoOn may_go_on = [] { return true; });
 
  private:
   class Page;
 
-  [[nodiscard]] static std::string plain_event(const StatusWatch::Json& status);
+  StatusFeed(EventLoop& loop, const std::filesystem::path& socket, Event event, std::string beat);
 
   void tell(const StatusWatch::Json& status);
   void publish(std::string event);
@@ -45,6 +53,7 @@ class StatusFeed {
 
   EventLoop& loop_;
   Event event_of_;
+  std::string beat_;
   StatusWatch watch_;
   std::set<Page*> pages_;  // owned by their requests
   std::string event_;      // the latest

@@ -39,6 +39,11 @@ std::optional<Role> WebLogin::role_of(const HttpRequest& request) const {
   return sessions_.role_of(token_of(request), steady_clock::now());
 }
 
+std::function<bool()> WebLogin::session_of(const HttpRequest& request) const {
+  return
+      [this, token = token_of(request)] { return sessions_.role_of(token, steady_clock::now()).has_value(); };
+}
+
 bool WebLogin::has_key(const HttpRequest& request) const {
   return equal_in_constant_time(request.header("X-Api-Key"), secrets_.key);
 }

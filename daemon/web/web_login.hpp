@@ -28,6 +28,8 @@ class WebLogin {
 
   // Returns the role of the session whose cookie the request has; nullopt without one.
   [[nodiscard]] std::optional<Role> role_of(const HttpRequest& request) const;
+  // Returns a function that is true as long as the request's session is open; it must not outlive the object.
+  [[nodiscard]] std::function<bool()> session_of(const HttpRequest& request) const;
   // True if the request has the key of slicers, as X-Api-Key.
   [[nodiscard]] bool has_key(const HttpRequest& request) const;
   // Checks the digest of a slicer that sends the key as a password.

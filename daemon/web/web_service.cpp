@@ -185,8 +185,13 @@ void WebService::serve_user(const RequestPtr& request, Role role) {
 }
 
 void WebService::serve_events(const RequestPtr& request) {
-  if (feed_.has_room()) return feed_.serve(request);
-  request->answer({.status = 503, .body = "too many pages are open\n"});
+  if (!feed_.has_room())
+    return request->answer(
+        {.status = 503,
+         .body = fmt::format("{} pages of this printer are open, and no more are possible: close one\n",
+                             StatusFeed::kMostPages)});
+  if (login_.has_key(*request)) return feed_.serve(request);
+  feed_.serve(request, login_.session_of(*request));
 }
 
 void WebService::serve_query(const RequestPtr& request, Role role) {

@@ -651,6 +651,29 @@ class PageTest(WebTest):
         self.assertEqual(browser.get("/api/events")[0], 503)
         self.assertEqual(browser.get("/api/status")[0], 200)
 
+    def test_the_events_of_a_session_end_with_it(self):
+        browser = self.serve(Daemon(self, realtime(), ENDLESS).start())
+        self.assertEqual(browser.log_in()[0], 204)
+        other = Browser(self.port)
+        self.assertEqual(other.log_in()[0], 204)
+        ask = lambda access: self.raw(f"GET /api/events HTTP/1.1\r\nHost: 127.0.0.1\r\n{access}\r\n\r\n".encode())
+        events, kept, slicer = ask(f"Cookie: {browser.cookie}"), ask(f"Cookie: {other.cookie}"), ask(f"X-Api-Key: {self.key}")
+        for each in (events, kept, slicer):
+            wait_until(lambda: b'"state":"idle"' in each.recv(65536), "the first event")
+        self.assertEqual(browser.request("POST", "/api/logout")[0], 204)
+        self.daemon.begin("part.stl", SLAB)
+        for each in (kept, slicer):
+            wait_until(lambda: b'"state":"exposing"' in each.recv(65536), "the exposure")
+        seen = b""
+
+        def ended():
+            nonlocal seen
+            seen += events.recv(65536)
+            return seen.endswith(b"\r\n0\r\n\r\n")
+
+        wait_until(ended, "the end of the events")
+        self.assertNotIn(b"part", seen)
+
     def test_the_service_stops_at_once_with_clients_of_every_kind(self):
         browser = self.logged_in()
         request = f"Host: 127.0.0.1\r\nCookie: {browser.cookie}\r\n"
