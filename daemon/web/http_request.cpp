@@ -1,6 +1,8 @@
 #include "daemon/web/http_request.hpp"
 
+#include <fmt/format.h>
 #include <microhttpd.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <charconv>
@@ -49,8 +51,16 @@ std::string HttpRequest::header(const char* name) const {
 
 std::optional<std::string> HttpRequest::parameter(const char* name) const {
   if (!is_open()) return std::nullopt;
-  const char* const value = MHD_lookup_connection_value(connection_, MHD_GET_ARGUMENT_KIND, name);
-  return value == nullptr ? std::nullopt : std::optional<std::string>(value);
+  const char* value = nullptr;
+  const std::size_t bytes = std::strlen(name);
+  if (MHD_lookup_connection_value_n(connection_, MHD_GET_ARGUMENT_KIND, name, bytes, &value, nullptr) !=
+      MHD_YES)
+    return std::nullopt;
+  return value == nullptr ? "" : value;
+}
+
+bool HttpRequest::has_body() const {
+  return body_bytes().value_or(0) > 0 || !header("Transfer-Encoding").empty();
 }
 
 std::optional<std::uint64_t> HttpRequest::body_bytes() const {
@@ -106,7 +116,10 @@ bool HttpRequest::take(std::string_view piece) {
   const std::uint64_t before = received_;
   received_ += piece.size();
   if (!body_) return true;
-  if (received_ > most_) return false;
+  if (received_ > most_) {
+    if (before <= most_) refuse_body();
+    return true;
+  }
   // A body has the time that the slowest rate would take, however its pieces are spread.
   client_->deadline +=
       std::chrono::seconds(received_ / kSlowestBytesPerSecond - before / kSlowestBytesPerSecond);
@@ -114,7 +127,22 @@ bool HttpRequest::take(std::string_view piece) {
   return true;
 }
 
+// libmicrohttpd takes no reply while a body arrives, so this one goes straight to the socket, on which
+// nothing else is being sent. The rest of the body is discarded for a while: closing a socket with unread
+// bytes would take the reply away from the client.
+void HttpRequest::refuse_body() {
+  constexpr std::chrono::seconds kTimeToRead{5};
+  const std::string sentence = fmt::format("the body is too large: it may have at most {} bytes\n", most_);
+  const std::string reply = fmt::format(
+      "HTTP/1.1 413 Content Too Large\r\nConnection: close\r\nContent-Type: {}\r\nContent-Length: {}\r\n"
+      "X-Content-Type-Options: nosniff\r\n\r\n{}",
+      HttpReply{}.type, sentence.size(), sentence);
+  (void)!::send(client_->socket, reply.data(), reply.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  client_->deadline = std::chrono::steady_clock::now() + kTimeToRead;
+}
+
 bool HttpRequest::end() {
+  if (body_ && received_ > most_) return false;
   if (!std::exchange(ended_, true) && body_ && !has_reply()) body_->end();
   if (has_reply()) return send();
   wait();

@@ -107,9 +107,13 @@ class HttpRequest {
   // Returns libmicrohttpd's handle; null once the connection is closed.
   [[nodiscard]] MHD_Connection* connection() const { return connection_; }
 
+  // True if a body follows the headers.
+  [[nodiscard]] bool has_body() const;
+
   // Keeps the client when others have to go.
   void has_logged_in();
-  // Has the body received; `most` is the limit of its size, beyond which the connection is closed.
+  // Has the body received; `most` is the limit of its size. A longer one is refused, and the connection
+  // closed.
   void receive(std::shared_ptr<HttpBody> body, std::uint64_t most);
   // Sets the reply. May be called at any time before there is one.
   void answer(HttpReply reply);
@@ -124,6 +128,7 @@ class HttpRequest {
   // Return false if the connection has to be closed.
   [[nodiscard]] bool take(std::string_view piece);
   [[nodiscard]] bool end();
+  void refuse_body();
   [[nodiscard]] bool send();
   [[nodiscard]] bool send_stream();
   // Returns the number of bytes, or the end of the stream as libmicrohttpd names it.

@@ -95,7 +95,10 @@ struct HttpServer::Callbacks {
     bool good = true;
     if (first) {
       server.handler_(request);
-      good = !request->has_reply() || request->send();
+      // libmicrohttpd closes the connection after a reply in this first call, which is right for a request
+      // whose body is not read. Others are answered in the next call, so that the client can send the next
+      // request.
+      good = !request->has_reply() || !request->has_body() || request->send();
     } else if (*bytes > 0) {
       good = request->take({piece, *bytes});
       *bytes = 0;

@@ -43,11 +43,12 @@ struct ModelUpload::File {
     if (::statvfs(incoming().c_str(), &disk) != 0) return std::nullopt;  // opening the file tells why
     if (static_cast<std::uint64_t>(disk.f_bavail) * disk.f_frsize >= limits.free_bytes + more)
       return std::nullopt;
+    const std::string left = limits.free_bytes < kMebibyte
+                                 ? "is full"
+                                 : fmt::format("has less than {} MiB left", limits.free_bytes / kMebibyte);
     return UploadRefusal{
-        kNoRoom, fmt::format("{} cannot be stored: the printer's disk has less than {} MiB left; delete "
-                             "finished jobs in {}",
-                             printable(name), limits.free_bytes / kMebibyte,
-                             printable(folders.path(SpoolFolder::Done).string()))};
+        kNoRoom, fmt::format("{} cannot be stored: the printer's disk {}; delete finished jobs in {}",
+                             printable(name), left, printable(folders.path(SpoolFolder::Done).string()))};
   }
 
   [[nodiscard]] std::optional<UploadRefusal> write(const std::string& more) {

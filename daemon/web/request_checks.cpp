@@ -6,8 +6,10 @@
 #include <array>
 #include <cstddef>
 
+#include "daemon/formats/model_names.hpp"
 #include "daemon/spool/spool_folders.hpp"
 #include "daemon/system/readable.hpp"
+#include "daemon/system/utf_8.hpp"
 
 namespace contourd::web {
 namespace {
@@ -28,6 +30,13 @@ bool is_port(std::string_view text) {
 bool is_host_letter(char letter) {
   return (letter >= 'a' && letter <= 'z') || (letter >= '0' && letter <= '9') || letter == '.' ||
          letter == '-' || letter == '_' || letter == ':';
+}
+
+// True for spaces of all widths, joiners, and letters without ink.
+bool is_blank(char32_t c) {
+  constexpr std::array<char32_t, 9> kBlanks{' ',    0xA0,   0x1680, 0x202F, 0x205F,
+                                            0x2800, 0x3000, 0x3164, 0xFFA0};
+  return std::ranges::find(kBlanks, c) != kBlanks.end() || (c >= 0x2000 && c <= 0x200D);
 }
 
 bool is_loopback(std::string_view address) {
@@ -92,9 +101,11 @@ std::string why_bad_file_name(const std::string& name) {
     return fmt::format("{}: a file's name has no slash, and does not begin with a dot", shown);
   if (printable(name) != name)
     return fmt::format("{}: the file's name has characters that cannot be shown; rename the file", shown);
-  return is_model_name(name)
-             ? ""
-             : fmt::format("{}: this is no model that the printer can print, such as an STL file", shown);
+  if (!is_model_name(name))
+    return fmt::format("{}: this is no model that the printer can print, such as an STL file", shown);
+  if (std::ranges::all_of(code_points(model_stem(name)), is_blank))
+    return fmt::format("\"{}\": the file's name is blank before its extension; rename the file", shown);
+  return "";
 }
 
 }  // namespace contourd::web

@@ -2,6 +2,8 @@
 
 #include <microhttpd.h>
 
+#include <memory>
+
 // libmicrohttpd 1.0 marks these functions as outdated; 0.9.75 has no others.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wdeprecated-declarations"
@@ -19,6 +21,11 @@ DigestCheck check_digest(MHD_Connection* connection, const std::string& key) {
       MHD_digest_auth_check2(connection, kRealm, kSlicerUser, key.c_str(), kNonceSeconds, MHD_DIGEST_ALG_MD5);
   if (result == MHD_YES) return DigestCheck::Good;
   return result == MHD_INVALID_NONCE ? DigestCheck::Stale : DigestCheck::Absent;
+}
+
+std::string digest_user(MHD_Connection* connection) {
+  const std::unique_ptr<char, decltype(&MHD_free)> user(MHD_digest_auth_get_username(connection), MHD_free);
+  return user ? user.get() : "";
 }
 
 bool ask_for_digest(MHD_Connection* connection, MHD_Response* response, bool stale) {

@@ -19,6 +19,9 @@ enum class DigestCheck {
 };
 [[nodiscard]] DigestCheck check_digest(MHD_Connection* connection, const std::string& key);
 
+// Returns the user that a digest names, right or wrong; empty without a digest.
+[[nodiscard]] std::string digest_user(MHD_Connection* connection);
+
 // Sends the response as a 401 that asks for a digest; `stale` if the last one was only too old. Returns false
 // if the connection has to be closed.
 [[nodiscard]] bool ask_for_digest(MHD_Connection* connection, MHD_Response* response, bool stale);

@@ -34,6 +34,20 @@ HttpReply no_such_page() {
   return {.status = 404, .body = "there is no such page\n"};
 }
 
+constexpr const char* kNewKey = "sudo contourctl web password makes a new one\n";
+
+// Returns what is wrong with a slicer's user and password.
+std::string why_no_digest(const HttpRequest& request) {
+  const std::string user = digest_user(request.connection());
+  if (user.empty())
+    return fmt::format("the API key is missing: send it as X-Api-Key, or as the password of the user {}; {}",
+                       kSlicerUser, kNewKey);
+  if (user != kSlicerUser)
+    return fmt::format("the user {} is unknown: the user of slicers is {}, the password is the API key\n",
+                       printable(shortened(user, 100)), kSlicerUser);
+  return fmt::format("the password of the user {} is not the API key: {}", kSlicerUser, kNewKey);
+}
+
 // Answers with the reason if the role is less than is needed.
 [[nodiscard]] bool refuse_role(HttpRequest& request, Role role, Role least) {
   if (role >= least) return false;
@@ -99,12 +113,15 @@ std::optional<Role> WebService::access_of(HttpRequest& request) const {
   if (const std::optional<Role> role = login_.role_of(request);
       role && (*role != Role::Watch || !is_slicers(request)))
     return role;
-  HttpReply refusal{.status = 401, .body = "log in first: POST /api/login, or send the key as X-Api-Key\n"};
+  const bool sent_key = !request.header("X-Api-Key").empty();
+  HttpReply refusal{.status = 401,
+                    .body = sent_key ? std::string("the API key in X-Api-Key is wrong: ") + kNewKey
+                                     : "log in first: POST /api/login, or send the API key as X-Api-Key\n"};
   // Elsewhere a browser would open its own dialog for a user and a password.
   if (is_slicers(request)) {
     const DigestCheck digest = login_.digest_of(request);
     if (digest == DigestCheck::Good) return Role::Print;
-    refusal.body = "the API key is wrong: sudo contourctl web password makes a new one\n";
+    if (!sent_key) refusal.body = why_no_digest(request);
     refusal.digest_is_stale = digest == DigestCheck::Stale;
   }
   request.answer(std::move(refusal));
@@ -169,15 +186,19 @@ void WebService::serve_user(const RequestPtr& request, Role role) {
   }
   if (request->method() != "POST")
     return request->answer(
-        {.status = 405, .body = "no such method\n", .headers = {{"Allow", "GET, HEAD, POST"}}});
+        {.status = 405, .body = "send GET, HEAD or POST\n", .headers = {{"Allow", "GET, HEAD, POST"}}});
   if (path == "/api/logout") return login_.log_out(*request);
   if (path == kUploadPath) {
     if (refuse_role(*request, role, Role::Print)) return;
     return upload(request);
   }
-  const PageMethod* const method =
-      path.starts_with(kCallPath) ? page_method(std::string_view(path).substr(kCallPath.size())) : nullptr;
-  if (method == nullptr) return request->answer(no_such_page());
+  if (!path.starts_with(kCallPath)) return request->answer(no_such_page());
+  const std::string name = path.substr(kCallPath.size());
+  const PageMethod* const method = page_method(name);
+  if (method == nullptr)
+    return request->answer(
+        {.status = 404,
+         .body = fmt::format("there is no method \"{}\" for the page\n", printable(shortened(name, 100)))});
   if (refuse_role(*request, role, method->least)) return;
   receive(request, [this, method](const RequestPtr& whole, const std::string& body) {
     pass_on(whole, *method, body);
@@ -312,7 +333,8 @@ void WebService::upload(const RequestPtr& request) {
   if (uploads_.refuse(*request)) return;
   const std::string name = request->parameter("name").value_or("");
   if (name.empty()) return request->answer({.status = 400, .body = "expected the file's name as ?name=\n"});
-  const std::string ticket(request->parameter("confirm") ? kConfirmTicket : "");
+  const std::string confirm = request->parameter("confirm").value_or("false");
+  const std::string ticket(confirm == "0" || confirm == "false" ? "" : kConfirmTicket);
   request->receive(std::make_shared<UploadBody>(uploads_, request, name, ticket, note_upload(request)),
                    uploads_.most_bytes());
 }

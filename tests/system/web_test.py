@@ -441,7 +441,9 @@ class StrangersTest(WebTest):
     def test_only_the_methods_of_the_list_are_passed_on(self):
         browser = self.logged_in()
         for method in ("move", "light_on", "show", "upload", "projector", "motor_off", "go_on", "rescue", "report", "watch", "methods", "", "../status", "pause/"):
-            self.assertEqual(browser.call(method)[0], 404, method)
+            status, sentence, _ = browser.call(method)
+            self.assertEqual(status, 404, method)
+            self.assert_one_line(sentence, f'no method "{method}"')
         for method, path in (("PUT", "/api/status"), ("DELETE", "/api/queue"), ("POST", "/"), ("TRACE", "/")):
             self.assertIn(browser.request(method, path)[0], (404, 405, 501), (method, path))
 
@@ -456,6 +458,46 @@ class StrangersTest(WebTest):
         self.assert_one_line(body, b"to must be")
         self.assertEqual(browser.request("POST", "/api/call/pause", "x" * 8193)[0], 413)
         self.assertEqual(browser.get("/api/history?before=x")[0], 400)
+
+    def test_a_chunked_body_beyond_its_limit_is_refused_with_a_sentence(self):
+        browser = self.logged_in(largest_upload_mb=1)
+        head = "Host: 127.0.0.1\r\nTransfer-Encoding: chunked\r\n"
+        slow = f"POST /api/upload?name=a.stl HTTP/1.1\r\n{head}Cookie: {browser.cookie}\r\n\r\n"
+        form = f"POST /api/files/local HTTP/1.1\r\n{head}X-Api-Key: {self.key}\r\nContent-Type: multipart/form-data; boundary=x\r\n\r\n"
+        small = f"POST /api/call/pause HTTP/1.1\r\n{head}Cookie: {browser.cookie}\r\n\r\n"
+        for request, size in ((slow, 4 << 20), (form, 4 << 20), (small, 9000), (f"POST /api/login HTTP/1.1\r\n{head}\r\n", 200_000)):
+            for end in (b"\r\n0\r\n\r\n", b""):  # a body that ends, and one that waits for the reply
+                connection = self.raw(request.encode() + f"{size:x}\r\n".encode() + b"x" * size + end)
+                reply = b""
+                while not reply.endswith(b"bytes\n"):
+                    piece = connection.recv(65536)
+                    self.assertTrue(piece, (request, reply))
+                    reply += piece
+                self.assertTrue(reply.startswith(b"HTTP/1.1 413 "), reply)
+                self.assert_one_line(reply.partition(b"\r\n\r\n")[2], b"at most")
+        self.assertEqual(self.incoming(), [])
+
+    def test_a_client_that_goes_on_after_the_refusal_of_its_body_is_cut_off(self):
+        self.serve()
+        connection = self.raw(b"POST /api/login HTTP/1.1\r\nHost: 127.0.0.1\r\nTransfer-Encoding: chunked\r\n\r\n")
+        began = time.monotonic()
+        with self.assertRaises(OSError):
+            while time.monotonic() < began + DEADLINE_S:
+                connection.sendall(b"10000\r\n" + b"x" * 65536 + b"\r\n")
+                time.sleep(0.01)
+        self.assertLess(time.monotonic() - began, 5 + 5)
+
+    def test_the_files_of_the_page_come_over_one_connection(self):
+        self.serve()
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=DEADLINE_S)
+        self.addCleanup(connection.close)
+        connection.connect()
+        socket_ = connection.sock
+        for path in (*PAGE_FILES, "/api/session", "/nothing", "/"):
+            connection.request("GET", path)
+            reply = connection.getresponse()
+            reply.read()
+            self.assertIs(connection.sock, socket_, path)
 
     def test_large_headers_many_headers_and_noise_are_refused(self):
         browser = self.serve()
@@ -669,7 +711,7 @@ class PageTest(WebTest):
         def ended():
             nonlocal seen
             seen += events.recv(65536)
-            return seen.endswith(b"\r\n0\r\n\r\n")
+            return seen.endswith(b"0\r\n\r\n")
 
         wait_until(ended, "the end of the events")
         self.assertNotIn(b"part", seen)
@@ -725,6 +767,15 @@ class UploadTest(WebTest):
         job = self.daemon.wait_job("part")
         self.assertEqual(job["asks"], ["to_be_confirmed"])
         self.assertEqual(browser.json("/api/ticket?job=part.stl")["ticket"], {"confirm": True})
+        for query, waits in (("&confirm", True), ("&confirm=true", True), ("&confirm=0", False), ("&confirm=false", False), ("", False)):
+            status, body, _ = browser.request("POST", f"/api/upload?name=other.stl{query}", SMALL)
+            self.assertEqual(status, 201, body)
+            name = json.loads(body)["job"]
+            if waits:
+                self.assertEqual(self.daemon.wait_job(name)["asks"], ["to_be_confirmed"])
+                self.assertEqual(browser.call("queue_remove", job=f"{name}.stl")[0], 200)
+            else:
+                self.daemon.wait_done(name)
         status, picture, headers = browser.get("/api/preview?job=part.stl")
         self.assertEqual((status, headers["Content-Type"], picture[:8]), (200, "image/png", b"\x89PNG\r\n\x1a\n"))
         self.assertEqual([each["resin"] for each in browser.json("/api/resins")["resins"]], ["standard"])
@@ -1059,29 +1110,36 @@ class SlicerTest(WebTest):
     def test_a_wrong_key_is_refused_before_the_body(self):
         status, reply = self.ask(f"GET /api/version HTTP/1.1\r\nHost: 127.0.0.1\r\n{self.AGENT}X-Api-Key: {'0' * 32}\r\n\r\n")
         self.assertEqual(status, 401)
-        self.assertIn(b"the API key is wrong", reply)
+        self.assertIn(b"the API key in X-Api-Key is wrong", reply)
+        status, reply = self.ask(f"GET /api/version HTTP/1.1\r\nHost: 127.0.0.1\r\n{self.AGENT}\r\n")
+        self.assertEqual(status, 401)
+        self.assertIn(b"the API key is missing: send it as X-Api-Key, or as the password of the user maker", reply)
+        status, sentence, _ = Browser(self.port).get("/api/status", **{"X-Api-Key": "0" * 32})
+        self.assertEqual(status, 401)
+        self.assert_one_line(sentence, b"the API key in X-Api-Key is wrong")
         status, _ = self.ask(f"POST /api/files/local HTTP/1.1\r\nHost: 127.0.0.1\r\n{self.AGENT}X-Api-Key: {PASSWORD}\r\nContent-Length: 1000000\r\nExpect: 100-continue\r\n\r\n")
         self.assertEqual(status, 401)
 
-    def digest(self, challenge, method, path, password):
+    def digest(self, challenge, method, path, password, user="maker"):
         """Answers a challenge as curl does for a user and a password."""
         fields = dict(re.findall(r'(\w+)="?([^",]+)"?', challenge))
         md5 = lambda text: hashlib.md5(text.encode()).hexdigest()
-        first, second = md5(f"maker:{fields['realm']}:{password}"), md5(f"{method}:{path}")
+        first, second = md5(f"{user}:{fields['realm']}:{password}"), md5(f"{method}:{path}")
         response = md5(f"{first}:{fields['nonce']}:00000001:abcdef:auth:{second}")
-        return (f'Authorization: Digest username="maker", realm="{fields["realm"]}", nonce="{fields["nonce"]}", uri="{path}", cnonce="abcdef", nc=00000001, '
+        return (f'Authorization: Digest username="{user}", realm="{fields["realm"]}", nonce="{fields["nonce"]}", uri="{path}", cnonce="abcdef", nc=00000001, '
                 f'qop=auth, response="{response}", opaque="{fields.get("opaque", "")}", algorithm=MD5')  # fmt: skip
 
     def test_a_user_with_the_key_as_password_sends_by_digest(self):
         get = f"GET /api/version HTTP/1.1\r\nHost: 127.0.0.1\r\n{self.AGENT}"
-        for password, expected in ((self.key, 200), ("0" * 32, 401)):
+        for user, password, expected, why in (("maker", self.key, 200, b""), ("maker", "0" * 32, 401, b"the password of the user maker is not the API key"),
+                                              ("admin", self.key, 401, b"the user admin is unknown: the user of slicers is maker")):  # fmt: skip
 
             def is_answered():
                 # A client tries again if another one used its nonce.
                 challenge = self.challenge(*self.ask(f"{get}\r\n"))
-                status, reply = self.ask(f"{get}{self.digest(challenge, 'GET', '/api/version', password)}\r\n\r\n")
+                status, reply = self.ask(f"{get}{self.digest(challenge, 'GET', '/api/version', password, user)}\r\n\r\n")
                 self.assertTrue(status == expected or b'stale="true"' in reply, reply)
-                return status == expected and b'stale="true"' not in reply
+                return status == expected and b'stale="true"' not in reply and why in reply
 
             wait_until(is_answered, "a nonce of its own")
 

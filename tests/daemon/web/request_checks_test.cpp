@@ -58,6 +58,9 @@ TEST_CASE("a model's name stays in its folder and can be shown") {
                            "a\x1b.stl", "\xff.stl", "part", "part.exe"})
     CHECK_FALSE(why_bad_file_name(name).empty());
   CHECK_FALSE(why_bad_file_name(std::string(201, 'a') + ".stl").empty());
+  for (const char* blank : {" .stl", "  .stl.gz", "\u00A0\u3000.stl", "\u2003 .3mf", "\u2800.sl1"})
+    CHECK(why_bad_file_name(blank).find("blank") != std::string::npos);
+  CHECK(why_bad_file_name(" a.stl").empty());
   CHECK(why_bad_file_name("part.sl1").empty());
   CHECK(why_bad_file_name("part.SL1S").empty());
   CHECK(why_bad_file_name("part.sl1_svg").empty());
