@@ -3,15 +3,17 @@
 import base64
 import json
 import os
+import signal
 
 from browser import CHROMIUM, Browser
 from camera_test import CameraService
 from harness import CONTOURD_WEB, NIMBLE_RESIN, SLAB, Daemon, binary_stl, box, contents, realtime, run, skip_file, wait_until
 from web_test import PASSWORD, WebTest
+from web_test import Browser as Client
 
 LONG = "a very long name of a part that somebody has exported again and again " * 2
 
-# The least contrast between a shown text and the background that it stands on (WCAG 2, 1.4.3), and that text.
+# The least contrast between a shown text or placeholder and the background that it stands on (WCAG 2, 1.4.3), and that text.
 LEAST_CONTRAST = """(() => {
   const parse = (text) => (text.match(/[\\d.]+/g) || []).map(Number);
   const luminance = (rgb) => rgb.slice(0, 3).map((c) => (c /= 255) <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
@@ -25,8 +27,11 @@ LEAST_CONTRAST = """(() => {
   };
   let least = [99, ""];
   for (const element of document.querySelectorAll("body *")) {
-    if (!element.checkVisibility() || ![...element.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim())) continue;
-    const both = [luminance(parse(getComputedStyle(element).color)), luminance(paper(element))].sort((a, b) => b - a);
+    const hint = element.placeholder && !element.value && !element.disabled;
+    if (!element.checkVisibility() || !(hint || [...element.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim()))) continue;
+    const style = getComputedStyle(element, hint ? "::placeholder" : null), back = paper(element);
+    const ink = parse(style.color).slice(0, 3).map((c, i) => Number(style.opacity) * c + (1 - Number(style.opacity)) * back[i]);
+    const both = [luminance(ink), luminance(back)].sort((a, b) => b - a);
     const contrast = (both[0] + 0.05) / (both[1] + 0.05);
     if (contrast < least[0]) least = [contrast, element.outerHTML.slice(0, 80)];
   }
@@ -57,7 +62,7 @@ class PageInABrowser(WebTest):
     def log_in(self, password=PASSWORD):
         self.wait("!document.getElementById('login').hidden")
         self.browser.value(f"document.getElementById('password').value = '{password}'; document.querySelector('#login-form button').click()")
-        self.wait("!document.getElementById('page').hidden && document.getElementById('state').textContent.length > 1")
+        self.wait("!document.getElementById('page').hidden && document.body.classList.contains('known')")
 
     def text(self, name):
         return self.browser.value(f"document.getElementById('{name}').textContent")
@@ -82,6 +87,7 @@ class PageInABrowser(WebTest):
         self.wait("document.getElementById('state').textContent == 'exposing' && document.querySelectorAll('#queue li').length == 1")
         self.wait("!document.getElementById('mask').hidden && document.getElementById('mask').naturalWidth > 0")
         self.assertEqual((self.text("printer"), self.text("job"), self.text("layer"), self.text("light-text")), ("Simulated printer", "part", "1 of 20", "light on"))
+        self.assertEqual(self.text("announced"), "printing: part")
         for width in (390, 1280):
             for scheme in ("light", "dark"):
                 self.browser.open(self.url, width, scheme)
@@ -210,7 +216,7 @@ class PageInABrowser(WebTest):
 
     def change(self, label, value):
         self.fill(label, value)
-        self.browser.value(f"""[...document.querySelectorAll("#change-fields button")].find((each) => each.getAttribute("aria-label").endsWith("{label}")).click()""")
+        self.browser.value(f"""[...document.querySelectorAll("#change-fields button")].find((each) => each.getAttribute("aria-label").includes("{label}")).click()""")
 
     def test_the_vat_the_wear_the_resins_and_a_report_are_shown(self):
         self.daemon.write_resin("bad", {"layer_height_um": 4000})
@@ -360,7 +366,7 @@ class PageInABrowser(WebTest):
         self.wait("document.activeElement.id == 'password'")
         self.browser.call("Input.insertText", text=PASSWORD)
         self.press("Enter")
-        self.wait("!document.getElementById('page').hidden")
+        self.wait("!document.getElementById('page').hidden && document.activeElement.id == 'printer'")
         self.daemon.begin("part.stl", SLAB)
         self.wait("!document.getElementById('cancel').hidden")
         seen = []
@@ -372,6 +378,131 @@ class PageInABrowser(WebTest):
               const shown = e.id === "files" ? document.querySelector("label.button") : e;
               return e === document.body || e.className === "skip" ? "body" : getComputedStyle(shown).outlineStyle; })()"""), "none", seen[-1])
         self.assert_words(seen, "logout", "pause", "cancel", "files")
+
+    def click(self, selector):
+        """Presses a button as the keyboard does: it has the focus before."""
+        self.browser.value(f"document.querySelector({json.dumps(selector)}).focus(); document.querySelector({json.dumps(selector)}).click()")
+
+    def test_the_focus_stays_where_the_user_is(self):
+        self.browser.open(self.url, 1280, "light")
+        self.log_in()
+        self.daemon.begin("part.stl", SLAB)
+        for name in ("first", "second"):
+            self.daemon.drop(f"{name}.stl", SLAB)
+            self.daemon.wait_job(name, "ready")
+        self.wait("document.querySelector('[aria-label=\"Move second up\"]')")
+        self.click('[aria-label="Move second up"]')
+        self.wait("document.querySelector('#queue li .name').textContent == 'second'")
+        self.assertEqual(self.browser.value("document.activeElement.getAttribute('aria-label')"), "Details of second")
+        self.click('[aria-label="Details of second"]')
+        self.wait("document.querySelector('#queue .settings button')")
+        self.browser.value("window.former = document.querySelector('#queue .settings button')")
+        self.click("#queue .settings button")
+        self.wait("document.querySelector('#queue .settings button') != window.former")
+        self.assertEqual(self.browser.value("document.activeElement.textContent"), "Apply")
+        self.click("#pause")
+        self.wait("document.activeElement.id == 'resume'")
+        self.click("#resume")
+        self.wait("document.activeElement.id == 'pause'")
+        self.daemon.rpc("pause", at_layer=9)
+        self.browser.value("document.querySelector('#change summary').click()")
+        self.wait("document.getElementById('no-pause').checkVisibility()")
+        self.click("#no-pause")
+        self.wait("document.getElementById('planned').hidden")
+        self.assertEqual(self.browser.value("document.activeElement.textContent"), "Change this print")
+        self.click('[aria-label="Remove first"]')
+        self.wait("document.getElementById('confirm').open")
+        self.browser.value("document.getElementById('yes').click()")
+        self.wait("document.querySelectorAll('#queue li').length == 1")
+        self.assertEqual(self.browser.value("document.activeElement.getAttribute('aria-label')"), "Details of second")
+
+    def assert_unknown(self):
+        """Requires that the page neither claims a state nor offers what depends on it."""
+        self.assertEqual((self.text("state"), self.text("light-text")), ("unknown", "light unknown"))
+        names = ("pause", "resume", "cancel", "cleared", "by-hand", "change", "printing", "queue", "queue-empty", "history-empty", "notices")
+        self.assertEqual([name for name in names if self.browser.value(f"document.getElementById('{name}').checkVisibility()")], [])
+        self.assertTrue(self.browser.value("document.getElementById('connection').checkVisibility()"))
+
+    def test_without_a_status_the_page_claims_nothing_and_offers_no_button_for_a_print(self):
+        self.daemon.stop()
+        self.browser.open(self.url, 390, "light")
+        self.wait("!document.getElementById('login').hidden")
+        self.browser.value(f"document.getElementById('password').value = '{PASSWORD}'; document.querySelector('#login-form button').click()")
+        self.wait("document.getElementById('connection').checkVisibility()")
+        self.assertTrue(self.text("connection").startswith("cannot reach contourd"), self.text("connection"))
+        self.assert_unknown()
+        self.look("unknown", 390, "light")
+        self.daemon.start()
+        self.wait("document.getElementById('state').textContent == 'idle'")
+        self.wait("document.getElementById('queue-empty').checkVisibility()")
+        self.daemon.begin("part.stl", SLAB)
+        self.wait("document.getElementById('light-text').textContent == 'light on'")
+        self.daemon.kill()
+        self.wait("document.getElementById('connection').checkVisibility()")
+        self.assert_unknown()
+
+    def test_a_page_too_many_says_why_and_a_hidden_page_takes_no_connection(self):
+        client = Client(self.port)
+        self.assertEqual(client.log_in()[0], 204)
+        ask = lambda: self.raw(f"GET /api/events HTTP/1.1\r\nHost: 127.0.0.1\r\nCookie: {client.cookie}\r\n\r\n".encode())
+        hide = "Object.defineProperty(document, 'hidden', {get: () => %s, configurable: true}); document.dispatchEvent(new Event('visibilitychange'))"
+        self.browser.open(self.url, 390, "light")
+        self.log_in()
+        self.browser.value(hide % "true")
+        pages = []
+        def fills():
+            # The sixteenth is answered once the hidden page is gone.
+            pages.append(ask())
+            if b" 200 " not in pages[-1].recv(65536).split(b"\r\n")[0]:
+                pages.pop().close()
+            return len(pages) == 16
+        wait_until(fills, "sixteen other pages")
+        self.browser.value(hide % "false")
+        self.wait("document.getElementById('connection').textContent.startsWith('16 pages of this printer are open')")
+        self.assert_unknown()
+        for each in pages:
+            each.close()
+        self.wait("document.getElementById('state').textContent == 'idle' && !document.getElementById('connection').checkVisibility()")
+
+    def test_a_server_that_is_silent_is_noticed(self):
+        self.browser.open(self.url, 390, "light")
+        self.log_in()
+        self.web.send_signal(signal.SIGSTOP)
+        self.wait("document.getElementById('connection').checkVisibility()")
+        self.assert_unknown()
+        self.web.send_signal(signal.SIGCONT)
+        self.wait("document.getElementById('state').textContent == 'idle'")
+
+    def test_an_upload_after_the_end_of_the_session_waits_for_the_login(self):
+        self.browser.open(self.url, 390, "light")
+        self.log_in()
+        part = base64.b64encode(SLAB).decode()
+        self.browser.value(f"""fetch("/api/logout", {{method: "POST"}}).then(() => {{
+          const data = new DataTransfer();
+          data.items.add(new File([Uint8Array.from(atob("{part}"), (c) => c.charCodeAt(0))], "late.stl"));
+          document.getElementById("drop").dispatchEvent(new DragEvent("drop", {{dataTransfer: data, bubbles: true, cancelable: true}}));
+        }})""")
+        self.wait("!document.getElementById('login').hidden")
+        self.assertNotIn("POST", self.text("uploads"))
+        self.log_in()
+        self.daemon.wait_job("late")
+
+    def test_a_page_that_is_opened_between_two_exposures_says_when_the_mask_comes(self):
+        self.daemon.stop()
+        self.web.kill()
+        self.web.wait()
+        self.serve(Daemon(self, realtime(), {**NIMBLE_RESIN, "exposure_ms": 1000, "bottom_exposure_ms": 1000}).start())
+        self.url = f"http://127.0.0.1:{self.port}/"
+        self.daemon.begin("part.stl", SLAB)
+        self.daemon.rpc("pause")
+        wait_until(lambda: self.daemon.status()["state"] == "paused", "the pause")
+        self.browser.open(self.url, 390, "light")
+        self.log_in()
+        self.wait("document.getElementById('mask-told').checkVisibility()")
+        self.assertEqual(self.text("announced"), "paused: part")
+        self.look("paused", 390, "dark")
+        self.browser.value("document.getElementById('resume').click()")
+        self.wait("document.getElementById('mask').checkVisibility() && !document.getElementById('mask-told').checkVisibility()")
 
     def press(self, key):
         code = {"Enter": 13, "Tab": 9}[key]

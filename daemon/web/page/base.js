@@ -36,6 +36,17 @@ export function setText(id, text) {
   if ($(id).textContent !== text) $(id).textContent = text;
 }
 
+// Changes elements. If the focus would be lost, because its element moves, goes or is hidden, it returns there, or goes
+// to an element of the same label, or to the first of others() that is shown.
+export function keepFocus(change, others) {
+  const held = document.activeElement, label = held && held.getAttribute("aria-label");
+  change();
+  if (!held || held === document.body || (document.activeElement !== held && document.activeElement !== document.body)) return;
+  const same = label && document.querySelector(`[aria-label="${CSS.escape(label)}"]`);
+  const next = [held, same, ...others(held)].find((each) => each && each.checkVisibility());
+  if (next && next !== document.activeElement) next.focus();
+}
+
 // Sends a request; throws an Error with the server's sentence if it is refused.
 export async function send(path, options) {
   let reply;
@@ -44,7 +55,10 @@ export async function send(path, options) {
   } catch {
     throw new Error("the printer cannot be reached");
   }
-  if (reply.status === 401 && path !== "/api/login") session.ended();
+  if (reply.status === 401 && path !== "/api/login") {
+    session.ended();
+    throw new Error("the session had ended: try again");
+  }
   if (!reply.ok) throw new Error((await reply.text()).trim() || `the printer answers ${reply.status}`);
   return reply;
 }

@@ -1,5 +1,5 @@
 // The printer's care: resin in the vat, wear of lamp, film and vat, and the resin profiles with their calibrations.
-import {$, button, call, confirmed, element, facts, field, get, only} from "./base.js";
+import {$, button, call, confirmed, element, facts, field, get, keepFocus, only} from "./base.js";
 import {resins} from "./job.js";
 
 const NAMES = {lamp: "Lamp", film: "Film", vat: "Vat"};
@@ -39,7 +39,7 @@ function resinItem(resin) {
     ["Layer height", `${resin.layer_height_um} \u00b5m (${resin.layer_height_min_um} to ${resin.layer_height_max_um})`],
     ["Exposure", `${(resin.exposure_ms / 1000).toFixed(2)} s`],
     ["First layers", `${(resin.bottom_exposure_ms / 1000).toFixed(2)} s, ${resin.bottom_layers} layers`],
-    ["Lift", `${resin.lift_mm} mm`],
+    ["Lift, with a second lift", `${resin.lift_mm} mm`],
     ["Print mode", resin.continuous ? "continuous" : "layered"],
   ]));
   item.append(element("h3", "", "Calibrations"));
@@ -55,7 +55,7 @@ async function showCare() {
   try {
     const [vat, usage, profiles] = await Promise.all([get("/api/vat"), get("/api/usage"), resins()]);
     $("vat").textContent = vat.ml === null ? "The amount of resin in the vat is unknown." : `The vat holds ${vat.ml.toFixed(0)} ml.`;
-    $("parts").replaceChildren(...usage.parts.map(partItem));
+    keepFocus(() => $("parts").replaceChildren(...usage.parts.map(partItem)), () => [document.querySelector("#care summary")]);
     $("usage").replaceChildren(facts([["Jobs", String(usage.jobs)], ["Layers", String(usage.layers)], ["Light", `${usage.lamp_h.toFixed(1)} h`], ["Resin", `${usage.resin_ml.toFixed(0)} ml`]]));
     $("resins").replaceChildren(...profiles.map(resinItem));
     if (usage.trouble) $("care-error").textContent = usage.trouble;

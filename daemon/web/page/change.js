@@ -1,8 +1,8 @@
 // Changes of the print under way: its settings, a planned pause, and copies that are left out.
-import {$, button, call, confirmed, element, field, get, live} from "./base.js";
+import {$, button, call, confirmed, element, field, get, keepFocus, live} from "./base.js";
 
 // The settings that can be changed, as contourd names them, with their labels; those of rises are for a plate that rises in the light.
-const SETTINGS = [["exposure", "Exposure in %", 0.1], ["lift", "Lift in mm", 0.1], ["lift-speed", "Lift speed in mm/s", 0.1], ["rest", "Rest after the light in ms", 10],
+const SETTINGS = [["exposure", "Exposure in %", 0.1], ["lift", "Lift in mm, without a second lift", 0.1], ["lift-speed", "Lift speed in mm/s", 0.1], ["rest", "Rest after the light in ms", 10],
   ["speed", "Rise: speed in mm/h", 1], ["light", "Rise: light in %", 0.1]];
 let job = null, excludedFor = null, settingsFor = null, settingsAt = 0;
 
@@ -103,8 +103,8 @@ async function showCopies() {
     const plate = await get("/api/copies");
     $("copies-box").hidden = plate.copies.length < 2;
     if (plate.copies.length < 2) return;
-    $("copies").replaceChildren(...plate.copies.map(copyItem));
-    if (plate.more > 0) $("copies").append(element("li", "more", `and ${plate.more} more`));
+    const more = plate.more > 0 ? [element("li", "more", `and ${plate.more} more`)] : [];
+    keepFocus(() => $("copies").replaceChildren(...plate.copies.map(copyItem), ...more), () => [document.querySelector("#change summary")]);
   } catch {
     $("copies-box").hidden = true;
   }

@@ -1,5 +1,5 @@
 // The prints that have ended, the latest first.
-import {$, button, duration, element, get, live} from "./base.js";
+import {$, button, duration, element, get, keepFocus, live} from "./base.js";
 
 let before = null, shownFor = null;
 
@@ -77,10 +77,12 @@ async function showHistory(earlier) {
   try {
     const reply = await get(earlier ? `/api/history?before=${before}` : "/api/history");
     const items = reply.ended.reverse().map(historyItem);
-    if (earlier) $("history").append(...items);
-    else $("history").replaceChildren(...items);
-    before = reply.before;
-    $("earlier").hidden = before === null;
+    keepFocus(() => {
+      if (earlier) $("history").append(...items);
+      else $("history").replaceChildren(...items);
+      before = reply.before;
+      $("earlier").hidden = before === null;
+    }, () => [$("history-title")]);
     $("history-empty").hidden = $("history").children.length > 0;
   } catch {
     shownFor = null;

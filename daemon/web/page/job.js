@@ -1,5 +1,5 @@
 // The panel of a waiting job: its outlook, its picture with the supports, and the settings of its ticket.
-import {button, call, choice, duration, element, facts, field, get, only, send} from "./base.js";
+import {button, call, choice, duration, element, facts, field, get, keepFocus, only, send} from "./base.js";
 import {refreshQueue} from "./queue.js";
 
 const AXES = {"+x": {x: 1}, "-x": {x: -1}, "+y": {y: 1}, "-y": {y: -1}, "-z": {z: -1}};
@@ -88,6 +88,7 @@ export class JobPanel {
     this.picture = element("img", "preview");
     Object.assign(this.picture, {width: 720, height: 720, hidden: true});
     this.drawing = element("p", "more");
+    this.drawing.tabIndex = -1;
     this.form = only("print", element("form", "settings"));
     this.element = element("div", "panel", "", this.facts, this.drawing, this.picture, this.form);
     this.element.hidden = true;
@@ -136,7 +137,7 @@ export class JobPanel {
       return;
     }
     this.tries = 0;
-    this.drawing.replaceChildren("The picture is being drawn.");
+    keepFocus(() => this.drawing.replaceChildren("The picture is being drawn."), () => [this.drawing]);
     this.picture.src = this.address();
   }
 
@@ -162,7 +163,6 @@ export class JobPanel {
   // Fills the form with the ticket, unless the user is at it.
   async showForm() {
     if (this.fields) return;
-    this.form.replaceChildren();
     try {
       const [{ticket}, profiles] = await Promise.all([get(`/api/ticket?job=${encodeURIComponent(this.file)}`), resins()]);
       this.fields = new TicketForm(ticket, this.job, profiles);
@@ -170,10 +170,10 @@ export class JobPanel {
       submit.type = "submit";
       this.error = element("p", "error");
       this.error.setAttribute("role", "alert");
-      this.form.replaceChildren(...this.fields.fields, this.error, element("div", "buttons", "", submit));
+      keepFocus(() => this.form.replaceChildren(...this.fields.fields, this.error, element("div", "buttons", "", submit)), () => [submit]);
     } catch (error) {
       this.fields = null;
-      this.form.replaceChildren(element("p", "more", error.message));
+      keepFocus(() => this.form.replaceChildren(element("p", "more", error.message)), () => [this.drawing]);
     }
   }
 

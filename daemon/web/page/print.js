@@ -1,18 +1,27 @@
 // The print: its state, progress, mask and notices, and the buttons that control it.
-import {$, call, confirmed, duration, element, live, setText, withoutCommand} from "./base.js";
+import {$, call, confirmed, duration, element, keepFocus, live, setText, withoutCommand} from "./base.js";
 import {showChanges} from "./change.js";
 import {refreshQueue} from "./queue.js";
 
 let maskOf = null, maskAt = 0, pictureOf = null;
+let focused = null;  // the element that had the focus before the state became unknown
 
 export const printing = () => live.status && live.status.job && live.status.job.layers !== undefined;
 
 export function showNow() {
+  keepFocus(showAll, (held) => [held.closest("#change") && document.querySelector("#change summary"), $("resume"), $("pause"), $("state")]);
+  if (focused && document.activeElement === document.body && focused.checkVisibility()) focused.focus();
+  focused = null;
+}
+
+function showAll() {
   const status = live.status;
+  document.body.classList.add("known");
   document.title = status.job ? `${status.job.name} - ${status.printer}` : status.printer;
   $("printer").textContent = status.printer;
   showNotices(status);
   showPrint(status);
+  announce(status);
   showLight(status);
   showByHand(status);
   showMask(status);
@@ -60,6 +69,22 @@ function showTimes() {
 }
 setInterval(showTimes, 1000);
 
+// Has screen readers say that a print begins, pauses, goes on or ends, but not each step of each layer. Problems are among the notices.
+function announce(status) {
+  const job = status.job, doing = ["paused", "held"].includes(status.state) ? status.state : printing() ? "printing" : job ? "preparing" : $("state").textContent;
+  setText("announced", job ? `${doing}: ${job.name}` : doing);
+}
+
+// Shows that the printer's state is unknown, and hides what depends on it, until the next status.
+export function showUnknown() {
+  focused = focused || document.activeElement;
+  document.body.classList.remove("known");
+  setText("state", "unknown");
+  setText("announced", "");
+  $("light").classList.remove("on");
+  setText("light-text", "light unknown");
+}
+
 function showLight(status) {
   const on = !status.dark;
   $("light").classList.toggle("on", on);
@@ -68,10 +93,11 @@ function showLight(status) {
 
 function showMask(status) {
   if (!printing()) {
-    $("mask").hidden = true;
+    $("mask").hidden = $("mask-told").hidden = true;
     maskOf = null;
     return;
   }
+  $("mask-told").hidden = !$("mask").hidden;
   const wanted = `${status.job.name} ${status.job.layer}`;
   if (!["exposing", "rising", "igniting"].includes(status.state) || wanted === maskOf || performance.now() - maskAt < 1000) return;
   maskOf = wanted;
@@ -79,7 +105,10 @@ function showMask(status) {
   $("mask").alt = `Mask of layer ${status.job.layer}`;
   $("mask").src = `/api/mask?${Date.now()}`;
 }
-$("mask").addEventListener("load", () => { $("mask").hidden = !printing(); });
+$("mask").addEventListener("load", () => {
+  $("mask").hidden = !printing();
+  $("mask-told").hidden = true;
+});
 $("mask").addEventListener("error", () => { maskOf = null; });
 
 // Shows the last picture of the user's camera.

@@ -1,5 +1,5 @@
 // The queue: waiting jobs, each with its outlook, its settings, and buttons to print, move and remove it.
-import {$, button, call, confirmed, duration, element, get, live, only, withoutCommand} from "./base.js";
+import {$, button, call, confirmed, duration, element, get, keepFocus, live, only, withoutCommand} from "./base.js";
 import {JobPanel} from "./job.js";
 
 const STATES = {unchecked: "not checked yet", checking: "is being checked", analyzing: "is being analyzed", unaccepted: "waits for you",
@@ -105,7 +105,7 @@ function itemOf(job) {
   return item.element;
 }
 
-// Puts the elements into the list. One that stays is not moved, so that it keeps the focus.
+// Puts the elements into the list. One that stays is not moved, so that an input in it stays as it is.
 function place(list, elements) {
   for (const each of [...list.children]) if (!elements.includes(each)) each.remove();
   elements.forEach((each, i) => {
@@ -119,7 +119,8 @@ async function showQueue() {
     for (const file of [...items.keys()]) if (!queue.jobs.some((job) => job.file === file)) items.delete(file);
     const arriving = queue.arriving.map((name) => element("li", "", "", element("div", "what", "", element("div", "name", name), element("div", "more", "arriving"))));
     const more = queue.more > 0 ? [element("li", "more", `and ${queue.more} more`)] : [];
-    place($("queue"), [...queue.jobs.map(itemOf), ...arriving, ...more]);
+    const shown = [...queue.jobs.map(itemOf), ...arriving, ...more];
+    keepFocus(() => place($("queue"), shown), () => [document.querySelector("#queue button[aria-expanded]"), $("queue-title")]);
     $("queue-empty").hidden = queue.jobs.length + arriving.length > 0;
     if (queue.jobs.some((job) => ["unchecked", "checking", "analyzing"].includes(job.state))) setTimeout(refreshQueue, 1500);
   } catch {

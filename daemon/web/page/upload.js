@@ -1,5 +1,5 @@
 // Uploads: one file after the other, by the button or by dropping them onto the page.
-import {$, button, element, session} from "./base.js";
+import {$, button, element, keepFocus, session} from "./base.js";
 import {openJob, refreshQueue} from "./queue.js";
 
 const waiting = [];
@@ -29,22 +29,30 @@ function add(files) {
   uploadNext();
 }
 
-function uploadNext() {
+// Uploads the next file, unless one is being uploaded. After the end of the session, files wait for the next login.
+export function uploadNext() {
   if (uploading || waiting.length === 0) return;
   uploading = true;
-  const {file, bar, text, item, confirm} = waiting.shift(), request = new XMLHttpRequest();
+  const next = waiting.shift(), {file, bar, text, item, confirm} = next, request = new XMLHttpRequest();
   const ended = (sentence) => {
     uploading = false;
     bar.remove();
     text.textContent = sentence;
     if (sentence) {
       text.className = "error";
-      item.append(button("\u2715", "Close", () => item.remove()));
+      item.append(button("\u2715", `Close the message on ${file.name}`, () => keepFocus(() => item.remove(), () => [$("files"), $("queue-title")])));
     } else {
       item.remove();
     }
     refreshQueue();
     uploadNext();
+  };
+  const sessionEnded = () => {
+    uploading = false;
+    waiting.unshift(next);
+    bar.value = 0;
+    text.textContent = "waits for the login";
+    session.ended();
   };
   request.open("POST", `/api/upload?name=${encodeURIComponent(file.name)}${confirm ? "&confirm=1" : ""}`);
   request.upload.onprogress = (event) => {
@@ -52,11 +60,16 @@ function uploadNext() {
     text.textContent = `${Math.round(100 * bar.value)} % of ${(event.total / 1048576).toFixed(1)} MiB`;
   };
   request.onload = () => {
-    if (request.status === 401) session.ended();
+    if (request.status === 401) return sessionEnded();
     if (request.status === 201 && confirm) openJob(JSON.parse(request.responseText).job);
     ended(request.status === 201 ? "" : request.responseText.trim() || `the printer answers ${request.status}`);
   };
-  request.onerror = () => ended(`${file.name} did not arrive: the connection was lost`);
+  // A server that refuses a large file may close the connection before the browser has read why.
+  request.onerror = async () => {
+    const reply = await fetch("/api/session").catch(() => null);
+    if (reply && reply.status === 401) return sessionEnded();
+    ended(`${file.name} did not arrive: the connection was lost`);
+  };
   request.send(file);
 }
 
