@@ -882,6 +882,21 @@ class UploadTest(WebTest):
         self.assertEqual(self.incoming(), [])
         self.assertEqual(browser.upload("b.stl", SMALL)[0], 201)
 
+    @unittest.skipUnless(os.geteuid() == 0, "only root can mount a small disk")
+    def test_a_full_disk_is_called_full(self):
+        browser = self.logged_in()  # no space has to stay free
+        self.web.kill()
+        self.web.wait()
+        incoming = os.path.join(self.daemon.spool, "incoming")
+        with open(self.path("web.log"), "ab") as log:
+            small = f"mount -t tmpfs -o size=64k none {incoming}; exec {CONTOURD_WEB} --config {self.path('web.json')} --password-file {self.path('web-password')} --listen 127.0.0.1:{self.port}"
+            self.web = self.killed_at_the_end(subprocess.Popen(["unshare", "--mount", "bash", "-c", small], stdout=log, stderr=log))
+        wait_until(self.answers, "the page")
+        self.assertEqual(browser.log_in()[0], 204)
+        status, body, _ = browser.upload("a.stl", b"x" * 1_000_000)
+        self.assertEqual(status, 507)
+        self.assert_one_line(body, b"the printer's disk is full; delete finished jobs")
+
     def test_an_upload_that_ends_early_leaves_nothing(self):
         browser = self.logged_in()
         head = f"POST /api/upload?name=a.stl HTTP/1.1\r\nHost: 127.0.0.1\r\nCookie: {browser.cookie}\r\nContent-Length: 1000000\r\n\r\n"

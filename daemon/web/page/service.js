@@ -1,11 +1,10 @@
 // Service at the machine: homing, stopping, light off, a look at the switches and the log, and a diagnosis.
-import {$, call, confirmed, element, get, live} from "./base.js";
+import {$, call, confirmed, element, get, live, setText} from "./base.js";
 
 export function showManual() {
   const {manual} = live.status;
-  const height = manual.height_mm === null ? "the plate's height is unknown" : `the plate is at ${manual.height_mm.toFixed(2)} mm`;
-  const text = `By hand: ${manual.state}; ${height}.`;
-  if ($("manual").textContent !== text) $("manual").textContent = text;
+  setText("manual", `By hand: ${manual.state}.`);
+  setText("plate-height", manual.height_mm === null ? "The plate's height is unknown." : `The plate is at ${manual.height_mm.toFixed(2)} mm.`);
 }
 
 async function act(action) {

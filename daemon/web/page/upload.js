@@ -40,6 +40,7 @@ export function uploadNext() {
     text.textContent = sentence;
     if (sentence) {
       text.className = "error";
+      text.setAttribute("role", "alert");
       item.append(button("\u2715", `Close the message on ${file.name}`, () => keepFocus(() => item.remove(), () => [$("files"), $("queue-title")])));
     } else {
       item.remove();
