@@ -467,6 +467,7 @@ class PageInABrowser(WebTest):
     def test_a_server_that_is_silent_is_noticed(self):
         self.browser.open(self.url, 390, "light")
         self.log_in()
+        self.addCleanup(self.web.send_signal, signal.SIGCONT)
         self.web.send_signal(signal.SIGSTOP)
         self.wait("document.getElementById('connection').checkVisibility()")
         self.assert_unknown()
