@@ -33,8 +33,9 @@ constexpr std::uint64_t kAmfBytesPerFacet = 50;
 struct Instance {
   std::string id;
   std::array<double, 3> shift{},
-      turn{};                            // in the file's unit; in degrees or radians, about x, then y, then z
-  std::array<double, 3> scale{1, 1, 1};  // by Slic3r and its successors
+      turn{};  // in the file's unit; in degrees or radians, about x, then y, then z
+  // By Slic3r and its successors, which mirror and scale before they turn.
+  std::array<double, 3> scale{1, 1, 1}, mirror{1, 1, 1};
   bool is_printed = true;
 };
 
@@ -201,10 +202,11 @@ class AmfReader : public XmlHandler {
       instance.is_printed = text_ != "0";
       return;
     }
-    std::array<double, 3>* const figures = name.starts_with("delta")   ? &instance.shift
-                                           : name.starts_with("r")     ? &instance.turn
-                                           : name.starts_with("scale") ? &instance.scale
-                                                                       : nullptr;
+    std::array<double, 3>* const figures = name.starts_with("delta")    ? &instance.shift
+                                           : name.starts_with("r")      ? &instance.turn
+                                           : name.starts_with("scale")  ? &instance.scale
+                                           : name.starts_with("mirror") ? &instance.mirror
+                                                                        : nullptr;
     if (figures == nullptr) return;
     const auto number = number_in<double>(text_);
     if (!number || !std::isfinite(*number))
@@ -232,7 +234,7 @@ class AmfReader : public XmlHandler {
 ThreeMfTransform transform_of(const Instance& instance, bool radians) {
   ThreeMfTransform all;
   for (std::size_t axis = 0; axis < 3; ++axis)
-    all.m[4 * axis] = instance.scale[axis];
+    all.m[4 * axis] = instance.mirror[axis] < 0 ? -instance.scale[axis] : instance.scale[axis];
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (instance.turn[axis] == 0) continue;
     const double angle = radians ? instance.turn[axis] : instance.turn[axis] * std::numbers::pi / 180;

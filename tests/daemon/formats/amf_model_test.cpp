@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/model/mesh_report.hpp"
 #include "daemon/formats/model_input.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/formats/packed_models.hpp"
@@ -84,6 +85,34 @@ TEST_CASE("Constellations of an AMF model place its objects, turned and shifted"
                          "<constellation id=\"3\"><instance objectid=\"1\"><rz>1.5707963267948966</rz>"
                          "</instance></constellation>"));
   CHECK(bounds_of(radians.facets).min_x == testing::Approx(-4));
+}
+
+TEST_CASE(
+    "An instance of an AMF model is mirrored and scaled before it is turned, as Slic3r and its successors "
+    "do") {
+  const auto bounds_with = [](std::string_view figures) {
+    const Model model =
+        read_text(amf_file(amf_object("1", kSlab) + "<constellation id=\"2\"><instance objectid=\"1\">" +
+                           std::string(figures) + "</instance></constellation>"));
+    CHECK(inspect_mesh(model.facets).volume_mm3 > 0);  // the facets still face outwards
+    return bounds_of(model.facets);
+  };
+  // The slab spans 1 to 5, 2 to 4 and 3 to 9.
+  const Bounds mirrored = bounds_with("<mirrorx>-1</mirrorx><mirrory>1</mirrory><mirrorz>1</mirrorz>");
+  CHECK(mirrored.min_x == testing::Approx(-5));
+  CHECK(mirrored.max_x == testing::Approx(-1));
+  CHECK(mirrored.min_y == testing::Approx(2));
+  CHECK(bounds_with("<mirrory>-1</mirrory>").min_y == testing::Approx(-4));
+  CHECK(bounds_with("<mirrorz>-1</mirrorz>").min_z == testing::Approx(-9));
+  CHECK(bounds_with("<mirrorx>-1</mirrorx><mirrory>-1</mirrory>").max_x == testing::Approx(-1));
+  const Bounds all =
+      bounds_with("<deltax>100</deltax><rz>90</rz><scalex>2</scalex><scalez>3</scalez><mirrorx>-1</mirrorx>");
+  // x of -10 to -2 becomes y, and y of 2 to 4 becomes x of -4 to -2.
+  CHECK(all.min_x == testing::Approx(96));
+  CHECK(all.max_x == testing::Approx(98));
+  CHECK(all.min_y == testing::Approx(-10));
+  CHECK(all.max_y == testing::Approx(-2));
+  CHECK(all.max_z == testing::Approx(27));
 }
 
 TEST_CASE("Curves and modifiers of an AMF model are left out with a warning") {
