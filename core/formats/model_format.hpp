@@ -13,8 +13,8 @@
 namespace contourd {
 
 // A format is recognised by this many bytes at the beginning of a file, or by the whole file if it is
-// shorter.
-inline constexpr std::size_t kSniffBytes = 1024;
+// shorter. A licence and a history in comments, which may come before a model, have some ten thousand bytes.
+inline constexpr std::size_t kSniffBytes = 65'536;
 
 struct FileStart {
   std::uint64_t file_bytes;          // size of the whole file

@@ -32,6 +32,9 @@ constexpr std::int64_t kMostTests = 4'000'000'000;
 // The base counts as flat if it covers this share of the model's extent.
 constexpr double kBaseShare = 0.02;
 
+// A binary file has a zero within its first bytes.
+constexpr std::size_t kUsualHeader = 84;
+
 // Programs of old Macs end lines with a carriage return alone.
 constexpr std::string_view kLineEnds = "\n\r";
 
@@ -58,11 +61,39 @@ bool begins_with_mark(std::string_view text) {
   return text.starts_with("\xEF\xBB\xBF");  // byte order mark
 }
 
+// Removes the number at the line's beginning and returns it; nullopt if there is no finite number.
+std::optional<float> take_number(std::string_view& line) {
+  std::string_view word = take_word(line);
+  if (word.starts_with('+')) word.remove_prefix(1);
+  float number = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+  // A number that is too small for a float is zero; one that is too large is none.
+  if (error == std::errc::result_out_of_range &&
+      std::fabs(std::strtod(std::string(word).c_str(), nullptr)) < 1)
+    return 0.0F;
+  if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(number)) return std::nullopt;
+  return number;
+}
+
+// Returns the vertex that follows the word "v"; nullopt if three finite numbers do not.
+std::optional<Vertex> vertex_in(std::string_view line) {
+  const auto x = take_number(line), y = take_number(line), z = take_number(line);
+  return x && y && z ? std::optional(Vertex{*x, *y, *z}) : std::nullopt;
+}
+
+// True for the words that begin a curve or a free-form surface, also those of version 2 of the specification.
+bool is_free_form(std::string_view word) {
+  return word == "curv" || word == "surf" || word == "bzp" || word == "bsp" || word == "cdc" || word == "cdp";
+}
+
 Likeness obj_likeness(const FileStart& start) {
   std::string_view text(reinterpret_cast<const char*>(start.bytes.data()), start.bytes.size());
   if (begins_with_mark(text)) text.remove_prefix(3);
-  if (text.find('\0') != std::string_view::npos) return Likeness::None;
-  bool any = false;
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  // A page of the web may show the lines of an OBJ file.
+  if (first == std::string_view::npos || text[first] == '<') return Likeness::None;
+  if (text.substr(0, kUsualHeader).find('\0') != std::string_view::npos) return Likeness::None;
+  bool any = false, all = true;
   // The last line may be cut by the end of the bytes.
   const bool is_whole = start.bytes.size() == start.file_bytes;
   bool continues = false;
@@ -75,10 +106,11 @@ Likeness obj_likeness(const FileStart& start) {
     const bool is_continued = std::exchange(continues, ends_with_backslash(line));
     const std::string_view word = take_word(line);
     if (word.empty() || word.starts_with('#') || is_continued) continue;
-    if (std::ranges::find(kObjWords, word) == kObjWords.end()) return Likeness::None;
+    if (word == "v" && vertex_in(line)) return Likeness::Likely;
     any = true;
+    all = all && std::ranges::find(kObjWords, word) != kObjWords.end();
   }
-  return any ? Likeness::Likely : Likeness::None;
+  return any && all ? Likeness::Likely : Likeness::None;
 }
 
 ModelOutline obj_outline(const FileStart& start) {
@@ -92,15 +124,39 @@ class ObjReader {
   ObjReader(std::string_view text, std::uint64_t most_facets) : text_(text), most_facets_(most_facets) {}
 
   Model read() {
+    refuse_zeros();
     if (begins_with_mark(text_)) text_.remove_prefix(3);
     while (!text_.empty())
       read_line(next_line());
-    if (model_.facets.empty()) throw ModelError("the OBJ file has no faces: export the model as a mesh");
+    if (model_.facets.empty()) refuse_no_faces();
+    if (free_forms_ > 0)
+      model_.warnings.emplace_back(
+          "the OBJ file's curves or free-form surfaces are left out: export the model as a mesh");
+    if (calls_ > 0)
+      model_.warnings.emplace_back(
+          "the files that the OBJ file includes by \"call\" are left out: export the model as one file");
     guess_up();
     return std::move(model_);
   }
 
  private:
+  void refuse_zeros() {
+    if (text_.ends_with('\0')) text_.remove_suffix(1);  // some writers end the text with one
+    if (const std::size_t zero = text_.find('\0'); zero != std::string_view::npos)
+      throw ModelError("the file is not whole: byte " + std::to_string(zero) +
+                       " of the text is zero, as after an interrupted copy; copy it again");
+  }
+
+  [[noreturn]] void refuse_no_faces() const {
+    if (free_forms_ > 0)
+      throw ModelError(
+          "the OBJ file has curves or free-form surfaces and no faces: export the model as a mesh");
+    if (calls_ > 0)
+      throw ModelError(
+          "the OBJ file includes other files by \"call\" and has no faces: export the model as one file");
+    throw ModelError("the OBJ file has no faces: export the model as a mesh");
+  }
+
   // Returns the next line. The line of a vertex or a face that ends with a backslash continues in the next
   // one; elsewhere, such as in a comment, a backslash may be part of a folder's name.
   std::string_view next_line() {
@@ -130,23 +186,17 @@ class ObjReader {
       read_vertex(line);
     } else if (word == "f" || word == "fo") {
       read_face(line);
+    } else if (is_free_form(word)) {
+      ++free_forms_;
+    } else if (word == "call") {
+      ++calls_;
     }
   }
 
   void read_vertex(std::string_view line) {
-    std::array<float, 3> at{};
-    for (float& coordinate : at) {
-      std::string_view word = take_word(line);
-      if (word.starts_with('+')) word.remove_prefix(1);
-      const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), coordinate);
-      // A number that is too small for a float is zero; one that is too large is refused.
-      if (error == std::errc::result_out_of_range &&
-          std::fabs(std::strtod(std::string(word).c_str(), nullptr)) < 1)
-        coordinate = 0;
-      else if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(coordinate))
-        refuse("a vertex is not three finite numbers");
-    }
-    vertices_.push_back({at[0], at[1], at[2]});
+    const std::optional<Vertex> vertex = vertex_in(line);
+    if (!vertex) refuse("a vertex is not three finite numbers");
+    vertices_.push_back(*vertex);
   }
 
   void read_face(std::string_view line) {
@@ -203,6 +253,7 @@ class ObjReader {
   std::vector<Vertex> vertices_;
   std::vector<Vertex> corners_;
   std::int64_t tests_ = kMostTests;
+  std::size_t free_forms_ = 0, calls_ = 0;  // lines that are left out
   Model model_;
 };
 

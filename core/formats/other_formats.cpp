@@ -94,6 +94,18 @@ std::string in_lower_case(std::string_view text) {
   return lower;
 }
 
+// True if the bytes are text, most of it ASCII.
+bool is_text(std::string_view bytes) {
+  constexpr std::size_t kLeastAscii = 4;  // of five characters
+  std::size_t ascii = 0;
+  for (const char c : bytes) {
+    const bool is_ascii = (c >= ' ' && c <= '~') || is_blank(c);
+    if (!is_ascii && static_cast<unsigned char>(c) < 0x80) return false;
+    if (is_ascii) ++ascii;
+  }
+  return !bytes.empty() && 5 * ascii >= kLeastAscii * bytes.size();
+}
+
 [[noreturn]] void refuse(const OtherFormat& format) {
   throw ModelError("the file is not an STL file but " + std::string(format.name) + ": " +
                    std::string(format.advice));
@@ -123,6 +135,7 @@ void refuse_other_format(std::span<const std::byte> start) {
   if (const auto* format = std::ranges::find_if(kTextFormats, begins_with(lower));
       format != kTextFormats.end())
     refuse(*format);
+  if (is_text(bytes)) refuse({"", "text of another kind", kExport});
 }
 
 }  // namespace contourd

@@ -121,9 +121,7 @@ class AsciiReader {
 
   Model read() {
     std::string_view word;
-    bool is_stl = false;
     while (!(word = words_.next()).empty()) {
-      is_stl = true;
       if (same_word(word, "facet")) {
         read_facet();
       } else if (same_word(word, "solid")) {
@@ -138,7 +136,6 @@ class AsciiReader {
         refuse("expected \"facet\" or \"endsolid\", found " + quoted(word));
       }
     }
-    if (!is_stl) throw ModelError("not an STL file: it contains only comments");
     if (in_solid_ && model_.facets.empty())
       refuse("the file ends after \"solid\", without a facet or an \"endsolid\"");
     if (in_solid_)
@@ -231,18 +228,15 @@ std::string_view as_text(std::span<const std::byte> bytes) {
 // A binary file of an ordinary size has a NUL within its first bytes: the highest byte of its facet count.
 constexpr std::size_t kBinaryHeaderBytes = 84;
 
-// Recognises ASCII STL. It begins with `solid`, with a comment, or (without a solid line) with a facet. Text
-// never holds a NUL, but an interrupted copy may leave some after it.
+// Recognises ASCII STL. After any comments it begins with `solid` or, without a solid line, with a facet.
+// Text never holds a NUL, but an interrupted copy may leave some after it.
 Likeness ascii_likeness(const FileStart& start) {
   std::string_view text = as_text(start.bytes);
   if (text.substr(0, kBinaryHeaderBytes).find('\0') != std::string_view::npos) return Likeness::None;
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  while (!text.empty() && is_space(text.front()))
-    text.remove_prefix(1);
-  if (starts_with_ignoring_case(text, "solid") || starts_with_ignoring_case(text, "facet"))
-    return Likeness::Likely;
-  // Other formats have such comments, too.
-  return text.starts_with('#') ? Likeness::Possible : Likeness::None;
+  const std::string_view word = Words(text).next();
+  const bool is_stl = starts_with_ignoring_case(word, "solid") || starts_with_ignoring_case(word, "facet");
+  return is_stl ? Likeness::Likely : Likeness::None;
 }
 
 ModelOutline ascii_outline(const FileStart& start) {

@@ -340,7 +340,9 @@ bool is_amf(const FileStart& start) {
   const std::size_t begin = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   if (begin == std::string_view::npos) return false;
   const std::size_t root = text.find("<amf");
-  return root == begin || (text.substr(begin).starts_with("<?xml") && root != std::string_view::npos);
+  const std::string_view xml = text.substr(begin);
+  const bool has_prolog = xml.starts_with("<?xml") || xml.starts_with("<!--");
+  return root == begin || (has_prolog && root != std::string_view::npos);
 }
 
 ModelOutline amf_outline(std::uint64_t bytes) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/formats/model_reader.hpp"
 #include "core/model/model.hpp"
 #include "tests/catch.hpp"
 #include "tests/message_of.hpp"
@@ -80,6 +81,49 @@ TEST_CASE(
   const std::string square = kSquare + "# from C:\\models\\\nf 1 2 3\ng C:\\models\\\nf 1 3 \\\r\n4\n";
   CHECK(kObj.likeness(start_of(square)) == Likeness::Likely);
   CHECK(area_from_above(read_obj_text(square).facets) == Approx(1));
+}
+
+TEST_CASE("Comments of any usual length may come before an OBJ model") {
+  std::string comments;
+  for (int i = 0; i < 1000; ++i)
+    comments += "# a line of the licence, which is no part of the model\n\n";
+  const std::string text = comments + kSquare + "f 1 2 3 4\n";
+  CHECK(kObj.likeness(start_of(text)) == Likeness::Likely);
+  CHECK(read_model(std::as_bytes(std::span(text))).facets.size() == 2);
+}
+
+TEST_CASE("Lines of an OBJ file with unknown words are ignored") {
+  for (const char* line : {"xyzzy 1 2\n", "vc 1 0 0\n", "res 1 2\n", "newmtl steel\n", "7 8 9\n"}) {
+    CAPTURE(line);
+    const std::string text = line + kSquare + line + "f 1 2 3 4\n";
+    CHECK(kObj.likeness(start_of(text)) == Likeness::Likely);
+    CHECK(read_model(std::as_bytes(std::span(text))).facets.size() == 2);
+  }
+  CHECK(kObj.likeness(start_of("xyzzy\nv as in volume\n")) == Likeness::None);
+  CHECK(kObj.likeness(start_of("<html>\nv 1 2 3\n")) == Likeness::None);
+}
+
+TEST_CASE("Curves, free-form surfaces and called files of an OBJ model are left out and told") {
+  const std::string square = kSquare + "f 1 2 3 4\n";
+  const auto warning = [&](const char* lines) {
+    const Model model = read_obj_text(square + lines);
+    CHECK(model.facets.size() == 2);
+    return model.warnings.size() == 2 ? model.warnings[0] : "no single warning";
+  };
+  for (const char* lines : {"cstype bezier\nsurf 0 1 0 1 1 2 3 4\nend\n", "curv 0 1 1 2 3\n", "bzp 1 2 3 4\n",
+                            "bsp 1 2 3 4\n", "cdc 1 2 3 4\n", "cdp 1 2 3 4\n"})
+    CHECK(lacking(warning(lines), {"curves or free-form surfaces", "left out", "mesh"}) == "");
+  CHECK(lacking(warning("call wheel.obj\n"), {"\"call\"", "left out", "one file"}) == "");
+  CHECK(lacking(refusal_of_obj(kSquare + "surf 0 1 0 1 1 2 3 4\n"),
+                {"curves or free-form surfaces", "no faces"}) == "");
+  CHECK(lacking(refusal_of_obj("call wheel.obj\n"), {"\"call\"", "no faces"}) == "");
+}
+
+TEST_CASE("An OBJ file with zeros is refused as an interrupted copy") {
+  const std::string square = kSquare + "f 1 2 3 4\n";
+  CHECK(read_obj_text(square + std::string(1, '\0')).facets.size() == 2);
+  CHECK(lacking(refusal_of_obj(square + std::string(4096, '\0') + "f 1 2 3\n"),
+                {"not whole", "byte " + std::to_string(square.size()), "copy it again"}) == "");
 }
 
 TEST_CASE("Lines may end as on old Macs") {

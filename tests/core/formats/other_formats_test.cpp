@@ -71,7 +71,24 @@ TEST_CASE("ASCII STL is not taken for another format, whatever its comments and 
   }
 }
 
-TEST_CASE("Text that is no known format is refused as no STL file") {
-  CHECK(lacking(refusal_of_text("hello world"), {"not an STL file"}) == "");
-  CHECK(lacking(refusal_of_text("# only a comment\n"), {"not an STL file"}) == "");
+TEST_CASE("Text that is no known format is refused as text, not as a damaged binary file") {
+  const std::string prose = "The quick brown fox jumps over the lazy dog.\n";
+  for (const std::string& text : {std::string("hello world"), prose + prose + prose, "# a comment\n" + prose,
+                                  std::string("# only a comment\n"),
+                                  std::string("V 0 0 0\nV 1 0 0\nV 0 1 0\nF 1 2 3\n") + std::string(400, ' '),
+                                  "Gr\xC3\xB6\xC3\x9F"
+                                  "e\n" +
+                                      prose + prose}) {
+    CAPTURE(text);
+    CHECK(lacking(refusal_of_text(text), {"not an STL file but text", "export"}) == "");
+  }
+}
+
+TEST_CASE("Comments of any usual length may come before the facets of an ASCII file") {
+  std::string comments;
+  for (int i = 0; i < 1000; ++i)
+    comments += "# a line of the licence, which is no part of the model\n";
+  const models::Facets box = models::box({0, 0, 0}, {1, 1, 1});
+  CHECK(refusal_of_text(comments + models::to_ascii_stl(box)) == "");
+  CHECK(lacking(refusal_of_text(comments + "hello"), {"not an STL file but text"}) == "");
 }

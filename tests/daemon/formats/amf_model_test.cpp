@@ -115,6 +115,12 @@ TEST_CASE(
   CHECK(all.max_z == testing::Approx(27));
 }
 
+TEST_CASE("Comments of any usual length may come before an AMF model") {
+  const std::string comment = "<!-- " + std::string(30'000, 'c') + " -->\n", model = amf_object("1", kSlab);
+  CHECK(read_text("<?xml version=\"1.0\"?>\n" + comment + "<amf>" + model + "</amf>").facets.size() == 12);
+  CHECK(read_text(comment + "<amf>" + model + "</amf>").facets.size() == 12);
+}
+
 TEST_CASE("Curves and modifiers of an AMF model are left out with a warning") {
   std::string text = amf_file(amf_object("1", kSlab));
   text.insert(text.find("</coordinates>") + 14, "<normal><nx>1</nx><ny>0</ny><nz>0</nz></normal>");
