@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <charconv>
 #include <map>
 #include <set>
 #include <string_view>
@@ -27,12 +29,58 @@ std::string name_in_messages(const std::string& entry) {
   return in_quotes(entry) + " in the 3MF file";
 }
 
-// Opens an entry of the package that must exist.
-std::unique_ptr<ByteStream> open_entry(const ZipArchive& archive, const std::string& name) {
-  const ZipEntry* const entry = archive.find(name);
+std::string in_lower_case(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return text;
+}
+
+// Returns the text with its percent-encoded bytes decoded: "a b" of "a%20b".
+std::string percent_decoded(std::string_view text) {
+  std::string decoded;
+  for (; !text.empty(); text.remove_prefix(1)) {
+    const char* const digits = text.data() + 1;
+    unsigned byte = 0;
+    if (text.size() > 2 && text.front() == '%' &&
+        std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2) {
+      decoded += static_cast<char>(byte);
+      text.remove_prefix(2);
+    } else {
+      decoded += text.front();
+    }
+  }
+  return decoded;
+}
+
+// Returns what equivalent names have in common (Open Packaging Conventions, ECMA-376 part 2, 6.2.2): names
+// are compared without regard to ASCII case, and may be percent-encoded.
+std::string common_name(std::string_view name) {
+  return in_lower_case(percent_decoded(name));
+}
+
+bool is_model_name(std::string_view name) {
+  return common_name(name).ends_with(".model");
+}
+
+// Returns the entry of this name, or else one of an equivalent name; nullptr if there is none.
+const ZipEntry* find_part(const ZipArchive& archive, std::string_view name) {
+  if (const ZipEntry* const exact = archive.find(name)) return exact;
+  const auto& entries = archive.entries();
+  const auto found = std::ranges::find(entries, common_name(name),
+                                       [](const ZipEntry& entry) { return common_name(entry.name); });
+  return found == entries.end() ? nullptr : &*found;
+}
+
+const ZipEntry& existing_part(const ZipArchive& archive, const std::string& name) {
+  const ZipEntry* const entry = find_part(archive, name);
   if (entry == nullptr)
     throw ModelError(fmt::format("the 3MF file lacks {}: export the model again", in_quotes(name)));
-  return archive.open(*entry);
+  return *entry;
+}
+
+// Opens an entry of the package that must exist.
+std::unique_ptr<ByteStream> open_entry(const ZipArchive& archive, const std::string& name) {
+  return archive.open(existing_part(archive, name));
 }
 
 // Opens an entry that describes the package: relationships or a program's side file.
@@ -65,7 +113,7 @@ std::string root_of(const ZipArchive& archive) {
   read_xml(*open_description(archive, kRelationships), reader, name_in_messages(kRelationships));
   if (reader.root().empty())
     throw ModelError("the 3MF file names no model in _rels/.rels: export the model again");
-  return reader.root();
+  return existing_part(archive, reader.root()).name;
 }
 
 // Returns the bytes of XML that the package's model files hold. Throws ModelError if they are too many.
@@ -73,7 +121,7 @@ std::uint64_t model_bytes_of(const ZipArchive& archive) {
   InflatedSize all{0, 0};
   std::set<std::string_view> names;
   for (const ZipEntry& entry : archive.entries()) {
-    if (!entry.name.ends_with(".model")) continue;
+    if (!is_model_name(entry.name)) continue;
     if (!names.insert(entry.name).second)
       throw ModelError(
           fmt::format("the 3MF file holds {} twice: export the model again", in_quotes(entry.name)));
@@ -86,7 +134,7 @@ std::uint64_t model_bytes_of(const ZipArchive& archive) {
 
 // Reads a file of the model, whose size model_bytes_of() has counted.
 ThreeMfPart read_part(const ZipArchive& archive, const std::string& name, ThreeMfRoot root) {
-  if (!name.ends_with(".model"))
+  if (!is_model_name(name))
     throw ModelError(
         fmt::format("the 3MF file names {} as a model file, whose name must end in .model: export "
                     "the model again",
@@ -97,15 +145,21 @@ ThreeMfPart read_part(const ZipArchive& archive, const std::string& name, ThreeM
 ThreeMfModel read_parts(const ZipArchive& archive, const std::string& root) {
   ThreeMfModel model{{}, root};
   ThreeMfPart part = read_part(archive, root, ThreeMfRoot::Yes);
-  const auto read_other = [&](const std::string& path) {
-    if (path.empty() || path == root || model.parts.contains(path)) return;
-    model.parts.emplace(path, read_part(archive, path, ThreeMfRoot::No));
+  std::map<std::string, std::string> entries;  // names of entries, by the paths that mean them
+  // Reads the reference's file, and sets its path to the name of the entry.
+  const auto read_other = [&](ThreeMfReference& reference) {
+    if (reference.path.empty()) return;
+    std::string& entry = entries[reference.path];
+    if (entry.empty()) entry = existing_part(archive, reference.path).name;
+    reference.path = entry;
+    if (entry == root || model.parts.contains(entry)) return;
+    model.parts.emplace(entry, read_part(archive, entry, ThreeMfRoot::No));
   };
-  for (const ThreeMfReference& item : part.items)
-    read_other(item.path);
-  for (const ThreeMfObject& object : part.objects)
-    for (const ThreeMfReference& component : object.components)
-      read_other(component.path);
+  for (ThreeMfReference& item : part.items)
+    read_other(item);
+  for (ThreeMfObject& object : part.objects)
+    for (ThreeMfReference& component : object.components)
+      read_other(component);
   model.parts.emplace(root, std::move(part));
   return model;
 }
@@ -123,7 +177,8 @@ std::string left_out_sentence(const std::map<std::string, std::size_t>& kinds) {
 }  // namespace
 
 bool is_threemf(const ZipArchive& archive) {
-  return archive.find("[Content_Types].xml") != nullptr && archive.find(kRelationships) != nullptr;
+  return find_part(archive, "[Content_Types].xml") != nullptr &&
+         find_part(archive, kRelationships) != nullptr;
 }
 
 ThreeMfPackage::ThreeMfPackage(const ZipArchive& archive) : archive_(archive), root_(root_of(archive)) {
@@ -140,7 +195,7 @@ Model ThreeMfPackage::read(std::uint64_t most_facets) const {
   ThreeMfModel model = read_parts(archive_, root_);
   std::map<std::string, std::size_t> kinds;
   for (const char* const name : {kPrusaSideFile, kBambuSideFile}) {
-    if (archive_.find(name) == nullptr) continue;
+    if (find_part(archive_, name) == nullptr) continue;
     const ThreeMfSideFile side_file =
         read_threemf_side_file(*open_description(archive_, name), name_in_messages(name));
     for (const auto& [kind, count] : leave_out(model, side_file))

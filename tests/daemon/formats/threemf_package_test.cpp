@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -65,6 +66,40 @@ TEST_CASE("A 3MF model has the facets of the STL model, to the bit and in the sa
   const Model model = input->read(kFacetsWithRoom);
   CHECK(testing::same_facets(model.facets, ball));
   CHECK(model.warnings.empty());
+}
+
+TEST_CASE("Names in a 3MF file are compared without regard to case and percent-encoding") {
+  const std::string part = threemf_part(threemf_object(1, kUnitBox), "");
+  const auto read_with = [&](std::string_view path, const std::string& entry) {
+    const std::string item = fmt::format("<item objectid=\"1\" p:path=\"{}\"/>", path);
+    return read_3mf(with_file(threemf_files(threemf_part("", item)), entry, part)).facets;
+  };
+  CHECK(testing::same_facets(read_with("/3d/objects/O.model", "3D/Objects/o.model"), kUnitBox));
+  CHECK(testing::same_facets(read_with("/3D/o%201.model", "3D/o 1.model"), kUnitBox));
+  CHECK(testing::same_facets(read_with("/3D/o 1.model", "3D/o%201.model"), kUnitBox));
+  CHECK(testing::same_facets(read_with("/3D/o%201.model", "3D/o%201.model"), kUnitBox));
+  CHECK(testing::same_facets(read_with("/3D/o.MODEL", "3D/o.MODEL"), kUnitBox));
+  const std::string items =
+      "<item objectid=\"1\" p:path=\"/3D/o.model\"/><item objectid=\"1\" p:path=\"/3D/O.model\"/>";
+  const std::vector<PackedFile> both = with_file(threemf_files(threemf_part("", items)), "3D/O.model", part);
+  CHECK(read_3mf(both).facets.size() == 24);
+  // The exact name wins over an equivalent one.
+  const models::Facets far = moved(kUnitBox, 5, 0, 0);
+  const Model exact = read_3mf(with_file(both, "3D/o.model", threemf_part(threemf_object(1, far), "")));
+  REQUIRE(exact.facets.size() == 24);
+  CHECK(testing::same_facets(std::span(exact.facets).first(12), far));
+  CHECK(testing::same_facets(std::span(exact.facets).last(12), kUnitBox));
+  CHECK(lacking(refusal_of_3mf(threemf_files(threemf_part("", items))), {"lacks \"3D/o.model\""}) == "");
+
+  const std::string root = threemf_part(threemf_object(1, kUnitBox), "<item objectid=\"1\"/>");
+  for (const char* entry : {"3d/3DModel.model", "3D/3dmodel.MODEL", "3D/3dm%6Fdel.model"}) {
+    CAPTURE(entry);
+    std::vector<PackedFile> files = threemf_files(root);
+    files[0].name = "[Content_Types].XML";
+    files[1].name = "_RELS/.RELS";
+    files[2].name = entry;
+    CHECK(testing::same_facets(read_3mf(files).facets, kUnitBox));
+  }
 }
 
 TEST_CASE("The unit of a 3MF model applies: the facets are in millimetres") {
