@@ -104,13 +104,46 @@ class FileStream : public ByteStream {
   std::uint64_t left_;
 };
 
-std::unique_ptr<ModelInput> open_stream(std::shared_ptr<const void> origin,
-                                        std::unique_ptr<StartedStream> stream, const std::string& name) {
-  const FileStart start = stream->start();
-  if (!is_recognised(start) && is_amf(start))
-    return std::make_unique<AmfInput>(std::move(origin), std::move(stream), name);
-  return std::make_unique<StreamInput>(std::move(origin), std::move(stream), name);
-}
+// A model in an archive, whose path each message about the model has.
+class EntryInput : public ModelInput {
+ public:
+  EntryInput(std::unique_ptr<ModelInput> model, std::string name)
+      : model_(std::move(model)), name_(std::move(name)) {}
+
+  [[nodiscard]] const ModelOutline& outline() const override { return model_->outline(); }
+  [[nodiscard]] Model read(std::uint64_t most_facets) override {
+    try {
+      return model_->read(most_facets);
+    } catch (const ModelError& error) {
+      const std::string_view sentence = error.what();
+      if (sentence.starts_with(name_)) throw;
+      throw ModelError(fmt::format("{}: {}", name_, sentence));
+    }
+  }
+
+ private:
+  std::unique_ptr<ModelInput> model_;
+  std::string name_;
+};
+
+// A model with notes on how it was chosen, which become warnings.
+class NotedInput : public ModelInput {
+ public:
+  NotedInput(std::unique_ptr<ModelInput> model, std::vector<std::string> notes)
+      : model_(std::move(model)), notes_(std::move(notes)) {}
+
+  [[nodiscard]] const ModelOutline& outline() const override { return model_->outline(); }
+  [[nodiscard]] const SlicedArchive* sliced() const override { return model_->sliced(); }
+  [[nodiscard]] Model read(std::uint64_t most_facets) override {
+    Model model = model_->read(most_facets);
+    model.warnings.insert(model.warnings.begin(), notes_.begin(), notes_.end());
+    return model;
+  }
+
+ private:
+  std::unique_ptr<ModelInput> model_;
+  std::vector<std::string> notes_;
+};
 
 class ThreeMfInput : public ModelInput {
  public:
@@ -182,13 +215,20 @@ std::unique_ptr<ModelInput> open_nested(StartedStream& stream, const std::string
   }
 }
 
+std::unique_ptr<ModelInput> open_stream(std::shared_ptr<const void> origin,
+                                        std::unique_ptr<StartedStream> stream, const std::string& name) {
+  const FileStart start = stream->start();
+  if (!is_recognised(start) && is_zip(start.bytes)) return open_nested(*stream, name);
+  if (!is_recognised(start) && is_amf(start))
+    return std::make_unique<AmfInput>(std::move(origin), std::move(stream), name);
+  return std::make_unique<StreamInput>(std::move(origin), std::move(stream), name);
+}
+
 std::unique_ptr<ModelInput> open_entry(const std::shared_ptr<const ZipArchive>& archive,
                                        const ZipEntry& entry) {
   const std::string name = in_quotes(entry.name) + " in the archive";
   auto stream = std::make_unique<StartedStream>(archive->open(entry), name);
-  const FileStart start = stream->start();
-  if (!is_recognised(start) && is_zip(start.bytes)) return open_nested(*stream, name);
-  return open_stream(archive, std::move(stream), name);
+  return std::make_unique<EntryInput>(open_stream(archive, std::move(stream), name), name);
 }
 
 OpenedModels open_archive(const std::shared_ptr<const ZipArchive>& archive, const ArchiveChoice& asked) {
@@ -262,7 +302,8 @@ OpenedModels open_models(const std::filesystem::path& path, const ArchiveChoice&
 std::unique_ptr<ModelInput> open_model(const std::filesystem::path& path,
                                        const std::vector<std::string>& names) {
   OpenedModels opened = open_models(path, {names});
-  if (opened.models.size() == 1) return std::move(opened.models.front().input);
+  if (opened.models.size() == 1)
+    return std::make_unique<NotedInput>(std::move(opened.models.front().input), std::move(opened.notes));
   std::vector<std::string_view> paths;
   for (const OpenedModel& model : opened.models)
     paths.emplace_back(model.entry);

@@ -64,8 +64,9 @@ struct OpenedModels {
 // Does the same for a regular file.
 [[nodiscard]] OpenedModels open_models(const std::filesystem::path& path, const ArchiveChoice& choice = {});
 
-// Opens a file that holds one model, or the models that `names` choose of an archive, if that is one. Throws
-// what open_models() throws, and ModelError if there are several.
+// Opens a file that holds one model, or the models that `names` choose of an archive, if that is one. The
+// notes of OpenedModels become warnings of the model. Throws what open_models() throws, and ModelError if
+// there are several.
 [[nodiscard]] std::unique_ptr<ModelInput> open_model(const std::filesystem::path& path,
                                                      const std::vector<std::string>& names = {});
 

@@ -92,7 +92,7 @@ std::string names_of(const std::vector<const ZipEntry*>& entries) {
                     "the model that is in it",
                     in_quotes(nested.front()->name)));
   throw ModelError(
-      fmt::format("the archive holds no model: a model's name ends in {}", model_extensions_text()));
+      "the archive holds no model: a model's name in an archive ends in .stl, .3mf, .obj or .amf");
 }
 
 // A model of the archive, and how the ticket asks for it.

@@ -87,8 +87,52 @@ TEST_CASE("A gzip archive that is cut short or damaged anywhere is refused") {
     CHECK_FALSE(refusal_of_packed(damaged).empty());
   }
   CHECK_FALSE(refusal_of_packed(whole + whole).empty());
-  for (const std::string& other : {whole + "junk", whole + std::string(10'000, '\0')})
-    CHECK(lacking(refusal_of_packed(other), {"cut short or damaged, or other data follows it"}).empty());
+  CHECK(
+      lacking(refusal_of_packed(whole + "junk"), {"cut short or damaged, or other data follows it"}).empty());
+}
+
+TEST_CASE("Zeros after a gzip archive are ignored, as gzip ignores them") {
+  for (const std::size_t zeros : {1U, 3U, 4U, 512U, 100'000U}) {
+    CAPTURE(zeros);
+    const std::string padding(zeros, '\0');
+    CHECK(same_facets(read_packed(gzipped(stl_text(ball())) + padding).facets, ball()));
+    CHECK(lacking(refusal_of_packed(gzipped(stl_text(ball())) + padding + "junk"), {"other data"}).empty());
+  }
+  const std::string bomb(64'000'000, '\0');
+  CHECK(lacking(refusal_of_packed(gzipped(bomb) + std::string(512, '\0')), {"more than 200 times as much"})
+            .empty());
+}
+
+TEST_CASE("A 3MF file in a gzip archive is read") {
+  CHECK(same_facets(read_packed(gzipped(testing::threemf_of(ball()))).facets, ball()));
+  CHECK(lacking(refusal_of_packed(gzipped(zipped({{"ball.stl", stl_text(ball())}}))),
+                {"gzip archive: it is an archive in an archive: unpack it"})
+            .empty());
+}
+
+TEST_CASE("Every refusal of a model in a ZIP archive names the model once") {
+  const std::string bad_3mf = zipped(threemf_files(threemf_part(threemf_object(1, ball()), "")));
+  for (const auto& [name, text] :
+       {std::pair<std::string, std::string>("a/bad.stl", "solid a\nfacet x\nendsolid\n"),
+        {"a/bad.obj", "v 0 0 0\nf 1 2 3\n"},
+        {"a/bad.amf", "<amf><constellation id=\"1\"><instance objectid=\"7\"/></constellation></amf>"},
+        {"a/broken.amf", "<amf><object>"},
+        {"a/bad.3mf", bad_3mf}}) {
+    CAPTURE(name);
+    const std::string refusal = refusal_of_packed(zipped({{name, text}}));
+    CHECK(refusal.starts_with("\"" + name + "\" in the archive: "));
+    CHECK(refusal.find(name) == refusal.rfind(name));
+  }
+}
+
+TEST_CASE("The chosen version of a model in an archive is a warning of the model") {
+  const models::Facets box = models::box({0, 0, 0}, {1, 2, 3});
+  const Model model = read_packed(
+      zipped({{"Supported/part.stl", stl_text(box)}, {"Unsupported/part.stl", stl_text(ball())}}));
+  CHECK(same_facets(model.facets, box));
+  REQUIRE(model.warnings.size() == 1);
+  CHECK(
+      lacking(model.warnings[0], {"with supports and without", "\"Supported/part.stl\" is printed"}).empty());
 }
 
 TEST_CASE("A gzip archive of something that is no model is refused by what it holds") {
@@ -127,7 +171,8 @@ TEST_CASE("Of an archive with several models, the one that the ticket names is r
 }
 
 TEST_CASE("An archive without a model is refused by what it holds") {
-  CHECK(lacking(refusal_of_packed(zipped({{"readme.txt", "x"}})), {"holds no model: "}).empty());
+  CHECK(refusal_of_packed(zipped({{"readme.txt", "x"}})) ==
+        "the archive holds no model: a model's name in an archive ends in .stl, .3mf, .obj or .amf");
   CHECK(lacking(refusal_of_packed(zipped({{"more.zip", "x"}})), {"another archive, \"more.zip\""}).empty());
   CHECK(lacking(refusal_of_packed(zipped({{"config.ini", "x"}, {"part.svg", "x"}})), {"sliced"}).empty());
   CHECK_FALSE(
