@@ -205,6 +205,25 @@ std::map<std::string, std::size_t> leave_out(ThreeMfModel& model, const ThreeMfS
   return kinds;
 }
 
+std::map<std::string, std::size_t> leave_out_kinds(ThreeMfModel& model) {
+  std::map<std::string, std::size_t> kinds;
+  for (auto& [name, part] : model.parts) {
+    const auto is_left_out = [&](const ThreeMfReference& reference) {
+      const auto other = reference.path.empty() ? model.parts.end() : model.parts.find(reference.path);
+      const ThreeMfPart& from = other == model.parts.end() ? part : other->second;
+      const auto number = from.numbers.find(reference.object);
+      if (number == from.numbers.end()) return false;
+      const std::string& kind = from.objects[number->second].kind;
+      if (!kind.empty()) ++kinds[kind];
+      return !kind.empty();
+    };
+    std::erase_if(part.items, is_left_out);
+    for (ThreeMfObject& object : part.objects)
+      std::erase_if(object.components, is_left_out);
+  }
+  return kinds;
+}
+
 Model facets_of(const ThreeMfModel& model, std::uint64_t most_facets) {
   const ThreeMfPart& root = model.parts.at(model.root);
   if (root.items.empty())

@@ -22,6 +22,10 @@ struct ThreeMfModel {
 [[nodiscard]] std::map<std::string, std::size_t> leave_out(ThreeMfModel& model,
                                                            const ThreeMfSideFile& side_file);
 
+// Removes the items and components that are objects of a kind that is no part of the model. Returns how many
+// of each kind.
+[[nodiscard]] std::map<std::string, std::size_t> leave_out_kinds(ThreeMfModel& model);
+
 // Returns the facets in millimetres, with a warning for everything that is left out. Throws ModelError if the
 // build names an object that does not exist, has more than `most_facets` facets, or nothing to print.
 [[nodiscard]] Model facets_of(const ThreeMfModel& model, std::uint64_t most_facets);

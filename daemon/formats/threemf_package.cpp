@@ -193,7 +193,7 @@ ThreeMfPackage::ThreeMfPackage(const ZipArchive& archive) : archive_(archive), r
 
 Model ThreeMfPackage::read(std::uint64_t most_facets) const {
   ThreeMfModel model = read_parts(archive_, root_);
-  std::map<std::string, std::size_t> kinds;
+  std::map<std::string, std::size_t> kinds = leave_out_kinds(model);
   for (const char* const name : {kPrusaSideFile, kBambuSideFile}) {
     if (find_part(archive_, name) == nullptr) continue;
     const ThreeMfSideFile side_file =

@@ -32,6 +32,7 @@ constexpr std::string_view kVertex = CONTOURD_3MF_CORE "|vertex";
 constexpr std::string_view kTriangle = CONTOURD_3MF_CORE "|triangle";
 constexpr std::string_view kComponent = CONTOURD_3MF_CORE "|component";
 constexpr std::string_view kItem = CONTOURD_3MF_CORE "|item";
+constexpr std::string_view kMetadata = CONTOURD_3MF_CORE "|metadata";
 constexpr std::string_view kPath = CONTOURD_3MF_PRODUCTION "|path";
 #undef CONTOURD_3MF_CORE
 
@@ -40,6 +41,15 @@ constexpr std::array<std::string_view, 3> kKnownExtensions{
     CONTOURD_3MF_PRODUCTION, "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
     "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07"};
 #undef CONTOURD_3MF_PRODUCTION
+
+// Settings of Cura by which an object is no part of the model: metadata of the object with the value True.
+struct CuraSetting {
+  std::string_view name, kind;
+};
+constexpr std::array kCuraSettings{
+    CuraSetting{"anti_overhang_mesh", "support blocker"}, CuraSetting{"support_mesh", "support"},
+    CuraSetting{"infill_mesh", "modifier"}, CuraSetting{"cutting_mesh", "modifier"}};
+constexpr std::size_t kLongestValue = 32;  // bytes of a setting's value that are compared
 
 std::string_view without_blanks(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r\n";
@@ -82,12 +92,23 @@ class PartReader : public XmlHandler {
       if (name == kTriangle) return add_triangle(attributes);
       if (name == kVertex) return add_vertex(attributes);
       if (name == kComponent) return add_component(attributes);
+      if (name == kMetadata) return open_metadata(attributes);
     }
     if (name == kObject) return open_object(attributes);
     if (name == kItem) add_item(attributes);
   }
 
+  void text(std::string_view text) override {
+    if (!kind_.empty() && value_.size() < kLongestValue) value_ += text.substr(0, kLongestValue);
+  }
+  [[nodiscard]] bool wants_text() const override { return !kind_.empty(); }
+
   void close(std::string_view name) override {
+    if (name == kMetadata && !kind_.empty()) {
+      const std::string_view value = without_blanks(value_);
+      if (value == "True" || value == "true" || value == "1") object_.kind = kind_;
+      kind_.clear();
+    }
     if (name != kObject || !in_object_) return;
     in_object_ = false;
     part_.numbers.emplace(object_.id, part_.objects.size());
@@ -133,6 +154,16 @@ class PartReader : public XmlHandler {
     if (part_.numbers.contains(object_.id))
       throw ModelError(fmt::format("two objects have the id {}: export the model again", object_.id));
     in_object_ = true;
+  }
+
+  // The name is "cura:SETTING", whatever the prefix of Cura's namespace is, or the setting alone.
+  void open_metadata(const XmlAttributes& attributes) {
+    const std::string_view name = attributes.text("name");
+    const std::string_view setting = name.substr(name.find(':') + 1);
+    const auto* const found = std::ranges::find(kCuraSettings, setting, &CuraSetting::name);
+    if (found == kCuraSettings.end()) return;
+    kind_ = found->kind;
+    value_.clear();
   }
 
   void add_vertex(const XmlAttributes& attributes) {
@@ -213,6 +244,7 @@ class PartReader : public XmlHandler {
   ThreeMfObject object_;  // is being read
   bool in_object_ = false, is_first_ = true;
   std::size_t references_ = 0;
+  std::string kind_, value_;  // of the metadata that is being read; empty if it does not matter
   std::map<std::string, std::string> prefixes_;  // URIs of namespaces, by prefix
 };
 

@@ -23,6 +23,7 @@ struct ThreeMfReference {
 
 struct ThreeMfObject {
   std::uint32_t id = 0;
+  std::string kind;  // as people call it: "modifier", if Cura says that the object is no part of the model
   std::string type;  // "model", "solidsupport", "support", "surface" or "other"
   std::vector<Vertex> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;  // numbers of vertices, all of them valid

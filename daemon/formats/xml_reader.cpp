@@ -74,7 +74,6 @@ class Reading {
     XML_SetStartNamespaceDeclHandler(parser_.get(), declared);
     XML_SetStartDoctypeDeclHandler(parser_.get(), doctype);
     XML_SetNotStandaloneHandler(parser_.get(), not_standalone);
-    if (handler.wants_text()) XML_SetCharacterDataHandler(parser_.get(), characters);
   }
 
   void read(ByteStream& stream) {
@@ -110,6 +109,7 @@ class Reading {
       if (++reading.levels_ > kMostLevels)
         throw ModelError(fmt::format("its elements are nested more than {} levels deep", kMostLevels));
       reading.handler_.open(name, XmlAttributes(attributes));
+      reading.pass_text();
     });
   }
   static void closed(void* self, const char* name) {
@@ -117,7 +117,12 @@ class Reading {
     reading.guarded([&] {
       --reading.levels_;
       reading.handler_.close(name);
+      reading.pass_text();
     });
+  }
+  // Most of a model's text is blanks between its elements, which take time.
+  void pass_text() {
+    XML_SetCharacterDataHandler(parser_.get(), handler_.wants_text() ? characters : nullptr);
   }
   static void characters(void* self, const char* text, int bytes) {
     auto& reading = *static_cast<Reading*>(self);

@@ -41,7 +41,8 @@ class XmlHandler {
   virtual void name_space(std::string_view /*prefix*/, std::string_view /*uri*/) {}
   virtual void open(std::string_view name, const XmlAttributes& attributes) = 0;
   virtual void close(std::string_view /*name*/) {}
-  // Called with the text between elements, in any number of pieces, if wants_text().
+  // Called with the text between elements, in any number of pieces, if wants_text() was true after the last
+  // element was opened or closed.
   virtual void text(std::string_view /*text*/) {}
   [[nodiscard]] virtual bool wants_text() const { return false; }
   // True if the document may name a document type. It is never read, must not define anything itself, and the

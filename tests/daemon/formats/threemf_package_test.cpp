@@ -218,6 +218,35 @@ TEST_CASE(
             .empty());
 }
 
+TEST_CASE("Cura's meshes that are no part of the model are left out and told") {
+  const auto object_with = [](int id, std::string_view setting, std::string_view value) {
+    std::string object = threemf_object(id, kUnitBox);
+    const std::string_view mesh = "<mesh>";
+    return object.insert(
+        object.find(mesh),
+        fmt::format("<metadatagroup><metadata name=\"cura:extruder_nr\">0</metadata><metadata "
+                    "name=\"cura:{}\" type=\"xs:string\">{}</metadata></metadatagroup>",
+                    setting, value));
+  };
+  for (const auto& [setting, kind] :
+       {std::pair("anti_overhang_mesh", "1 support blocker"), std::pair("support_mesh", "1 support"),
+        std::pair("infill_mesh", "1 modifier"), std::pair("cutting_mesh", "1 modifier")}) {
+    CAPTURE(setting);
+    const std::string objects = threemf_object(1, kUnitBox) + object_with(2, setting, "True");
+    const std::string assembly =
+        threemf_assembly(3, "<component objectid=\"1\"/><component objectid=\"2\"/>");
+    for (const Model& model : {read_3mf(objects, "<item objectid=\"1\"/><item objectid=\"2\"/>"),
+                               read_3mf(objects + assembly, "<item objectid=\"3\"/>")}) {
+      CHECK(testing::same_facets(model.facets, kUnitBox));
+      REQUIRE(model.warnings.size() == 1);
+      CHECK(lacking(model.warnings[0], {"left out", kind}).empty());
+    }
+    const Model kept = read_3mf(object_with(1, setting, "False"), "<item objectid=\"1\"/>");
+    CHECK(testing::same_facets(kept.facets, kUnitBox));
+    CHECK(kept.warnings.empty());
+  }
+}
+
 TEST_CASE("Bambu Studio's modifiers and support blockers are left out of the components and told") {
   const std::string root = threemf_part(
       threemf_object(1, kUnitBox) + threemf_object(2, moved(kUnitBox, 5, 0, 0)) +
