@@ -14,8 +14,8 @@ namespace contourd {
 struct Model {
   std::vector<Facet> facets;          // as in the file; all coordinates are finite
   std::vector<std::string> warnings;  // oddities that do not change the shape, one sentence each
-  std::optional<LengthUnit> unit{};   // the coordinates' unit, if the file names one; not applied to them
-  bool lacks_facets = false;          // the file says that it has more: it may be a copy that broke off
+  std::optional<LengthUnit> unit{};  // the file's unit, if it names one; only 3MF and AMF files are converted
+  bool lacks_facets = false;         // the file says that it has more: it may be a copy that broke off
   bool y_is_up = false;  // the format leaves open which way is up, and the shape suggests y; not applied
 };
 

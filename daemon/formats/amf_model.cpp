@@ -48,7 +48,7 @@ struct Node {
 };
 
 struct AmfFile {
-  double millimeters = 1;
+  LengthUnit unit = LengthUnit::Millimeter;
   bool turns_in_radians = false;  // as Slic3r and its successors write them, against the standard
   std::vector<Node> nodes;
   std::size_t curved = 0, modifiers = 0, not_printed = 0;
@@ -128,7 +128,7 @@ class AmfReader : public XmlHandler {
     const auto length = length_unit(unit == "feet" ? "foot" : unit);
     if (!length)
       throw ModelError(fmt::format("its unit {} is unknown: export the model in mm", in_quotes(unit)));
-    file_.millimeters = millimeters_in(*length);
+    file_.unit = *length;
   }
 
   void open_node(const XmlAttributes& attributes) {
@@ -265,7 +265,7 @@ class AmfExpansion {
       for (const Instance& instance : node.instances)
         is_placed[number_of(instance)] = true;
     ThreeMfTransform to_mm;
-    to_mm.m[0] = to_mm.m[4] = to_mm.m[8] = file_.millimeters;
+    to_mm.m[0] = to_mm.m[4] = to_mm.m[8] = millimeters_in(file_.unit);
     for (std::size_t i = 0; i < file_.nodes.size(); ++i)
       if (!is_placed[i]) place(i, to_mm, 1);
     if (placed_ == 0 && !file_.nodes.empty())
@@ -357,6 +357,7 @@ Model read_amf(ByteStream& stream, const std::string& name, std::uint64_t most_f
   read_xml(stream, reader, name);
   AmfFile file = reader.take();
   Model made = AmfExpansion(file, most_facets).run();
+  made.unit = file.unit;
   if (file.curved > 0)
     made.warnings.push_back(
         "the AMF file has curved triangles, which are read as flat ones: export it as a finer mesh");

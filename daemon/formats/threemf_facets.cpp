@@ -54,7 +54,7 @@ class Expansion {
     refuse(all);
     made_.facets.reserve(all.facets);
     ThreeMfTransform to_mm;
-    to_mm.m[0] = to_mm.m[4] = to_mm.m[8] = root_.millimeters;
+    to_mm.m[0] = to_mm.m[4] = to_mm.m[8] = millimeters_in(root_.unit);
     for (const ThreeMfReference& item : root_.items)
       place(root_, item, to_mm);
     return std::move(made_);
@@ -92,7 +92,7 @@ class Expansion {
   }
 
   void measure(const ThreeMfPart& part) {
-    if (part.millimeters != root_.millimeters)
+    if (part.unit != root_.unit)
       throw ModelError("the files of the 3MF model have different units: export the model again");
     for (const ThreeMfObject& object : part.objects) {
       Extent extent;
@@ -232,6 +232,7 @@ Model facets_of(const ThreeMfModel& model, std::uint64_t most_facets) {
                          : "the 3MF model has nothing to print: its build has no item");
   Expansion expansion(model, most_facets);
   Model made = expansion.run();
+  made.unit = root.unit;
   if (root.not_printable > 0)
     made.warnings.push_back(fmt::format("the file marks {} as not printable: left out",
                                         count_of(root.not_printable, "object", "objects")));

@@ -124,7 +124,7 @@ class PartReader : public XmlHandler {
     const auto length = length_unit(unit.empty() ? "millimeter" : unit);
     if (!length)
       throw ModelError(fmt::format("its unit {} is unknown: export the model in mm", in_quotes(unit)));
-    part_.millimeters = millimeters_in(*length);
+    part_.unit = *length;
     std::string_view required = attributes.text("requiredextensions");
     while (!(required = without_blanks(required)).empty()) {
       const std::string prefix(required.substr(0, required.find_first_of(" \t\r\n")));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/geometry/facet.hpp"
+#include "core/model/length_unit.hpp"
 #include "daemon/formats/byte_stream.hpp"
 #include "daemon/formats/threemf_transform.hpp"
 
@@ -32,7 +33,7 @@ struct ThreeMfObject {
 };
 
 struct ThreeMfPart {
-  double millimeters = 1;              // length of a unit
+  LengthUnit unit = LengthUnit::Millimeter;
   std::vector<ThreeMfObject> objects;  // in the file's order: a component of the same file comes before
   std::vector<ThreeMfReference> items;
   std::size_t not_printable = 0;                           // items that the program's user excluded

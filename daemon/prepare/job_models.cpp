@@ -49,9 +49,13 @@ void find_up(JobContent& content, std::span<const Facet> facets, ModelTicket& ti
   if (figures.orientation) ticket.up = figures.orientation->choice.chosen().up;
 }
 
-// Converts the facets of a file to millimetres.
-void convert(std::span<Facet> facets, const NamedModel& model, JobSummary& summary) {
-  const double factor = millimeters_in(model.ticket.unit.value_or(LengthUnit::Millimeter));
+// Converts the facets of a file, of which `unit` is known, to millimetres.
+void convert(std::span<Facet> facets, const NamedModel& model, const ModelUnit& unit, JobSummary& summary) {
+  if (const std::string conflict = unit_conflict(unit); !conflict.empty())
+    summary.warnings.push_back(prefix_of(model, summary) + conflict);
+  const LengthUnit read_in =
+      unit.is_applied ? LengthUnit::Millimeter : unit.asked.value_or(LengthUnit::Millimeter);
+  const double factor = millimeters_in(read_in);
   const std::string warning = precision_warning(bounds_of(facets), factor);
   if (!warning.empty()) summary.warnings.push_back(prefix_of(model, summary) + warning);
   enlarge(facets, Scale{factor});
@@ -60,16 +64,17 @@ void convert(std::span<Facet> facets, const NamedModel& model, JobSummary& summa
 
 // Adds a warning if the model's size shows that its file is in another unit.
 void doubt_unit(const ModelSummary& figures, const NamedModel& model, const MakingContext& making,
-                std::optional<LengthUnit> named, JobSummary& summary) {
+                const ModelUnit& unit, JobSummary& summary) {
   // The size of a model that is scaled is meant.
   if (model.ticket.fit || model.ticket.scale) return;
-  const std::string hint = unit_hint({figures.size_x_mm, figures.size_y_mm, figures.size_z_mm},
-                                     {model.ticket.unit, named}, making.volume.size_mm());
+  const std::string hint =
+      unit_hint({figures.size_x_mm, figures.size_y_mm, figures.size_z_mm}, unit, making.volume.size_mm());
   if (hint.empty()) return;
   summary.warnings.push_back(prefix_of(model, summary) + hint);
   if (summary.unit_hint.empty()) summary.unit_hint = summary.warnings.back();
-  // A ticket's unit is the answer.
-  if (!model.ticket.unit && summary.unit_question.empty()) summary.unit_question = summary.warnings.back();
+  // A ticket's unit is the answer, if it has an effect.
+  if ((unit.is_applied || !model.ticket.unit) && summary.unit_question.empty())
+    summary.unit_question = summary.warnings.back();
 }
 
 // Takes the model's facets from `content`, turns and scales them, and sets `made` to their height index.
@@ -88,7 +93,8 @@ ModelSummary make_model(JobContent& content, std::size_t number, const MakingCon
   if (figures.carries_supports && ticket.orientation)
     summary.warnings.push_back(name + " is not turned: the supports in its file hold it as it is drawn");
   std::vector<Facet> facets = content.take_facets(number);
-  convert(facets, content.models()[number], summary);
+  const ModelUnit unit{ticket.unit, content.unit(file), applies_unit(figures.format)};
+  convert(facets, content.models()[number], unit, summary);
   if (content.y_is_up(file) && !ticket.up && !ticket.orientation) {
     constexpr Direction kY{0, 1, 0};
     if (ticket.rotation == RotationDegrees{})
@@ -103,7 +109,7 @@ ModelSummary make_model(JobContent& content, std::size_t number, const MakingCon
   figures.size_x_mm = bounds.size_x();
   figures.size_y_mm = bounds.size_y();
   figures.size_z_mm = bounds.size_z();
-  doubt_unit(figures, content.models()[number], making, content.unit(file), summary);
+  doubt_unit(figures, content.models()[number], making, unit, summary);
   refuse_size(bounds, name, making.volume);
   content.require_room_to_repair(facets);
   made = std::make_shared<const HeightIndex>(std::move(facets));

@@ -54,6 +54,15 @@ std::string size_text(const SizeMm& size) {
   return fmt::format("{} x {} x {} mm", text(size[0]), text(size[1]), text(size[2]));
 }
 
+// Returns the hint for a model whose file has this unit, and is likely in the other one.
+std::string wrong_in_file(LengthUnit named, LengthUnit likely, const SizeMm& size, double factor) {
+  return fmt::format(
+      "the model measures {} in the unit that its file names, {}: in {}, it would measure {}; if that is "
+      "right, "
+      "set \"scale\": {:.6g} in its ticket (contourctl submit --scale {:.6g})",
+      size_text(size), plural_of(named), plural_of(likely), size_text(times(size, factor)), factor, factor);
+}
+
 std::string in_unit(LengthUnit unit, const SizeMm& size) {
   return fmt::format(
       "in {}, the model would measure {}; if that is right, set \"unit\": \"{}\" in its ticket "
@@ -121,12 +130,26 @@ void look_at_shells(const PlateModel& model, const std::string& prefix, ModelSum
 
 }  // namespace
 
+bool applies_unit(std::string_view format) {
+  return format == "3mf" || format == "amf";
+}
+
+std::string unit_conflict(const ModelUnit& unit) {
+  if (!unit.is_applied || !unit.asked || !unit.named || *unit.asked == *unit.named) return "";
+  return fmt::format(
+      "the unit that was asked for, {}, is ignored, because the file names its own, {}: to enlarge the "
+      "model, "
+      "set \"scale\" in its ticket",
+      plural_of(*unit.asked), plural_of(*unit.named));
+}
+
 std::string unit_hint(const SizeMm& size, const ModelUnit& unit, const SizeMm& room) {
-  const LengthUnit now = unit.asked.value_or(LengthUnit::Millimeter);
+  const LengthUnit read_in = unit.is_applied && unit.named ? *unit.named : LengthUnit::Millimeter;
+  const LengthUnit now = unit.is_applied ? read_in : unit.asked.value_or(read_in);
   const auto size_in = [&](LengthUnit other) {
     return times(size, millimeters_in(other) / millimeters_in(now));
   };
-  if (unit.named && !unit.asked) {
+  if (unit.named && !unit.asked && !unit.is_applied) {
     if (*unit.named == now) return "";
     return fmt::format("the model's file names {} as its unit and is read in millimetres: {}",
                        plural_of(*unit.named), in_unit(*unit.named, size_in(*unit.named)));
@@ -140,6 +163,8 @@ std::string unit_hint(const SizeMm& size, const ModelUnit& unit, const SizeMm& r
   };
   const auto* const likely = std::ranges::find_if(kUsualUnits, is_likely);
   if (likely == kUsualUnits.end()) return "";
+  if (unit.is_applied)
+    return wrong_in_file(now, *likely, size, millimeters_in(*likely) / millimeters_in(now));
   return fmt::format("the model measures {} if it is drawn in {}: {}", size_text(size), plural_of(now),
                      in_unit(*likely, size_in(*likely)));
 }

@@ -9,6 +9,7 @@
 #include <span>
 #include <stop_token>
 #include <string>
+#include <string_view>
 
 #include "core/engine/contour_engine.hpp"
 #include "core/layers/print_layers.hpp"
@@ -25,7 +26,15 @@ using SizeMm = std::array<double, 3>;
 struct ModelUnit {
   std::optional<LengthUnit> asked{};  // by the ticket; nullopt: mm
   std::optional<LengthUnit> named{};  // by the file
+  bool is_applied = false;            // see applies_unit(): `asked` has no effect
 };
+
+// True if files of this format have a unit, which is applied when they are read: 3MF and AMF.
+[[nodiscard]] bool applies_unit(std::string_view format);
+
+// Returns a warning that the file's own unit was used instead of the one that was asked for; empty if the
+// file has none, or if they are the same.
+[[nodiscard]] std::string unit_conflict(const ModelUnit& unit);
 
 // Returns a hint, a clause with the size that the model would have in its likely unit; empty if its own unit
 // is plausible. The likely unit is the one that the file names, unless a ticket asks for a unit; for a model

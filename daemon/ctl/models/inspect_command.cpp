@@ -37,14 +37,15 @@ using Json = nlohmann::ordered_json;
 constexpr SizeMm kUsualRoom{250, 250, 250};
 
 // Converts the model to millimetres, and adds warnings about its unit and its precision.
-void convert(Model& model, const std::optional<LengthUnit>& unit) {
-  const double factor = millimeters_in(unit.value_or(LengthUnit::Millimeter));
+void convert(Model& model, const ModelUnit& unit) {
+  const LengthUnit read_in =
+      unit.is_applied ? LengthUnit::Millimeter : unit.asked.value_or(LengthUnit::Millimeter);
+  const double factor = millimeters_in(read_in);
   const std::string imprecise = precision_warning(bounds_of(model.facets), factor);
   enlarge(model.facets, Scale{factor});
   const Bounds bounds = bounds_of(model.facets);
-  const std::string hint =
-      unit_hint({bounds.size_x(), bounds.size_y(), bounds.size_z()}, {unit, model.unit}, kUsualRoom);
-  for (const std::string& warning : {imprecise, hint})
+  const std::string hint = unit_hint({bounds.size_x(), bounds.size_y(), bounds.size_z()}, unit, kUsualRoom);
+  for (const std::string& warning : {unit_conflict(unit), imprecise, hint})
     if (!warning.empty()) model.warnings.push_back(warning);
 }
 
@@ -92,7 +93,7 @@ void print(const Model& model, std::string_view format, const MeshReport& report
 
 int inspect(const InspectOptions& options) {
   auto [model, format] = read_model(options.model);
-  convert(model, parse_unit(options.unit));
+  convert(model, {parse_unit(options.unit), model.unit, applies_unit(format)});
   MeshReport report = inspect_mesh(model.facets);
   Bounds& b = report.bounds;
   for (double* const coordinate : {&b.min_x, &b.min_y, &b.min_z, &b.max_x, &b.max_y, &b.max_z})

@@ -126,11 +126,13 @@ std::string orientation_page(const std::string& name, const ModelOrientation& or
 }
 
 int orient(const OrientOptions& options) {
-  const std::optional<double> scale = parse_size(options.size);
+  (void)parse_size(options.size);
   if (options.force && !options.pictures) throw UsageError("--force needs --pictures");
   refuse_to_overwrite_model(options.model, "--html", options.html);
   const OrientationLimits limits = limits_of(options);
-  const Model model = read_model(options.model).model;
+  ModelOfFile read = read_model(options.model);
+  const std::optional<double> scale = size_of(read, options.size);
+  const Model& model = read.model;
   print_warnings(model.warnings);
   const std::vector<Facet>& facets = model.facets;
   if (facets.empty()) throw ModelError(options.model.string() + ": the file holds no facets");

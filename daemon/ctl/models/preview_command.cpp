@@ -243,7 +243,7 @@ NotedPicture shaded_job(const PreviewSubject& subject, const PreparedJob& job) {
 std::vector<Facet> facets_of(const PreviewSubject& subject) {
   const JobFiles& files = subject.files;
   if (!subject.spooled) {
-    Model model = read_turned_model(files.model, std::nullopt, std::nullopt);
+    Model model = read_turned_model(files.model, std::nullopt, {});
     print_warnings(model.warnings);
     return std::move(model.facets);
   }

@@ -98,7 +98,7 @@ PrintSubject subject_alone(const PrintArgs& args) {
     take_resin(args, subject);
     layer = subject.resin->layer_height;
   }
-  Model model = read_turned_model(args.model, up, parse_size(args.size));
+  Model model = read_turned_model(args.model, up, args.size);
   std::ranges::move(model.warnings, std::back_inserter(subject.warnings));
   const auto made = std::make_shared<const HeightIndex>(std::move(model.facets));
   std::ranges::move(mesh_warnings(made->turned_outwards(), made->repairs()),
@@ -135,7 +135,9 @@ PrintSubject subject_of_printer(const PrintArgs& args) {
   // Reads the model first, so that a bad file gives the same message as with other commands.
   const std::vector<std::string> names = models_named_in(args.ticket);
   if (!holds_layers(args.model, names)) (void)read_model(args.model, names);
-  AskedOfJob asked{.scale = parse_size(args.size), .hollow_wall = parse_hollow(args.hollow_mm)};
+  AskedOfJob asked{.unit = parse_unit(args.size.unit),
+                   .scale = parse_size({std::nullopt, args.size.scale}),
+                   .hollow_wall = parse_hollow(args.hollow_mm)};
   if (args.supports) asked.supports = support_policy(*args.supports);
   if (args.undersides) asked.undersides = undersides_of(*args.undersides);
   if (args.mode) asked.mode = print_way_of(*args.mode);

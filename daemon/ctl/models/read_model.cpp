@@ -9,6 +9,7 @@
 #include "daemon/formats/model_input.hpp"
 #include "daemon/json/config_error.hpp"
 #include "daemon/prepare/job_memory.hpp"
+#include "daemon/prepare/model_checks.hpp"
 #include "daemon/system/readable.hpp"
 
 namespace contourd::ctl {
@@ -34,6 +35,14 @@ ModelOfFile read_model(const std::filesystem::path& path, const std::vector<std:
   } catch (const JobTooLarge& error) {
     throw ModelError(path.string() + ": " + error.what());
   }
+}
+
+std::optional<double> size_of(ModelOfFile& read, const SizeArgs& args) {
+  const ModelUnit unit{parse_unit(args.unit), read.model.unit, applies_unit(read.format)};
+  if (!unit.is_applied) return parse_size(args);
+  if (std::string conflict = unit_conflict(unit); !conflict.empty())
+    read.model.warnings.push_back(std::move(conflict));
+  return parse_size({std::nullopt, args.scale});
 }
 
 void print_warnings(const std::vector<std::string>& warnings) {
@@ -77,6 +86,7 @@ PreparedJob prepare_model(const JobFiles& files, const PrinterConfig& printer, c
     if (asked.supports) settings.supports = *asked.supports;
     settings.resin.undersides = asked.undersides.value_or(settings.resin.undersides);
     settings.resin.mode = asked.mode.value_or(settings.resin.mode);
+    if (asked.unit) settings.ticket.models.front().unit = *asked.unit;
     if (asked.scale) {
       settings.ticket.models.front().scale = Scale{*asked.scale};
       settings.ticket.models.front().fit = false;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/model/model.hpp"
+#include "daemon/ctl/models/model_arguments.hpp"
 #include "daemon/prepare/print_job.hpp"
 
 namespace contourd::ctl {
@@ -22,6 +23,9 @@ struct ModelOfFile {
 // ModelError, and std::system_error if the file cannot be read.
 [[nodiscard]] ModelOfFile read_model(const std::filesystem::path& path,
                                      const std::vector<std::string>& names = {});
+// Returns the factor by which the model is enlarged, which parse_size() returns for a file without a unit of
+// its own. If --unit is ignored, the model gets a warning.
+[[nodiscard]] std::optional<double> size_of(ModelOfFile& read, const SizeArgs& args);
 // Prints warnings about a model on stderr, a line each.
 void print_warnings(const std::vector<std::string>& warnings);
 // Throws the exceptions of read_model() for defects that the beginning of the file shows.
@@ -39,6 +43,7 @@ void look_at_models(const std::filesystem::path& path, const std::vector<std::st
 struct AskedOfJob {
   std::optional<SupportPolicy> supports{};
   std::optional<Undersides> undersides{};
+  std::optional<LengthUnit> unit{};
   std::optional<double> scale{};
   std::optional<Millimeters> hollow_wall{};  // least thickness of the walls of a hollow model
   std::optional<PrintWay> mode{};

@@ -403,7 +403,7 @@ void warn_if_erased(const SliceOptions& options, const SupportedModel& supported
 
 // Slices the model as it is in its file, or with supports.
 int slice_model(const SliceOptions& options) {
-  Model read = read_turned_model(options.print.model, options.up, parse_size(options.print.size));
+  Model read = read_turned_model(options.print.model, options.up, options.print.size);
   print_warnings(read.warnings);
   const auto model = std::make_shared<const HeightIndex>(std::move(read.facets));
   print_warnings(mesh_warnings(model->turned_outwards(), model->repairs()));

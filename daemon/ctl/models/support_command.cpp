@@ -93,7 +93,7 @@ int support(const SupportOptions& options) {
   (void)parse_size(options.size);
   refuse_to_overwrite_model(options.model, "--stl", options.stl);
   if (options.with_model && !options.stl) throw UsageError("--with-model needs --stl");
-  Model model = read_turned_model(options.model, up, parse_size(options.size));
+  Model model = read_turned_model(options.model, up, options.size);
   print_warnings(model.warnings);
   const SupportedModel supported =
       support_model(std::make_shared<const HeightIndex>(std::move(model.facets)), supporting);

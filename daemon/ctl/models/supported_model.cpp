@@ -33,20 +33,22 @@ Direction best_up(const std::vector<Facet>& facets, OrientationPreset preset, do
 }  // namespace
 
 Model read_turned_model(const std::filesystem::path& path, const std::optional<UpOption>& up,
-                        const std::optional<double>& scale) {
-  Model model = read_model(path).model;
+                        const SizeArgs& size) {
+  ModelOfFile read = read_model(path);
+  const std::optional<double> scale = size_of(read, size);
+  Model& model = read.model;
   if (!up && model.y_is_up) orient(model.facets, {.up = Direction{0, 1, 0}});
   if (up && !model.facets.empty()) {
     const auto* const preset = std::get_if<OrientationPreset>(&*up);
     orient(model.facets, {.up = preset != nullptr ? best_up(model.facets, *preset, scale.value_or(1))
                                                   : std::get<Direction>(*up)});
   }
-  if (!scale) return model;
+  if (!scale) return std::move(model);
   orient(model.facets, {.scale = Scale{*scale}});
   const Bounds bounds = bounds_of(model.facets);
   if (!std::isfinite(bounds.size_x() + bounds.size_y() + bounds.size_z()))
     throw ModelError("the model is too large: its coordinates leave the range of numbers");
-  return model;
+  return std::move(model);
 }
 
 std::vector<std::string> SupportedModel::warnings() const {

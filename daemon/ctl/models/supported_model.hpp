@@ -30,7 +30,7 @@ inline constexpr OrientationLimits kAnyPrinter{
 // orientation is to be found, uses kAnyPrinter and prints the orientation on stderr. Throws the exceptions of
 // read_model(), and ModelError if coordinates leave the range of numbers.
 [[nodiscard]] Model read_turned_model(const std::filesystem::path& path, const std::optional<UpOption>& up,
-                                      const std::optional<double>& scale);
+                                      const SizeArgs& size);
 
 // Longest time for a mask that a check of the model looks at.
 inline constexpr Duration kLongestMask = std::chrono::seconds(5);

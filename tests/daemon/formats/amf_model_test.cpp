@@ -62,6 +62,8 @@ TEST_CASE("An AMF model has the facets of the same STL model, plain, zipped and 
   CHECK(same_facets(read_text(testing::gzipped(text)).facets, ball));
   CHECK(same_facets(read_text(testing::zipped({{"a.amf", text}})).facets, ball));
   CHECK(bounds_of(read_text(amf_file(amf_object("1", kSlab), "inch")).facets).max_x == testing::Approx(127));
+  CHECK(read_text(amf_file(amf_object("1", kSlab), "inch")).unit == LengthUnit::Inch);
+  CHECK(read_text(text).unit == LengthUnit::Millimeter);
   CHECK(bounds_of(read_text(amf_file(amf_object("1", kSlab), "feet")).facets).max_x == testing::Approx(1524));
 }
 

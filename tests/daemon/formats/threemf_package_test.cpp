@@ -111,6 +111,8 @@ TEST_CASE("The unit of a 3MF model applies: the facets are in millimetres") {
         read_3mf(threemf_object(1, kUnitBox), "<item objectid=\"1\"/>", fmt::format("unit=\"{}\"", unit));
     const models::Facets box = models::box({0, 0, 0}, {times(mm, 1), times(mm, 2), times(mm, 3)});
     CHECK(testing::same_facets(model.facets, box));
+    REQUIRE(model.unit.has_value());
+    CHECK(millimeters_in(*model.unit) == testing::Approx(mm));
   }
   CHECK(lacking(refusal_of_3mf(threemf_object(1, kUnitBox), "<item objectid=\"1\"/>", "unit=\"parsec\""),
                 {"unit \"parsec\" is unknown"})

@@ -295,6 +295,26 @@ TEST_CASE("Coordinates so far from the origin that floats are 5 um apart give a 
   CHECK(precision_warning({0, 0, 0, 2e5, 1, 1}, 1).empty());
 }
 
+TEST_CASE("The unit that a 3MF or AMF file names wins over the one that was asked for, with a warning") {
+  CHECK(applies_unit("3mf"));
+  CHECK(applies_unit("amf"));
+  CHECK_FALSE(applies_unit("binary"));
+  CHECK_FALSE(applies_unit("obj"));
+  const ModelUnit inches_asked{LengthUnit::Inch, LengthUnit::Micrometer, true};
+  CHECK(has(unit_conflict(inches_asked), "inches, is ignored, because the file names its own, micrometres"));
+  CHECK(unit_conflict({LengthUnit::Inch, LengthUnit::Inch, true}).empty());
+  CHECK(unit_conflict({{}, LengthUnit::Inch, true}).empty());
+  CHECK(unit_conflict({LengthUnit::Inch, LengthUnit::Millimeter, false}).empty());
+  CHECK(unit_hint({26, 9, 6}, inches_asked, kRoom).empty());
+  CHECK(unit_hint({26, 9, 6}, {{}, LengthUnit::Inch, true}, kRoom).empty());
+  // The file's unit may be wrong, and the ticket's unit would not help.
+  CHECK(
+      unit_hint({0.04, 0.03, 0.06}, {{}, LengthUnit::Millimeter, true}, kRoom) ==
+      "the model measures 0.04 x 0.03 x 0.06 mm in the unit that its file names, millimetres: in metres, it "
+      "would measure 40 x 30 x 60 mm; if that is right, set \"scale\": 1000 in its ticket (contourctl submit "
+      "--scale 1000)");
+}
+
 TEST_CASE_METHOD(PrintJobFixture, "A ticket's unit scales the model, its holes stay in millimetres") {
   const PreparedJob job =
       prepare(models::box({0, 0, 0}, {1, 0.5, 0.25}), R"({"unit": "inch", "scale": 0.5, "drain": [
