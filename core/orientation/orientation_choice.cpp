@@ -63,21 +63,40 @@ void rank(std::vector<OrientationFigures>& rated, const OrientationWeights& weig
 
 using Ranked = std::vector<OrientationFigures>;
 
-// Returns the model as drawn, or with its base flat on the plate if it is drawn nearly so.
-Ranked::iterator as_meant(Ranked& ranked) {
+// True if the model, as drawn, lies on the plate with a face that is exactly level.
+bool lies_level(std::span<const Facet> facets) {
+  // A micrometre, and the sine of 0.005 degrees: more than rounding, less than any layer.
+  constexpr double kHigherMm = 1e-3, kLevelSine = 8.7e-5, kLeastMm2 = 1;
+  const double lowest = bounds_of(facets).min_z;
+  double level_mm2 = 0;
+  for (const Facet& facet : facets) {
+    if (heights_of(facet).high > lowest + kHigherMm) continue;
+    const Direction area = area_of(facet);
+    if (std::hypot(area.x, area.y) < -kLevelSine * area.z) level_mm2 -= area.z;
+  }
+  return level_mm2 >= kLeastMm2;
+}
+
+// Returns the model as drawn, or with its base flat on the plate if it is drawn nearly so. The flat base may
+// be worse by `slack`, for its wide first layer, if it needs no more contacts.
+Ranked::iterator as_meant(Ranked& ranked, double slack) {
   const auto drawn = std::ranges::find(ranked, kAsDrawn, &OrientationFigures::up);
   const auto level = std::ranges::find_if(ranked, [&](const OrientationFigures& each) {
-    return each.stands && each.up.z > kCosNearlyLevel && each.fits == drawn->fits &&
-           each.score <= drawn->score;
+    const bool as_good = each.score <= drawn->score ||
+                         (each.score <= drawn->score + slack && each.contacts <= drawn->contacts &&
+                          each.touched_mm2 <= drawn->touched_mm2);
+    return each.stands && each.up.z > kCosNearlyLevel && each.up != kAsDrawn && each.fits == drawn->fits &&
+           as_good;
   });
   return level != ranked.end() ? level : drawn;
 }
 
-// Moves the direction to be printed to the front.
-void choose(OrientationChoice& choice, const OrientationWeights& weights) {
+// Moves the direction to be printed to the front. `level`: the model lies level as drawn.
+void choose(OrientationChoice& choice, const OrientationWeights& weights, bool level) {
   Ranked& ranked = choice.ranked;
-  const auto meant = as_meant(ranked);
   const double all = weights.support + weights.contacts + weights.peel + weights.height + weights.standing;
+  const auto meant = level ? std::ranges::find(ranked, kAsDrawn, &OrientationFigures::up)
+                           : as_meant(ranked, kWorthTurning * all);
   const bool may_stay = meant->fits || !ranked.front().fits;
   const bool good_enough = meant->score <= ranked.front().score + kWorthTurning * all;
   if (may_stay && (good_enough || choice.own_supports)) std::rotate(ranked.begin(), meant, meant + 1);
@@ -104,7 +123,7 @@ class Choosing {
     choice.steps = steps_;
     take_worst(choice.ranked);
     rank(choice.ranked, request_.weights, worst_);
-    contourd::choose(choice, request_.weights);
+    contourd::choose(choice, request_.weights, lies_level(facets_));
     return choice;
   }
 

@@ -228,6 +228,26 @@ TEST_CASE("A base that is drawn nearly level is put flat on the plate") {
   }
 }
 
+TEST_CASE("A base that is drawn nearly level is put flat also if it is the widest layer") {
+  const models::Facets bowl = models::lathe(std::vector<Point>{{0, 0}, {10, 0}, {3, 12}, {0, 12}}, 32);
+  for (const double tilt_deg : {0.1, 0.3, 0.6, 1.0, 3.0}) {
+    models::Facets tilted = bowl;
+    orient(tilted, {.x_deg = tilt_deg, .z_deg = -44});
+    const OrientationFigures best = chosen(tilted).chosen();
+    INFO(tilt_deg);
+    CHECK(std::abs(best.size_z_mm - 12) < 0.001);
+    CHECK(best.up.z > 0.99);
+    CHECK(best.contacts == 0);
+  }
+  // The second face of its underside is nearly level, but the model lies on the first one.
+  models::Facets roof = models::box({0, 0, 0}, {20, 20, 10});
+  for (Facet& facet : roof)
+    for (Vertex& v : facet.vertices)
+      if (v.x == 20 && v.z == 0) v.z = 0.2F;
+  const models::Facets keel = together(models::box({-20, 0, 0}, {0, 20, 10}), roof);
+  CHECK(chosen(keel).as_drawn());
+}
+
 TEST_CASE("A model that carries supports in its file stays as drawn", "[long]") {
   for (const OrientationPreset preset :
        {OrientationPreset::Auto, OrientationPreset::Fast, OrientationPreset::Clean}) {
