@@ -224,7 +224,8 @@ double OrientationRating::apart(std::uint32_t a, std::uint32_t b) const {
 }
 
 // Finds the vertices that no facet joins to a lower one; of several at one height, one counts. If the
-// vertex's facets look down, the model begins there; if they look up, it is the bottom of a pit.
+// vertex's facets look down, the model begins there; if they look up, it is the bottom of a pit; if one lies
+// within another body, that body carries the vertex.
 void OrientationRating::find_lowest(const Direction& up, bool stands) {
   std::ranges::fill(downwards_, 0.0);
   const auto lower = [this](std::uint32_t v, std::uint32_t other) {
@@ -234,7 +235,7 @@ void OrientationRating::find_lowest(const Direction& up, bool stands) {
     const auto [a, b, c] = side.corners;
     const std::uint32_t lowest = lower(lower(a, b), c);
     for (const std::uint32_t v : side.corners)
-      downwards_[v] += v == lowest ? side.along(up) : HUGE_VAL;
+      downwards_[v] += v == lowest && !side.hidden ? side.along(up) : HUGE_VAL;
   }
   for (std::uint32_t v = 0; v < downwards_.size(); ++v) {
     if (!(downwards_[v] < 0) || (stands && heights_[v] <= kOnPlateMm)) continue;

@@ -71,7 +71,7 @@ RatedMesh::RatedMesh(const Making& making) {
     const Direction outwards{area.x * factor, area.y * factor, area.z * factor};
     sides_.push_back({corners[f], static_cast<float>(outwards.x), static_cast<float>(outwards.y),
                       static_cast<float>(outwards.z), static_cast<float>(length_of(outwards)),
-                      is_kept(making.keep_clean, facet, outwards)});
+                      is_kept(making.keep_clean, facet, outwards), factor == 0});
   }
   number_cells(making.cell_mm);
 }

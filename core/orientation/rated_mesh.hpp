@@ -51,6 +51,7 @@ class RatedMesh {
     float x, y, z;    // vector outwards, as long as the area in mm2
     float size;       // the area in mm2
     bool keep_clean = false;
+    bool hidden = false;  // lies within another body: its weight is 0
 
     // Returns the area seen along a direction of length 1; below 0 if the facet looks the other way.
     [[nodiscard]] double along(const Direction& up) const { return up.x * x + up.y * y + up.z * z; }

@@ -248,6 +248,24 @@ TEST_CASE("A base that is drawn nearly level is put flat also if it is the wides
   CHECK(chosen(keel).as_drawn());
 }
 
+TEST_CASE("Bodies sunk into each other are laid flat whichever way they are drawn") {
+  models::Facets table = models::box({0, 0, 6}, {24, 24, 12});
+  for (const auto& [x, y] : {std::pair{5.0F, 5.0F}, std::pair{19.0F, 5.0F}, std::pair{11.0F, 19.0F}}) {
+    models::Facets leg = models::lathe(std::vector<Point>{{0, 0}, {3, 0}, {3, 6.1}, {0, 6.1}}, 24);
+    models::translate(leg, x, y, 0);
+    table = together(table, leg);
+  }
+  for (const double tilt_deg : {0.0, 0.01, 0.05, 0.3, 1.0, 3.0, 30.0, 110.0}) {
+    models::Facets tilted = table;
+    orient(tilted, {.z_deg = 20});
+    orient(tilted, {.x_deg = tilt_deg});
+    const OrientationFigures best = chosen(tilted).chosen();
+    INFO(tilt_deg);
+    CHECK(best.contacts == 0);
+    CHECK(std::abs(best.size_z_mm - 12) < 0.01);
+  }
+}
+
 TEST_CASE("A model that carries supports in its file stays as drawn", "[long]") {
   for (const OrientationPreset preset :
        {OrientationPreset::Auto, OrientationPreset::Fast, OrientationPreset::Clean}) {
