@@ -13,8 +13,9 @@
 namespace contourd {
 namespace {
 
-// Limit on the faces of a shell that are sampled.
-constexpr std::uint32_t kSamples = 16;
+// Limits on the faces of a shell that are sampled: at first, and to confirm that a shell is within a solid,
+// because a part of the shell that sticks out may have few of its faces.
+constexpr std::uint32_t kSamples = 16, kConfirmingSamples = 512;
 
 // Limit on the faces that rays look at in all: about a tenth of a second.
 constexpr std::size_t kMaxRayLooks = 10'000'000;
@@ -23,6 +24,10 @@ constexpr std::size_t kMaxRayLooks = 10'000'000;
 // floats, far less than a wall.
 constexpr double kOffset = 1e-5;
 
+// The distance at which the space in front of a face is looked at again, as a part of the model's diagonal: a
+// shell that reaches so far into another one does not just touch it.
+constexpr double kWellInside = 1e-3;
+
 // A shell faces inwards outside of solids, or is a cavity that a solid fills, if this part of its samples
 // says so: surfaces may touch, and a pillar may stand in a cavity.
 constexpr double kFewSamples = 0.2;
@@ -30,7 +35,15 @@ constexpr double kFewSamples = 0.2;
 // Counts of a shell's samples by the winding number in front of the face, on the side it faces.
 struct SampleCounts {
   int all = 0, negative = 0, zero = 0, positive = 0;
+  int well_negative = 0;  // well inside of another shell that faces inwards
 };
+
+// True if the number of a shell's face is one of the about `most` that are sampled: spread evenly, but in no
+// step with the order in which a shell's faces repeat.
+bool is_sampled(std::uint32_t number, std::uint32_t faces, std::uint32_t most) {
+  constexpr double kGoldenRatio = 0.6180339887498949;
+  return faces <= most || std::fmod(number * kGoldenRatio, 1.0) * faces < most;
+}
 
 class ShellInspector {
  public:
@@ -41,7 +54,8 @@ class ShellInspector {
   }
 
   ShellReport inspect() {
-    count_samples();
+    count_samples(kSamples, [](std::uint32_t) { return true; });
+    count_samples(kConfirmingSamples, [this](std::uint32_t p) { return may_be_within(p); });
     bool overlap = false;
     for (std::uint32_t p = 0; p < counts_.size(); ++p) {
       const SampleCounts& counts = counts_[p];
@@ -50,7 +64,7 @@ class ShellInspector {
         note(p, report_.inside_out, report_.inside_out_at);
       } else if (volume_sign(p) < 0 && counts.positive > kFewSamples * counts.all) {
         note(p, report_.filled, report_.filled_at);
-      } else if (volume_sign(p) > 0 && counts.positive == counts.all) {
+      } else if (may_be_within(p)) {
         note(p, report_.within, report_.within_at);
       } else {
         overlap = overlap || (counts.positive > 0 && counts.zero > 0);
@@ -61,12 +75,14 @@ class ShellInspector {
   }
 
  private:
-  void count_samples() {
+  // Samples about `most` faces of each shell for which wanted(its number) is true.
+  template <typename Wanted>
+  void count_samples(std::uint32_t most, Wanted&& wanted) {
     std::vector<std::uint32_t> seen(mesh_.patches.size(), 0);
     for (std::uint32_t f = 0; f < mesh_.faces.size() && probe_.looks() < kMaxRayLooks; ++f) {
       const std::uint32_t patch = mesh_.places[f].patch;
-      const std::uint32_t apart = (mesh_.patches[patch].faces + kSamples - 1) / kSamples;
-      if (seen[patch]++ % apart != 0 || !mesh_.patches[patch].orientable || mesh_.faces[f].net == 0) continue;
+      const bool sampled = is_sampled(seen[patch]++, mesh_.patches[patch].faces, most);
+      if (!sampled || !mesh_.patches[patch].orientable || mesh_.faces[f].net == 0 || !wanted(patch)) continue;
       sample(f, counts_[patch]);
     }
   }
@@ -75,24 +91,33 @@ class ShellInspector {
   void sample(std::uint32_t face, SampleCounts& counts) {
     for (const auto& weights : {std::array{1.0 / 3, 1.0 / 3, 1.0 / 3}, std::array{0.98, 0.01, 0.01},
                                 std::array{0.01, 0.98, 0.01}, std::array{0.01, 0.01, 0.98}}) {
-      const std::optional<SpacePoint> point = point_before(face, weights);
-      const std::optional<int> winding = point ? winding_at(*point) : std::nullopt;
+      const std::optional<int> winding = winding_before(face, weights, kOffset);
       if (!winding) continue;
       ++counts.all;
       ++(*winding < 0 ? counts.negative : *winding == 0 ? counts.zero : counts.positive);
+      if (*winding < 0 && winding_before(face, weights, kWellInside).value_or(0) < 0) ++counts.well_negative;
     }
+  }
+
+  // Returns the winding number in front of a face, at an offset that is a part of the model's diagonal;
+  // nullopt if it is not known.
+  [[nodiscard]] std::optional<int> winding_before(std::uint32_t face, const std::array<double, 3>& weights,
+                                                  double offset) {
+    const std::optional<SpacePoint> point = point_before(face, weights, offset);
+    return point ? winding_at(*point) : std::nullopt;
   }
 
   // Returns a point in front of the face, on the side that its facets face; nullopt if it has no area.
   [[nodiscard]] std::optional<SpacePoint> point_before(std::uint32_t face,
-                                                       const std::array<double, 3>& weights) const {
+                                                       const std::array<double, 3>& weights,
+                                                       double offset) const {
     const auto& [a, b, c] = facets_[mesh_.faces[face].facet].vertices;
     const double ux = double{b.x} - a.x, uy = double{b.y} - a.y, uz = double{b.z} - a.z;
     const double vx = double{c.x} - a.x, vy = double{c.y} - a.y, vz = double{c.z} - a.z;
     const double nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
     const double length = std::hypot(nx, ny, nz);
     if (!(length > 0)) return std::nullopt;
-    const double step = (mesh_.faces[face].net > 0 ? kOffset : -kOffset) * diagonal_mm_ / length;
+    const double step = (mesh_.faces[face].net > 0 ? offset : -offset) * diagonal_mm_ / length;
     const auto [wa, wb, wc] = weights;
     return SpacePoint{wa * a.x + wb * b.x + wc * c.x + step * nx, wa * a.y + wb * b.y + wc * c.y + step * ny,
                       wa * a.z + wb * b.z + wc * c.z + step * nz};
@@ -115,10 +140,16 @@ class ShellInspector {
     return (patch.six_volumes > 0) == (patch.net > 0) ? 1 : -1;
   }
 
+  // True if a shell faces outwards within a solid, as far as it has been sampled.
+  [[nodiscard]] bool may_be_within(std::uint32_t p) const {
+    return counts_[p].all > 0 && counts_[p].positive == counts_[p].all && volume_sign(p) > 0;
+  }
+
   [[nodiscard]] bool is_inside_out(std::uint32_t p) const {
     const SampleCounts& counts = counts_[p];
     const int sign = volume_sign(p);
-    return sign == 0 ? counts.negative == counts.all : sign < 0 && counts.negative > kFewSamples * counts.all;
+    if (sign == 0) return counts.negative == counts.all;
+    return sign < 0 && (counts.negative > kFewSamples * counts.all || counts.well_negative > 0);
   }
 
   void note(std::uint32_t patch, std::uint64_t& count, Vertex& at) const {

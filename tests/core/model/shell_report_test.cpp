@@ -68,6 +68,41 @@ TEST_CASE("A shell that faces outwards within a solid is found, unless shells re
   CHECK(report_of(together(kBlock, models::cone(4, 10.5, 12))) == ShellReport{});
 }
 
+TEST_CASE("A thin pin or a ball that sticks out of a solid, but for its end, is not within the solid") {
+  const auto moved = [](models::Facets facets, float x, float y, float z) {
+    models::translate(facets, x, y, z);
+    return facets;
+  };
+  for (const int sides : {8, 16, 32, 60}) {
+    // Faces of the lower cap, the upper cap and the wall take turns.
+    models::Facets pin;
+    const models::Facets wall =
+        models::lathe(std::vector<Point>{{0, 0}, {0.05, 0}, {0.05, 5.1}, {0, 5.1}}, sides);
+    const std::size_t rows = wall.size() / static_cast<std::size_t>(sides);
+    for (std::size_t side = 0; side < static_cast<std::size_t>(sides); ++side)
+      for (std::size_t row = 0; row < rows; ++row)
+        pin.push_back(wall[row * static_cast<std::size_t>(sides) + side]);
+    CAPTURE(sides);
+    CHECK(inspect_shells(together(kBlock, moved(pin, 5, 5, 9.9F))) == ShellReport{});
+    CHECK(inspect_shells(together(kBlock, moved(wall, 5, 5, 9.9F))) == ShellReport{});
+    CHECK(inspect_shells(together(kBlock, moved(pin, 5, 5, 4))).within == 1);
+  }
+  CHECK(inspect_shells(together(moved(models::globe(3, 24, 32), 0, 0, 8), models::cone(1, 5.2, 16))) ==
+        ShellReport{});
+}
+
+TEST_CASE("Cavities that reach into each other are told, however little, but not those that touch") {
+  const models::Facets first = inverted(models::box({2, 2, 2}, {5, 5, 5}));
+  for (const float low : {3.0F, 4.0F, 4.8F}) {
+    CAPTURE(low);
+    const models::Facets second = inverted(models::box({low, low, low}, {8, 8, 8}));
+    CHECK(report_of(together({kBlock, first, second})).inside_out > 0);
+  }
+  CHECK(report_of(together({kBlock, first, inverted(models::box({5, 2.5F, 2.5F}, {8, 4, 4}))})) ==
+        ShellReport{});
+  CHECK(report_of(together({kBlock, first, inverted(models::box({6, 6, 6}, {8, 8, 8}))})) == ShellReport{});
+}
+
 TEST_CASE("A cavity that another solid fills is found, wherever the solids overlap") {
   const models::Facets cavity = inverted(kCore);
   // The other solid contains the cavity, cuts it in half, contains the block or equals it nearly.
