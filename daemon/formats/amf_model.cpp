@@ -342,7 +342,12 @@ bool is_amf(const FileStart& start) {
   const std::size_t root = text.find("<amf");
   const std::string_view xml = text.substr(begin);
   const bool has_prolog = xml.starts_with("<?xml") || xml.starts_with("<!--");
-  return root == begin || (has_prolog && root != std::string_view::npos);
+  // A comment that fills the first bytes hides what the file is; few other models begin with one.
+  const std::size_t comment = xml.rfind("<!--");
+  const bool is_hidden = comment != std::string_view::npos &&
+                         xml.find("-->", comment) == std::string_view::npos &&
+                         start.bytes.size() < start.file_bytes;
+  return root == begin || (has_prolog && (root != std::string_view::npos || is_hidden));
 }
 
 ModelOutline amf_outline(std::uint64_t bytes) {

@@ -123,6 +123,13 @@ TEST_CASE("Comments of any usual length may come before an AMF model") {
   CHECK(read_text(comment + "<amf>" + model + "</amf>").facets.size() == 12);
 }
 
+TEST_CASE(
+    "A comment that is longer than the bytes by which files are recognised may come before an AMF model") {
+  const std::string start = "<?xml version=\"1.0\"?>\n<!-- " + std::string(200'000, 'c') + " -->\n";
+  CHECK(read_text(start + "<amf>" + amf_object("1", kSlab) + "</amf>").facets.size() == 12);
+  CHECK(lacking(refusal_of_amf(start + "<svg></svg>"), {"does not begin with an AMF model"}).empty());
+}
+
 TEST_CASE("Curves and modifiers of an AMF model are left out with a warning") {
   std::string text = amf_file(amf_object("1", kSlab));
   text.insert(text.find("</coordinates>") + 14, "<normal><nx>1</nx><ny>0</ny><nz>0</nz></normal>");
