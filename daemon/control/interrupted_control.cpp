@@ -137,7 +137,7 @@ void InterruptedControl::looked_at(const ClaimedJob::Resumed& resumed, const Loo
     // The plate may have been moved meanwhile.
     if (interrupted.progress.print != resumed.print.progress.print)
       throw ControlRefusal("the print cannot go on: the plate was moved by hand since the power cut");
-    parts_.hold.interrupted_goes_on();
+    parts_.hold.set_interrupted(std::nullopt);
     // A print that has begun was accepted.
     parts_.use.begin({.files = files,
                       .settings = look.settings,

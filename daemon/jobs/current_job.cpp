@@ -223,7 +223,7 @@ void CurrentJob::wait_again(const std::string& reason) {
   spool_.run([] { return true; },
              [this, print = std::move(print)](bool) {
                job_.reset();
-               hold_.interrupted_waits(print);
+               hold_.set_interrupted(print);
                observer_.job_changed("state");
                observer_.may_stop();
              });

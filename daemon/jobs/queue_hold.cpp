@@ -35,6 +35,20 @@ std::string write_over(const std::filesystem::path& file, const JobProgress& pro
   }
 }
 
+// Returns why the queue is held for a print whose progress is recorded and whose files are gone from
+// printing/.
+std::string held_without_files(const JobProgress& progress, const std::filesystem::path& printing) {
+  return fmt::format(
+      "{}{}{}, {}; its files are not in {}: if their disk is not mounted, mount it and restart "
+      "contourd, which then can continue the print",
+      progress.job, kWasInterrupted, kWhyInterrupted, describe(progress), printing.string());
+}
+
+// Returns how far the job's print was; nullptr if that is unknown.
+const JobProgress* progress_of(const ProgressRecord::Found& found, const JobFiles& files) {
+  return found.progress && found.progress->job == files.name ? &*found.progress : nullptr;
+}
+
 void keep_on_disk(const StateRecords& records, const std::optional<std::string>& occupant,
                   const std::optional<std::string>& reason) {
   records.set_plate_occupant(occupant);
@@ -66,22 +80,16 @@ void QueueHold::adopt_left_jobs(const std::function<bool(const JobFiles&)>& ende
   const bool has_files = !progress_.progress || spool_.ends().end_of(progress_.progress->job) ||
                          SpoolFolders(context_.config.spool_folder).unused_name(progress_.progress->job) !=
                              progress_.progress->job;
-  if (!has_files && has_part(progress_.progress->print))
-    adopt_without_files(*progress_.progress);
-  else if (!interrupted_)  // a job of the same name must not be taken for the recorded one
+  without_files_ = !has_files && has_part(progress_.progress->print);
+  if (without_files_) {
+    // The record stays for the start at which the files are back.
+    plate_occupant_ = progress_.progress->job;
+    reason_ = held_without_files(*progress_.progress, spool_.folder(Spool::Folder::Printing));
+    context_.log.error("interrupted", printable(*reason_), job_fields(*plate_occupant_));
+  } else if (!interrupted_) {  // a job of the same name must not be taken for the recorded one
     ProgressRecord(progress_file(context_.config.spool_folder)).end();
+  }
   if (interrupted_ || without_files_ || !unfiled_.empty()) keep_now();
-}
-
-void QueueHold::adopt_without_files(const JobProgress& progress) {
-  without_files_ = true;
-  plate_occupant_ = progress.job;
-  reason_ = fmt::format(
-      "{}{}{}, {}; its files are not in {}: if their disk is not mounted, mount it and restart "
-      "contourd, which then can continue the print",
-      progress.job, kWasInterrupted, kWhyInterrupted, describe(progress),
-      spool_.folder(Spool::Folder::Printing).string());
-  context_.log.error("interrupted", printable(*reason_), job_fields(progress.job));
 }
 
 bool QueueHold::part_may_hang() const {
@@ -103,10 +111,10 @@ void QueueHold::adopt(const JobFiles& files, bool ended_in_reading) {
       interrupted ? "contourd stopped before this print ended"
                   : fmt::format("contourd stopped before it moved the files of this print, which was {}",
                                 end.outcome);
-  const std::string where = !interrupted                 ? ""
-                            : progress_of(files)         ? ", " + describe(*progress_.progress)
-                            : !progress_.trouble.empty() ? ", and the record of its progress is damaged"
-                                                         : "";
+  const std::string where = !interrupted                    ? ""
+                            : progress_of(progress_, files) ? ", " + describe(*progress_.progress)
+                            : !progress_.trouble.empty()    ? ", and the record of its progress is damaged"
+                                                            : "";
   context_.log.error("interrupted",
                      fmt::format("{}: {} (power cut, crash or kill){}", printable(files.name), how, where),
                      job_fields(files.name));
@@ -118,15 +126,11 @@ void QueueHold::adopt(const JobFiles& files, bool ended_in_reading) {
                                       : " failed: " + end.reason);
 }
 
-const JobProgress* QueueHold::progress_of(const JobFiles& files) const {
-  return progress_.progress && progress_.progress->job == files.name ? &*progress_.progress : nullptr;
-}
-
 bool QueueHold::await_decision(const JobFiles& files, JobEnd& end) {
   if (!progress_.trouble.empty())
     context_.log.error("progress", fmt::format("{}: {}", printable(files.name), printable(progress_.trouble)),
                        job_fields(files.name));
-  const JobProgress* const progress = progress_of(files);
+  const JobProgress* const progress = progress_of(progress_, files);
   if (progress == nullptr) return false;
   end.reason = fmt::format("{}, {}", interruption(end.key, end.job).reason, describe(*progress));
   try {
@@ -200,7 +204,7 @@ std::string QueueHold::sentence() const {
     return fmt::format(
         "the queue is held: {}; its part hangs on the plate: {}, \"contourctl rescue\" lifts the part out, "
         "\"contourctl plate-cleared\" gives the print up once the plate is clear",
-        printable(*reason_), way_on());
+        printable(*reason_), describe_way_on(*interrupted_, context_.machine.z_axis().homes_upwards()));
   if (part_may_hang())
     return fmt::format(
         "the queue is held: {}; its part may hang on the plate: clear the plate, then run \"contourctl "
@@ -210,18 +214,6 @@ std::string QueueHold::sentence() const {
   return fmt::format("the queue is held: {}; check the printer{}, then run \"contourctl {}\"",
                      printable(*reason_), plate_too ? " and clear the plate" : "",
                      plate_too ? "plate-cleared" : "resume");
-}
-
-std::string QueueHold::way_on() const {
-  const std::string tried = interrupted_->trouble.empty() ? ""
-                                                          : fmt::format("the print did not go on: {}; ",
-                                                                        printable(interrupted_->trouble));
-  const bool upwards = context_.machine.z_axis().homes_upwards();
-  if (why_not_resumable(*interrupted_, upwards, false).empty())
-    return tried + "\"contourctl resume\" continues the print";
-  if (why_not_resumable(*interrupted_, upwards, true).empty())
-    return tried + "\"contourctl resume --trust-position\" continues the print";
-  return tried + "the print cannot go on";
 }
 
 void QueueHold::set_plate_occupant(const std::optional<std::string>& job, Saved saved) {

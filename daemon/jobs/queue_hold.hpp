@@ -41,10 +41,9 @@ class QueueHold {
   // Records that the plate of the interrupted print is moved by hand by this distance, or by an unknown one,
   // so that the print does not go on. Does nothing if there is none.
   void interrupted_moves(std::optional<Nanometers> distance);
-  // Forgets the interrupted print, which goes on. The queue stays held until release().
-  void interrupted_goes_on() { interrupted_.reset(); }
-  // Takes an interrupted print back that could not go on, until the user decides again.
-  void interrupted_waits(InterruptedPrint print) { interrupted_ = std::move(print); }
+  // Forgets the interrupted print, which goes on (nullopt), or takes it back, because it could not go on. The
+  // queue stays held until release().
+  void set_interrupted(std::optional<InterruptedPrint> print) { interrupted_ = std::move(print); }
   // True if the queue is held because a print was interrupted whose part may hang on the plate, and no
   // setting of the printer keeps the next job from it: only a user who has cleared the plate may release the
   // queue.
@@ -84,15 +83,8 @@ class QueueHold {
  private:
   // Takes over one job from printing/.
   void adopt(const JobFiles& files, bool ended_in_reading);
-  // Returns how far the job's print was; nullptr if that is unknown.
-  [[nodiscard]] const JobProgress* progress_of(const JobFiles& files) const;
   // Keeps an interrupted print for the user's decision; false if the record does not tell how far it was.
   bool await_decision(const JobFiles& files, JobEnd& end);
-  // Holds the queue for a print whose progress is recorded and whose files are gone from printing/, as if its
-  // disk were not mounted. The record stays for the start at which they are back.
-  void adopt_without_files(const JobProgress& progress);
-  // Returns what the user can do with the interrupted print, apart from giving it up.
-  [[nodiscard]] std::string way_on() const;
   // Returns the recorded end of a job in printing/, or records that it has none.
   [[nodiscard]] JobEnd end_of_left(const std::string& job, bool ended_in_reading);
   // Saves the records for the next start, then files the unfiled jobs.

@@ -86,6 +86,17 @@ std::string why_not_resumable(const InterruptedPrint& interrupted, bool homes_up
                            : distrust + kWaysOut);
 }
 
+std::string describe_way_on(const InterruptedPrint& interrupted, bool homes_upwards) {
+  const std::string tried = interrupted.trouble.empty() ? ""
+                                                        : fmt::format("the print did not go on: {}; ",
+                                                                      printable(interrupted.trouble));
+  if (why_not_resumable(interrupted, homes_upwards, false).empty())
+    return tried + "\"contourctl resume\" continues the print";
+  if (why_not_resumable(interrupted, homes_upwards, true).empty())
+    return tried + "\"contourctl resume --trust-position\" continues the print";
+  return tried + "the print cannot go on";
+}
+
 void move_by_hand(PrintProgress& print, std::optional<Nanometers> distance) {
   print.phase = PrintPhase::Moved;
   if (!distance) print.plate.reset();

@@ -26,6 +26,8 @@ struct InterruptedPrint {
 // the user trusts the recorded height.
 [[nodiscard]] std::string why_not_resumable(const InterruptedPrint& interrupted, bool homes_upwards,
                                             bool trusted);
+// Returns how the user can continue the print, or that it cannot go on, for a sentence.
+[[nodiscard]] std::string describe_way_on(const InterruptedPrint& interrupted, bool homes_upwards);
 // Notes that the plate was moved by hand by this distance, or by an unknown one: the print does not go on.
 void move_by_hand(PrintProgress& print, std::optional<Nanometers> distance);
 // Returns the point from which the print goes on. A layer that may lack light is lit again, in full: resin
