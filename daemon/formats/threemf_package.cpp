@@ -145,15 +145,22 @@ ThreeMfPart read_part(const ZipArchive& archive, const std::string& name, ThreeM
 ThreeMfModel read_parts(const ZipArchive& archive, const std::string& root) {
   ThreeMfModel model{{}, root};
   ThreeMfPart part = read_part(archive, root, ThreeMfRoot::Yes);
-  std::map<std::string, std::string> entries;  // names of entries, by the paths that mean them
+  // Names of entries, by themselves and by what equivalent names have in common: a million references may
+  // spell ten thousand names in different ways.
+  std::map<std::string, std::string> names;
+  for (const ZipEntry& entry : archive.entries())
+    names.emplace(entry.name, entry.name);
+  for (const ZipEntry& entry : archive.entries())
+    names.emplace(common_name(entry.name), entry.name);
   // Reads the reference's file, and sets its path to the name of the entry.
   const auto read_other = [&](ThreeMfReference& reference) {
     if (reference.path.empty()) return;
-    std::string& entry = entries[reference.path];
-    if (entry.empty()) entry = existing_part(archive, reference.path).name;
-    reference.path = entry;
-    if (entry == root || model.parts.contains(entry)) return;
-    model.parts.emplace(entry, read_part(archive, entry, ThreeMfRoot::No));
+    auto found = names.find(reference.path);
+    if (found == names.end()) found = names.find(common_name(reference.path));
+    if (found != names.end()) reference.path = found->second;
+    const std::string& path = reference.path;
+    if (path == root || model.parts.contains(path)) return;
+    model.parts.emplace(path, read_part(archive, path, ThreeMfRoot::No));
   };
   for (ThreeMfReference& item : part.items)
     read_other(item);

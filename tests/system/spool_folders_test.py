@@ -106,7 +106,7 @@ class Members(SpoolTest):
         self.write("state/copied-originals", f"copying {inode} {mark}")
         self.printer.start()
         self.assertEqual(self.printer.names_in("failed"), ["plate", "plate.reason.txt"])
-        self.printer.rpc("resume")
+        self.printer.rpc("plate_cleared")
         self.is_not_printed_again("plate")
 
     def test_a_power_cut_before_the_copy_is_complete_loses_no_plate(self):
