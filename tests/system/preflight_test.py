@@ -49,7 +49,7 @@ class Vat(PreflightTest):
     def test_prints_use_up_what_was_filled_in_also_after_a_restart(self):
         daemon = self.daemon()
         self.assertIsNone(self.vat_ml(daemon))
-        self.assertIn(b"not known", daemon.ctl("vat").stdout)
+        self.assertIn(b"unknown", daemon.ctl("vat").stdout)
         self.assertIn(b"about 150 ml", daemon.ctl("vat", "filled", "150").stdout)
         used = daemon.printed("part.stl", BLOCK)["exposed_volume_mm3"] / 1000
         self.assertGreater(used, 1)
