@@ -207,7 +207,8 @@ std::map<std::string, std::size_t> leave_out(ThreeMfModel& model, const ThreeMfS
 
 std::map<std::string, std::size_t> leave_out_kinds(ThreeMfModel& model) {
   std::map<std::string, std::size_t> kinds;
-  for (auto& [name, part] : model.parts) {
+  for (auto& named : model.parts) {
+    ThreeMfPart& part = named.second;
     const auto is_left_out = [&](const ThreeMfReference& reference) {
       const auto other = reference.path.empty() ? model.parts.end() : model.parts.find(reference.path);
       const ThreeMfPart& from = other == model.parts.end() ? part : other->second;
