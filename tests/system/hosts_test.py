@@ -550,6 +550,12 @@ class OdysseyTest(HostTest):
         self.assertEqual((ended["layer"], ended["paused"], names), (None, False, {"status"}))
         self.refused("POST", "/print/cancel", 409, "no print to cancel")
 
+    def test_the_emergency_stop_of_orion_cancels_the_print(self):
+        self.serve_host(Daemon(self, realtime(), ENDLESS).start())
+        self.daemon.begin("part.stl", SMALL)
+        self.post("/manual/hardware_command?command=M112")
+        self.assertEqual(self.daemon.wait_ended("part")["outcome"], "cancelled")
+
     def test_files_are_listed_by_pages_and_deleted(self):
         self.serve_host()
         for name in ("a.stl", "b.stl", "c.stl"):
@@ -590,7 +596,7 @@ class OdysseyTest(HostTest):
         self.assertEqual((config["printer"]["max_z"], type(config["printer"]["max_z"])), (self.daemon.config["z_axis"]["travel_mm"], float))
         self.assertRegex(self.get("/version"), r"^contourd \d")
         before = self.daemon.status()["manual"]
-        for path in ("/manual?z=10.0", "/manual?cure=true", "/manual/home", "/manual/display_test?test=White", "/manual/hardware_command?command=M112"):
+        for path in ("/manual?z=10.0", "/manual?cure=true", "/manual/home", "/manual/display_test?test=White", "/manual/hardware_command?command=G28", "/manual/hardware_command"):
             self.refused("POST", path, 403, "by hand only at the printer")
         self.assertEqual(self.daemon.status()["manual"], before)
         self.refused("GET", "/file?location=Local&file_path=part.stl", 501, "spool")

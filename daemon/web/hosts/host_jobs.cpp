@@ -128,15 +128,25 @@ HostStatus HostStatusReader::read(const Json& status) {
     if (!job_.empty() && json_text(last, "job") == job_) read.layers = layers_;
     if (read.layers > 0 && json_text(last, "outcome") == "done") read.layer = read.layers;
     cancelled_.clear();
+    printed_.reset();
     return read;
   }
-  if (std::exchange(job_, read.job->name) != job_) layers_ = 0;
+  if (std::exchange(job_, read.job->name) != job_) {
+    layers_ = 0;
+    printed_.reset();
+  }
   read.phase = job_ == cancelled_ ? HostPhase::Cancelling : phase_of(state, is_true(job, "pause_pending"));
   if (job.contains("layer")) {
     read.layer = count_of(job, "layer");
     read.layers = layers_ = read.job->layers;
     read.height_mm = number_of(job, "height_mm");
     read.time_left_s = number_of(job, "time_left_s");
+    printed_ = read;
+  } else if (printed_) {  // its files are being filed
+    read.job = printed_->job;
+    read.layer = printed_->layer;
+    read.layers = printed_->layers;
+    read.height_mm = printed_->height_mm;
   }
   return read;
 }

@@ -54,7 +54,8 @@ struct HostStatus {
   bool is_lit = false;
 };
 
-// Reads contourd's status, one after another. Remembers the print, because the status after it has no layers.
+// Reads contourd's status, one after another. Remembers the print, because the status at its end and after it
+// has no layers.
 class HostStatusReader {
  public:
   [[nodiscard]] HostStatus read(const ControlLink::Json& status);
@@ -64,6 +65,7 @@ class HostStatusReader {
  private:
   std::string job_, cancelled_;  // names; empty if there is none
   std::int64_t layers_ = 0;
+  std::optional<HostStatus> printed_;  // the last status of this print that had a layer
 };
 
 }  // namespace contourd::web

@@ -64,6 +64,10 @@ OdysseyHost::OdysseyHost(EventLoop& loop, HostPrinter& printer, HostAccess acces
               for_clients_only(std::move(access), [this](const RequestPtr& request) { serve(request); })) {}
 
 void OdysseyHost::serve(const RequestPtr& request) {
+  // Orion's emergency stop, which moves nothing and lights nothing.
+  if (request->method() == "POST" && request->path() == "/manual/hardware_command" &&
+      request->parameter("command") == "M112")
+    return printer_.stop_all(request, done_for(request));
   if (request->path().starts_with("/manual")) return refuse_host_request(*request, 403, kByHandSentence);
   if (request->method() == "GET") return serve_get(request);
   if (request->method() == "POST") return serve_post(request);

@@ -67,6 +67,9 @@ TEST_CASE("A print and one that was done have their layers, and one that was can
   const HostStatus during = reader.read(status_in("exposing", print_of("gear")));
   CHECK((during.layer == 3 && during.layers == 9 && during.is_lit && during.height_mm == 0.15));
   CHECK((during.job && during.job->print_time_s == 16 && during.time_left_s == 10.5));
+  const HostStatus filed = reader.read(status_in("finishing", {{"name", "gear"}}));
+  CHECK((filed.layer == 3 && filed.layers == 9 && filed.height_mm == 0.15));
+  CHECK((filed.job && filed.job->print_time_s == 16 && filed.job->layers == 9));
   Json ended = status_in("idle");
   ended["last"] = {{"job", "gear"}, {"outcome", "done"}, {"reason", ""}};
   CHECK(reader.read(ended).layer == 9);
