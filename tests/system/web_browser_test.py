@@ -104,6 +104,7 @@ class PageInABrowser(WebTest):
         self.browser.value("document.activeElement.click()")
         self.assertEqual(self.daemon.status()["state"], "exposing")
         self.browser.value("document.getElementById('cancel').click()")
+        self.wait("document.getElementById('confirm').open")
         self.browser.value("document.getElementById('yes').click()")
         self.daemon.wait_ended("part")
         self.wait("document.querySelectorAll('#history li').length == 1")
@@ -345,7 +346,9 @@ class PageInABrowser(WebTest):
                 saved = json.loads(self.browser.value("window.saved"))
                 self.assertEqual(saved["status"]["state"], "exposing")
                 self.assertEqual([each for each in saved if "refused" in saved[each]], ["inputs"])  # which are not read in a print
-                self.browser.value("document.getElementById('home').click(); document.getElementById('yes').click()")
+                self.browser.value("document.getElementById('home').click()")
+                self.wait("document.getElementById('confirm').open")
+                self.browser.value("document.getElementById('yes').click()")
                 self.wait("document.getElementById('service-error').textContent")
             self.look(f"role-{role}", width, scheme)
             self.browser.value("document.getElementById('logout').click()")

@@ -82,14 +82,17 @@ export function facts(pairs) {
   return list;
 }
 
-// Asks a question; resolves to true if the answer is yes.
+let answered = Promise.resolve();
+// Asks a question, once the one before is answered: its "close" event comes later than its answer. Resolves to true if
+// the answer is yes.
 export function confirmed(question) {
-  $("question").textContent = question;
-  $("confirm").returnValue = "no";
-  $("confirm").showModal();
-  return new Promise((resolve) => {
+  answered = answered.then(() => new Promise((resolve) => {
+    $("question").textContent = question;
+    $("confirm").returnValue = "no";
+    $("confirm").showModal();
     $("confirm").addEventListener("close", () => resolve($("confirm").returnValue === "yes"), {once: true});
-  });
+  }));
+  return answered;
 }
 
 let fields = 0;
