@@ -89,8 +89,14 @@ void drop_void_facets(Model& model) {
 }  // namespace
 
 void drop_stray_facets(Model& model) {
-  drop_facets_without_area(model);
-  drop_void_facets(model);
+  // What is dropped makes the model's box smaller, so that other facets may reach out of it.
+  constexpr int kRounds = 8;
+  for (int round = 0; round < kRounds; ++round) {
+    const std::size_t before = model.facets.size();
+    drop_facets_without_area(model);
+    drop_void_facets(model);
+    if (model.facets.size() == before) return;
+  }
 }
 
 }  // namespace contourd
