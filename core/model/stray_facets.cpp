@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/geometry/boxes.hpp"
 #include "core/model/void_facets.hpp"
 
 namespace contourd {
@@ -47,56 +48,65 @@ std::string text_of(float coordinate) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), coordinate).ptr};
 }
 
-std::string warning_about(std::size_t facets, std::string_view that, const Vertex& place) {
-  const std::string at = text_of(place.x) + ", " + text_of(place.y) + ", " + text_of(place.z) + " mm";
-  return facets == 1 ? "one facet " + std::string(that) +
-                           " lies outside the rest of the model and is left out: it is at " + at
-                     : std::to_string(facets) + " facets " + std::string(that) +
-                           " lie outside the rest of the model and are left out: the first is at " + at;
+// The facets of one kind that were dropped.
+struct Dropped {
+  std::string_view kind;  // "without area"
+  std::size_t facets = 0;
+  Vertex first{};  // place of the first one
+
+  void add(std::size_t more, const Vertex& place) {
+    if (facets == 0) first = place;
+    facets += more;
+  }
+};
+
+std::string warning_about(const Dropped& dropped) {
+  const std::string at =
+      text_of(dropped.first.x) + ", " + text_of(dropped.first.y) + ", " + text_of(dropped.first.z) + " mm";
+  const std::string kind(dropped.kind);
+  return dropped.facets == 1
+             ? "one facet " + kind + " lies outside the rest of the model and is left out: it is at " + at
+             : std::to_string(dropped.facets) + " facets " + kind +
+                   " lie outside the rest of the model and are left out: the first is at " + at;
 }
 
-void drop_facets_without_area(Model& model) {
-  const AreaBounds bounds = bounds_of_areas(model.facets);
+void drop_facets_without_area(std::vector<Facet>& facets, Dropped& dropped) {
+  const AreaBounds bounds = bounds_of_areas(facets);
   if (bounds.box.empty() || !bounds.may_leave_facets) return;
   const auto is_stray = [&bounds](const Facet& facet) { return !contains(bounds.box, box_around(facet)); };
-  const auto first = std::ranges::find_if(model.facets, is_stray);
-  if (first == model.facets.end()) return;
+  const auto first = std::ranges::find_if(facets, is_stray);
+  if (first == facets.end()) return;
   const Vertex place = first->vertices[0];
-  const std::size_t dropped = std::erase_if(model.facets, is_stray);
-  model.warnings.push_back(warning_about(dropped, "without area", place));
+  dropped.add(std::erase_if(facets, is_stray), place);
 }
 
-// Drops facets until none that encloses nothing reaches out of the others: facets that cancel each other may
-// show only after slivers further out are gone.
-void drop_void_facets(Model& model) {
-  constexpr int kPasses = 3;
-  std::size_t dropped = 0;
-  Vertex place{};
-  for (int pass = 0; pass < kPasses; ++pass) {
-    const std::optional<std::vector<bool>> is_void = void_facets(model.facets);
-    if (!is_void) break;
-    const auto first = std::find(is_void->begin(), is_void->end(), true) - is_void->begin();
-    if (dropped == 0) place = model.facets[static_cast<std::size_t>(first)].vertices[0];
-    std::size_t left = 0;
-    for (std::size_t f = 0; f < model.facets.size(); ++f)
-      if (!(*is_void)[f]) model.facets[left++] = model.facets[f];
-    dropped += model.facets.size() - left;
-    model.facets.resize(left);
-  }
-  if (dropped > 0) model.warnings.push_back(warning_about(dropped, "enclosing nothing", place));
+void drop_void_facets(std::vector<Facet>& facets, Dropped& dropped) {
+  const std::optional<std::vector<bool>> is_void = void_facets(facets);
+  if (!is_void) return;
+  const auto first =
+      static_cast<std::size_t>(std::find(is_void->begin(), is_void->end(), true) - is_void->begin());
+  const Vertex place = facets[first].vertices[0];
+  std::size_t left = first;
+  for (std::size_t f = first; f < facets.size(); ++f)
+    if (!(*is_void)[f]) facets[left++] = facets[f];
+  dropped.add(facets.size() - left, place);
+  facets.resize(left);
 }
 
 }  // namespace
 
 void drop_stray_facets(Model& model) {
-  // What is dropped makes the model's box smaller, so that other facets may reach out of it.
+  // Each round makes the model's box smaller, so that other facets may reach out of it.
   constexpr int kRounds = 8;
+  Dropped without_area{"without area"}, enclosing_nothing{"enclosing nothing"};
   for (int round = 0; round < kRounds; ++round) {
     const std::size_t before = model.facets.size();
-    drop_facets_without_area(model);
-    drop_void_facets(model);
-    if (model.facets.size() == before) return;
+    drop_facets_without_area(model.facets, without_area);
+    drop_void_facets(model.facets, enclosing_nothing);
+    if (model.facets.size() == before) break;
   }
+  for (const Dropped& dropped : {without_area, enclosing_nothing})
+    if (dropped.facets > 0) model.warnings.push_back(warning_about(dropped));
 }
 
 }  // namespace contourd

@@ -10,25 +10,13 @@
 
 namespace contourd {
 
-[[nodiscard]] inline Bounds box_around(const Facet& facet) {
-  return bounds_of(std::span(&facet, 1));
-}
-
-[[nodiscard]] inline bool contains(const Bounds& outer, const Bounds& inner) {
-  return outer.min_x <= inner.min_x && outer.min_y <= inner.min_y && outer.min_z <= inner.min_z &&
-         outer.max_x >= inner.max_x && outer.max_y >= inner.max_y && outer.max_z >= inner.max_z;
-}
-
-// Extends the first box so that it contains the other one.
-void extend(Bounds& bounds, const Bounds& by);
-
 // Returns by facet whether it belongs to a group of facets that is joined to no other facet, encloses nothing
 // and reaches out of the box around all other facets; nullopt if there is no such facet. Facets are joined if
 // their vertices are at most some 0.02 mm apart. A group encloses nothing if its facets, apart from those
 // that cancel each other, are thinner than 0.02 mm even side by side, and than 1/500 of the model, because a
-// file's unit may be a metre. Sound models take a few nanoseconds a facet. Others take half a microsecond and
-// 100 bytes for each facet that may be joined to one that is in doubt. REQUIRES: finite coordinates, fewer
-// than 2^30 facets.
+// file's unit may be a metre. Sound models take some 20 nanoseconds a facet and at most 2 MB. Others take
+// half a microsecond and 100 bytes for each facet that may be joined to one that is in doubt. REQUIRES:
+// finite coordinates, fewer than 2^30 facets.
 [[nodiscard]] std::optional<std::vector<bool>> void_facets(std::span<const Facet> facets);
 
 }  // namespace contourd
