@@ -219,7 +219,7 @@ void CurrentJob::wait_again(const std::string& reason) {
   history_.forget();
   InterruptedPrint print = job_->claimed.resumed->print;
   print.trouble = reason;
-  // A reading whose end would be told to this job may still run.
+  // The caller still uses the job.
   spool_.run([] { return true; },
              [this, print = std::move(print)](bool) {
                job_.reset();
@@ -326,13 +326,16 @@ void CurrentJob::plate_saved(const std::string& trouble) {
          "cannot record that the plate is not clear from now on: " + printable(trouble));
 }
 
-// Returns why the prepared job is not the one whose print a power cut ended; empty if it is, or if the print
-// begins.
+// Returns why the prepared job is not the one whose print a power cut ended; empty if it is, or if no power
+// cut ended a print of it.
 std::string CurrentJob::why_not_continued() const {
   if (!job_->claimed.resumed) return "";
   const std::int32_t layers = job_->claimed.resumed->print.progress.layers;
   const std::size_t now = job_->prepared->plan.expected_layers.size();
-  if (now == static_cast<std::size_t>(layers)) return "";
+  const bool is_as_high =
+      job_->prepared->plan.layers.thickness_at(job_->claimed.resumed->point.bottom).has_value();
+  if (now == static_cast<std::size_t>(layers) && is_as_high) return "";
+  if (!is_as_high) return "its model has no layer above the last one";
   return fmt::format("the job has {} layers now, and had {} when its print began: restore the printer's file",
                      now, layers);
 }

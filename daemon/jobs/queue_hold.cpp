@@ -119,9 +119,8 @@ void QueueHold::adopt(const JobFiles& files, bool ended_in_reading) {
                      fmt::format("{}: {} (power cut, crash or kill){}", printable(files.name), how, where),
                      job_fields(files.name));
   if (interrupted) plate_occupant_ = files.name;
-  // The reason of a start without the job's files is outdated.
-  const bool was_without = reason_ && reason_->starts_with(files.name + std::string(kWasInterrupted));
-  if ((reason_ && !was_without) || end.outcome != name_of(PrintOutcome::Failed)) return;
+  // The part of an interrupted print on the plate matters more than what held the queue before.
+  if ((reason_ && !interrupted) || end.outcome != name_of(PrintOutcome::Failed)) return;
   reason_ = files.name + (interrupted ? std::string(kWasInterrupted) + std::string(kWhyInterrupted) + where
                                       : " failed: " + end.reason);
 }

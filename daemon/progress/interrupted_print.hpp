@@ -16,7 +16,7 @@ struct InterruptedPrint {
   JobProgress progress;
   bool is_latest = true;       // false if the latest copy of the record is damaged
   bool ended_reading = false;  // a process ended while it read the job to continue its print
-  std::string trouble{};       // why the print did not go on when it was to; empty if nobody tried
+  std::string trouble{};       // why the print could not go on when a user resumed it; else empty
 };
 
 // Returns where the print was: "in layer 12 of 200, before or during its light (0.600 mm above the film)".

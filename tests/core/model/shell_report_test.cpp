@@ -91,7 +91,7 @@ TEST_CASE("A thin pin or a ball that sticks out of a solid, but for its end, is 
         ShellReport{});
 }
 
-TEST_CASE("Cavities that reach into each other are told, however little, but not those that touch") {
+TEST_CASE("Cavities that reach into each other are reported, however little, but not those that touch") {
   const models::Facets first = inverted(models::box({2, 2, 2}, {5, 5, 5}));
   for (const float low : {3.0F, 4.0F, 4.8F}) {
     CAPTURE(low);

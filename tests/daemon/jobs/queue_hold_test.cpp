@@ -151,6 +151,31 @@ TEST_CASE("A print that is cut while it is read to go on is no model that ended 
         "part was interrupted: the power was cut, or contourd was killed or crashed");
 }
 
+TEST_CASE(
+    "An interrupted print holds the queue whatever held it before, and only a clear plate releases it") {
+  QueueHoldFixture fixture;
+  fixture.config.wait_for_plate_cleared = false;
+  fixture.hold->hold("the lid is broken");
+  CHECK_FALSE(fixture.hold->part_may_hang());
+  REQUIRE(fixture.run(
+      {[&] {
+         fixture.put(Spool::Folder::Printing, "part.stl");
+         fixture.restart();
+         fixture.adopt_left_jobs();
+         CHECK(fixture.hold->reason()->starts_with("part was interrupted: "));
+         CHECK(fixture.hold->part_may_hang());
+         CHECK(
+             testing::lacking(fixture.hold->sentence(), {"may hang on the plate", "plate-cleared"}).empty());
+       },
+       [&] {
+         fixture.restart();
+         CHECK(fixture.hold->part_may_hang());
+         // This setting keeps the next job from the part in any case.
+         fixture.config.wait_for_plate_cleared = true;
+         CHECK_FALSE(fixture.hold->part_may_hang());
+       }}));
+}
+
 TEST_CASE("A print that ended but was not filed is filed by its end, and holds the queue if it failed") {
   QueueHoldFixture fixture;
   fixture.put(Spool::Folder::Printing, "part.stl");
