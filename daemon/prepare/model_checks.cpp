@@ -57,9 +57,8 @@ std::string size_text(const SizeMm& size) {
 // Returns the hint for a model whose file has this unit, and is likely in the other one.
 std::string wrong_in_file(LengthUnit named, LengthUnit likely, const SizeMm& size, double factor) {
   return fmt::format(
-      "the model measures {} in the unit that its file names, {}: in {}, it would measure {}; if that is "
-      "right, "
-      "set \"scale\": {:.6g} in its ticket (contourctl submit --scale {:.6g})",
+      "the model measures {} in the unit that its file names, {}: in {}, it would measure {}; if "
+      "that is right, set \"scale\": {:.6g} in its ticket (contourctl submit --scale {:.6g})",
       size_text(size), plural_of(named), plural_of(likely), size_text(times(size, factor)), factor, factor);
 }
 
@@ -137,9 +136,8 @@ bool applies_unit(std::string_view format) {
 std::string unit_conflict(const ModelUnit& unit) {
   if (!unit.is_applied || !unit.asked || !unit.named || *unit.asked == *unit.named) return "";
   return fmt::format(
-      "the unit that was asked for, {}, is ignored, because the file names its own, {}: to enlarge the "
-      "model, "
-      "set \"scale\" in its ticket",
+      "the unit that was asked for, {}, is ignored, because the file names its own, {}: to enlarge "
+      "the model, set \"scale\" in its ticket",
       plural_of(*unit.asked), plural_of(*unit.named));
 }
 

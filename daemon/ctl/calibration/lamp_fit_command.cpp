@@ -170,10 +170,9 @@ class LampCalibration {
     const double factor = lamp.darkest.light / (lamp.surface.at(middle).value * share_at(middle));
     result.values.push_back({kIrradianceKey, rounded(printer_.irradiance_mw_cm2 * factor)});
     result.notes.push_back(fmt::format(
-        "with the mask, a white pixel gives the light of the darkest place everywhere; in the middle, this "
-        "is "
-        "{:.3g} times the present light, so irradiance_mw_cm2 changes by this factor, and exposures by a "
-        "working curve become {:.3g} times as long",
+        "with the mask, a white pixel gives the light of the darkest place everywhere; in the middle, "
+        "this is {:.3g} times the present light, so irradiance_mw_cm2 changes by this factor, and "
+        "exposures by a working curve become {:.3g} times as long",
         factor, 1 / factor));
     const std::vector<std::string> fixed = fixed_exposures();
     if (!fixed.empty())
